@@ -1,0 +1,59 @@
+#pragma once
+// A whole experiment at one point of its scan, as plain values: what the file says, read and checked.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "beamline/law.hpp"
+#include "particle/source.hpp"
+#include "particle/species.hpp"
+#include "parts/part.hpp"
+
+namespace rabiline {
+
+/// The vacuum chamber: a round wall along the whole beam.
+struct Chamber {
+  double radius = 0;  // [m]
+  bool operator==(const Chamber&) const = default;
+};
+template <>
+inline constexpr auto parameters<Chamber> = std::tuple{
+    param("radius", &Chamber::radius, Dimension::length, range::positive, "radius of the wall around the axis"),
+};
+
+struct Beamline {
+  std::string title;
+  std::vector<Component> species;  // fractions add up to 1
+  Law law;
+  Source source;
+  std::optional<Chamber> chamber;   // no wall where it is missing
+  std::vector<PlacedPart> parts;    // in order of `at`
+  std::uint64_t particles = 0;      // per scan point
+  std::uint64_t seed = 0;
+};
+
+/// Whether scan points fly the same particles (smooth curves, correlated points) or each its own.
+enum class ScanParticles { shared, independent };
+template <>
+inline constexpr auto choices<ScanParticles> = std::array{
+    Choice<ScanParticles>{"shared", ScanParticles::shared, "every scan point flies the same particles: smooth curves"},
+    Choice<ScanParticles>{"independent", ScanParticles::independent, "every scan point draws its own particles"},
+};
+
+/// One scanned parameter and its values, for axes of results.
+struct ScanAxis {
+  std::string parameter;                            // dotted name, e.g. "H0.frequency"
+  std::optional<Dimension> dimension;               // none for a categorical axis such as "law"
+  std::vector<double> values;                       // [SI]; the index 0, 1, ... for a categorical axis
+  std::vector<std::string> labels;                  // of a categorical axis, else empty
+};
+
+/// The experiment over its scan: points[i0 * n1 + i1] for axes 0 and 1; a single point where nothing is scanned.
+struct Experiment {
+  std::vector<ScanAxis> axes;     // none, one or two
+  ScanParticles particles = ScanParticles::shared;
+  std::vector<Beamline> points;
+};
+
+}  // namespace rabiline

@@ -1,0 +1,55 @@
+#pragma once
+// The law of motion: always an explicit choice, recorded in every result.
+#include <array>
+#include <string_view>
+#include <tuple>
+#include <variant>
+
+#include "parameter/parameter.hpp"
+
+namespace rabiline {
+
+struct QuantumLaw {
+  static constexpr std::string_view kind = "quantum",
+                                    meaning = "standard physics: levels, coherent while fields drive them";
+  bool operator==(const QuantumLaw&) const = default;
+};
+
+struct ClassicalLaw {
+  static constexpr std::string_view kind = "classical", meaning = "standard physics, large-spin limit: a Bloch vector";
+  bool operator==(const ClassicalLaw&) const = default;
+};
+
+/// How the hypothesis closes: which angular velocity W turns the velocity, dv/dt = kappa W x v.
+enum class Closure {
+  torque,  // W = S x (dS/dt) / |S|^2: the turning that the torque itself asks for (eqs. 8-10, 29, 33, 57, 64)
+  larmor   // W = -gamma B: the whole Larmor rotation (eqs. 34-41)
+};
+template <>
+inline constexpr auto choices<Closure> = std::array{
+    Choice<Closure>{"torque", Closure::torque, "W = S x (dS/dt)/|S|^2: no torque, straight flight"},
+    Choice<Closure>{"larmor", Closure::larmor, "W = -gamma B: the whole Larmor rotation"},
+};
+
+/// The hypothesis that the velocity turns jointly with the spin; it replaces the Lorentz force.
+struct DoradoLaw {
+  static constexpr std::string_view kind = "dorado", meaning = "a hypothesis: the velocity turns jointly with the spin";
+  Closure closure = Closure::torque;
+  double kappa = 1;  // strength; 0 is straight flight, 1 is the paper
+  bool operator==(const DoradoLaw&) const = default;
+};
+template <>
+inline constexpr auto parameters<DoradoLaw> = std::tuple{
+    param("closure", &DoradoLaw::closure, "which angular velocity turns the velocity", Closure::torque),
+    param("kappa", &DoradoLaw::kappa, Dimension::number, range::any,
+          "strength of the hypothesis: 0 is straight flight, 1 is the paper", 1.0),
+};
+
+using Law = std::variant<QuantumLaw, ClassicalLaw, DoradoLaw>;
+template <>
+inline constexpr std::string_view tag_key<Law> = "name";
+
+/// "quantum", or "dorado (torque, kappa = 1)".
+std::string describe(const Law&);
+
+}  // namespace rabiline

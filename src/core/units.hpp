@@ -1,0 +1,53 @@
+#pragma once
+// Quantities are written with their unit ("0.3 uT"); inside the program everything is SI and radians.
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rabiline {
+
+/// What kind of quantity a number is. Each dimension has one SI unit that the program computes in.
+enum class Dimension {
+  number,         // a pure number
+  length,         // m
+  time,           // s
+  speed,          // m/s
+  mass,           // kg
+  charge,         // C
+  magnetic_field, // T
+  frequency,      // Hz: turns per second, never radians
+  angle,          // rad
+  gyromagnetic    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
+};
+
+/// "a length such as 0.2 mm": how messages name a dimension and show one way to write it.
+std::string_view name_of(Dimension);
+std::string_view example_of(Dimension);
+/// The SI unit in which results are written, e.g. "m".
+std::string_view si_unit_of(Dimension);
+
+/// A known unit: its symbol and its factor to SI.
+struct UnitSymbol {
+  std::string_view symbol;
+  Dimension dimension;
+  double factor;  // [SI per unit]
+};
+/// The whole table, prefixes written out; the README's list and the messages come from it.
+const std::vector<UnitSymbol>& unit_table();
+
+/// Result of reading "12.5 mT": the value in SI and its dimension, or why it is none.
+struct ParsedQuantity {
+  double value = 0;  // [SI]
+  Dimension dimension = Dimension::number;
+  std::string error;       // empty when the text was understood
+  std::string suggestion;  // e.g. the closest unit; may be empty
+};
+ParsedQuantity parse_quantity(std::string_view text);
+
+/// Writes a value so that parse_quantity gives back the same bits: "0.29165e6 Hz".
+std::string write_quantity(double si_value, Dimension);
+/// Writes a value for people: four digits and a fitting prefix, "291.6 kHz".
+std::string pretty_quantity(double si_value, Dimension);
+
+}  // namespace rabiline
