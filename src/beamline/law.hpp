@@ -1,6 +1,7 @@
 #pragma once
 // The law of motion: always an explicit choice, recorded in every result.
 #include <array>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <variant>

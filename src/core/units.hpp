@@ -21,7 +21,7 @@ enum class Dimension {
   gyromagnetic    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
 };
 
-/// "a length such as 0.2 mm": how messages name a dimension and show one way to write it.
+/// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);
 std::string_view example_of(Dimension);
 /// The SI unit in which results are written, e.g. "m".
@@ -43,7 +43,9 @@ struct ParsedQuantity {
   std::string error;       // empty when the text was understood
   std::string suggestion;  // e.g. the closest unit; may be empty
 };
-ParsedQuantity parse_quantity(std::string_view text);
+/// Decimal prefixes are applied to the digits, so that "250 mm" and "0.25 m" are the same bits. `wanted` only
+/// chooses among suggestions.
+ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wanted = {});
 
 /// Writes a value so that parse_quantity gives back the same bits: "0.29165e6 Hz".
 std::string write_quantity(double si_value, Dimension);

@@ -5,12 +5,12 @@
 namespace rabiline {
 
 enum class Fate : int {
-  flying = 0,     // not decided yet
-  stopped,        // by a part, a bore or the chamber
-  detected,       // by a detector
-  passed,         // flew past the last part
-  left_backwards, // left a field against the beam
-  gave_up         // was still circling in a field when its flight was cut off
+  flying = 0,      // not decided yet
+  stopped,         // by a part, a bore or the chamber
+  detected,        // by a detector
+  passed,          // flew past the last part
+  left_backwards,  // left a field against the beam
+  gave_up          // was still circling in a field when its flight was cut off
 };
 
 }  // namespace rabiline

@@ -45,13 +45,16 @@ struct GaussianDirection {
 };
 template <>
 inline constexpr auto parameters<GaussianDirection> = std::tuple{
-    param("x", &GaussianDirection::x, Dimension::angle, range::not_negative, "standard deviation of the slope dx/dy"),
-    param("z", &GaussianDirection::z, Dimension::angle, range::not_negative, "standard deviation of the slope dz/dy"),
+    param("x", &GaussianDirection::x, Dimension::angle, range::not_negative,
+          "standard deviation of the slope dx/dy"),
+    param("z", &GaussianDirection::z, Dimension::angle, range::not_negative,
+          "standard deviation of the slope dz/dy"),
 };
 
 /// Uniform in solid angle inside a cone around +y.
 struct ConeDirection {
-  static constexpr std::string_view kind = "cone", meaning = "uniform in solid angle inside a cone around the beam";
+  static constexpr std::string_view kind = "cone",
+                                    meaning = "uniform in solid angle inside a cone around the beam";
   double half_angle = 0;  // [rad]
   bool operator==(const ConeDirection&) const = default;
 };
@@ -64,7 +67,8 @@ inline constexpr auto parameters<ConeDirection> = std::tuple{
 /// An isotropic source of which only the particles towards one opening are drawn. Each carries the weight
 /// cos^3(theta); the solid angle area/distance^2 of that opening stays a factor in the result.
 struct AimedDirection {
-  static constexpr std::string_view kind = "aimed", meaning = "isotropic, but only towards one opening downstream";
+  static constexpr std::string_view kind = "aimed",
+                                    meaning = "isotropic, but only towards one opening downstream";
   std::string target;  // name of a slit or detector
   bool operator==(const AimedDirection&) const = default;
 };

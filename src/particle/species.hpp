@@ -36,7 +36,8 @@ inline constexpr auto parameters<Species> = std::tuple{
     param("spin", &Species::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
     param("gyromagnetic_ratio", &Species::gyromagnetic_ratio, Dimension::gyromagnetic, range::any,
           "signed gamma in mu = gamma S: 16.5 MHz/T gives gamma/2pi, 1.04e8 rad/s/T gives gamma"),
-    param("source", &Species::source, "where these constants come from", std::string_view{"the beamline file"}),
+    param("source", &Species::source, "where these constants come from",
+          std::string_view{"the beamline file"}),
 };
 
 /// One part of a mixed beam.

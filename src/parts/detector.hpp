@@ -17,7 +17,8 @@ struct Bins {
 
 /// A rectangular screen that catches what hits it and histograms x and z; what misses it flies on.
 struct Detector {
-  static constexpr std::string_view kind = "detector", meaning = "a screen that catches particles and histograms x and z";
+  static constexpr std::string_view kind = "detector",
+                                    meaning = "a screen that catches particles and histograms x and z";
   double width = 0;   // [m] along x
   double height = 0;  // [m] along z
   Bins bins;

@@ -17,7 +17,8 @@ struct Placement {
 template <>
 inline constexpr auto parameters<Placement> = std::tuple{
     param("name", &Placement::name, "how --set, --scan and results call the part"),
-    param("at", &Placement::at, Dimension::length, range::not_negative, "where the part begins, from the source"),
+    param("at", &Placement::at, Dimension::length, range::not_negative,
+          "where the part begins, from the source"),
     param("label", &Placement::label, "how plots call the part; the name where it is missing"),
 };
 
@@ -28,7 +29,8 @@ struct Bore {
 };
 template <>
 inline constexpr auto parameters<Bore> = std::tuple{
-    param("radius", &Bore::radius, Dimension::length, range::positive, "radius of the free bore around the axis"),
+    param("radius", &Bore::radius, Dimension::length, range::positive,
+          "radius of the free bore around the axis"),
 };
 
 }  // namespace rabiline

@@ -10,7 +10,8 @@ class SectionBuilder;
 /// B' with probability (1 + alignment)/2, else the one with its moment against B': a mixture, never a cone.
 /// The field is along +z and acts on the flight like any uniform field.
 struct Polarizer {
-  static constexpr std::string_view kind = "polarizer", meaning = "aligns the moments with its field B', along +z";
+  static constexpr std::string_view kind = "polarizer",
+                                    meaning = "aligns the moments with its field B', along +z";
   double length = 0;     // [m]
   double field = 0;      // [T] along +z
   double alignment = 1;  // mean moment along B', in units of the full moment

@@ -7,26 +7,31 @@ namespace rabiline {
 
 class SectionBuilder;
 
-enum class Sense { co, counter };
+/// `co` and `counter` follow the sign of a species' gamma; `positive` and `negative` are the same for every
+/// species.
+enum class Sense { co, counter, positive, negative };
 template <>
 inline constexpr auto choices<Sense> = std::array{
     Choice<Sense>{"co", Sense::co, "turns with the Larmor precession of the species in a field along +z"},
     Choice<Sense>{"counter", Sense::counter, "turns against it"},
+    Choice<Sense>{"positive", Sense::positive, "turns right-handed about +z, from +x towards +y"},
+    Choice<Sense>{"negative", Sense::negative, "turns left-handed about +z, from +x towards -y"},
 };
 
-/// The phase of a turning field at the moment a particle is emitted: drawn uniformly for each particle (emission
-/// at any time of the period), zero for all (`locked`), or an angle from +x towards +y.
+/// The phase of a turning field at the moment a particle is emitted: drawn uniformly for each particle
+/// (emission at any time of the period), zero for all (`locked`), or an angle from +x towards +y.
 struct Phase {
   enum class Kind { random, locked, angle } kind = Kind::locked;
   double angle = 0;  // [rad]; 0 unless kind is angle
   bool operator==(const Phase&) const = default;
 };
 
-/// A field of constant size that turns in the xy plane, with hard edges. A zone may follow the clock of another
-/// one (`oscillator`): then it takes that one's frequency, sense and start phase, and its own `phase`, `locked`
-/// or an angle, is added: Ramsey's separated zones.
+/// A field of constant size that turns in the xy plane, with hard edges. A zone may follow the clock of
+/// another one (`oscillator`): then it takes that one's frequency, sense and start phase, and its own
+/// `phase`, `locked` or an angle, is added: Ramsey's separated zones.
 struct RotatingField {
-  static constexpr std::string_view kind = "rotating_field", meaning = "a field H0 of constant size turning in the xy plane";
+  static constexpr std::string_view kind = "rotating_field",
+                                    meaning = "a field H0 of constant size turning in the xy plane";
   double length = 0;                      // [m]
   double amplitude = 0;                   // [T] size of the turning field
   std::optional<double> frequency;        // [Hz] turns per second; from the oscillator where one is named

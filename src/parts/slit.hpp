@@ -7,7 +7,8 @@ class SectionBuilder;
 
 /// A plate of no thickness with one opening: what misses the opening stops there.
 struct Slit {
-  static constexpr std::string_view kind = "slit", meaning = "a thin plate with a rectangular or round opening";
+  static constexpr std::string_view kind = "slit",
+                                    meaning = "a thin plate with a rectangular or round opening";
   Opening opening;
   Offset offset;
   bool operator==(const Slit&) const = default;

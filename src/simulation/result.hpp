@@ -18,27 +18,28 @@ struct BinAxis {
 /// One detector's histograms over the scan.
 struct DetectorResult {
   std::string name, label;
-  double y = 0;                            // [m] where it stands
+  double y = 0;  // [m] where it stands
   BinAxis x, z;
-  std::vector<double> counts;              // [points][nx][nz], in particles
-  std::vector<double> counts_errors;       // same shape
+  std::vector<double> counts;                     // [points][nx][nz], in particles
+  std::vector<double> counts_errors;              // same shape
   std::vector<double> counts_x, counts_x_errors;  // [points][nx]
   std::vector<double> counts_z, counts_z_errors;  // [points][nz]
-  std::vector<double> detected;            // [points] fraction of emitted
-  std::vector<double> detected_errors;     // [points]
-  std::vector<double> detected_covariance; // [points][points]; empty where there is one point only
-  /// Spin of what was detected: the fraction of the detected weight in each level. For `quantum` the levels are
-  /// m = I ... -I of the spin along +z; for the vector laws two rows, (1 + S_z)/2 and (1 - S_z)/2.
+  std::vector<double> detected;                   // [points] fraction of emitted
+  std::vector<double> detected_errors;            // [points]
+  std::vector<double> detected_covariance;        // [points][points]; empty where there is one point only
+  /// Spin of what was detected: the fraction of the detected weight in each level. For `quantum` the levels
+  /// are m = I ... -I of the spin along +z; for the vector laws two rows, (1 + S_z)/2 and (1 - S_z)/2.
   std::vector<std::string> level_labels;
   std::vector<double> levels, levels_errors;  // [points][levels]; NaN where nothing was detected
 };
 
 /// One line of the ledger, over the scan.
 struct FateResult {
-  std::string fate;                    // "detected", "stopped", "passed", "left_backwards", "gave_up"
-  std::string where;                   // the part's name, "chamber", or "" where it does not apply
-  std::vector<std::uint64_t> quanta_high, quanta_low;  // [points] exact sum in quanta of 2^-40 particle: high * 2^64 + low
-  std::vector<double> particles;       // [points] the same in particles
+  std::string fate;   // "detected", "stopped", "passed", "left_backwards", "gave_up"
+  std::string where;  // the part's name, "chamber", or "" where it does not apply
+  std::vector<std::uint64_t> quanta_high,
+      quanta_low;                 // [points] exact sum in quanta of 2^-40 particle: high * 2^64 + low
+  std::vector<double> particles;  // [points] the same in particles
 };
 
 /// The text of an input file, for provenance.
@@ -58,14 +59,14 @@ struct Provenance {
 
 struct Result {
   std::string title;
-  std::vector<ScanAxis> axes;             // none, one or two
+  std::vector<ScanAxis> axes;  // none, one or two
   ScanParticles particles_mode = ScanParticles::shared;
-  std::vector<std::string> laws;          // [points] "dorado (torque, kappa = 1)"
-  std::vector<std::string> species;       // [points] "neutron", or "0.5 Li-7 + 0.5 H"
-  std::uint64_t particles = 0;            // per point
+  std::vector<std::string> laws;     // [points] "dorado (torque, kappa = 1)"
+  std::vector<std::string> species;  // [points] "neutron", or "0.5 Li-7 + 0.5 H"
+  std::uint64_t particles = 0;       // per point
   std::uint64_t seed = 0;
-  double solid_angle = 0;                 // [sr] of an aimed source; 0 where the source is not aimed
-  std::vector<double> emitted;            // [points] in particles
+  double solid_angle = 0;       // [sr] of an aimed source; 0 where the source is not aimed
+  std::vector<double> emitted;  // [points] in particles
   std::vector<std::uint64_t> emitted_quanta_high, emitted_quanta_low;  // [points]
   std::vector<DetectorResult> detectors;
   std::vector<FateResult> fates;
@@ -76,10 +77,10 @@ struct Result {
 struct Track {
   std::uint64_t particle = 0;
   std::string species, fate, where;
-  std::vector<double> t;                // [s]
-  std::vector<double> x, y, z;          // [m]
-  std::vector<double> vx, vy, vz;       // [m/s]
-  std::vector<double> sx, sy, sz;       // spin direction, |S| = 1; NaN for `quantum`
+  std::vector<double> t;           // [s]
+  std::vector<double> x, y, z;     // [m]
+  std::vector<double> vx, vy, vz;  // [m/s]
+  std::vector<double> sx, sy, sz;  // spin direction, |S| = 1; NaN for `quantum`
 };
 
 }  // namespace rabiline

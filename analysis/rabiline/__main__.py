@@ -1,0 +1,176 @@
+"""The command line: `python3 -m rabiline plot-scan | plot-image | plot-tracks | summary`.
+
+Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
+"""
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import NoReturn, Sequence
+
+from matplotlib.figure import Figure
+
+from . import image_plots, results, scan_plots, style, track_plots, tracks
+from .curves import Curve, NoResonance, curves
+from .hdf5 import FileError
+from .report import summary
+from .units import law_name, parse_quantity
+
+
+class InputError(Exception):
+    """Something wrong with what was asked for."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"rabiline: {message} (see --help)\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        options.command(options)
+    except (FileError, InputError, NoResonance) as problem:
+        print(f"rabiline: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"rabiline: {problem}", file=sys.stderr)
+        return 3
+    return 0
+
+
+def plot_scan(options: argparse.Namespace) -> None:
+    """Curves of one or several files in one picture."""
+    files = [results.read(path) for path in options.files]
+    found = [(file, curve) for file in files for curve in _curves(file, options.detector)]
+    first = found[0][1].axis
+    for file, curve in found:
+        if (curve.axis.parameter, curve.axis.labels) != (first.parameter, first.labels):
+            raise InputError(f"{file.path}: its scan runs over {curve.axis.parameter}, the first one over "
+                             f"{first.parameter}")
+    labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
+    title = options.title or files[0].title
+    marks = dict(_mark(text) for text in options.mark)
+    _save(scan_plots.draw_scan([curve for _, curve in found], labels, title, marks), options.output)
+
+
+def plot_image(options: argparse.Namespace) -> None:
+    """A detector's images off and on resonance."""
+    file = results.read(options.file)
+    name = _detector(file, options.detector)
+    if options.points:
+        shots = [image_plots.shot_of(file, point) for point in _points(options.points, len(file.laws))]
+    elif file.scan.axes:
+        shots = image_plots.off_and_on(file, curves(file, name))
+    else:
+        shots = [image_plots.shot_of(file, 0)]
+    _save(image_plots.draw_images(file, file.detectors[name], shots), options.output)
+
+
+def plot_tracks(options: argparse.Namespace) -> None:
+    """Paths of single particles."""
+    files = [tracks.read(path) for path in options.files]
+    labels = _distinct([law_name(file.law) for file in files], [file.path.stem for file in files])
+    regions = [_region(text) for text in options.region]
+    title = options.title or files[0].title
+    _save(track_plots.draw_tracks(files, labels, title, regions), options.output)
+
+
+def print_summary(options: argparse.Namespace) -> None:
+    """What a file holds, in words."""
+    print(summary(results.read(options.file)))
+
+
+def _parser() -> Parser:
+    parser = Parser(prog="rabiline", description="Pictures and figures from rabiline's HDF5 files.")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    def command(name: str, function: object, many: bool, draws: bool = True) -> Parser:
+        made = commands.add_parser(name, help=function.__doc__, description=function.__doc__)
+        made.set_defaults(command=function)
+        made.add_argument("files" if many else "file", metavar="FILE", type=Path, nargs="+" if many else None)
+        if draws:
+            made.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
+        return made
+
+    scan = command("plot-scan", plot_scan, many=True)
+    scan.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
+                      help='points out a value: "Larmor frequency=291.647 kHz"')
+    image = command("plot-image", plot_image, many=False)
+    image.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
+                                                        "and the middle of its deepest dip or peak")
+    flights = command("plot-tracks", plot_tracks, many=True)
+    flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
+                         help='shades a field: "B=0.30:0.55" (m)')
+    for plot in (scan, image):
+        plot.add_argument("--detector", metavar="NAME", help="the first one by default")
+    for plot in (scan, flights):
+        plot.add_argument("--title", help="instead of the file's own")
+    command("summary", print_summary, many=False, draws=False)
+    return parser
+
+
+def _detector(file: results.Results, name: str | None) -> str:
+    if name is not None and name not in file.detectors:
+        raise InputError(f"{file.path}: no detector `{name}` (there is {', '.join(file.detectors)})")
+    return name or file.scan.detectors[0]
+
+
+def _curves(file: results.Results, detector: str | None) -> list[Curve]:
+    try:
+        return curves(file, _detector(file, detector))
+    except NoResonance as problem:
+        raise FileError(file.path, str(problem)) from None
+
+
+def _distinct(labels: list[str], stems: list[str]) -> list[str]:
+    """Labels, with the file's name where there is none or it would come twice."""
+    return [label if label and labels.count(label) == 1 else f"{label} [{stem}]" if label else stem
+            for label, stem in zip(labels, stems)]
+
+
+def _mark(text: str) -> tuple[str, float]:
+    label, equals, value = text.rpartition("=")
+    try:
+        if not (equals and label):
+            raise ValueError("no label")
+        return label, parse_quantity(value)
+    except ValueError:
+        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"') from None
+
+
+def _points(text: str, points: int) -> list[int]:
+    try:
+        numbers = [int(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--points {text} is not a list of numbers, such as 0,50") from None
+    if not all(0 <= number < points for number in numbers):
+        raise InputError(f"--points {text}: the scan points are 0 to {points - 1}")
+    return numbers
+
+
+def _region(text: str) -> track_plots.Region:
+    name, _, stretch = text.rpartition("=")
+    begin, _, end = stretch.partition(":")
+    try:
+        region = track_plots.Region(name, float(begin), float(end))
+        if not (name and region.begin < region.end):
+            raise ValueError("empty")
+        return region
+    except ValueError:
+        raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
+
+
+def _save(figure: Figure, path: Path) -> None:
+    try:
+        style.save(figure, path)
+    except ValueError as problem:  # an ending that matplotlib does not know
+        raise InputError(f"{path}: {problem}") from None
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,145 @@
+"""The images of detectors as pictures, with their projections."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+
+from .curves import Curve, NoResonance, half_maximum
+from .results import Detector, Results
+from .style import GREY, LAWS, PALE
+from .units import format_value, law_name
+
+MILLI = 1e3
+LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.12, 0.75  # inches: an image's longer side, and what surrounds it
+BEAM = LAWS["quantum"][0]
+# one hue from paper white to ink: read the same by every eye, and an empty bin is white
+COUNTS: Colormap = LinearSegmentedColormap.from_list(
+    "counts", ["#ffffff", "#c6dff0", "#6aaed6", "#2272b4", "#0b3c73", "#041c3a"])
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One scan point to show."""
+
+    point: int  # flat
+    heading: str
+
+
+def shot_of(results: Results, point: int) -> Shot:
+    """A scan point, headed by the values that are scanned."""
+    indices = np.unravel_index(point, results.scan.shape)
+    values = (f"{axis.parameter} = {axis.labels[i] if axis.labels else format_value(axis.values[i], axis.units)}"
+              for axis, i in zip(results.scan.axes, indices) if axis.parameter not in ("law", "species"))
+    return Shot(point, ", ".join(values) or f"point {point}")
+
+
+def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
+    """The scan's edge and the middle of its deepest dip or peak; the middle of the scan where there is none."""
+    found = {}
+    for curve in curves:
+        try:
+            found[half_maximum(curve).depth.value] = curve
+        except NoResonance:
+            continue
+    if found:
+        curve = found[max(found)]
+        on = int(np.argmin(np.abs(curve.x - half_maximum(curve).centre.value)))
+        words = ("off resonance: ", "on resonance: ")
+    else:
+        curve, words = curves[0], ("", "")
+        on = curve.x.size // 2
+    shots = [shot_of(results, int(curve.points[i])) for i in (0, on)]
+    return [Shot(shot.point, word + shot.heading) for word, shot in zip(words, shots)]
+
+
+def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figure:
+    """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
+    (right)."""
+    size = _image_size(detector)
+    figure, rows = _lay_out(size, len(shots))
+    norm = Normalize(0, max(detector.counts[[shot.point for shot in shots]].max(), 1))
+    for shot, (image, above, beside) in zip(shots, rows):
+        point = shot.point
+        mesh = image.pcolormesh(detector.x_edges * MILLI, detector.z_edges * MILLI, detector.counts[point].T,
+                                cmap=COUNTS, norm=norm, rasterized=True)
+        if not detector.counts[point].any():
+            image.text(0.5, 0.5, "nothing detected", transform=image.transAxes, ha="center", color=GREY)
+        image.set_xlabel("x (mm)")
+        image.spines[["top", "right"]].set_visible(True)
+        _draw_heading(above, results, detector, shot)
+        _draw_projection(above, detector.x_edges, detector.counts_x[point], detector.errors_x[point])
+        _draw_projection(beside, detector.z_edges, detector.counts_z[point], detector.errors_z[point], along_z=True)
+    for i, limits in ((1, Axes.set_ylim), (2, Axes.set_xlim)):
+        limits(rows[0][i], 0, max(row[i].dataLim.get_points()[1, i % 2] for row in rows) * 1.05 or 1)
+    rows[0][0].set_ylabel("z (mm)")
+    colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
+    figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
+    figure.suptitle(f"{results.title}: {detector.name}" if results.title else detector.name, fontsize=11.5,
+                    y=1 - 0.12 / figure.get_figheight(), va="top")
+    return figure
+
+
+def _image_size(detector: Detector) -> tuple[float, float]:
+    """[inches] Width and height of an image in true proportion, as far as a page allows that."""
+    ratio = np.ptp(detector.z_edges) / np.ptp(detector.x_edges)
+    ratio = min(max(ratio, 1 / 3), 3)
+    return LARGEST / max(ratio, 1), LARGEST * min(ratio, 1)
+
+
+def _width(size: tuple[float, float], shots: int) -> float:
+    return MARGIN + shots * (size[0] + PROJECTION + 2 * GAP + MARGIN) - MARGIN + 0.15
+
+
+def _inches(figure: Figure, left: float, bottom: float, width: float, height: float) -> tuple[float, ...]:
+    """A rectangle in fractions of the figure."""
+    across, up = figure.get_size_inches()
+    return left / across, bottom / up, width / across, height / up
+
+
+def _lay_out(size: tuple[float, float], shots: int) -> tuple[Figure, list[tuple[Axes, Axes, Axes]]]:
+    """The figure, and for each shot the axes of its image and of the projections above and beside it."""
+    figure = plt.figure(figsize=(_width(size, shots), 1.2 + size[1] + GAP + PROJECTION + 1.0))
+    rows: list[tuple[Axes, Axes, Axes]] = []
+    for i in range(shots):
+        left, bottom = MARGIN + i * (size[0] + PROJECTION + 2 * GAP + MARGIN), 1.2
+        shared = rows[0] if rows else (None, None, None)
+        image = figure.add_axes(_inches(figure, left, bottom, *size), sharex=shared[0], sharey=shared[0])
+        above = figure.add_axes(_inches(figure, left, bottom + size[1] + GAP, size[0], PROJECTION),
+                                sharex=image, sharey=shared[1])
+        beside = figure.add_axes(_inches(figure, left + size[0] + GAP, bottom, PROJECTION, size[1]),
+                                 sharex=shared[2], sharey=image)
+        rows.append((image, above, beside))
+    return figure, rows
+
+
+def _draw_heading(axes: Axes, results: Results, detector: Detector, shot: Shot) -> None:
+    """What is seen, and the fraction of the emitted particles that it is."""
+    scan, point = results.scan, shot.point
+    row = scan.detectors.index(detector.name)
+    fraction, error = scan.detected[row, point], scan.errors[row, point]
+    about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
+    axes.set_title(f"{shot.heading}\n{about}\ndetected: {format_value(fraction, '', error)} of emitted", loc="left")
+
+
+def _draw_projection(axes: Axes, edges: np.ndarray, counts: np.ndarray, errors: np.ndarray,
+                     along_z: bool = False) -> None:
+    """Counts summed along the other axis, as steps with error bars; upright for x, sideways for z."""
+    orientation = "horizontal" if along_z else "vertical"
+    axes.stairs(counts, edges * MILLI, orientation=orientation, color=BEAM, fill=True, alpha=0.25)
+    axes.stairs(counts, edges * MILLI, orientation=orientation, color=BEAM, linewidth=0.9)
+    filled = counts > 0
+    centres, counts, errors = ((edges[:-1] + edges[1:]) / 2 * MILLI)[filled], counts[filled], errors[filled]
+    bars = {"fmt": "none", "ecolor": BEAM, "elinewidth": 0.8}
+    if along_z:
+        axes.errorbar(counts, centres, xerr=errors, **bars)
+        axes.set_xlabel("counts")
+    else:
+        axes.errorbar(centres, counts, errors, **bars)
+        axes.set_ylabel("counts")
+    axes.tick_params(labelbottom=along_z, labelleft=not along_z)
+    axes.grid(axis="x" if along_z else "y", color=PALE, linewidth=0.8)

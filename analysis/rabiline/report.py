@@ -1,0 +1,82 @@
+"""What a results file holds, in words."""
+from __future__ import annotations
+
+from typing import Iterable
+
+import numpy as np
+
+from .curves import Curve, NoResonance, Resonance, curves, half_maximum
+from .fit import fit
+from .results import Axis, Results
+from .units import format_value, law_name
+
+
+def summary(results: Results) -> str:
+    """Lines about the run, its scan, the resonances in it, the ledger and the provenance."""
+    return "\n".join([*_run(results), *_resonances(results), *_ledger(results), *_provenance(results)])
+
+
+def _run(results: Results) -> Iterable[str]:
+    yield results.title or results.path.name
+    yield f"  written by   {results.program}"
+    yield f"  law          {'; '.join(map(law_name, dict.fromkeys(results.laws)))}"
+    yield f"  species      {'; '.join(dict.fromkeys(results.species))}"
+    yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} points"
+    if results.solid_angle is not None:
+        yield f"  solid angle  {results.solid_angle:.6g} sr"
+    for axis in results.scan.axes:
+        yield f"  scan         {axis.parameter}: {_extent(axis)}"
+
+
+def _extent(axis: Axis) -> str:
+    if axis.labels:
+        return "; ".join(map(law_name, axis.labels))
+    first, last = (format_value(value, axis.units) for value in (axis.values[0], axis.values[-1]))
+    return f"{first} to {last}, {axis.values.size} points"
+
+
+def _resonances(results: Results) -> Iterable[str]:
+    scan = results.scan
+    for number, detector in enumerate(scan.detectors):
+        yield f"detector {detector}"
+        if not scan.axes:
+            fraction = format_value(scan.detected[number, 0], "", scan.errors[number, 0])
+            yield f"  {law_name(results.laws[0])}: {fraction} of emitted"
+            continue
+        for curve in curves(results, detector):
+            yield f"  {curve.label}: {curve.y.min():.6g} to {curve.y.max():.6g} of emitted"
+            yield from (f"    {line}" for line in _resonance(curve))
+
+
+def _resonance(curve: Curve) -> Iterable[str]:
+    try:
+        yield f"half maximum  {_measured(half_maximum(curve), curve.axis.units)}"
+        fitted = fit(curve)
+        yield f"fit           {_measured(fitted.resonance, curve.axis.units)}"
+        yield f"              steepness {format_value(fitted.steepness.value, '', fitted.steepness.error)}, " \
+              f"misfit {fitted.misfit:.2f}"
+    except NoResonance as problem:
+        yield f"no resonance: {problem}"
+
+
+def _measured(resonance: Resonance, units: str) -> str:
+    centre, width = (format_value(value.value, units, value.error) for value in (resonance.centre, resonance.width))
+    depth = format_value(resonance.depth.value, "", resonance.depth.error)
+    return f"{resonance.kind} at {centre}, FWHM {width}, {'depth' if resonance.kind == 'dip' else 'height'} {depth}"
+
+
+def _ledger(results: Results) -> Iterable[str]:
+    yield "fates, summed over the scan"
+    emitted = results.emitted.sum()
+    for line in results.fates:
+        total = line.particles.sum()
+        yield f"  {' '.join(filter(None, (line.fate, line.where))):<24} {total:>16.6g}  {total / emitted:8.3%}"
+    counted = np.sum([line.particles for line in results.fates], axis=0)
+    closes = np.allclose(counted, results.emitted, rtol=1e-12)
+    yield f"  {'emitted':<24} {emitted:>16.6g}  {'the ledger closes' if closes else 'THE LEDGER DOES NOT CLOSE'}"
+
+
+def _provenance(results: Results) -> Iterable[str]:
+    yield "provenance"
+    for name, value in results.simulation.items():
+        yield f"  {name.replace('_', ' '):<16} {value}"

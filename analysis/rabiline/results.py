@@ -1,0 +1,210 @@
+"""What `rabiline run` wrote, as plain values.
+
+Scan points are flat and row-major everywhere, as in the file: point = i0 * n1 + i1 for axes 0 and 1.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .hdf5 import Group, open_entry
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A scanned parameter."""
+
+    parameter: str  # dotted name, "H0.frequency"
+    units: str  # SI, "Hz"; empty for a plain number
+    values: np.ndarray  # [n] in `units`; 0, 1, ... for a categorical axis
+    labels: tuple[str, ...] = ()  # [n] of a categorical axis, else empty
+
+
+@dataclass(frozen=True)
+class Scan:
+    """The fraction of the emitted particles that each detector caught, over the scan."""
+
+    axes: tuple[Axis, ...]  # none, one or two
+    detectors: tuple[str, ...]  # [detectors]
+    detected: np.ndarray  # [detectors, points]
+    errors: np.ndarray  # [detectors, points] one standard error
+    covariance: np.ndarray | None  # [detectors, points, points] between points; None where the file has none
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points along each axis; (1,) where nothing is scanned."""
+        return tuple(axis.values.size for axis in self.axes) or (1,)
+
+
+@dataclass(frozen=True)
+class Levels:
+    """The spin of what a detector caught: the fraction of the detected weight in each level."""
+
+    labels: tuple[str, ...]  # [levels]
+    fractions: np.ndarray  # [points, levels]; NaN where nothing was detected
+    errors: np.ndarray  # [points, levels]
+
+
+@dataclass(frozen=True)
+class Detector:
+    """The histograms of one detector, in particles."""
+
+    name: str
+    title: str
+    x_edges: np.ndarray  # [nx + 1] m
+    z_edges: np.ndarray  # [nz + 1] m
+    counts: np.ndarray  # [points, nx, nz]
+    errors: np.ndarray  # [points, nx, nz]
+    counts_x: np.ndarray  # [points, nx]
+    errors_x: np.ndarray  # [points, nx]
+    counts_z: np.ndarray  # [points, nz]
+    errors_z: np.ndarray  # [points, nz]
+    levels: Levels
+
+
+@dataclass(frozen=True)
+class Fate:
+    """One line of the ledger."""
+
+    fate: str
+    where: str  # the part, "chamber" or empty
+    particles: np.ndarray  # [points]
+
+
+@dataclass(frozen=True)
+class Results:
+    """One file of `rabiline run`."""
+
+    path: Path
+    title: str
+    program: str  # name and version
+    laws: tuple[str, ...]  # [points]
+    species: tuple[str, ...]  # [points]
+    particles: np.ndarray  # [points] asked for
+    solid_angle: float | None  # sr, of an aimed source
+    scan: Scan
+    detectors: dict[str, Detector]
+    fates: tuple[Fate, ...]
+    emitted: np.ndarray  # [points] particles
+    simulation: dict[str, str]  # provenance: seed, version, threads, ...
+
+
+def read(path: Path | str) -> Results:
+    """Reads a file of `rabiline run`; raises FileError with the file and the reason."""
+    with open_entry(path) as entry:
+        if "scan" not in entry:
+            raise entry.error("no `scan`: not a file of `rabiline run`, or one without a detector")
+        scan = _read_scan(entry.group("scan"))
+        points = int(np.prod(scan.shape))
+        fates = entry.group("fates")
+        return Results(
+            path=Path(path),
+            title=entry.text("title"),
+            program=" ".join((entry.text("program_name"), *_program_version(entry))).strip(),
+            laws=_per_point(entry, "law", points),
+            species=_per_point(entry, "species", points),
+            particles=np.broadcast_to(entry.numbers("particles").ravel(), points),
+            solid_angle=float(entry.numbers("solid_angle", (1,))[0]) if "solid_angle" in entry else None,
+            scan=scan,
+            detectors={name: _read_detector(entry, name, points) for name in scan.detectors},
+            fates=_read_fates(fates, points),
+            emitted=fates.numbers("emitted", (points,)),
+            simulation=_read_simulation(entry) if "simulation" in entry else {},
+        )
+
+
+def _program_version(entry: Group) -> tuple[str, ...]:
+    return entry.attribute("version", of="program_name") if "program_name" in entry else ()
+
+
+def _group_of_detector(entry: Group, name: str) -> str:
+    """The group of a detector's image: its name, with underscores behind it where /entry needs the name itself."""
+    group = name
+    while group in entry:
+        if group in entry.names() and "x_edges" in entry.group(group):
+            return group
+        group += "_"
+    raise entry.error(f"the detector `{name}` has no image")
+
+
+def _per_point(entry: Group, name: str, points: int) -> tuple[str, ...]:
+    values = entry.texts(name)
+    if len(values) not in (1, points):
+        raise entry.error(f"`{name}` has {len(values)} values where {points} belong")
+    return values * points if len(values) == 1 else values
+
+
+def _read_scan(group: Group) -> Scan:
+    detectors = group.texts("detector_names")
+    names = [name for name in group.attribute("axes") if name not in (".", "detector_index")]
+    axes = tuple(_read_axis(group, name) for name in names)
+    points = int(np.prod([axis.values.size for axis in axes], dtype=int))
+    rows = len(detectors)
+    has_covariance = "detected_covariance" in group
+    return Scan(
+        axes=axes,
+        detectors=detectors,
+        detected=group.numbers("detected", (rows, points)),
+        errors=group.numbers("detected_errors", (rows, points)),
+        covariance=group.numbers("detected_covariance", (rows, points, points)) if has_covariance else None,
+    )
+
+
+def _read_axis(group: Group, name: str) -> Axis:
+    values = group.numbers(name)
+    labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
+    if values.ndim != 1 or (labels and len(labels) != values.size):
+        raise group.error(f"`{name}` is no axis: its shape is {values.shape}, with {len(labels)} labels")
+    units = "".join(group.attribute("units", of=name))
+    parameter = "".join(group.attribute("parameter", of=name)) or name
+    return Axis(parameter, "" if units == "1" else units, values, labels)
+
+
+def _read_detector(entry: Group, name: str, points: int) -> Detector:
+    stem = _group_of_detector(entry, name)
+    image, along_x, along_z, levels = (entry.group(stem + suffix) for suffix in ("", "_x", "_z", "_levels"))
+    x_edges, z_edges = image.numbers("x_edges").ravel(), image.numbers("z_edges").ravel()
+    nx, nz = x_edges.size - 1, z_edges.size - 1
+    return Detector(
+        name=name,
+        title=image.text("title", name),
+        x_edges=x_edges,
+        z_edges=z_edges,
+        counts=image.numbers("counts", (points, nx, nz)),
+        errors=image.numbers("counts_errors", (points, nx, nz)),
+        counts_x=along_x.numbers("counts", (points, nx)),
+        errors_x=along_x.numbers("counts_errors", (points, nx)),
+        counts_z=along_z.numbers("counts", (points, nz)),
+        errors_z=along_z.numbers("counts_errors", (points, nz)),
+        levels=_read_levels(levels, points),
+    )
+
+
+def _read_levels(group: Group, points: int) -> Levels:
+    labels = group.texts("level_index_labels")
+    shape = (points, len(labels))
+    return Levels(labels, group.numbers("levels", shape), group.numbers("levels_errors", shape))
+
+
+def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
+    fates, places = group.texts("fate"), group.texts("where")
+    if len(fates) != len(places):
+        raise group.error(f"{len(fates)} fates at {len(places)} places")
+    particles = group.numbers("particles", (len(fates), points))
+    return tuple(Fate(*line) for line in zip(fates, places, particles))
+
+
+def _read_simulation(entry: Group) -> dict[str, str]:
+    group = entry.group("simulation")
+    provenance = {}
+    for name in ("seed", "threads", "seconds"):
+        if name in group:
+            provenance[name] = f"{group.numbers(name).ravel()[0]:.12g}"
+    for name in ("version", "instruction_set"):
+        if name in group:
+            provenance[name] = group.text(name)
+    if "arguments" in group:
+        provenance["arguments"] = " ".join(group.texts("arguments"))
+    return provenance

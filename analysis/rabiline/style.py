@@ -1,0 +1,54 @@
+"""How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Sequence
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402  (after the choice of backend)
+from matplotlib.figure import Figure  # noqa: E402
+
+INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
+# Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
+LAWS = {"quantum": ("#0072B2", "o"), "classical": ("#009E73", "s"), "dorado": ("#D55E00", "D")}
+OTHERS = [("#CC79A7", "^"), ("#56B4E9", "v"), ("#E69F00", "P"), ("#000000", "X")]
+
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 10, "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 10.5, "axes.labelsize": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+    "xtick.direction": "out", "ytick.direction": "out", "xtick.labelsize": 9, "ytick.labelsize": 9,
+    "legend.frameon": False, "legend.fontsize": 9, "figure.dpi": 100, "savefig.dpi": 200,
+    "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
+})
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one curve or one file's tracks are drawn."""
+
+    colour: str
+    marker: str
+
+
+def looks(laws: Sequence[str]) -> list[Look]:
+    """One look per law name: the law's own colour the first time, another one when it comes again."""
+    taken: set[str] = set()
+    spare = iter(OTHERS * (len(laws) // len(OTHERS) + 1))
+    result = []
+    for law in laws:
+        name = law.split(" ")[0]
+        result.append(Look(*(LAWS[name] if name in LAWS and name not in taken else next(spare))))
+        taken.add(name)
+    return result
+
+
+def save(figure: Figure, path: Path | str) -> None:
+    """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
+    try:
+        figure.savefig(path, facecolor="white")
+    finally:
+        plt.close(figure)

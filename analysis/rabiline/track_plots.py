@@ -1,0 +1,152 @@
+"""The paths of particles as pictures: where they go, and how their spins turn."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from .style import GREY, INK, Look, looks
+from .tracks import Track, Tracks
+from .units import law_name
+
+MILLI = 1e3
+TURNED = np.radians(20)  # a spin that turns by more is shown on the whole sphere
+SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
+ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
+
+
+@dataclass(frozen=True)
+class Region:
+    """A stretch of the beam to shade."""
+
+    name: str
+    begin: float  # m along y
+    end: float  # m
+
+
+def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
+    """x, z and the angle by which the spin has turned, over y; and the spins' paths in three dimensions."""
+    styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
+    spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
+    figure = plt.figure(figsize=(11.0 if spinning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
+    grid = figure.add_gridspec(3 if spinning else 2, 2 if spinning else 1,
+                               width_ratios=[1.55, 1] if spinning else None)
+    panels = [figure.add_subplot(grid[0, 0])]
+    panels += [figure.add_subplot(grid[row, 0], sharex=panels[0]) for row in range(1, grid.nrows)]
+    for file, _, look in styled:
+        for track in file.tracks:
+            _draw_path(panels[0], track, 0, look)
+            _draw_path(panels[1], track, 2, look)
+    panels[0].set_ylabel("x (mm)")
+    panels[1].set_ylabel("z (mm)")
+    if spinning:
+        for track, look in spinning:
+            panels[2].plot(track.position[:, 1], np.degrees(tip_angle(track)), color=look.colour, linewidth=1.2)
+        panels[2].set_ylabel("spin turned by (°)")
+        farthest = {look: track for track, look in sorted(spinning, key=lambda pair: tip_angle(pair[0]).max())}
+        _draw_spins(figure.add_subplot(grid[:, 1], projection="3d"), [(track, look) for look, track in farthest.items()])
+    for panel in panels:
+        _shade(panel, regions, named=panel is panels[0])
+        panel.label_outer()
+    panels[-1].set_xlabel("y, along the beam (m)")
+    panels[0].set_xlim(*_extent(files))
+    figure.suptitle(title, fontsize=11.5)
+    panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=3)
+    return figure
+
+
+def tip_angle(track: Track) -> np.ndarray:
+    """[n] The angle between the spin and what it was at first, rad. By the chord, which keeps small angles exact."""
+    chord = np.linalg.norm(track.spin - track.spin[0], axis=1)
+    return 2 * np.arcsin(np.minimum(chord / 2, 1))
+
+
+def _draw_path(axes: Axes, track: Track, component: int, look: Look) -> None:
+    y, across = track.position[:, 1], track.position[:, component] * MILLI
+    axes.plot(y, across, color=look.colour, linewidth=1.2, alpha=0.85)
+    axes.plot(y[-1], across[-1], ENDS.get(track.fate, "*"), color=look.colour, markersize=5, markeredgewidth=0,
+              clip_on=False, zorder=5)
+
+
+def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
+    """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
+    rows: list[float] = []  # where the last region of each row ends
+    for region, shade in zip(regions, SHADES * (len(regions) // len(SHADES) + 1)):
+        axes.axvspan(region.begin, region.end, color=shade, alpha=0.75, linewidth=0, zorder=0)
+        if not named:
+            continue
+        row = next((i for i, end in enumerate(rows) if end <= region.begin), len(rows))
+        rows[row:row + 1] = [region.end]
+        height = 1.05 + 0.15 * row
+        axes.plot([region.begin, region.end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
+                  color=GREY, linewidth=1.2, solid_capstyle="butt")
+        axes.annotate(region.name, ((region.begin + region.end) / 2, height), xycoords=axes.get_xaxis_transform(),
+                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
+
+
+def _extent(files: Sequence[Tracks]) -> tuple[float, float]:
+    y = np.concatenate([track.position[:, 1] for file in files for track in file.tracks])
+    margin = 0.01 * np.ptp(y)
+    return float(y.min() - margin), float(y.max() + margin)
+
+
+def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
+    """For each file the spin that turns farthest: its tip on the unit sphere, or where it turns little the two small
+    components along the beam."""
+    far = max(tip_angle(track).max() for track, _ in files) > TURNED
+    first = files[0][0].spin[0]
+    small = sorted(np.argsort(np.abs(first), kind="stable")[:2])
+    for track, look in files:
+        part = _while_turning(track)
+        across = track.spin[part][:, small] * MILLI
+        path = track.spin[part] if far else np.column_stack([track.position[part, 1], across])
+        line = "-" if _is_smooth(across) else ""
+        axes.plot(*path.T, line, marker="" if line else ".", markersize=2, color=look.colour, linewidth=0.8)
+        axes.plot(*path[-1:].T, "o", color=look.colour, markersize=5, markeredgewidth=0)
+    if far:
+        _draw_sphere(axes)
+        names, title = ["$S_x$", "$S_y$", "$S_z$"], "path of the spin's tip on the unit sphere"
+    else:
+        names = ["y (m)", *(f"$S_{'xyz'[i]}$ (10$^{{-3}}$)" for i in small)]
+        title = "the spin while it turns, along the beam"
+        axes.set_box_aspect((1.5, 1, 1), zoom=0.85)
+    axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
+    axes.set_title(title, y=1.0)
+    axes.view_init(elev=22, azim=-58)
+    for plane in (axes.xaxis, axes.yaxis, axes.zaxis):
+        plane.pane.set_facecolor("white")
+        plane.set_major_locator(MaxNLocator(4))
+    axes.tick_params(labelsize=8, pad=1)
+
+
+def _while_turning(track: Track) -> slice:
+    """The part of a track during which its spin moves."""
+    moving = np.flatnonzero(np.linalg.norm(np.diff(track.spin, axis=0), axis=1) > 1e-12)
+    return slice(moving[0], moving[-1] + 2) if moving.size else slice(None)
+
+
+def _is_smooth(path: np.ndarray) -> bool:
+    """Whether a path [n, 2] has enough points per turn to join them by lines."""
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    return steps.size > 0 and bool(np.median(steps) < 0.25 * np.ptp(path, axis=0).max())
+
+
+def _draw_sphere(axes: Axes) -> None:
+    polar, azimuth = np.mgrid[0:np.pi:13j, 0:2 * np.pi:25j]
+    axes.plot_wireframe(np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar),
+                        color="#cccccc", linewidth=0.4)
+    axes.set_box_aspect((1, 1, 1), zoom=0.9)
+
+
+def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:
+    """One line per file, with the law named, and one marker per fate that occurs."""
+    lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
+    fates = dict.fromkeys(track.fate for file, _, _ in styled for track in file.tracks)
+    return lines + [Line2D([], [], color=INK, marker=ENDS.get(fate, "*"), linestyle="", markersize=5, label=fate)
+                    for fate in fates if fate]

@@ -1,0 +1,87 @@
+"""Numbers as people read them: SI prefixes, values with errors, names of laws."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, isfinite, log10
+
+import numpy as np
+
+PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV"}  # nobody reads mK, km/s or krad here
+
+
+@dataclass(frozen=True)
+class Scale:
+    """How an axis shows its values: (value - origin) / factor, in `unit`."""
+
+    unit: str
+    factor: float = 1.0
+    origin: float = 0.0
+
+    def apply(self, values: np.ndarray | float) -> np.ndarray | float:
+        """SI values as shown."""
+        return (values - self.origin) / self.factor
+
+    def label(self, name: str) -> str:
+        """An axis label, such as "H0.frequency (kHz)"."""
+        shown = name if self.origin == 0 else f"{name} − {format_value(self.origin, self.base_unit)}"
+        return f"{shown} ({self.unit})" if self.unit else shown
+
+    @property
+    def base_unit(self) -> str:
+        """The unit without its prefix."""
+        return self.unit[len(PREFIXES[round(log10(self.factor))]):]
+
+
+def fitting_scale(values: np.ndarray, unit: str) -> Scale:
+    """The SI prefix that shows the largest of `values` as 1 to 1000. Values that differ by less than a thousandth
+    are shown as differences from the middle one, rounded to a tenth of their spread."""
+    finite = np.asarray(values, dtype=float)[np.isfinite(values)]
+    if unit not in TAKE_PREFIXES or finite.size == 0:
+        return Scale(unit)
+    largest, spread = np.abs(finite).max(), np.ptp(finite)
+    origin = 0.0
+    if 0 < spread < 1e-3 * largest:
+        decimals = 1 - floor(log10(spread))
+        origin = round(float(finite.min() + spread / 2), decimals)
+        largest = np.abs(finite - origin).max()
+    return Scale(*_prefixed(largest, unit), origin)
+
+
+def format_value(value: float, unit: str, error: float | None = None) -> str:
+    """A value with its unit, "291.65 kHz", or with its error to two digits, "291.652 ± 0.014 kHz"."""
+    unit_shown, factor = _prefixed(abs(value), unit) if unit in TAKE_PREFIXES else (unit, 1.0)
+    if error is None or not isfinite(error) or error <= 0:
+        number = f"{value / factor:.10g}"
+    else:
+        digits = max(0, 1 - floor(log10(error / factor)))
+        number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
+    return f"{number} {unit_shown}".strip()
+
+
+def parse_quantity(text: str) -> float:
+    """"291.65 kHz" or "2.5" as an SI number; raises ValueError. The unit is one that takes prefixes."""
+    words = text.split()
+    if len(words) == 1:
+        return float(words[0])
+    number, unit = words
+    for power, prefix in PREFIXES.items():
+        if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES:
+            return float(number) * 10.0**power
+    raise ValueError(f"unknown unit {unit}")
+
+
+def law_name(law: str) -> str:
+    """A law as texts and pictures name it: a hypothesis is called one. "dorado (torque, kappa = 1)" becomes
+    "dorado (hypothesis), torque, κ = 1"."""
+    name, _, details = law.partition(" (")
+    if name != "dorado":
+        return law
+    return ", ".join(["dorado (hypothesis)", *([details.rstrip(")").replace("kappa", "κ")] if details else [])])
+
+
+def _prefixed(size: float, unit: str) -> tuple[str, float]:
+    """The unit with the prefix that shows `size` as 1 to 1000, and that prefix's factor."""
+    power = 3 * floor(log10(size * (1 + 1e-12)) / 3) if size > 0 else 0
+    power = min(max(power, min(PREFIXES)), max(PREFIXES))
+    return PREFIXES[power] + unit, 10.0**power

@@ -1,0 +1,132 @@
+#include "input/file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+namespace rabiline {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t max_files = 16;
+
+/// Whom to blame where a file cannot be read: the line that names it, or the file itself.
+[[noreturn]] void refuse(const Place& named_at, const fs::path& path, std::string message, std::string help = {}) {
+  Place place = named_at;
+  if (!place.text) place = Place{make_source_text(path.string(), ""), 0, 0, 1};
+  if (named_at.text) message = fmt::format("`{}`: {}", path.string(), message);
+  throw InputError({Diagnostic{place, std::move(message), std::move(help)}});
+}
+
+std::string read_text(const fs::path& path, const Place& named_at) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) refuse(named_at, path, "there is no such file");
+  if (fs::is_directory(status)) refuse(named_at, path, "this is a folder, not a file", "name the file in it");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) refuse(named_at, path, fmt::format("the file cannot be opened: {}", std::strerror(errno)));
+  // One byte more than allowed, so that a longer file shows; never more, since a device has no end.
+  std::string text(max_text_bytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) refuse(named_at, path, "the file cannot be read");
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  return text;
+}
+
+class Loader {
+ public:
+  explicit Loader(LoadedFile& out) : out_(out) {}
+
+  Node load(const fs::path& path, const Place& named_at) {
+    if (out_.inputs.size() >= max_files)
+      refuse(named_at, path, fmt::format("more than {} files are included", max_files));
+    const std::string text = read_text(path, named_at);
+    const auto source = make_source_text(path.string(), text);
+    out_.inputs.push_back({path.string(), text});
+    out_.sources.push_back(source);
+    Node root = parse_document(source, text);
+    if (root.is_null())
+      refuse(Place{source, 0, 0, 1}, path, "the file is empty", "`rabiline new` writes one to begin with");
+    include_geometry(root, path);
+    return root;
+  }
+
+ private:
+  /// Puts the included parts before the file's own, and takes the chamber over.
+  void include_geometry(Node& root, const fs::path& path) {
+    Entry* geometry = root.find("geometry");
+    if (!geometry) return;
+    const Node named = geometry->value;
+    if (!named.is_scalar() || named.scalar.empty())
+      throw InputError({{named.place, "`geometry` is the path of a file with shared parts", "write `geometry: bench.yaml`"}});
+    const fs::path target = (path.parent_path() / named.scalar).lexically_normal();
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(target, error);
+    const fs::path own = fs::weakly_canonical(path, error);
+    open_.push_back(own);
+    if (std::find(open_.begin(), open_.end(), real) != open_.end())
+      throw InputError({{named.place, fmt::format("`{}` includes itself", named.scalar),
+                         "a geometry file holds shared parts and is included by experiments"}});
+    Node shared = load(target, named.place);
+    open_.pop_back();
+    check_geometry(shared);
+    merge(root, std::move(shared));
+  }
+
+  /// A geometry file says where things stand, nothing about what flies.
+  static void check_geometry(const Node& shared) {
+    static constexpr std::string_view known[] = {"rabiline", "title", "geometry", "parts", "chamber"};
+    std::vector<Diagnostic> errors;
+    for (const Entry& entry : shared.entries)
+      if (std::find(std::begin(known), std::end(known), entry.key) == std::end(known))
+        errors.push_back({entry.key_place, fmt::format("`{}` has no place in a geometry file, which holds `parts` and `chamber`", entry.key),
+                          "move it to the experiment's file"});
+    if (!shared.is_mapping() || !shared.find("parts"))
+      errors.push_back({shared.place, "a geometry file needs a list of `parts`", {}});
+    else if (!shared.find("parts")->value.is_sequence())
+      errors.push_back({shared.find("parts")->value.place, "`parts` is a list of parts", "begin each part with `- `"});
+    const Entry* version = shared.find("rabiline");
+    if (shared.is_mapping() && !version)
+      errors.push_back({shared.place, "a geometry file needs the version of its format", "begin it with `rabiline: 1`"});
+    else if (version && to_text(version->value) != "1")
+      errors.push_back({version->value.place, fmt::format("this program reads version 1 of the format, not {}", to_text(version->value)), {}});
+    if (!errors.empty()) throw InputError(std::move(errors));
+  }
+
+  static void merge(Node& root, Node shared) {
+    Node& parts = shared.find("parts")->value;
+    if (Entry* own = root.find("parts"); !own)
+      root.entries.push_back(*shared.find("parts"));
+    else if (own->value.is_sequence())
+      own->value.items.insert(own->value.items.begin(), parts.items.begin(), parts.items.end());
+    const Entry* chamber = shared.find("chamber");
+    if (!chamber) return;
+    if (const Entry* own = root.find("chamber"))
+      throw InputError({{own->key_place, fmt::format("the geometry gives a `chamber` already, in {}:{}", chamber->key_place.text->name, chamber->key_place.line),
+                         "keep one of them"}});
+    root.entries.push_back(*chamber);
+  }
+
+  LoadedFile& out_;
+  std::vector<fs::path> open_;  // the files that are being included
+};
+
+}  // namespace
+
+LoadedFile load_file(const fs::path& path) {
+  LoadedFile out;
+  out.root = Loader(out).load(path, {});
+  return out;
+}
+
+const Place& place_of(const Node& node, std::string_view key) {
+  const Entry* entry = node.find(key);
+  return entry ? entry->value.place : node.place;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,52 @@
+#include "input/keys.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rabiline {
+
+Keys::Keys(const Node& mapping, std::string what, Place blame, Reading& reading)
+    : node_(&mapping), what_(std::move(what)), blame_(std::move(blame)), reading_(&reading) {}
+
+void Keys::rename(std::string what, Place blame) {
+  what_ = std::move(what);
+  blame_ = std::move(blame);
+}
+
+const Entry* Keys::take(std::string_view key) {
+  if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.push_back(key);
+  return node_->find(key);
+}
+
+const Entry* Keys::take_value(std::string_view key, bool& given) {
+  const Entry* entry = take(key);
+  given = entry != nullptr;
+  if (!entry || !entry->value.is_null()) return entry;
+  reading_->error(entry->key_place, fmt::format("`{}` has no value", key),
+                  "give it one, or take the key away where it may be missing");
+  return nullptr;
+}
+
+void Keys::missing(std::string_view key, std::string_view meaning, std::string_view example) {
+  reading_->error(blame_, fmt::format("{} needs `{}`: {}", what_, key, meaning),
+                  example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example));
+}
+
+void Keys::refuse_unknown(const std::function<std::string(std::string_view)>& owner_of) {
+  for (const Entry& entry : node_->entries) {
+    if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+    const std::string owner = owner_of ? owner_of(entry.key) : std::string{};
+    std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
+    if (!owner.empty()) message += fmt::format(" ({} has)", owner);
+    const std::string near = closest(entry.key, {known_.begin(), known_.end()});
+    std::string help;
+    if (!near.empty() && owner.empty())
+      help = fmt::format("did you mean `{}`?", near);
+    else
+      for (const std::string_view key : known_) help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);
+    reading_->error(entry.key_place, std::move(message), std::move(help));
+  }
+}
+
+}  // namespace rabiline

@@ -1,0 +1,40 @@
+#pragma once
+// One mapping of the file while it is read: which keys were asked for, and so which ones nobody knows.
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/values.hpp"
+
+namespace rabiline {
+
+class Keys {
+ public:
+  /// `what` names the mapping in messages ("the slit `S1`"); `blame` is pointed at where a key is missing.
+  Keys(const Node& mapping, std::string what, Place blame, Reading&);
+
+  /// The entry of a key, which is known from now on; nullptr where it is not given.
+  const Entry* take(std::string_view key);
+  /// As take, but a key without a value is an error and counts as not given.
+  const Entry* take_value(std::string_view key, bool& given);
+  /// Reports a key that must be given and is not.
+  void missing(std::string_view key, std::string_view meaning, std::string_view example);
+  /// Reports every key that nobody asked for. `owner_of` names what has such a key instead, or is empty.
+  void refuse_unknown(const std::function<std::string(std::string_view key)>& owner_of = {});
+
+  const Node& node() const { return *node_; }
+  const std::string& what() const { return what_; }
+  const Place& blame() const { return blame_; }
+  void rename(std::string what, Place blame);
+  Reading& reading() { return *reading_; }
+
+ private:
+  const Node* node_;
+  std::string what_;
+  Place blame_;
+  Reading* reading_;
+  std::vector<std::string_view> known_;
+};
+
+}  // namespace rabiline

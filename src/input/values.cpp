@@ -1,0 +1,229 @@
+#include "input/values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace rabiline {
+namespace {
+
+std::string shortened(std::string_view text) {
+  static constexpr std::size_t longest = 40;
+  std::string out;
+  for (const char c : text) {
+    if (out.size() >= longest && (static_cast<unsigned char>(c) & 0xc0U) != 0x80U) return out + "...";
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out;
+}
+
+bool is_all_digits(std::string_view s) {
+  return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// Whole numbers up to 2^64 - 1 digit by digit; with a point or an exponent where the value is whole.
+std::optional<std::uint64_t> whole_number(std::string_view text) {
+  std::uint64_t value = 0;
+  if (is_all_digits(text)) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} ? std::optional(value) : std::nullopt;
+  }
+  const ParsedQuantity parsed = parse_quantity(text);
+  const bool whole = parsed.error.empty() && parsed.dimension == Dimension::number && parsed.value >= 0 &&
+                     parsed.value <= 0x1p53 && parsed.value == std::floor(parsed.value);
+  return whole ? std::optional(static_cast<std::uint64_t>(parsed.value)) : std::nullopt;
+}
+
+std::string bound_text(double bound, Dimension d) {
+  const std::string pretty = pretty_quantity(bound, d);
+  return parse_quantity(pretty).value == bound ? pretty : write_quantity(bound, d);
+}
+
+void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
+  const std::string wanted = with_article(name_of(row.dimension));
+  if (got.dimension != Dimension::number) {
+    std::string help = row.dimension == Dimension::number ? "write it without a unit"
+                                                          : fmt::format("write {} such as `{}`", wanted, example_for(row));
+    reading.error(node.place, fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
+                                          row.key, wanted), std::move(help));
+    return;
+  }
+  const std::string_view si = si_unit_of(row.dimension);
+  reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
+                fmt::format("write `{} {}` if {} is meant", node.scalar, si, si));
+}
+
+}  // namespace
+
+void Reading::error(const Place& place, std::string message, std::string suggestion) {
+  errors.push_back({place, std::move(message), std::move(suggestion)});
+}
+
+void Reading::saw_number(const Node& node, Dimension dimension, double value) {
+  for (Watched& w : watched)
+    if (w.node == &node) {
+      w.dimension = dimension;
+      w.value = value;
+    }
+}
+
+std::string with_article(std::string_view noun) {
+  const bool vowel = !noun.empty() && std::string_view{"aeio"}.find(noun.front()) != std::string_view::npos;
+  return fmt::format("{} {}", vowel ? "an" : "a", noun);
+}
+
+std::string quote(const Node& node) {
+  switch (node.kind) {
+    case Node::Kind::null:
+      return "nothing";
+    case Node::Kind::scalar:
+      return "`" + shortened(node.scalar) + "`";
+    case Node::Kind::sequence:
+      return "a list";
+    case Node::Kind::mapping:
+      return "a mapping of keys";
+  }
+  return {};
+}
+
+std::string list_of(std::span<const Word> words) {
+  std::string out;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    out += fmt::format("{}`{}`", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i].word);
+  return out;
+}
+
+std::string suggest(std::string_view word, std::span<const Word> words) {
+  std::vector<std::string> known;
+  for (const Word& w : words) known.emplace_back(w.word);
+  const std::string near = closest(word, known);
+  return near.empty() ? "write " + list_of(words) : fmt::format("did you mean `{}`?", near);
+}
+
+std::string example_for(const Row& row) { return std::string(example_of(row.dimension)); }
+
+bool read_quantity(const Node& node, const Row& row, Reading& reading, double& out) {
+  const std::string wanted = with_article(name_of(row.dimension));
+  const std::string help = fmt::format("write {} such as `{}`", wanted, example_for(row));
+  if (!node.is_scalar()) {
+    reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, wanted, quote(node)), help);
+    return false;
+  }
+  const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);
+  if (!parsed.error.empty()) {
+    reading.error(node.place, fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
+                  parsed.suggestion.empty() ? help : parsed.suggestion);
+    return false;
+  }
+  if (parsed.dimension != row.dimension) {
+    wrong_dimension(node, row, parsed, reading);
+    return false;
+  }
+  if (!row.range.contains(parsed.value)) {
+    reading.error(node.place, fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+    return false;
+  }
+  // -0 and 0 are the same place, so they get the same bits.
+  out = parsed.value + 0.0;
+  reading.saw_number(node, row.dimension, out);
+  return true;
+}
+
+bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_t& out) {
+  const std::optional<std::uint64_t> value = node.is_scalar() ? whole_number(node.scalar) : std::nullopt;
+  if (!value) {
+    reading.error(node.place, fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
+                  "write it like `10000` or `1e4`");
+    return false;
+  }
+  if (node.scalar.size() > 1 && node.scalar.front() == '0' && is_all_digits(node.scalar)) {
+    reading.error(node.place, fmt::format("{} begins with a zero, which some programs read as octal", quote(node)),
+                  fmt::format("write `{}`", *value));
+    return false;
+  }
+  if (!row.range.contains(static_cast<double>(*value))) {
+    reading.error(node.place, fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+    return false;
+  }
+  out = *value;
+  reading.saw_number(node, Dimension::number, static_cast<double>(out));
+  return true;
+}
+
+bool read_text(const Node& node, const Row& row, Reading& reading, std::string& out) {
+  if (!node.is_scalar() || node.scalar.empty()) {
+    reading.error(node.place, fmt::format("`{}` is a text, but {} stands here", row.key, node.is_scalar() ? "an empty one" : quote(node)),
+                  fmt::format("it means: {}", row.meaning));
+    return false;
+  }
+  out = node.scalar;
+  return true;
+}
+
+std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span<const Word> words, Reading& reading) {
+  if (node.is_scalar())
+    for (std::size_t i = 0; i < words.size(); ++i)
+      if (words[i].word == node.scalar) return i;
+  reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
+                node.is_scalar() ? suggest(node.scalar, words) : std::string{});
+  return std::nullopt;
+}
+
+bool read_half_integer(const Node& node, const Row& row, Reading& reading, HalfInteger& out) {
+  static constexpr std::array<std::string_view, 10> written{"0", "1/2", "1", "3/2", "2", "5/2", "3", "7/2", "4", "9/2"};
+  for (std::size_t twice = 1; node.is_scalar() && twice < written.size(); ++twice)
+    if (node.scalar == written[twice]) {
+      out.twice = static_cast<int>(twice);
+      return true;
+    }
+  std::string help = "write it like `1/2`, `1` or `3/2`";
+  const ParsedQuantity parsed = parse_quantity(node.scalar);
+  const double twice = 2 * parsed.value;
+  if (parsed.error.empty() && twice >= 1 && twice <= 9 && twice == std::floor(twice))
+    help = fmt::format("write it as `{}`", written[static_cast<std::size_t>(twice)]);
+  reading.error(node.place, fmt::format("`{}` is a whole or half number from 1/2 to 9/2, but {} stands here", row.key, quote(node)),
+                std::move(help));
+  return false;
+}
+
+bool read_phase(const Node& node, const Row& row, Reading& reading, Phase& out) {
+  static constexpr std::array words{Word{"random", ""}, Word{"locked", ""}};
+  if (node.is_scalar() && node.scalar == "random") {
+    out = {Phase::Kind::random, 0};
+    return true;
+  }
+  if (node.is_scalar() && node.scalar == "locked") {
+    out = {Phase::Kind::locked, 0};
+    return true;
+  }
+  const bool word = node.is_scalar() && !node.scalar.empty() && std::isalpha(static_cast<unsigned char>(node.scalar[0]));
+  if (!node.is_scalar() || word) {
+    const std::string near = node.is_scalar() ? suggest(node.scalar, words) : std::string{"write `random`"};
+    reading.error(node.place, fmt::format("`{}` is `random`, `locked` or an angle such as `30 deg`, but {} stands here", row.key, quote(node)),
+                  near.starts_with("write") ? "" : near);
+    return false;
+  }
+  out.kind = Phase::Kind::angle;
+  return read_quantity(node, {row.key, Dimension::angle, range::any, row.meaning}, reading, out.angle);
+}
+
+bool read_bins(const Node& node, const Row& row, Reading& reading, Bins& out) {
+  static constexpr Range allowed{1, 10000, true, true, "from 1 to 10000"};
+  if (!node.is_sequence() || node.items.size() != 2) {
+    reading.error(node.place, fmt::format("`{}` is a pair of whole numbers, along x and along z, but {} stands here", row.key,
+                                          node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
+                  "write it like `[80, 80]`");
+    return false;
+  }
+  std::uint64_t x = 0, z = 0;
+  const Row item{row.key, Dimension::number, allowed, row.meaning};
+  const bool x_read = read_count(node.items[0], item, reading, x);
+  const bool z_read = read_count(node.items[1], item, reading, z);
+  out = {static_cast<std::int64_t>(x), static_cast<std::int64_t>(z)};
+  return x_read && z_read;
+}
+
+}  // namespace rabiline

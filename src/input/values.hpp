@@ -1,0 +1,63 @@
+#pragma once
+// Single values: numbers with their unit, counts, words. Each reader either fills `out` or reports why not.
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "input/document.hpp"
+#include "parameter/parameter.hpp"
+#include "particle/species.hpp"
+#include "parts/part.hpp"
+
+namespace rabiline {
+
+/// A row of a table without its types.
+struct Row {
+  std::string_view key;
+  Dimension dimension;
+  Range range;
+  std::string_view meaning;
+};
+
+/// Collects what is wrong while a tree is read, and watches which numbers were read from the scanned nodes.
+struct Reading {
+  struct Watched {
+    const Node* node;
+    std::optional<Dimension> dimension;  // set when the node was read as a number
+    double value = 0;                    // [SI]
+  };
+  std::vector<Diagnostic> errors;
+  std::vector<Watched> watched;
+
+  void error(const Place&, std::string message, std::string suggestion = {});
+  void saw_number(const Node&, Dimension, double value);
+};
+
+/// A word of an enum or the tag of a variant, for messages and help.
+struct Word {
+  std::string_view word, meaning;
+};
+
+/// "a length", "an angle".
+std::string with_article(std::string_view noun);
+/// What a user wrote, in back quotes; shortened, and "a list" for what does not fit in a line.
+std::string quote(const Node&);
+/// "`a`, `b` or `c`".
+std::string list_of(std::span<const Word>);
+/// "did you mean `b`?", or all the words where none is near.
+std::string suggest(std::string_view word, std::span<const Word>);
+/// How a value of that dimension is written: "0.2 mm".
+std::string example_for(const Row&);
+
+bool read_quantity(const Node&, const Row&, Reading&, double& out);
+bool read_count(const Node&, const Row&, Reading&, std::uint64_t& out);
+bool read_text(const Node&, const Row&, Reading&, std::string& out);
+/// The index of the word.
+std::optional<std::size_t> read_word(const Node&, const Row&, std::span<const Word>, Reading&);
+bool read_half_integer(const Node&, const Row&, Reading&, HalfInteger& out);
+bool read_phase(const Node&, const Row&, Reading&, Phase& out);
+bool read_bins(const Node&, const Row&, Reading&, Bins& out);
+
+}  // namespace rabiline

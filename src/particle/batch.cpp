@@ -1,0 +1,41 @@
+#include "particle/batch.hpp"
+
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+namespace rabiline {
+
+void Batch::Free::operator()(void* p) const { std::free(p); }
+
+Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, sizeof(double) * capacity * columns))) {
+  static_assert(sizeof(double) == sizeof(std::uint64_t));
+  if (!memory_) throw std::bad_alloc();
+  std::memset(static_cast<void*>(memory_.get()), 0, sizeof(double) * capacity * columns);
+  double* next = memory_.get();
+  for (double** column : {&view_.x, &view_.z, &view_.vx, &view_.vy, &view_.vz, &view_.t, &view_.sx, &view_.sy,
+                          &view_.sz, &view_.slowness}) {
+    *column = next;
+    next += capacity;
+  }
+  for (std::uint64_t** column :
+       {&view_.level, &view_.weight, &view_.particle, &view_.flying, &view_.caught_by, &view_.scratch}) {
+    *column = reinterpret_cast<std::uint64_t*>(next);
+    next += capacity;
+  }
+}
+
+void Batch::copy_from(const Batch& other) {
+  std::memcpy(static_cast<void*>(memory_.get()), other.memory_.get(), sizeof(double) * capacity * columns);
+  view_.count = other.view_.count;
+  view_.padded = other.view_.padded;
+  view_.y = other.view_.y;
+}
+
+bool Batch::any_flying() const {
+  for (int i = 0; i < view_.count; ++i)
+    if (view_.flying[i] != 0) return true;
+  return false;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,53 @@
+#pragma once
+// A fixed number of particles as padded columns (structure of arrays).
+#include <cstdint>
+#include <memory>
+
+namespace rabiline {
+
+/// One particle weighs 2^40 quanta; weights and their sums are integers, so that sums do not depend on their
+/// order.
+inline constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
+
+/// Columns of a batch, each `padded` long and aligned to 64 bytes. All particles are referred to the same
+/// plane y: where they are, or where their straight flight through that plane was or would be (those caught
+/// earlier). `flying`, `caught`: all bits set or none. Plain, because kernels of every instruction set read
+/// it.
+struct BatchView {
+  int count = 0;                                       // particles; the rest up to `padded` never flies
+  int padded = 0;                                      // multiple of 8
+  double y = 0;                                        // [m] the common plane
+  double *x = nullptr, *z = nullptr;                   // [m]
+  double *vx = nullptr, *vy = nullptr, *vz = nullptr;  // [m/s]
+  double* t = nullptr;                                 // [s] since emission
+  double *sx = nullptr, *sy = nullptr, *sz = nullptr;  // spin direction (vector laws); image of z (quantum)
+  double* slowness = nullptr;                          // [s/m] 1/vy of a caught particle
+  std::uint64_t* level = nullptr;                      // 0 for m = I, 1 for m = I-1, ... (quantum)
+  std::uint64_t* weight = nullptr;                     // [quanta]
+  std::uint64_t* particle = nullptr;                   // number in the run
+  std::uint64_t* flying = nullptr;                     // mask
+  std::uint64_t* caught_by = nullptr;                  // part number + 1 of the detector that caught it, or 0
+  std::uint64_t* scratch = nullptr;  // a kernel's answer for each particle: bin, end of a region
+};
+
+class Batch {
+ public:
+  static constexpr int capacity = 512;
+  static constexpr int columns = 16;
+
+  Batch();
+  BatchView& view() { return view_; }
+  const BatchView& view() const { return view_; }
+  /// Takes over everything but the memory: what a fork of the plan does.
+  void copy_from(const Batch& other);
+  bool any_flying() const;
+
+ private:
+  struct Free {
+    void operator()(void* p) const;
+  };
+  std::unique_ptr<double, Free> memory_;
+  BatchView view_;
+};
+
+}  // namespace rabiline

@@ -1,0 +1,14 @@
+#include "parts/polarizer.hpp"
+
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+void contribute(const Polarizer& polarizer, const Placement& place, SectionBuilder& builder) {
+  const double end = place.at + polarizer.length;
+  builder.plane(place.at, AlignTerm{(1 + polarizer.alignment) / 2, polarizer.field < 0 ? -1.0 : 1.0});
+  builder.uniform(place.at, end, {polarizer.field});
+  if (polarizer.bore) builder.bore(place.at, end, polarizer.bore->radius);
+}
+
+}  // namespace rabiline

@@ -1,0 +1,11 @@
+#include "parts/slit.hpp"
+
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+void contribute(const Slit& slit, const Placement& place, SectionBuilder& builder) {
+  builder.plane(place.at, PlateTerm{slit.opening, slit.offset});
+}
+
+}  // namespace rabiline

@@ -1,0 +1,13 @@
+#include "parts/uniform_field.hpp"
+
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+void contribute(const UniformField& part, const Placement& place, SectionBuilder& builder) {
+  const double end = place.at + part.length;
+  builder.uniform(place.at, end, {part.field});
+  if (part.bore) builder.bore(place.at, end, part.bore->radius);
+}
+
+}  // namespace rabiline

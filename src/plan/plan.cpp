@@ -1,0 +1,152 @@
+#include "plan/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rabiline {
+namespace {
+
+// Rough times on one core with AVX-512 [s].
+constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4e-9, cost_of_zone = 5e-9,
+                 cost_of_closed_form = 2e-9;
+
+double cost(const TurningRegion& region, double speed) {
+  double steps = 0;
+  for (const RegionZone& zone : region.zones)
+    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+  return steps * cost_of_step;
+}
+
+struct Chain {
+  int point;
+  std::vector<Stage> stages;
+};
+
+/// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through at
+/// once: scans put equal ones next to each other or repeat a short list.
+std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth, std::size_t& sums) {
+  constexpr std::size_t looked_through = 16;
+  std::vector<std::vector<const Chain*>> groups;
+  for (const Chain* chain : chains) {
+    if (chain->stages.size() == depth) continue;
+    const std::size_t first = groups.size() > looked_through ? groups.size() - looked_through : 0;
+    const auto group =
+        std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
+                     [&](const auto& g) { return g.front()->stages[depth] == chain->stages[depth]; });
+    if (group == groups.end())
+      groups.push_back({chain});
+    else
+      group->push_back(chain);
+  }
+  std::vector<PlanNode> nodes;
+  for (const auto& group : groups) {
+    PlanNode node{group.front()->stages[depth], {}, sums, {}};
+    for (const Chain* chain : group) node.points.push_back(chain->point);
+    sums += sums_needed(node.stage);
+    node.next = merge(group, depth + 1, sums);
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+double cost_of(const PlanNode& node, double speed) {
+  const auto* region = std::get_if<TurningRegion>(&node.stage);
+  double sum = region != nullptr ? cost(*region, speed) : cost_of(node.stage);
+  for (const PlanNode& next : node.next) sum += cost_of(next, speed);
+  return sum;
+}
+
+/// First particle of each species: fractions of the whole, rounded so that all particles are shared out.
+std::vector<std::uint64_t> shares(const Beamline& beamline) {
+  std::vector<std::uint64_t> first{0};
+  double sum = 0;
+  for (const Component& component : beamline.species) {
+    sum += component.fraction;
+    first.push_back(static_cast<std::uint64_t>(std::llround(sum * static_cast<double>(beamline.particles))));
+  }
+  first.back() = beamline.particles;
+  return first;
+}
+
+/// Everything that two points must share to stand in one tree.
+struct Root {
+  int component;
+  std::uint64_t first, last;
+  Emission source;
+  bool operator==(const Root&) const = default;
+};
+
+struct Group {
+  Root root;
+  std::vector<Chain> chains;
+};
+
+std::vector<Group> group_by_source(const Experiment& experiment) {
+  std::vector<Group> groups;
+  for (std::size_t p = 0; p < experiment.points.size(); ++p) {
+    const Beamline& beamline = experiment.points[p];
+    const auto first = shares(beamline);
+    const std::uint32_t stream =
+        experiment.particles == ScanParticles::shared ? 0 : static_cast<std::uint32_t>(p) + 1;
+    for (std::size_t k = 0; k < beamline.species.size(); ++k) {
+      if (first[k] == first[k + 1]) continue;
+      const Component& component = beamline.species[k];
+      const Root root{static_cast<int>(k), first[k], first[k + 1],
+                      emission_of(beamline, component, {beamline.seed, stream})};
+      auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
+      if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
+      group->chains.push_back({static_cast<int>(p), compile(beamline, component)});
+    }
+  }
+  return groups;
+}
+
+PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, std::size_t& sums) {
+  PlanTree tree;
+  tree.component = root.component;
+  tree.first = root.first;
+  tree.last = root.last;
+  tree.source = root.source;
+  for (const Chain* chain : chains) tree.points.push_back(chain->point);
+  tree.sums = sums;
+  sums += 2;
+  tree.next = merge(chains, 0, sums);
+  tree.cost = cost_of_emission;
+  for (const PlanNode& node : tree.next) tree.cost += cost_of(node, root.source.speed);
+  return tree;
+}
+
+}  // namespace
+
+double cost_of(const Stage& stage) {
+  if (const auto* stretch = std::get_if<SpinStretch>(&stage)) {
+    if (stretch->from_level && stretch->zones.size() <= 1 && stretch->levels == 2) return cost_of_closed_form;
+    double sum = cost_of_closed_form * stretch->levels;
+    for (const SpinZone& zone : stretch->zones)
+      sum += cost_of_zone + (zone.drives > 1 ? zone.steps * cost_of_step * 4 : 0);
+    return sum;
+  }
+  return cost_of_plane;
+}
+
+Plan make_plan(const Experiment& experiment, double most_cost) {
+  Plan plan;
+  plan.points = static_cast<int>(experiment.points.size());
+  for (const Group& group : group_by_source(experiment)) {
+    std::vector<const Chain*> chains;
+    for (const Chain& chain : group.chains) chains.push_back(&chain);
+    std::size_t unused = 0;
+    const double cost = 64 * make_tree(group.root, chains, unused).cost;
+    const auto parts =
+        std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
+    for (std::size_t i = 0; i < parts; ++i) {
+      const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
+      const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
+      plan.trees.push_back(make_tree(group.root, {begin, end}, plan.sums));
+    }
+  }
+  return plan;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,64 @@
+#pragma once
+// The beam cut at every edge of a field: what acts in each stretch, and the planes across the beam.
+#include <limits>
+#include <variant>
+#include <vector>
+
+#include "field/terms.hpp"
+#include "particle/opening.hpp"
+
+namespace rabiline {
+
+/// Numbers a part: its index in the beamline's list. The chamber counts as a part of its own.
+inline constexpr int chamber_number = -1;
+
+/// A round wall around the axis.
+struct Wall {
+  double radius = std::numeric_limits<double>::infinity();  // [m]
+  int part = chamber_number;                                // whose wall it is
+  bool operator==(const Wall&) const = default;
+};
+
+/// A stretch of the beam with all the fields that overlap there.
+struct Section {
+  double begin = 0, end = 0;  // [m]
+  double field = 0;           // [T] sum of the uniform fields, along +z
+  std::vector<RotatingTerm> rotating;
+  Wall wall;  // the narrowest
+  bool operator==(const Section&) const = default;
+};
+
+/// What misses the opening stops.
+struct PlateTerm {
+  Opening opening;
+  Offset offset;
+  bool operator==(const PlateTerm&) const = default;
+};
+/// Moments are aligned with a field along +z: S gets a definite sign with the given probability.
+struct AlignTerm {
+  double probability = 1;  // that the moment comes out along the field
+  double field_sign = 1;   // of B' along z
+  bool operator==(const AlignTerm&) const = default;
+};
+/// What hits the screen is caught and histogrammed.
+struct ScreenTerm {
+  Rectangle size;
+  Offset offset;
+  int bins_x = 1, bins_z = 1;
+  bool operator==(const ScreenTerm&) const = default;
+};
+
+struct Plane {
+  double y = 0;  // [m]
+  int part = 0;
+  std::variant<PlateTerm, AlignTerm, ScreenTerm> term;
+  bool operator==(const Plane&) const = default;
+};
+
+/// The whole beam: sections where a field or a wall is, ascending and not overlapping, and planes, ascending.
+struct Sections {
+  std::vector<Section> sections;
+  std::vector<Plane> planes;
+};
+
+}  // namespace rabiline

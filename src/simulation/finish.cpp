@@ -1,0 +1,374 @@
+#include "simulation/finish.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "particle/fate.hpp"
+#include "section/section.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double quanta = static_cast<double>(quanta_per_particle);
+double particles(Sum q) { return static_cast<double>(q) / quanta; }
+
+/// Where in the sums one screen's tallies stand, and for which points.
+struct ScreenTally {
+  int part;
+  ScreenSums layout;
+  std::size_t at;
+  const std::vector<int>* points;
+};
+struct LevelTally {
+  int part;
+  int levels;
+  std::size_t at;
+  const std::vector<int>* points;
+};
+struct FateTally {
+  Fate fate;
+  int part;  // no_part where it does not apply
+  std::size_t at;
+  const std::vector<int>* points;
+};
+constexpr int no_part = -2;
+
+/// Every tally of a plan, found by walking its trees.
+struct Tallies {
+  std::vector<ScreenTally> screens;
+  std::vector<LevelTally> levels;
+  std::vector<FateTally> fates;
+
+  explicit Tallies(const Plan& plan) {
+    for (const PlanTree& tree : plan.trees)
+      for (const PlanNode& node : tree.next) visit(node);
+  }
+
+ private:
+  void visit(const PlanNode& node) {
+    std::visit([&](const auto& stage) { add(stage, node); }, node.stage);
+    for (const PlanNode& next : node.next) visit(next);
+  }
+  void add(const Drift&, const PlanNode&) {}
+  void add(const Alignment&, const PlanNode&) {}
+  void add(const Passage& passage, const PlanNode& node) {
+    fates.push_back({Fate::stopped, passage.part, node.sums, &node.points});
+  }
+  void add(const Exit&, const PlanNode& node) {
+    fates.push_back({Fate::passed, no_part, node.sums, &node.points});
+  }
+  void add(const SpinStretch& stretch, const PlanNode& node) {
+    levels.push_back({stretch.part, stretch.levels, node.sums, &node.points});
+  }
+  void add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
+  void add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
+    const ScreenSums layout = sums_of(screen);
+    screens.push_back({screen.part, layout, at, &node.points});
+    fates.push_back({Fate::detected, screen.part, at + layout.total(), &node.points});
+  }
+  void add(const TurningRegion& region, const PlanNode& node) {
+    const RegionSums layout{region.zones.size()};
+    fates.push_back({Fate::left_backwards, no_part, node.sums + RegionSums::backwards(), &node.points});
+    fates.push_back({Fate::gave_up, no_part, node.sums + RegionSums::gave_up(), &node.points});
+    for (std::size_t i = 0; i < region.zones.size(); ++i)
+      if (std::isfinite(region.zones[i].wall_radius))
+        fates.push_back({Fate::stopped, region.zones[i].wall_part, node.sums + layout.wall(i), &node.points});
+    std::size_t screen = node.sums + layout.screens();
+    for (std::size_t i = 0; i < region.edges.size(); ++i) {
+      const RegionEdge& edge = region.edges[i];
+      if (edge.kind == EdgeKind::plate)
+        fates.push_back({Fate::stopped, edge.part, node.sums + layout.edge(i), &node.points});
+      if (edge.kind == EdgeKind::screen) {
+        add_screen(edge.screen, screen, node);
+        screen += sums_of(edge.screen).size();
+      }
+    }
+  }
+};
+
+std::string_view name_of(Fate fate) {
+  switch (fate) {
+    case Fate::stopped:
+      return "stopped";
+    case Fate::detected:
+      return "detected";
+    case Fate::passed:
+      return "passed";
+    case Fate::left_backwards:
+      return "left_backwards";
+    case Fate::gave_up:
+      return "gave_up";
+    case Fate::flying:
+      break;
+  }
+  return "flying";
+}
+
+/// Turns the sums of one run into a Result.
+class Finisher {
+ public:
+  Finisher(const Experiment& experiment, const Plan& plan, const Sums& sums)
+      : experiment_(experiment),
+        plan_(plan),
+        sums_(sums),
+        tallies_(plan),
+        points_(static_cast<std::size_t>(plan.points)) {}
+
+  Result finish() {
+    const Beamline& first = experiment_.points.front();
+    result_.title = first.title;
+    result_.axes = experiment_.axes;
+    result_.particles_mode = experiment_.particles;
+    result_.particles = first.particles;
+    result_.seed = first.seed;
+    for (const Beamline& beamline : experiment_.points) {
+      result_.laws.push_back(describe(beamline.law));
+      result_.species.push_back(species_of(beamline));
+    }
+    count_emitted();
+    add_detectors();
+    add_fates();
+    return std::move(result_);
+  }
+
+ private:
+  static std::string species_of(const Beamline& beamline) {
+    if (beamline.species.size() == 1) return beamline.species.front().species.name;
+    std::string text;
+    for (const Component& c : beamline.species) {
+      if (!text.empty()) text += " + ";
+      text += fmt::format("{:g} {}", c.fraction, c.species.name);
+    }
+    return text;
+  }
+
+  void count_emitted() {
+    emitted_.assign(points_, {});
+    for (const PlanTree& tree : plan_.trees)
+      for (const int p : tree.points) {
+        emitted_[static_cast<std::size_t>(p)].q += sums_[tree.sums];
+        emitted_[static_cast<std::size_t>(p)].q2 += sums_[tree.sums + 1];
+      }
+    for (const Moments& m : emitted_) {
+      result_.emitted.push_back(particles(m.q));
+      result_.emitted_quanta_high.push_back(static_cast<std::uint64_t>(m.q >> 64));
+      result_.emitted_quanta_low.push_back(static_cast<std::uint64_t>(m.q));
+    }
+    const Aperture& target = plan_.trees.front().source.target;
+    if (plan_.trees.front().source.direction == DirectionKind::aimed) {
+      const double area = target.radius >= 0 ? std::numbers::pi * target.radius * target.radius
+                                             : 4 * target.half_x * target.half_z;
+      result_.solid_angle = area / (target.y * target.y);
+    }
+  }
+
+  /// Error of a count of particles: Wilson's where every particle weighs the same, else the standard error.
+  double error_of(const Moments& m, std::size_t point) const {
+    const double n = static_cast<double>(experiment_.points[point].particles);
+    if (m.q2 == m.q * quanta_per_particle) return n * wilson_error(particles(m.q), n);
+    const double q = particles(m.q), q2 = static_cast<double>(m.q2) / (quanta * quanta);
+    return std::sqrt(std::max(0.0, q2 - q * q / n));
+  }
+
+  // ---- detectors ----
+
+  void add_detectors() {
+    const auto& parts = experiment_.points.front().parts;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (!std::holds_alternative<Detector>(parts[i].part)) continue;
+      DetectorResult detector;
+      detector.name = parts[i].placement.name;
+      detector.label = parts[i].placement.label.value_or(detector.name);
+      detector.y = parts[i].placement.at;
+      add_axes(std::get<Detector>(parts[i].part), detector);
+      for (std::size_t p = 0; p < points_; ++p) add_counts(number_of(p, detector.name), p, detector);
+      add_covariance(detector);
+      add_levels(detector);
+      result_.detectors.push_back(std::move(detector));
+    }
+  }
+
+  /// A part's number at a scan point: a scan over `at` may change the order.
+  int number_of(std::size_t point, const std::string& name) const {
+    const auto& parts = experiment_.points[point].parts;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (parts[i].placement.name == name) return static_cast<int>(i);
+    throw std::logic_error("a detector is missing at a scan point");
+  }
+
+  static void add_axes(const Detector& d, DetectorResult& detector) {
+    const auto edges = [](double centre, double extent, std::int64_t bins) {
+      std::vector<double> e;
+      for (std::int64_t i = 0; i <= bins; ++i)
+        e.push_back(centre + extent * (static_cast<double>(i) / static_cast<double>(bins) - 0.5));
+      return e;
+    };
+    detector.x = {"x", edges(d.offset.x, d.width, d.bins.x)};
+    detector.z = {"z", edges(d.offset.z, d.height, d.bins.z)};
+  }
+
+  bool concerns(const std::vector<int>& points, std::size_t p) const {
+    return std::binary_search(points.begin(), points.end(), static_cast<int>(p));
+  }
+
+  void add_counts(int part, std::size_t p, DetectorResult& detector) {
+    const std::size_t nx = detector.x.edges.size() - 1, nz = detector.z.edges.size() - 1;
+    std::vector<Moments> bins(nx * nz), along_x(nx), along_z(nz);
+    Moments total;
+    std::vector<double> groups(group_count, 0.0);
+    for (const ScreenTally& screen : tallies_.screens) {
+      if (screen.part != part || !concerns(*screen.points, p)) continue;
+      const Sum* s = &sums_[screen.at];
+      for (std::size_t b = 0; b < bins.size(); ++b)
+        for (Moments* m : {&bins[b], &along_x[b / nz], &along_z[b % nz], &total}) {
+          m->q += s[screen.layout.bin(b)];
+          m->q2 += s[screen.layout.bin(b) + 1];
+        }
+      for (std::size_t g = 0; g < group_count; ++g) groups[g] += particles(s[screen.layout.group(g)]);
+    }
+    const auto put = [&](const std::vector<Moments>& from, std::vector<double>& counts,
+                         std::vector<double>& errors) {
+      for (const Moments& m : from) {
+        counts.push_back(particles(m.q));
+        errors.push_back(error_of(m, p));
+      }
+    };
+    put(bins, detector.counts, detector.counts_errors);
+    put(along_x, detector.counts_x, detector.counts_x_errors);
+    put(along_z, detector.counts_z, detector.counts_z_errors);
+    const double emitted = particles(emitted_[p].q);
+    detector.detected.push_back(particles(total.q) / emitted);
+    detector.detected_errors.push_back(error_of(total, p) / emitted);
+    groups_[detector.name].push_back(std::move(groups));
+    totals_[detector.name].push_back(total);
+  }
+
+  /// Between points that fly the same particles: from the spread of the groups around the mean. The groups
+  /// differ in size by one particle at most, and that is taken into account.
+  void add_covariance(DetectorResult& detector) {
+    constexpr std::size_t most_points = 2048;
+    if (points_ < 2 || points_ > most_points || experiment_.particles != ScanParticles::shared) return;
+    std::vector<std::vector<double>> deviations = groups_[detector.name];
+    for (std::size_t p = 0; p < points_; ++p) {
+      const std::uint64_t n = experiment_.points[p].particles;
+      for (std::size_t g = 0; g < group_count; ++g) {
+        const std::uint64_t size = n / group_count + (g < n % group_count ? 1 : 0);
+        const double mean = particles(totals_[detector.name][p].q) / static_cast<double>(n);
+        deviations[p][g] = (deviations[p][g] - mean * static_cast<double>(size)) / particles(emitted_[p].q);
+      }
+    }
+    detector.detected_covariance.resize(points_ * points_);
+    for (std::size_t a = 0; a < points_; ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        double sum = 0;
+        for (std::size_t g = 0; g < group_count; ++g) sum += deviations[a][g] * deviations[b][g];
+        sum *= static_cast<double>(group_count) / (group_count - 1);
+        detector.detected_covariance[a * points_ + b] = detector.detected_covariance[b * points_ + a] = sum;
+      }
+  }
+
+  // ---- levels ----
+
+  static std::vector<std::string> labels_of(const Beamline& beamline, std::size_t levels) {
+    if (!std::holds_alternative<QuantumLaw>(beamline.law)) return {"(1 + S_z)/2", "(1 - S_z)/2"};
+    std::vector<std::string> labels;
+    const int twice = static_cast<int>(levels) - 1;
+    for (int k = 0; k <= twice; ++k) {
+      const int m = twice - 2 * k;
+      labels.push_back(twice % 2 == 0 ? fmt::format("m = {:+d}", m / 2) : fmt::format("m = {:+d}/2", m));
+    }
+    return labels;
+  }
+
+  void add_levels(DetectorResult& detector) {
+    std::size_t levels = 0;
+    for (const LevelTally& tally : tallies_.levels)
+      levels = std::max(levels, static_cast<std::size_t>(tally.levels));
+    bool one_kind = true;
+    for (const LevelTally& tally : tallies_.levels)
+      one_kind = one_kind && static_cast<std::size_t>(tally.levels) == levels;
+    detector.level_labels =
+        one_kind ? labels_of(experiment_.points.front(), levels) : std::vector<std::string>{};
+    for (std::size_t k = detector.level_labels.size(); k < levels; ++k)
+      detector.level_labels.push_back(fmt::format("level {} from above", k));
+    for (std::size_t p = 0; p < points_; ++p) {
+      std::vector<Moments> found(levels);
+      const int part = number_of(p, detector.name);
+      for (const LevelTally& tally : tallies_.levels)
+        if (tally.part == part && concerns(*tally.points, p))
+          for (std::size_t k = 0; k < static_cast<std::size_t>(tally.levels); ++k) {
+            found[k].q += sums_[tally.at + 2 * k];
+            found[k].q2 += sums_[tally.at + 2 * k + 1];
+          }
+      const Moments& all = totals_[detector.name][p];
+      for (const Moments& m : found) {
+        const double fraction = static_cast<double>(m.q) / static_cast<double>(all.q);
+        const double spread = static_cast<double>(m.q2) - fraction * fraction * static_cast<double>(all.q2);
+        detector.levels.push_back(fraction);
+        detector.levels_errors.push_back(std::sqrt(std::max(0.0, spread)) / static_cast<double>(all.q));
+      }
+    }
+  }
+
+  // ---- fates ----
+
+  void add_fates() {
+    std::map<std::pair<std::string, std::string>, std::vector<Sum>> ledger;
+    for (const FateTally& tally : tallies_.fates)
+      for (const int p : *tally.points) {
+        const auto point = static_cast<std::size_t>(p);
+        const std::string where =
+            tally.part == chamber_number ? "chamber"
+            : tally.part == no_part
+                ? ""
+                : experiment_.points[point].parts[static_cast<std::size_t>(tally.part)].placement.name;
+        auto& row = ledger[{std::string(name_of(tally.fate)), where}];
+        row.resize(points_);
+        row[point] += sums_[tally.at];
+      }
+    std::vector<Sum> all(points_);
+    for (const auto& [key, row] : ledger) {
+      FateResult fate{key.first, key.second, {}, {}, {}};
+      for (std::size_t p = 0; p < points_; ++p) {
+        fate.quanta_high.push_back(static_cast<std::uint64_t>(row[p] >> 64));
+        fate.quanta_low.push_back(static_cast<std::uint64_t>(row[p]));
+        fate.particles.push_back(particles(row[p]));
+        all[p] += row[p];
+      }
+      result_.fates.push_back(std::move(fate));
+    }
+    for (std::size_t p = 0; p < points_; ++p)
+      if (all[p] != emitted_[p].q)
+        throw std::logic_error(
+            fmt::format("the fates of scan point {} do not add up to what was emitted", p));
+  }
+
+  const Experiment& experiment_;
+  const Plan& plan_;
+  const Sums& sums_;
+  const Tallies tallies_;
+  const std::size_t points_;
+  std::vector<Moments> emitted_;                                    // [points]
+  std::map<std::string, std::vector<std::vector<double>>> groups_;  // detector: [points][groups], particles
+  std::map<std::string, std::vector<Moments>> totals_;              // detector: [points]
+  Result result_;
+};
+
+}  // namespace
+
+double wilson_error(double k, double n) {
+  const double p = k / n;
+  return std::sqrt(p * (1 - p) / n + 1 / (4 * n * n)) / (1 + 1 / n);
+}
+
+Result finish(const Experiment& experiment, const Plan& plan, const Sums& sums) {
+  return Finisher(experiment, plan, sums).finish();
+}
+
+}  // namespace rabiline

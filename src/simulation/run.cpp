@@ -1,0 +1,142 @@
+#include "simulation/run.hpp"
+
+#include <omp.h>
+
+#include <chrono>
+#include <exception>
+#include <mutex>
+
+#include "simulation/units.hpp"
+#include "simulation/walk.hpp"
+
+namespace rabiline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// What one thread has done. The lock is held while a unit is under way, so that a snapshot sees whole units
+/// only.
+struct Share {
+  std::mutex lock;
+  Sums sums;
+  Intervals finished;
+};
+
+Sums sums_of(const Snapshot& snapshot) {
+  Sums sums(snapshot.sums_low.size());
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sums[i] = (static_cast<Sum>(snapshot.sums_high[i]) << 64) | snapshot.sums_low[i];
+  return sums;
+}
+
+/// One run: threads take units until none is left or somebody asks to stop.
+class Runner {
+ public:
+  Runner(const Plan& plan, const RunOptions& options)
+      : plan_(plan),
+        options_(options),
+        units_(plan, options.most_unit_cost),
+        shares_(static_cast<std::size_t>(options.threads)) {
+    for (Share& share : shares_) share.sums.resize(plan.sums);
+    if (options.start != nullptr) {
+      before_ = Intervals(options.start->finished);
+      sums_before_ = sums_of(*options.start);
+    } else {
+      sums_before_.resize(plan.sums);
+    }
+    finished_units_ = before_.size();
+  }
+
+  RunOutcome run() {
+#pragma omp parallel num_threads(options_.threads)
+    work(shares_[static_cast<std::size_t>(omp_get_thread_num())], omp_get_thread_num() == 0);
+    if (error_) std::rethrow_exception(error_);
+    const bool finished = finished_units_ == units_.count();
+    if (!finished && options_.snapshot) options_.snapshot(snapshot());
+    return {std::move(collect().first), finished};
+  }
+
+ private:
+  bool stopped() const { return failed_ || (options_.stop != nullptr && *options_.stop); }
+
+  /// One thread's loop. No exception leaves it.
+  void work(Share& share, bool reports) {
+    try {
+      Walker walker(kernels_for(options_.isa), options_.batch);
+      for (std::uint64_t number = next_++; number < units_.count() && !stopped(); number = next_++) {
+        if (before_.contains(number)) continue;
+        {
+          const std::lock_guard guard(share.lock);
+          const Unit unit = units_.unit(number);
+          walker.fly(plan_.trees[unit.tree], unit.first, unit.last, share.sums);
+          share.finished.insert(number);
+        }
+        ++finished_units_;
+        if (reports) report();
+      }
+    } catch (...) {
+      const std::lock_guard guard(error_lock_);
+      error_ = std::current_exception();
+      failed_ = true;
+    }
+  }
+
+  void report() {
+    const double seconds = seconds_since(start_);
+    if (options_.progress && seconds >= next_progress_) {
+      const double all = static_cast<double>(units_.count()),
+                   done = static_cast<double>(finished_units_) / all;
+      const double done_now = done - static_cast<double>(before_.size()) / all;
+      options_.progress({done, seconds, done_now > 0 ? seconds * (1 - done) / done_now : 0});
+      next_progress_ = seconds + 0.2;
+    }
+    if (options_.snapshot && seconds >= next_snapshot_) {
+      options_.snapshot(snapshot());
+      next_snapshot_ = seconds_since(start_) + options_.snapshot_seconds;
+    }
+  }
+
+  /// Sums and units of all threads and of the runs before.
+  std::pair<Sums, Intervals> collect() {
+    std::pair<Sums, Intervals> all{sums_before_, before_};
+    for (Share& share : shares_) {
+      const std::lock_guard guard(share.lock);
+      add(all.first, share.sums);
+      all.second.insert(share.finished);
+    }
+    return all;
+  }
+
+  Snapshot snapshot() {
+    const auto [sums, finished] = collect();
+    Snapshot snapshot;
+    snapshot.finished = finished.list();
+    for (const Sum sum : sums) {
+      snapshot.sums_high.push_back(static_cast<std::uint64_t>(sum >> 64));
+      snapshot.sums_low.push_back(static_cast<std::uint64_t>(sum));
+    }
+    return snapshot;
+  }
+
+  const Plan& plan_;
+  const RunOptions& options_;
+  const Units units_;
+  std::vector<Share> shares_;
+  Intervals before_;
+  Sums sums_before_;
+  std::atomic<std::uint64_t> next_{0}, finished_units_{0};
+  std::atomic<bool> failed_{false};
+  std::mutex error_lock_;
+  std::exception_ptr error_;
+  const Clock::time_point start_ = Clock::now();
+  double next_progress_ = 0.5, next_snapshot_ = options_.snapshot_seconds;
+};
+
+}  // namespace
+
+RunOutcome run(const Plan& plan, const RunOptions& options) { return Runner(plan, options).run(); }
+
+}  // namespace rabiline

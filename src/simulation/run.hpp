@@ -1,0 +1,40 @@
+#pragma once
+// The loop over blocks of particles, on all threads, with progress and snapshots. Knows no files.
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "plan/plan.hpp"
+#include "simulation/snapshot.hpp"
+
+namespace rabiline {
+
+struct Progress {
+  double done = 0;          // fraction of the work
+  double seconds = 0;       // since this run began
+  double seconds_left = 0;  // estimate
+};
+
+struct RunOptions {
+  int threads = 1;
+  Isa isa = Isa::baseline;
+  int batch = Batch::capacity;              // particles that go through the loops together; a multiple of 8
+  double most_unit_cost = 0.025;            // [s] estimated; a unit never is less than 8 particles
+  const std::atomic<bool>* stop = nullptr;  // looked at between units
+  std::function<void(const Progress&)> progress;  // from one thread, a few times a second
+  std::function<void(const Snapshot&)> snapshot;  // from one thread, every snapshot_seconds and when stopped
+  double snapshot_seconds = 60;
+  const Snapshot* start = nullptr;  // goes on from here
+};
+
+/// What a run leaves: its sums, and whether all units are in them.
+struct RunOutcome {
+  Sums sums;
+  bool finished = false;
+};
+
+/// Flies every particle of the plan through its tree. The sums are the same bits for any number of threads,
+/// any batch size, any instruction set, and however often the run was stopped and went on.
+RunOutcome run(const Plan&, const RunOptions&);
+
+}  // namespace rabiline

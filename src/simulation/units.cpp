@@ -1,0 +1,69 @@
+#include "simulation/units.hpp"
+
+#include <algorithm>
+
+namespace rabiline {
+
+Units::Units(const Plan& plan, double most_cost) : plan_(plan), begin_{0} {
+  for (const PlanTree& tree : plan.trees) {
+    std::uint64_t block = 8;
+    while (block < 65536 && 2 * static_cast<double>(block) * tree.cost <= most_cost) block *= 2;
+    block_.push_back(block);
+    begin_.push_back(begin_.back() + (tree.last - tree.first + block - 1) / block);
+  }
+}
+
+Unit Units::unit(std::uint64_t number) const {
+  const auto after = std::upper_bound(begin_.begin(), begin_.end(), number);
+  const auto tree = static_cast<std::size_t>(after - begin_.begin()) - 1;
+  const std::uint64_t first = plan_.trees[tree].first + (number - begin_[tree]) * block_[tree];
+  return {tree, first, std::min(first + block_[tree], plan_.trees[tree].last)};
+}
+
+void Intervals::insert(std::uint64_t number) {
+  const auto next =
+      std::upper_bound(intervals_.begin(), intervals_.end(), number,
+                       [](std::uint64_t n, const auto& interval) { return n < interval.first; });
+  const bool joins_next = next != intervals_.end() && next->first == number + 1;
+  if (next != intervals_.begin()) {
+    const auto previous = next - 1;
+    if (previous->second > number) return;
+    if (previous->second == number) {
+      previous->second = joins_next ? next->second : number + 1;
+      if (joins_next) intervals_.erase(next);
+      return;
+    }
+  }
+  if (joins_next)
+    next->first = number;
+  else
+    intervals_.insert(next, {number, number + 1});
+}
+
+void Intervals::insert(const Intervals& other) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> all = intervals_, merged;
+  all.insert(all.end(), other.intervals_.begin(), other.intervals_.end());
+  std::sort(all.begin(), all.end());
+  for (const auto& interval : all) {
+    if (!merged.empty() && interval.first <= merged.back().second)
+      merged.back().second = std::max(merged.back().second, interval.second);
+    else
+      merged.push_back(interval);
+  }
+  intervals_ = std::move(merged);
+}
+
+bool Intervals::contains(std::uint64_t number) const {
+  const auto next =
+      std::upper_bound(intervals_.begin(), intervals_.end(), number,
+                       [](std::uint64_t n, const auto& interval) { return n < interval.first; });
+  return next != intervals_.begin() && (next - 1)->second > number;
+}
+
+std::uint64_t Intervals::size() const {
+  std::uint64_t sum = 0;
+  for (const auto& [begin, end] : intervals_) sum += end - begin;
+  return sum;
+}
+
+}  // namespace rabiline

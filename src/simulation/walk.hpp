@@ -1,0 +1,24 @@
+#pragma once
+// One block of particles through one tree of the plan.
+#include "plan/plan.hpp"
+
+namespace rabiline {
+
+/// Batches for the depth of a tree: a fork flies each branch but the last with a copy.
+class Walker {
+ public:
+  Walker(const Kernels& kernels, int batch_size) : kernels_(kernels), batch_size_(batch_size) {}
+
+  /// Particles [first, last) of the tree, summed into `sums` (the plan's).
+  void fly(const PlanTree&, std::uint64_t first, std::uint64_t last, Sums& sums);
+
+ private:
+  void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
+  Batch& batch(std::size_t depth);
+
+  const Kernels& kernels_;
+  int batch_size_;
+  std::vector<std::unique_ptr<Batch>> batches_;
+};
+
+}  // namespace rabiline

@@ -1,0 +1,18 @@
+#pragma once
+// Snapshots on disk, so that a run that was killed goes on with the same bits.
+// The file is HDF5 behind a user block of 512 bytes with the length and checksum of all that follows.
+#include <filesystem>
+
+#include "simulation/snapshot.hpp"
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+
+/// Writes the file wholly and verified, or throws StorageError and leaves an earlier one intact.
+void write_checkpoint(const Snapshot&, const std::filesystem::path&);
+
+/// Reads what write_checkpoint wrote. Throws StorageError where the file is damaged or is not a checkpoint; a
+/// file made by somebody else can at worst be refused.
+Snapshot read_checkpoint(const std::filesystem::path&);
+
+}  // namespace rabiline

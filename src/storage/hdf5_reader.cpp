@@ -1,0 +1,109 @@
+#include "storage/hdf5_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rabiline::hdf5 {
+namespace {
+
+[[noreturn]] void refuse(const std::string& where, std::string_view why) {
+  throw StorageError(fmt::format("{}: refused ({})", where, why));
+}
+
+/// Our own chunks hold 1 MiB, or one text where that is longer.
+constexpr hsize_t largest_chunk = 64 << 20;
+
+Handle open_without_plugins(const std::filesystem::path& path) {
+  silence();
+  check(H5PLset_loading_state(0), path.string());
+  return open_file(path.c_str(), path.string());
+}
+
+void require_known_filters(hid_t properties, const std::string& where) {
+  const int filters = check(H5Pget_nfilters(properties), where);
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(properties, static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, &config);
+    if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_FLETCHER32) {
+      refuse(where, "it is packed by an unknown filter");
+    }
+  }
+}
+
+/// Virtual and external datasets name other files, which whoever made this file may not be allowed to read.
+void require_own_storage(hid_t dataset, std::size_t element_size, const std::string& where) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose, where);
+  const H5D_layout_t layout = check(H5Pget_layout(properties.id()), where);
+  if (layout == H5D_VIRTUAL) refuse(where, "it is a virtual dataset");
+  if (check(H5Pget_external_count(properties.id()), where) != 0)
+    refuse(where, "its data lie in another file");
+  require_known_filters(properties.id(), where);
+  if (layout != H5D_CHUNKED) return;
+  hsize_t chunk = 0;
+  if (check(H5Pget_chunk(properties.id(), 1, &chunk), where) != 1) refuse(where, "it is not one-dimensional");
+  if (element_size > largest_chunk || chunk > largest_chunk / element_size)
+    refuse(where, "its chunks are too large");
+}
+
+/// The number of elements of a one-dimensional dataset that fits the limit.
+std::size_t length_within(hid_t dataset, std::size_t limit, const std::string& where) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, where);
+  hsize_t length = 0;
+  if (check(H5Sget_simple_extent_ndims(space.id()), where) != 1) refuse(where, "it is not one-dimensional");
+  check(H5Sget_simple_extent_dims(space.id(), &length, nullptr), where);
+  if (length > limit) refuse(where, fmt::format("it is too long: {} where {} is the most", length, limit));
+  return static_cast<std::size_t>(length);
+}
+
+}  // namespace
+
+FileReader::FileReader(const std::filesystem::path& path)
+    : file_name_(path.string()), file_(open_without_plugins(path)) {}
+
+std::string FileReader::where(const std::string& name) const {
+  return fmt::format("{}: /{}", file_name_, name);
+}
+
+Handle FileReader::open_dataset(const std::string& name) const {
+  const std::string place = where(name);
+  H5L_info_t link;
+  check(H5Lget_info(file_.id(), name.c_str(), &link, H5P_DEFAULT), place);
+  if (link.type != H5L_TYPE_HARD) refuse(place, "it is a link to somewhere else");
+  return {H5Dopen2(file_.id(), name.c_str(), H5P_DEFAULT), H5Dclose, place};
+}
+
+std::vector<std::uint64_t> FileReader::numbers(const std::string& name, std::size_t most_numbers) const {
+  const std::string place = where(name);
+  const Handle dataset = open_dataset(name), type(H5Dget_type(dataset.id()), H5Tclose, place);
+  if (check(H5Tequal(type.id(), H5T_STD_U64LE), place) == 0)
+    refuse(place, "it does not hold 64-bit unsigned integers");
+  require_own_storage(dataset.id(), sizeof(std::uint64_t), place);
+  std::vector<std::uint64_t> values(length_within(dataset.id(), most_numbers, place));
+  check(H5Dread(dataset.id(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
+  return values;
+}
+
+std::vector<std::string> FileReader::texts(const std::string& name, std::size_t most_bytes) const {
+  const std::string place = where(name);
+  const Handle dataset = open_dataset(name), type(H5Dget_type(dataset.id()), H5Tclose, place);
+  const std::size_t size = H5Tget_size(type.id());
+  if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), place) != 0 ||
+      size == 0) {
+    refuse(place, "it does not hold texts of fixed size");
+  }
+  require_own_storage(dataset.id(), size, place);
+  std::string bytes(length_within(dataset.id(), most_bytes / size, place) * size, '\0');
+  const Handle memory = fixed_text(size, place);
+  check(H5Dread(dataset.id(), memory.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), place);
+  std::vector<std::string> texts;
+  for (std::size_t begin = 0; begin < bytes.size(); begin += size) {
+    const std::string padded = bytes.substr(begin, size);
+    texts.push_back(padded.substr(0, padded.find_last_not_of('\0') + 1));
+  }
+  return texts;
+}
+
+}  // namespace rabiline::hdf5

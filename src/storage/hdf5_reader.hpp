@@ -1,0 +1,30 @@
+#pragma once
+// Reads HDF5 files that may come from anybody: nothing outside the file is opened, nothing is allocated
+// before its size was found to be reasonable.
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "storage/hdf5_handles.hpp"
+
+namespace rabiline::hdf5 {
+
+class FileReader {
+ public:
+  explicit FileReader(const std::filesystem::path&);
+
+  /// One-dimensional datasets in the root group, written by GroupWriter. Throws StorageError where the
+  /// dataset is missing, is of another kind, is larger than the limit, or lies outside the file in any way.
+  std::vector<std::uint64_t> numbers(const std::string& name, std::size_t most_numbers) const;
+  std::vector<std::string> texts(const std::string& name, std::size_t most_bytes) const;
+
+ private:
+  Handle open_dataset(const std::string& name) const;
+  std::string where(const std::string& name) const;
+
+  std::string file_name_;
+  Handle file_;
+};
+
+}  // namespace rabiline::hdf5

@@ -1,0 +1,246 @@
+#include "storage/hdf5_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <numeric>
+
+#include "storage/digest.hpp"
+#include "storage/safe_file.hpp"
+
+namespace rabiline::hdf5 {
+namespace {
+
+constexpr std::size_t mebibyte = 1 << 20;
+
+std::size_t count_of(const Shape& shape) {
+  return std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
+}
+
+/// Chunks of at most 1 MiB, HDF5's chunk cache. The slowest dimensions are cut first, so a chunk holds whole
+/// images.
+std::vector<hsize_t> chunk_of(const Shape& shape, std::size_t element_size) {
+  Shape chunk = shape;
+  for (std::size_t& length : chunk) {
+    const std::size_t others = count_of(chunk) / length * element_size;
+    length = std::clamp<std::size_t>(mebibyte / others, 1, length);
+  }
+  return {chunk.begin(), chunk.end()};
+}
+
+Handle dataspace(const Shape& shape, const std::string& where) {
+  if (shape.empty()) return {H5Screate(H5S_SCALAR), H5Sclose, where};
+  const std::vector<hsize_t> dims(shape.begin(), shape.end());
+  return {H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose, where};
+}
+
+Handle creation_properties(const Shape& shape, std::size_t element_size, const std::string& where) {
+  Handle properties = property_list(H5P_DATASET_CREATE, where);
+  check(H5Pset_obj_track_times(properties.id(), false), where);
+  if (shape.empty() || count_of(shape) == 0) return properties;
+  const std::vector<hsize_t> chunk = chunk_of(shape, element_size);
+  check(H5Pset_chunk(properties.id(), static_cast<int>(chunk.size()), chunk.data()), where);
+  check(H5Pset_shuffle(properties.id()), where);
+  check(H5Pset_deflate(properties.id(), 4), where);
+  check(H5Pset_fletcher32(properties.id()), where);
+  return properties;
+}
+
+void write_attribute(hid_t object, const std::string& name, hid_t type, const Shape& shape, const void* data,
+                     const std::string& where) {
+  const Handle space = dataspace(shape, where);
+  Handle attribute(H5Acreate2(object, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                   where);
+  check(H5Awrite(attribute.id(), type, data), where);
+  attribute.close(where);
+}
+
+void write_text_attribute(hid_t object, const std::string& name, std::string_view value,
+                          const std::string& where) {
+  const std::string ended(value);
+  const char* const pointer = ended.c_str();
+  write_attribute(object, name, variable_text(where).id(), {}, &pointer, where);
+}
+
+Shape shape_of(hid_t dataset, const std::string& where) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, where);
+  std::vector<hsize_t> dims(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space.id()), where)));
+  check(H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr), where);
+  return {dims.begin(), dims.end()};
+}
+
+/// Reads slab after slab of the slowest dimension, so that memory stays small.
+std::uint64_t digest_of_dataset(hid_t file, const std::string& path, const std::string& where) {
+  const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, where);
+  const Handle file_type(H5Dget_type(dataset.id()), H5Tclose, where);
+  const Handle type(H5Tget_native_type(file_type.id(), H5T_DIR_DEFAULT), H5Tclose, where);
+  const Shape shape = shape_of(dataset.id(), where);
+  if (count_of(shape) == 0) return digest_of_nothing;
+
+  const std::size_t rows = shape.empty() ? 1 : shape[0];
+  const std::size_t row_size = count_of(shape) / rows * H5Tget_size(type.id());
+  const std::size_t step = std::clamp<std::size_t>(16 * mebibyte / row_size, 1, rows);
+  std::vector<std::byte> buffer(step * row_size);
+  std::uint64_t result = digest_of_nothing;
+  for (std::size_t row = 0; row < rows; row += step) {
+    Shape slab = shape;
+    if (!slab.empty()) slab[0] = std::min(step, rows - row);
+    const Handle memory = dataspace(slab, where), selected = dataspace(shape, where);
+    if (!slab.empty()) {
+      std::vector<hsize_t> start(shape.size(), 0);
+      start[0] = row;
+      const std::vector<hsize_t> count(slab.begin(), slab.end());
+      check(H5Sselect_hyperslab(selected.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+            where);
+    }
+    check(H5Dread(dataset.id(), type.id(), memory.id(), selected.id(), H5P_DEFAULT, buffer.data()), where);
+    result = digest(std::span(buffer).first(row_size * (slab.empty() ? 1 : slab[0])), result);
+  }
+  return result;
+}
+
+/// The texts one behind the other, each padded to the longest.
+struct PackedTexts {
+  std::size_t size = 1;
+  std::string bytes;
+};
+PackedTexts pack(std::span<const std::string> texts) {
+  PackedTexts packed;
+  for (const std::string& text : texts) packed.size = std::max(packed.size, text.size());
+  packed.bytes.reserve(packed.size * texts.size());
+  for (const std::string& text : texts) packed.bytes.append(text).append(packed.size - text.size(), '\0');
+  return packed;
+}
+
+/// Metadata in the format of HDF5 1.8 (2008), the first that checksums it, and nothing newer.
+Handle memory_file(const std::string& name) {
+  silence();
+  const Handle access = property_list(H5P_FILE_ACCESS, name), creation = property_list(H5P_FILE_CREATE, name);
+  check(H5Pset_fapl_core(access.id(), mebibyte, false), name);
+  check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18), name);
+  check(H5Pset_obj_track_times(creation.id(), false), name);
+  return {H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose, name};
+}
+
+}  // namespace
+
+GroupWriter::GroupWriter(Handle group, std::string file, std::string path, std::vector<Written>& written)
+    : group_(std::move(group)), file_(std::move(file)), path_(std::move(path)), written_(written) {}
+
+std::string GroupWriter::where(const std::string& name) const {
+  return fmt::format("{}: {}/{}", file_, path_, name);
+}
+
+GroupWriter GroupWriter::group(const std::string& name, std::string_view nx_class) const {
+  const Handle properties = property_list(H5P_GROUP_CREATE, where(name));
+  check(H5Pset_obj_track_times(properties.id(), false), where(name));
+  Handle handle(H5Gcreate2(group_.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose,
+                where(name));
+  GroupWriter made(std::move(handle), file_, path_ + "/" + name, written_);
+  if (!nx_class.empty()) made.attribute("NX_class", nx_class);
+  return made;
+}
+
+void GroupWriter::attribute(const std::string& name, std::string_view value) const {
+  write_text_attribute(group_.id(), name, value, where("@" + name));
+}
+
+void GroupWriter::attribute(const std::string& name, const std::vector<std::string>& values) const {
+  std::vector<const char*> pointers;
+  for (const std::string& value : values) pointers.push_back(value.c_str());
+  const std::string place = where("@" + name);
+  write_attribute(group_.id(), name, variable_text(place).id(), {values.size()}, pointers.data(), place);
+}
+
+void GroupWriter::attribute(const std::string& name, std::uint64_t value) const {
+  write_attribute(group_.id(), name, H5T_NATIVE_UINT64, {}, &value, where("@" + name));
+}
+
+void GroupWriter::write(const std::string& name, const Shape& shape, const Elements& elements,
+                        const Attributes& attributes) const {
+  const std::string place = where(name);
+  if (elements.count != count_of(shape)) {
+    throw StorageError(fmt::format("{}: {} values where {} belong", place, elements.count, count_of(shape)));
+  }
+  const Handle space = dataspace(shape, place), properties = creation_properties(shape, elements.size, place);
+  Handle dataset(H5Dcreate2(group_.id(), name.c_str(), elements.file_type, space.id(), H5P_DEFAULT,
+                            properties.id(), H5P_DEFAULT),
+                 H5Dclose, place);
+  for (const auto& [key, value] : attributes) write_text_attribute(dataset.id(), key, value, place);
+  check(H5Dwrite(dataset.id(), elements.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, elements.data), place);
+  dataset.close(place);
+  const std::span bytes(static_cast<const std::byte*>(elements.data), elements.count * elements.size);
+  written_.push_back({path_ + "/" + name, digest(bytes)});
+}
+
+void GroupWriter::dataset(const std::string& name, const Shape& shape, std::span<const double> values,
+                          const Attributes& attributes) const {
+  write(name, shape, {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, sizeof(double), values.size(), values.data()},
+        attributes);
+}
+
+void GroupWriter::dataset(const std::string& name, const Shape& shape, std::span<const std::uint64_t> values,
+                          const Attributes& attributes) const {
+  write(name, shape, {H5T_NATIVE_UINT64, H5T_STD_U64LE, sizeof(std::uint64_t), values.size(), values.data()},
+        attributes);
+}
+
+void GroupWriter::dataset(const std::string& name, const Shape& shape, std::span<const std::string> values,
+                          const Attributes& attributes) const {
+  const PackedTexts packed = pack(values);
+  const Handle type = fixed_text(packed.size, where(name));
+  write(name, shape, {type.id(), type.id(), packed.size, values.size(), packed.bytes.data()}, attributes);
+}
+
+void GroupWriter::text(const std::string& name, const std::string& value,
+                       const Attributes& attributes) const {
+  dataset(name, {}, std::span(&value, 1), attributes);
+}
+
+void GroupWriter::number(const std::string& name, double value, const Attributes& attributes) const {
+  dataset(name, {}, std::span(&value, 1), attributes);
+}
+
+void GroupWriter::number(const std::string& name, std::uint64_t value, const Attributes& attributes) const {
+  dataset(name, {}, std::span(&value, 1), attributes);
+}
+
+void GroupWriter::link(const std::string& name, const std::string& target) const {
+  check(H5Lcreate_hard(group_.id(), target.c_str(), group_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+        where(name));
+}
+
+FileWriter::FileWriter(std::filesystem::path target)
+    : target_(std::move(target)), file_(memory_file(target_.string())) {}
+
+GroupWriter FileWriter::root() {
+  return {Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, target_.string()), target_.string(), "",
+          *written_};
+}
+
+std::vector<std::byte> FileWriter::image(std::size_t room) const {
+  const std::string name = target_.string();
+  check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name);
+  const ssize_t size = check(H5Fget_file_image(file_.id(), nullptr, 0), name);
+  std::vector<std::byte> bytes(room + static_cast<std::size_t>(size));
+  check(H5Fget_file_image(file_.id(), bytes.data() + room, static_cast<std::size_t>(size)), name);
+  return bytes;
+}
+
+void FileWriter::verify(const std::filesystem::path& path) const {
+  const Handle file = open_file(path.c_str(), target_.string());
+  for (const Written& written : *written_) {
+    const std::string where = fmt::format("{}: {}", target_.string(), written.path);
+    if (digest_of_dataset(file.id(), written.path, where) != written.digest) {
+      throw StorageError(fmt::format("{}: reads back other than it was written; check the disk", where));
+    }
+  }
+}
+
+void FileWriter::save() const {
+  replace_file(target_, image(0), [this](const std::filesystem::path& temporary) { verify(temporary); });
+}
+
+}  // namespace rabiline::hdf5

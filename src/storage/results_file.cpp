@@ -1,0 +1,260 @@
+#include "storage/results_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "core/units.hpp"
+#include "storage/nexus.hpp"
+
+namespace rabiline {
+namespace {
+
+using hdf5::GroupWriter;
+using hdf5::Shape;
+using nexus::Axis;
+using nexus::Signal;
+
+constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
+
+std::vector<Axis> scan_axes(const Result& result) {
+  nexus::Names names({"detected", "detected_errors", "detected_covariance", "detector_index",
+                      "detector_names", "title", "counts", "counts_errors", "x", "x_edges", "z", "z_edges",
+                      "level_index", "level_index_labels", "levels", "levels_errors"});
+  std::vector<Axis> axes;
+  for (const ScanAxis& scanned : result.axes) {
+    std::string name = scanned.parameter;
+    std::replace(name.begin(), name.end(), '.', '_');
+    name = names.claim(name, {"", "_labels"});
+    if (!scanned.dimension) {
+      axes.push_back(nexus::index_axis(name, scanned.parameter, scanned.labels));
+      axes.back().values = scanned.values;
+    } else {
+      const std::string_view si_unit = si_unit_of(*scanned.dimension);
+      const std::string units(si_unit.empty() ? "1" : si_unit);
+      axes.push_back({name, units, nexus::long_name(scanned.parameter, units), scanned.values, {}, ""});
+    }
+    axes.back().parameter = scanned.parameter;
+  }
+  return axes;
+}
+
+std::size_t count_of_points(const Result& result) {
+  std::size_t points = 1;
+  for (const ScanAxis& axis : result.axes) points *= axis.values.size();
+  return points;
+}
+
+std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) {
+  axes.insert(axes.end(), more.begin(), more.end());
+  return axes;
+}
+
+/// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
+std::vector<std::string> group_names(const Result& result) {
+  nexus::Names names({"title", "program_name", "law", "species", "particles", "solid_angle", "scan",
+                      "instrument", "fates", "simulation"});
+  std::vector<std::string> claimed;
+  for (const DetectorResult& detector : result.detectors) {
+    claimed.push_back(names.claim(detector.name, {"", "_x", "_z", "_levels"}));
+  }
+  return claimed;
+}
+
+const std::string& label_of(const DetectorResult& detector) {
+  return detector.label.empty() ? detector.name : detector.label;
+}
+
+void write_summary(const GroupWriter& entry, const Result& result) {
+  const std::size_t points = count_of_points(result);
+  const std::string per_point = " at each scan point (row-major)";
+  entry.dataset("law", {points}, result.laws, {{"long_name", "law of motion" + per_point}});
+  entry.dataset("species", {points}, result.species, {{"long_name", "species" + per_point}});
+  entry.number("particles", result.particles,
+               {{"units", "1"}, {"long_name", "particles emitted per scan point"}});
+  if (result.solid_angle > 0) {
+    entry.number("solid_angle", result.solid_angle,
+                 {{"units", "sr"}, {"long_name", "solid angle that the source is aimed at (sr)"}});
+  }
+}
+
+/// One quantity of all detectors, one behind the other.
+std::vector<double> joined(const Result& result, std::vector<double> DetectorResult::*quantity) {
+  std::vector<double> all;
+  for (const DetectorResult& detector : result.detectors) {
+    all.insert(all.end(), (detector.*quantity).begin(), (detector.*quantity).end());
+  }
+  return all;
+}
+
+void write_covariance(const GroupWriter& scan, const Result& result) {
+  const std::vector<double> covariance = joined(result, &DetectorResult::detected_covariance);
+  if (covariance.empty()) return;
+  const std::size_t points = count_of_points(result);
+  Shape shape{points, points};
+  if (result.detectors.size() > 1) shape.insert(shape.begin(), result.detectors.size());
+  scan.dataset("detected_covariance", shape, covariance,
+               {{"units", "1"}, {"long_name", "covariance of detected between scan points (row-major)"}});
+}
+
+void write_scan(const GroupWriter& entry, const Result& result) {
+  std::vector<Axis> axes = scan_axes(result);
+  std::string interpretation, of_detector;
+  if (result.detectors.size() > 1) {
+    std::vector<std::string> labels;
+    for (const DetectorResult& detector : result.detectors) labels.push_back(label_of(detector));
+    axes.insert(axes.begin(), nexus::index_axis("detector_index", "detector", labels));
+    axes.front().labels.clear();  // they stand in detector_names
+    interpretation = axes.size() > 2 ? "image" : "spectrum";
+  } else {
+    of_detector = " by " + label_of(result.detectors.front());
+  }
+  const std::vector<double> detected = joined(result, &DetectorResult::detected),
+                            errors = joined(result, &DetectorResult::detected_errors);
+  const GroupWriter scan =
+      nexus::write_data(entry, "scan", result.title,
+                        {"detected", "1", "fraction of emitted particles detected" + of_detector, detected,
+                         errors, interpretation},
+                        axes);
+  std::vector<std::string> names;
+  for (const DetectorResult& detector : result.detectors) names.push_back(detector.name);
+  scan.dataset("detector_names", {names.size()}, names, {{"long_name", "names of the detectors"}});
+  write_covariance(scan, result);
+  entry.attribute("default", "scan");
+}
+
+Axis centres_of(const BinAxis& bins) {
+  Axis axis{bins.name, "m", nexus::long_name(bins.name, "m"), {}, {}, ""};
+  for (std::size_t i = 0; i + 1 < bins.edges.size(); ++i) {
+    axis.values.push_back(0.5 * (bins.edges[i] + bins.edges[i + 1]));
+  }
+  return axis;
+}
+
+void write_edges(const GroupWriter& data, const BinAxis& bins) {
+  data.dataset(bins.name + "_edges", {bins.edges.size()}, bins.edges,
+               {{"units", "m"}, {"long_name", fmt::format("edges of the bins along {} (m)", bins.name)}});
+}
+
+void write_detector(const GroupWriter& entry, const std::string& name, const Result& result,
+                    const DetectorResult& detector) {
+  const std::vector<Axis> scan = scan_axes(result);
+  const Axis x = centres_of(detector.x), z = centres_of(detector.z);
+  const std::string title = fmt::format("{}: {}", result.title, label_of(detector));
+
+  const GroupWriter image = nexus::write_data(
+      entry, name, title,
+      {"counts", "1", "particles per bin", detector.counts, detector.counts_errors, "image"},
+      behind(scan, {x, z}));
+  write_edges(image, detector.x);
+  write_edges(image, detector.z);
+
+  const auto write_histogram = [&](const BinAxis& bins, const Axis& axis, const std::vector<double>& counts,
+                                   const std::vector<double>& errors) {
+    const GroupWriter histogram =
+        nexus::write_data(entry, fmt::format("{}_{}", name, bins.name), title,
+                          {"counts", "1", "particles per bin", counts, errors, ""}, behind(scan, {axis}));
+    write_edges(histogram, bins);
+  };
+  write_histogram(detector.x, x, detector.counts_x, detector.counts_x_errors);
+  write_histogram(detector.z, z, detector.counts_z, detector.counts_z_errors);
+
+  nexus::write_data(entry, name + "_levels", title,
+                    {"levels", "1", "fraction of detected particles in the level", detector.levels,
+                     detector.levels_errors, ""},
+                    behind(scan, {nexus::index_axis("level_index", "level", detector.level_labels)}));
+}
+
+void write_instrument(const GroupWriter& entry, const std::vector<std::string>& names, const Result& result) {
+  const GroupWriter instrument = entry.group("instrument", "NXinstrument");
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const DetectorResult& detector = result.detectors[i];
+    const GroupWriter group = instrument.group(detector.name, "NXdetector");
+    group.number("distance", detector.y, {{"units", "m"}, {"long_name", "distance from the source (m)"}});
+    group.text("local_name", label_of(detector));
+    group.link("data", fmt::format("/entry/{}/counts", names[i]));
+    group.link("data_errors", fmt::format("/entry/{}/counts_errors", names[i]));
+  }
+}
+
+void write_fates(const GroupWriter& entry, const Result& result) {
+  const std::size_t points = count_of_points(result), lines = result.fates.size();
+  std::vector<std::string> fate, where;
+  std::vector<std::uint64_t> high, low;
+  std::vector<double> particles;
+  for (const FateResult& line : result.fates) {
+    fate.push_back(line.fate);
+    where.push_back(line.where);
+    high.insert(high.end(), line.quanta_high.begin(), line.quanta_high.end());
+    low.insert(low.end(), line.quanta_low.begin(), line.quanta_low.end());
+    particles.insert(particles.end(), line.particles.begin(), line.particles.end());
+  }
+  const GroupWriter fates = entry.group("fates", "NXcollection");
+  fates.attribute("quanta_per_particle", quanta_per_particle);
+  fates.attribute("meaning",
+                  "particles by fate (rows) and scan point (columns, row-major); the rows add up to emitted; "
+                  "quanta = high * 2^64 + low");
+  fates.dataset("fate", {lines}, fate, {{"long_name", "what became of the particles"}});
+  fates.dataset("where", {lines}, where, {{"long_name", "the part where it happened"}});
+  fates.dataset("particles", {lines, points}, particles, {{"units", "1"}, {"long_name", "particles"}});
+  fates.dataset("quanta_high", {lines, points}, high,
+                {{"units", "1"}, {"long_name", "quanta, upper 64 bits"}});
+  fates.dataset("quanta_low", {lines, points}, low, {{"units", "1"}, {"long_name", "quanta, lower 64 bits"}});
+  fates.dataset("emitted", {points}, result.emitted, {{"units", "1"}, {"long_name", "particles emitted"}});
+  fates.dataset("emitted_quanta_high", {points}, result.emitted_quanta_high,
+                {{"units", "1"}, {"long_name", "quanta emitted, upper 64 bits"}});
+  fates.dataset("emitted_quanta_low", {points}, result.emitted_quanta_low,
+                {{"units", "1"}, {"long_name", "quanta emitted, lower 64 bits"}});
+}
+
+void write_simulation(const GroupWriter& entry, const Result& result) {
+  const Provenance& provenance = result.provenance;
+  const GroupWriter simulation = entry.group("simulation", "NXprocess");
+  simulation.text("program", "rabiline");
+  simulation.text("version", provenance.version);
+  simulation.text("compiler", provenance.compiler);
+  simulation.text("instruction_set", provenance.instruction_set);
+  simulation.text("host", provenance.host);
+  simulation.number("threads", static_cast<std::uint64_t>(provenance.threads), {{"units", "1"}});
+  simulation.number("seconds", provenance.seconds,
+                    {{"units", "s"}, {"long_name", "time that the run took (s)"}});
+  simulation.text("start_time", provenance.start_time);
+  simulation.text("end_time", provenance.end_time);
+  simulation.text("date", provenance.end_time);
+  simulation.dataset("arguments", {provenance.arguments.size()}, provenance.arguments,
+                     {{"long_name", "the command line"}});
+  simulation.number("seed", result.seed, {{"units", "1"}});
+  for (const auto& choice : choices<ScanParticles>) {
+    if (choice.value != result.particles_mode) continue;
+    simulation.text("particles", std::string(choice.word), {{"long_name", std::string(choice.meaning)}});
+  }
+  for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
+    const GroupWriter note = simulation.group(fmt::format("input_{}", i), "NXnote");
+    note.text("type", "application/yaml");
+    note.text("file_name", provenance.inputs[i].path);
+    note.text("data", provenance.inputs[i].text);
+  }
+}
+
+}  // namespace
+
+void write_results(const Result& result, const std::filesystem::path& path) {
+  hdf5::FileWriter file(path);
+  {
+    const GroupWriter entry =
+        nexus::write_entry(file, path.filename().string(), result.title, result.provenance.version);
+    write_summary(entry, result);
+    if (!result.detectors.empty()) write_scan(entry, result);
+    const std::vector<std::string> names = group_names(result);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      write_detector(entry, names[i], result, result.detectors[i]);
+    write_instrument(entry, names, result);
+    write_fates(entry, result);
+    write_simulation(entry, result);
+  }
+  file.save();
+}
+
+}  // namespace rabiline

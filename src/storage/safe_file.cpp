@@ -1,0 +1,176 @@
+#include "storage/safe_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <random>
+#include <string>
+#include <system_error>
+
+namespace rabiline {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::string words_for(int error) { return std::generic_category().message(error); }
+
+std::string_view suggestion_for(int error) {
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return "free some space or choose another place";
+    case EFBIG:
+      return "raise the limit on file sizes (ulimit -f) or choose another place";
+    case ENAMETOOLONG:
+      return "choose a shorter name";
+    default:
+      return "choose another place";
+  }
+}
+
+[[noreturn]] void refuse(const Path& path, std::string_view why, std::string_view suggestion) {
+  throw StorageError(fmt::format("{}: cannot be written ({}); {}", path.string(), why, suggestion));
+}
+
+[[noreturn]] void refuse(const Path& path, int error) {
+  refuse(path, words_for(error), suggestion_for(error));
+}
+
+Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_path() : Path("."); }
+
+/// Where the bytes go: a link is followed, so that it stays a link.
+Path resolved(const Path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  Path target = std::filesystem::weakly_canonical(path, error);
+  if (error) refuse(path, error.value());
+  return target;
+}
+
+void require_folder(const Path& path) {
+  const Path folder = folder_of(path);
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) {
+    if (errno != ENOENT) refuse(path, errno);
+    refuse(path, fmt::format("the folder {} does not exist", folder.string()),
+           fmt::format("create it with: mkdir -p {}", folder.string()));
+  }
+  if (!S_ISDIR(status.st_mode))
+    refuse(path, fmt::format("{} is not a folder", folder.string()), "choose another place");
+}
+
+/// Refuses what must not be replaced: folders, devices, pipes, write-protected files.
+void require_replaceable(const Path& path) {
+  if (path.empty()) refuse("the output", "its name is empty", "name a file");
+  if (!path.has_filename())
+    refuse(path, "it names a folder", fmt::format("name a file in it, e.g. {}result.h5", path.string()));
+  require_folder(path);
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) {
+    if (errno != ENOENT) refuse(path, errno);
+    return;
+  }
+  if (S_ISDIR(status.st_mode))
+    refuse(path, "it is a folder", fmt::format("name a file in it, e.g. {}", (path / "result.h5").string()));
+  if (!S_ISREG(status.st_mode)) refuse(path, "it is not a regular file", "choose another place");
+  if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
+}
+
+/// A new file beside `target`, removed again unless it became the target.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const Path& target) : target_(target) {
+    std::random_device random;
+    do {
+      path_ = folder_of(target) / fmt::format(".rabiline-{:08x}{:08x}.tmp", random(), random());
+      descriptor_ = ::open(path_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
+    if (descriptor_ < 0) {
+      refuse(target,
+             fmt::format("no file can be created in {}: {}", folder_of(target).string(), words_for(errno)),
+             suggestion_for(errno));
+    }
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!renamed_) ::unlink(path_.c_str());
+  }
+
+  const Path& path() const { return path_; }
+
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) refuse(target_, errno);
+      bytes = bytes.subspan(static_cast<std::size_t>(written));
+    }
+  }
+
+  /// Brings everything to the disk and forgets the cached pages, so that reading back asks the disk.
+  void finish() {
+    keep_mode_of_target();
+    if (::fsync(descriptor_) != 0) refuse(target_, errno);
+    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
+    const int closed = ::close(descriptor_);
+    descriptor_ = -1;
+    if (closed != 0) refuse(target_, errno);
+  }
+
+  void become_target() {
+    if (::rename(path_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
+    renamed_ = true;
+  }
+
+ private:
+  void keep_mode_of_target() {
+    struct stat status {};
+    if (::stat(target_.c_str(), &status) != 0) return;
+    if (::fchmod(descriptor_, status.st_mode & 07777) != 0) refuse(target_, errno);
+  }
+
+  Path target_, path_;
+  int descriptor_ = -1;
+  bool renamed_ = false;
+};
+
+/// Makes the rename itself survive a power cut. Some network file systems cannot, and say EINVAL.
+void flush_folder_of(const Path& target) {
+  const int folder = ::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int error = folder < 0 || ::fsync(folder) != 0 ? errno : 0;
+  if (folder >= 0) ::close(folder);
+  if (error == 0 || error == EINVAL || error == EACCES) return;
+  throw StorageError(fmt::format("{}: was written, but might not survive a power cut ({})", target.string(),
+                                 words_for(error)));
+}
+
+}  // namespace
+
+void require_writable(const Path& path) {
+  const Path target = resolved(path);
+  require_replaceable(target);
+  // A full disk still creates empty files, so the probe holds a page.
+  TemporaryFile probe(target);
+  probe.write(std::array<std::byte, 4096>{});
+  probe.finish();
+}
+
+void replace_file(const Path& path, std::span<const std::byte> content,
+                  const std::function<void(const Path& temporary)>& verify) {
+  const Path target = resolved(path);
+  require_replaceable(target);
+  TemporaryFile file(target);
+  file.write(content);
+  file.finish();
+  verify(file.path());
+  file.become_target();
+  flush_folder_of(target);
+}
+
+}  // namespace rabiline

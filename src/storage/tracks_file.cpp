@@ -1,0 +1,70 @@
+#include "storage/tracks_file.hpp"
+
+#include <fmt/format.h>
+
+#include "storage/nexus.hpp"
+
+namespace rabiline {
+namespace {
+
+using hdf5::GroupWriter;
+
+struct Column {
+  std::string name, units, meaning;
+  std::vector<double> Track::*values;
+};
+
+/// What a track holds beside the plotted x over y.
+const std::vector<Column>& columns() {
+  static const std::vector<Column> all{
+      {"t", "s", "time", &Track::t},
+      {"z", "m", "z", &Track::z},
+      {"vx", "m/s", "velocity along x", &Track::vx},
+      {"vy", "m/s", "velocity along y", &Track::vy},
+      {"vz", "m/s", "velocity along z", &Track::vz},
+      {"sx", "1", "spin direction along x", &Track::sx},
+      {"sy", "1", "spin direction along y", &Track::sy},
+      {"sz", "1", "spin direction along z", &Track::sz},
+  };
+  return all;
+}
+
+std::string describe(const Track& track) {
+  const std::string where = track.where.empty() ? "" : fmt::format(" ({})", track.where);
+  return fmt::format("{} {}: {}{}", track.species, track.particle, track.fate, where);
+}
+
+void write_track(const GroupWriter& entry, const std::string& name, const std::string& title,
+                 const Track& track) {
+  const GroupWriter data = nexus::write_data(entry, name, fmt::format("{}: {}", title, describe(track)),
+                                             {"x", "m", "x (m)", track.x, {}, ""},
+                                             {{"y", "m", "y, along the beam (m)", track.y, {}, ""}});
+  for (const Column& column : columns()) {
+    const std::vector<double>& values = track.*column.values;
+    data.dataset(column.name, {track.y.size()}, values,
+                 {{"units", column.units}, {"long_name", nexus::long_name(column.meaning, column.units)}});
+  }
+  data.attribute("particle", track.particle);
+  data.attribute("species", track.species);
+  data.attribute("fate", track.fate);
+  data.attribute("where", track.where);
+}
+
+}  // namespace
+
+void write_tracks(const std::string& title, const std::vector<Track>& tracks,
+                  const std::filesystem::path& path) {
+  hdf5::FileWriter file(path);
+  {
+    const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, RABILINE_VERSION);
+    nexus::Names names({"title", "program_name"});
+    for (const Track& track : tracks) {
+      const std::string name = names.claim(fmt::format("particle_{}", track.particle), {""});
+      if (&track == &tracks.front()) entry.attribute("default", name);
+      write_track(entry, name, title, track);
+    }
+  }
+  file.save();
+}
+
+}  // namespace rabiline

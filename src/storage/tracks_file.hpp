@@ -1,0 +1,15 @@
+#pragma once
+// Trajectories as one HDF5 file in NeXus base classes: one plot of x against y per particle.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "simulation/result.hpp"
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+
+/// Writes the file wholly and verified, or not at all. Throws StorageError.
+void write_tracks(const std::string& title, const std::vector<Track>&, const std::filesystem::path&);
+
+}  // namespace rabiline

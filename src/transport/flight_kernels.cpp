@@ -1,0 +1,204 @@
+// Straight flight: emission, drifts, openings, screens, alignment.
+#include "transport/kernel_functions.hpp"
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+namespace {
+
+constexpr double two_pi = 6.283185307179586;
+
+real uniform_pair(words particle, const RandomKey& key, unsigned use, unsigned draw, real& second) {
+  real first;
+  uniforms(particle, key.seed, use, draw, key.stream, first, second);
+  return first;
+}
+
+/// Two independent standard normal variables (Box and Muller 1958).
+void normal_pair(words particle, const RandomKey& key, unsigned use, unsigned draw, real& a, real& b) {
+  real u1;
+  const real u0 = uniform_pair(particle, key, use, draw, u1);
+  const real r = sqrt(-2.0 * log(u0));
+  const Phasor p = phasor(u1 * two_pi);
+  a = r * p.c;
+  b = r * p.s;
+}
+
+/// A point uniform in the opening.
+void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
+  if (a.radius >= 0) {
+    const real r = sqrt(u0) * a.radius;
+    const Phasor p = phasor(u1 * two_pi);
+    x = fma(r, p.c, broadcast(a.x0));
+    z = fma(r, p.s, broadcast(a.z0));
+  } else {
+    x = fma(fma(u0, broadcast(2), broadcast(-1)), broadcast(a.half_x), broadcast(a.x0));
+    z = fma(fma(u1, broadcast(2), broadcast(-1)), broadcast(a.half_z), broadcast(a.z0));
+  }
+}
+
+std::uint64_t sum(words w) {
+  std::uint64_t total = 0;
+  for (int k = 0; k < lane_count; ++k) total += lane(w, k);
+  return total;
+}
+
+/// A normal speed; where it is not positive it is drawn again.
+real draw_speed(const Emission& e, words particle) {
+  if (e.speed_kind == SpeedKind::single) return broadcast(e.speed);
+  real speed = broadcast(0);
+  for (unsigned draw = 0; any(speed <= broadcast(0)); ++draw) {
+    real normal, unused;
+    normal_pair(particle, e.key, purpose::speed, draw, normal, unused);
+    speed = select(speed <= broadcast(0), fma(normal, broadcast(e.speed_sigma), broadcast(e.speed)), speed);
+  }
+  return speed;
+}
+
+/// Slopes dx/dy and dz/dy, from the place of emission.
+void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_x, real& slope_z) {
+  slope_x = slope_z = broadcast(0);
+  if (e.direction == DirectionKind::parallel) return;
+  if (e.direction == DirectionKind::gaussian) {
+    normal_pair(particle, e.key, purpose::direction, 0, slope_x, slope_z);
+    slope_x = slope_x * e.spread_x;
+    slope_z = slope_z * e.spread_z;
+    return;
+  }
+  real u1;
+  const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+  if (e.direction == DirectionKind::cone) {
+    const real below = u0 * e.spread_x, cosine = 1.0 - below;  // below = 1 - cos(theta)
+    const real tangent = sqrt(below * (1.0 + cosine)) / cosine;
+    const Phasor p = phasor(u1 * two_pi);
+    slope_x = tangent * p.c;
+    slope_z = tangent * p.s;
+    return;
+  }
+  real target_x, target_z;
+  draw_point(e.target, u0, u1, target_x, target_z);
+  slope_x = (target_x - x) / broadcast(e.target.y);
+  slope_z = (target_z - z) / broadcast(e.target.y);
+}
+
+/// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
+void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
+  real u1;
+  const real u0 = uniform_pair(particle, e.key, purpose::spin, 0, u1);
+  const real zero = broadcast(0);
+  Vector s{zero, zero, broadcast(1)};
+  words level = words{};
+  if (e.levels > 0) {
+    for (int k = 1; k < e.levels; ++k)
+      level = level + select(u0 >= broadcast(static_cast<double>(k) / e.levels), broadcast_word(1), words{});
+  } else {
+    s.z = fma(u0, broadcast(2), broadcast(-1));
+    const real transverse = sqrt(max(fma(-s.z, s.z, broadcast(1)), zero));
+    const Phasor p = phasor(u1 * two_pi);
+    s.x = transverse * p.c;
+    s.y = transverse * p.s;
+  }
+  store(batch.sx + i, s.x);
+  store(batch.sy + i, s.y);
+  store(batch.sz + i, s.z);
+  store(batch.level + i, level);
+}
+
+/// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
+/// value.
+words weight_of(const Emission& e, real cosine) {
+  if (e.direction != DirectionKind::aimed) return broadcast_word(quanta_per_particle);
+  const real quanta = cosine * cosine * cosine * static_cast<double>(quanta_per_particle);
+  return (words)(round_to_nearest(quanta) + 0x1p52) & 0xfffffffffffffULL;  // the integer in the low bits
+}
+
+}  // namespace
+
+void emit(const Emission& e, std::uint64_t first_particle, BatchView& batch) {
+  batch.y = 0;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words index = lane_numbers() + static_cast<unsigned long long>(i);
+    const words particle = index + static_cast<unsigned long long>(first_particle);
+    store(batch.particle + i, particle);
+    real u1, x, z, slope_x, slope_z;
+    const real u0 = uniform_pair(particle, e.key, purpose::place, 0, u1);
+    draw_point(e.opening, u0, u1, x, z);
+    draw_slopes(e, particle, x, z, slope_x, slope_z);
+    const real speed = draw_speed(e, particle);
+    const real cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
+    const real vy = speed * cosine;
+    store(batch.x + i, x);
+    store(batch.z + i, z);
+    store(batch.vx + i, vy * slope_x);
+    store(batch.vy + i, vy);
+    store(batch.vz + i, vy * slope_z);
+    store(batch.t + i, broadcast(0));
+    draw_spin(e, particle, i, batch);
+    const words real_particle = (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count)));
+    store(batch.flying + i, real_particle);
+    store(batch.weight + i, weight_of(e, cosine) & real_particle);
+    store(batch.caught_by + i, words{});
+  }
+}
+
+void drift(double y, BatchView& batch) {
+  const double way = y - batch.y;
+  batch.y = y;
+  if (way == 0) return;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real dt = broadcast(way) / load(batch.vy + i);
+    store(batch.x + i, fma(load(batch.vx + i), dt, load(batch.x + i)));
+    store(batch.z + i, fma(load(batch.vz + i), dt, load(batch.z + i)));
+    store(batch.t + i, load(batch.t + i) + dt);
+  }
+}
+
+std::uint64_t pass(const Aperture& aperture, BatchView& batch) {
+  words stopped = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real dt = broadcast(aperture.y - batch.y) / load(batch.vy + i);
+    const real x = fma(load(batch.vx + i), dt, load(batch.x + i)),
+               z = fma(load(batch.vz + i), dt, load(batch.z + i));
+    const words through = (words)inside(aperture, x, z), flying = load(batch.flying + i);
+    stopped = stopped + (load(batch.weight + i) & flying & ~through);
+    store(batch.flying + i, flying & through);
+  }
+  return sum(stopped);
+}
+
+std::uint64_t screen(const Screen& screen, BatchView& batch) {
+  const Aperture rim = rim_of(screen);
+  words caught_weight = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real vy = load(batch.vy + i), dt = broadcast(screen.y - batch.y) / vy;
+    const real x = fma(load(batch.vx + i), dt, load(batch.x + i)),
+               z = fma(load(batch.vz + i), dt, load(batch.z + i));
+    const words flying = load(batch.flying + i), caught = (words)inside(rim, x, z) & flying;
+    store(batch.scratch + i, bin_on(screen, x, z) | ~caught);
+    store(batch.slowness + i, select((mask)caught, 1.0 / vy, load(batch.slowness + i)));
+    store(batch.caught_by + i,
+          select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part + 1)),
+                 load(batch.caught_by + i)));
+    store(batch.flying + i, flying & ~caught);
+    caught_weight = caught_weight + (load(batch.weight + i) & caught);
+  }
+  return sum(caught_weight);
+}
+
+void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real sign = drawn_sign(alignment, key, load(batch.particle + i));
+    const mask flying = (mask)load(batch.flying + i);
+    const real zero = broadcast(0);
+    store(batch.sx + i, select(flying, zero, load(batch.sx + i)));
+    store(batch.sy + i, select(flying, zero, load(batch.sy + i)));
+    if (alignment.levels > 0) {
+      const words bottom = broadcast_word(static_cast<unsigned long long>(alignment.levels - 1));
+      store(batch.level + i, select(flying, select(sign > zero, words{}, bottom), load(batch.level + i)));
+      store(batch.sz + i, select(flying, broadcast(1), load(batch.sz + i)));
+    } else {
+      store(batch.sz + i, select(flying, sign, load(batch.sz + i)));
+    }
+  }
+}
+
+}  // namespace rabiline::RABILINE_ISA

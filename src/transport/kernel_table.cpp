@@ -1,0 +1,9 @@
+// Compiled once for each instruction set: its table of kernels.
+#include "transport/kernel_functions.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+extern const Kernels table;
+const Kernels table{emit, drift, pass, screen, align, project, turn};
+
+}  // namespace rabiline::RABILINE_ISA

@@ -1,0 +1,42 @@
+#pragma once
+// What planes across the beam do to lanes, for kernels only: openings, screens, alignment.
+#include "transport/vector_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+RABILINE_LANES mask inside(const Aperture& a, real x, real z) {
+  const real dx = x - a.x0, dz = z - a.z0;
+  if (a.radius >= 0) return fma(dx, dx, dz * dz) <= broadcast(a.radius * a.radius);
+  return (abs(dx) <= broadcast(a.half_x)) & (abs(dz) <= broadcast(a.half_z));
+}
+
+RABILINE_LANES Aperture rim_of(const Screen& s) {
+  Aperture rim;
+  rim.y = s.y;
+  rim.x0 = s.x0;
+  rim.z0 = s.z0;
+  rim.half_x = s.half_x;
+  rim.half_z = s.half_z;
+  return rim;
+}
+
+/// Bin of a distance from the screen's low edge; the high edge belongs to the last bin.
+RABILINE_LANES real bin_of(real from_edge, double bins_per_metre, int bins) {
+  const real at = max(broadcast(0), min(broadcast(bins), from_edge * bins_per_metre)),
+             nearest = round_to_nearest(at);
+  return min(select(nearest > at, nearest - 1.0, nearest), broadcast(bins - 1));
+}
+RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
+  const real ix = bin_of(x - (s.x0 - s.half_x), s.bins_per_x, s.bins_x);
+  const real iz = bin_of(z - (s.z0 - s.half_z), s.bins_per_z, s.bins_z);
+  return bit_pattern(fma(ix, broadcast(s.bins_z), iz) + 0x1p52) & 0xfffffffffffffULL;
+}
+
+/// The sign of S_z that alignment gives each particle.
+RABILINE_LANES real drawn_sign(const Alignment& a, const RandomKey& key, words particle) {
+  real u, unused;
+  uniforms(particle, key.seed, purpose::align, static_cast<unsigned>(a.part), key.stream, u, unused);
+  return select(u < broadcast(a.probability), broadcast(a.spin_sign), broadcast(-a.spin_sign));
+}
+
+}  // namespace rabiline::RABILINE_ISA

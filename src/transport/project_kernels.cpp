@@ -1,0 +1,183 @@
+// Spins through the fields of a straight flight, and the levels that a detector finds. Moves nobody.
+#include "transport/kernel_functions.hpp"
+#include "transport/vector_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+namespace {
+
+/// The spin after a zone that it enters at time t and leaves after `stay`, turned exactly: in the frame that
+/// turns with the field at omega, the spin turns about (w1, 0, w0 - omega).
+Vector through_rotating(const SpinZone& zone, const real* phases, real t, real stay, const Vector& s) {
+  const DriveTerm& drive = zone.drive[0];
+  const double detuned = zone.spin_rate - drive.omega;
+  const double rate = __builtin_sqrt(detuned * detuned + drive.spin_rate * drive.spin_rate);
+  const Phasor in = phasor(fma(broadcast(drive.omega), t, phases[0]));
+  Vector r = turn_back_about_z(in, s);
+  if (rate > 0) r = rotation_in_xz_axis(drive.spin_rate / rate, detuned / rate, stay * rate) * r;
+  return turn_about_z(phasor(stay * drive.omega), turn_about_z(in, r));
+}
+
+/// Several fields that turn at different rates: fourth-order steps.
+Vector through_many(const SpinZone& zone, const real* phases, real t, real stay, Vector s) {
+  const real h = stay / broadcast(zone.steps);
+  for (int i = 0; i < zone.steps; ++i) s = step_spin(zone, phases, fma(h, broadcast(i), t), h, s);
+  return s;
+}
+
+Vector through_zone(const SpinZone& zone, const RandomKey& key, words particle, real t, real stay,
+                    const Vector& s) {
+  if (zone.drives == 0) return turn_about_z(phasor(stay * zone.spin_rate), s);
+  real phases[most_drives];
+  for (int i = 0; i < zone.drives; ++i) phases[i] = oscillator_phase(zone.drive[i], key, particle);
+  return zone.drives == 1 ? through_rotating(zone, phases, t, stay, s)
+                          : through_many(zone, phases, t, stay, s);
+}
+
+/// Flip probability of a spin 1/2 from S_z of its image of z.
+real flip_probability(real sz) { return fma(sz, broadcast(-0.5), broadcast(0.5)); }
+
+/// S_z after all zones, of the image of z (quantum) or of the spin itself.
+real final_sz(const Projection& p, const BatchView& batch, int i) {
+  Vector s{load(batch.sx + i), load(batch.sy + i), load(batch.sz + i)};
+  const real slowness = load(batch.slowness + i), t0 = load(batch.t + i);
+  for (int k = 0; k < p.zone_count; ++k) {
+    const SpinZone& zone = p.zones[k];
+    const real t = fma(broadcast(zone.begin - batch.y), slowness, t0);
+    s = through_zone(zone, p.key, load(batch.particle + i), t, slowness * (zone.end - zone.begin), s);
+  }
+  return s.z;
+}
+
+/// floor(w f) for 0 <= f <= 1 and weights up to 2^40, as an integer.
+words quanta_of(real weight, real fraction) {
+  const real exact = weight * fraction, nearest = round_to_nearest(exact);
+  return bit_pattern(select(nearest > exact, nearest - 1.0, nearest) + 0x1p52) & 0xfffffffffffffULL;
+}
+
+/// A weight up to 2^40 as a real.
+real as_real(words w) { return from_bits(w | 0x4330000000000000ULL) - 0x1p52; }
+
+/// Sums over lanes, kept as lanes until the end of the batch.
+struct Accumulator {
+  words q = words{}, hh = words{}, hl = words{}, ll = words{};
+  RABILINE_LANES void add(words quanta) {
+    const words high = quanta >> 20, low = quanta & 0xfffffULL;
+    q = q + quanta;
+    hh = hh + product_of_low_words(high, high);
+    hl = hl + product_of_low_words(high, low);
+    ll = ll + product_of_low_words(low, low);
+  }
+  void flush(LevelSums& sums, int level) const {
+    for (int k = 0; k < lane_count; ++k) {
+      sums.q[level] += lane(q, k);
+      sums.high_high[level] += lane(hh, k);
+      sums.high_low[level] += lane(hl, k);
+      sums.low_low[level] += lane(ll, k);
+    }
+  }
+};
+
+/// A weight shared between two outcomes: the smaller share is floored, the larger takes the rest.
+struct Shares {
+  words first, second;
+};
+Shares share(words weight, real first_fraction) {
+  const mask minor = first_fraction <= broadcast(0.5);
+  const words floored = quanta_of(as_real(weight), select(minor, first_fraction, 1.0 - first_fraction));
+  return {select(minor, floored, weight - floored), select(minor, weight - floored, floored)};
+}
+
+words caught_weight(const Projection& p, const BatchView& batch, int i) {
+  const mask caught =
+      load(batch.caught_by + i) == broadcast_word(static_cast<unsigned long long>(p.part + 1));
+  return load(batch.weight + i) & (words)caught;
+}
+
+/// Two levels: m = +1/2 and -1/2, or (1 + S_z)/2 and (1 - S_z)/2 of a vector law.
+real upper_fraction(const Projection& p, const BatchView& batch, int i, real flip_or_sz) {
+  if (!p.majorana) return fma(flip_or_sz, broadcast(0.5), broadcast(0.5));
+  return select(load(batch.level + i) == words{}, 1.0 - flip_or_sz, flip_or_sz);
+}
+
+void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
+  Accumulator upper, lower;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words weight = caught_weight(p, batch, i);
+    const real sz = final_sz(p, batch, i);
+    const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
+    const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
+    upper.add(shares.first);
+    lower.add(shares.second);
+  }
+  upper.flush(sums, 0);
+  lower.flush(sums, 1);
+}
+
+/// The rotating field's closed form, Rabi 1937: P = (w1/Omega)^2 sin^2(Omega t/2), from a level.
+void project_two_through_one_zone(const Projection& p, const BatchView& batch, LevelSums& sums) {
+  const SpinZone& zone = p.zones[0];
+  const double w1 = zone.drive[0].spin_rate, detuned = zone.spin_rate - zone.drive[0].omega;
+  const double rate = __builtin_sqrt(detuned * detuned + w1 * w1);
+  const real most = broadcast(rate > 0 ? w1 * w1 / (rate * rate) : 0);
+  const real half_turn_per_slowness = broadcast(0.5 * rate * (zone.end - zone.begin));
+  Accumulator upper, lower;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words weight = caught_weight(p, batch, i);
+    const real flip = most * sin_squared(half_turn_per_slowness * load(batch.slowness + i));
+    const Shares shares = share(weight, upper_fraction(p, batch, i, flip));
+    upper.add(shares.first);
+    lower.add(shares.second);
+  }
+  upper.flush(sums, 0);
+  lower.flush(sums, 1);
+}
+
+/// Probability to end in `to`, by Majorana's formula from whatever level each lane started in.
+real level_probability(const Projection& p, words from, int to, real flip) {
+  real probability = broadcast(0);
+  for (int start = 0; start < p.levels; ++start) {
+    const mask here = from == broadcast_word(static_cast<unsigned long long>(start));
+    if (!any(here)) continue;
+    const double* c = p.polynomials + (start * p.levels + to) * p.levels;
+    real sum = broadcast(c[p.levels - 1]);
+    for (int k = p.levels - 2; k >= 0; --k) sum = fma(sum, flip, broadcast(c[k]));
+    probability = select(here, sum, probability);
+  }
+  return max(broadcast(0), min(broadcast(1), probability));
+}
+
+/// More than two levels: all shares are floored, the largest takes what is missing.
+void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) {
+  Accumulator levels[most_levels];
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words weight = caught_weight(p, batch, i);
+    const real flip = max(broadcast(0), min(broadcast(1), flip_probability(final_sz(p, batch, i))));
+    words quanta[most_levels];
+    words rest = weight, largest = words{}, largest_level = words{};
+    for (int to = 0; to < p.levels; ++to) {
+      quanta[to] = quanta_of(as_real(weight), level_probability(p, load(batch.level + i), to, flip));
+      const mask larger = quanta[to] > largest;
+      largest = select(larger, quanta[to], largest);
+      largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);
+      rest = rest - quanta[to];
+    }
+    for (int to = 0; to < p.levels; ++to) {
+      const mask takes = largest_level == broadcast_word(static_cast<unsigned long long>(to));
+      levels[to].add(quanta[to] + (rest & (words)takes));
+    }
+  }
+  for (int to = 0; to < p.levels; ++to) levels[to].flush(sums, to);
+}
+
+}  // namespace
+
+void project(const Projection& p, const BatchView& batch, LevelSums& sums) {
+  if (p.levels > 2)
+    project_many(p, batch, sums);
+  else if (p.from_level && p.zone_count == 1 && p.zones[0].drives == 1)
+    project_two_through_one_zone(p, batch, sums);
+  else
+    project_two(p, batch, sums);
+}
+
+}  // namespace rabiline::RABILINE_ISA

@@ -1,0 +1,142 @@
+#include "transport/stages.hpp"
+
+namespace rabiline {
+namespace {
+
+// ---- how many sums ----
+
+std::size_t needed(const Drift&) { return 0; }
+std::size_t needed(const Passage&) { return 1; }
+std::size_t needed(const Alignment&) { return 0; }
+std::size_t needed(const TurningRegion& region) {
+  std::size_t sums = RegionSums{region.zones.size()}.screens();
+  for (const RegionEdge& edge : region.edges)
+    if (edge.kind == EdgeKind::screen) sums += sums_of(edge.screen).size();
+  return sums;
+}
+std::size_t needed(const Score& score) { return sums_of(score.screen).size(); }
+std::size_t needed(const Exit&) { return 1; }
+std::size_t needed(const SpinStretch& stretch) { return 2 * static_cast<std::size_t>(stretch.levels); }
+
+// ---- tallying ----
+
+Sum square(std::uint64_t q) { return static_cast<Sum>(q) * q; }
+
+void catch_particle(const ScreenSums& layout, Sum* sums, std::uint64_t bin, std::uint64_t weight,
+                    std::uint64_t particle) {
+  const Sum squared = square(weight);
+  sums[layout.bin(bin)] += weight;
+  sums[layout.bin(bin) + 1] += squared;
+  sums[layout.total()] += weight;
+  sums[layout.total() + 1] += squared;
+  sums[layout.group(particle % group_count)] += weight;
+}
+
+// ---- one batch ----
+
+void pass(const Drift& drift, Flight& flight) { flight.kernels.drift(drift.y, flight.batch.view()); }
+
+void pass(const Passage& passage, Flight& flight) {
+  flight.sums[0] += flight.kernels.pass(passage.aperture, flight.batch.view());
+}
+
+void pass(const Alignment& alignment, Flight& flight) {
+  flight.kernels.align(alignment, flight.key, flight.batch.view());
+}
+
+void pass(const Score& score, Flight& flight) {
+  BatchView& batch = flight.batch.view();
+  if (flight.kernels.screen(score.screen, batch) == 0) return;
+  const ScreenSums layout = sums_of(score.screen);
+  for (int i = 0; i < batch.count; ++i)
+    if (batch.scratch[i] != ~std::uint64_t{0})
+      catch_particle(layout, flight.sums, batch.scratch[i], batch.weight[i], batch.particle[i]);
+}
+
+void pass(const Exit&, Flight& flight) {
+  BatchView& batch = flight.batch.view();
+  for (int i = 0; i < batch.count; ++i) {
+    flight.sums[0] += batch.weight[i] & batch.flying[i];
+    batch.flying[i] = 0;
+  }
+}
+
+/// Books the end of one particle's flight through a region; returns whether it flies on.
+bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
+  const RegionSums layout{region.zones.size()};
+  const std::uint64_t end = batch.scratch[i] & 0xffffffffULL, weight = batch.weight[i];
+  if (end == region_end::forward) return true;
+  if (end == region_end::backwards) {
+    sums[RegionSums::backwards()] += weight;
+  } else if (end == region_end::gave_up) {
+    sums[RegionSums::gave_up()] += weight;
+  } else if ((end & region_end::caught_at_edge) != 0) {
+    const std::size_t edge = end & 0xffffULL;
+    Sum* at = sums + layout.screens();
+    for (std::size_t k = 0; k < edge; ++k)
+      if (region.edges[k].kind == EdgeKind::screen) at += sums_of(region.edges[k].screen).size();
+    const Screen& screen = region.edges[edge].screen;
+    catch_particle(sums_of(screen), at, batch.scratch[i] >> 32, weight, batch.particle[i]);
+    batch.caught_by[i] = static_cast<std::uint64_t>(screen.part + 1);
+  } else if ((end & region_end::stopped_at_edge) != 0) {
+    sums[layout.edge(end & 0xffffULL)] += weight;
+  } else {
+    sums[layout.wall(end - region_end::wall_of_zone)] += weight;
+  }
+  return false;
+}
+
+void pass(const TurningRegion& region, Flight& flight) {
+  BatchView& batch = flight.batch.view();
+  flight.kernels.turn(region_view(region, flight.key), batch, flight.recorder);
+  for (int i = 0; i < batch.count; ++i)
+    if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
+}
+
+/// Sum of q^2 from the sums of products of its halves, q = high 2^20 + low.
+Sum joined_squares(const LevelSums& s, int level) {
+  return (static_cast<Sum>(s.high_high[level]) << 40) + (static_cast<Sum>(s.high_low[level]) << 21) +
+         s.low_low[level];
+}
+
+void pass(const SpinStretch& stretch, Flight& flight) {
+  Projection projection;
+  projection.key = flight.key;
+  projection.part = stretch.part;
+  projection.levels = stretch.levels;
+  projection.majorana = stretch.majorana;
+  projection.from_level = stretch.from_level;
+  projection.zones = stretch.zones.data();
+  projection.zone_count = static_cast<int>(stretch.zones.size());
+  projection.polynomials = stretch.polynomials.data();
+  LevelSums sums;
+  flight.kernels.project(projection, flight.batch.view(), sums);
+  for (int level = 0; level < stretch.levels; ++level) {
+    flight.sums[2 * level] += sums.q[level];
+    flight.sums[2 * level + 1] += joined_squares(sums, level);
+  }
+}
+
+}  // namespace
+
+std::size_t sums_needed(const Stage& stage) {
+  return std::visit([](const auto& s) { return needed(s); }, stage);
+}
+
+void advance(const Stage& stage, Flight& flight) {
+  std::visit([&](const auto& s) { pass(s, flight); }, stage);
+}
+
+Region region_view(const TurningRegion& region, const RandomKey& key) {
+  Region view;
+  view.key = key;
+  view.zones = region.zones.data();
+  view.edges = region.edges.data();
+  view.zone_count = static_cast<int>(region.zones.size());
+  view.take_off_spin_component = region.take_off_spin_component;
+  view.most_steps = region.most_steps;
+  view.most_visits = 64 + 4 * view.zone_count;
+  return view;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,97 @@
+#pragma once
+// What a batch passes, one after the other: plain values, compared with == where scan points may share them.
+#include <concepts>
+#include <cstddef>
+#include <variant>
+#include <vector>
+
+#include "tally/sums.hpp"
+#include "transport/kernels.hpp"
+
+namespace rabiline {
+
+/// A batch on its way, with what every stage needs: the loops, the random key and the stage's own sums.
+struct Flight {
+  const Kernels& kernels;
+  const RandomKey& key;
+  Batch& batch;
+  Sum* sums;
+  const StepRecorder* recorder = nullptr;
+};
+
+/// Straight to a plane; the batch is then referred to it.
+struct Drift {
+  double y = 0;  // [m]
+  bool operator==(const Drift&) const = default;
+};
+/// What misses an opening stops at that part.
+struct Passage {
+  Aperture aperture;
+  int part = 0;
+  bool operator==(const Passage&) const = default;
+};
+
+/// Touching fields that turn the velocity; the particle may leave backwards.
+struct TurningRegion {
+  std::vector<RegionZone> zones;
+  std::vector<RegionEdge> edges;  // between neighbouring zones
+  bool take_off_spin_component = false;
+  int most_steps = 0;
+  bool operator==(const TurningRegion&) const = default;
+};
+/// What hits a screen is caught and histogrammed.
+struct Score {
+  Screen screen;
+  bool operator==(const Score&) const = default;
+};
+/// What still flies after the last part has passed.
+struct Exit {
+  bool operator==(const Exit&) const = default;
+};
+/// The levels of what a detector caught, after the fields of a straight flight. Changes nothing in the batch,
+/// so that scan points that differ only here share everything else.
+struct SpinStretch {
+  int part = 0;  // the detector
+  int levels = 2;
+  bool majorana = false;    // quantum
+  bool from_level = false;  // quantum, and no other stage has turned the spin
+  std::vector<SpinZone> zones;
+  std::vector<double> polynomials;  // MajoranaTable::coefficients, for more than two levels
+  bool operator==(const SpinStretch&) const = default;
+};
+
+using Stage = std::variant<Drift, Passage, Alignment, TurningRegion, Score, Exit, SpinStretch>;
+
+/// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
+/// particles.
+struct ScreenSums {
+  std::size_t bins;
+  std::size_t bin(std::size_t i) const { return 2 * i; }
+  std::size_t total() const { return 2 * bins; }
+  std::size_t group(std::size_t g) const { return 2 * bins + 2 + g; }
+  std::size_t size() const { return 2 * bins + 2 + group_count; }
+};
+inline ScreenSums sums_of(const Screen& s) {
+  return {static_cast<std::size_t>(s.bins_x) * static_cast<std::size_t>(s.bins_z)};
+}
+
+/// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
+/// ScreenSums for each edge with a screen.
+struct RegionSums {
+  std::size_t zones;
+  static std::size_t backwards() { return 0; }
+  static std::size_t gave_up() { return 1; }
+  std::size_t wall(std::size_t zone) const { return 2 + zone; }
+  std::size_t edge(std::size_t edge) const { return 2 + zones + edge; }
+  std::size_t screens() const { return 2 + zones + zones; }
+};
+
+/// The contract of a stage: how many sums it keeps, and how a batch passes it. Depends on nothing but its own
+/// parameters, the batch and the random key.
+std::size_t sums_needed(const Stage&);
+void advance(const Stage&, Flight&);
+
+/// The kernel's view of a region; the region must outlive it.
+Region region_view(const TurningRegion&, const RandomKey&);
+
+}  // namespace rabiline

@@ -1,0 +1,209 @@
+#include "storage/safe_file.hpp"
+
+#include "samples.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+
+#include "forked.hpp"
+
+namespace rabiline {
+namespace {
+
+using samples::bytes_of;
+using samples::Folder;
+using samples::put_bytes;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Path = std::filesystem::path;
+
+std::string refusal_of(const Path& path) {
+  try {
+    require_writable(path);
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void replace(const Path& path, const std::string& bytes) {
+  replace_file(path, std::as_bytes(std::span(bytes)), [](const Path&) {});
+}
+
+TEST(RequireWritable, AcceptsANewFileAndLeavesNothingBehind) {
+  const Folder folder;
+  EXPECT_EQ(refusal_of(folder / "result.h5"), "");
+  EXPECT_THAT(folder.names(), IsEmpty());
+}
+
+TEST(RequireWritable, LeavesAnEarlierFileAlone) {
+  const Folder folder;
+  put_bytes(folder / "result.h5", "earlier");
+  EXPECT_EQ(refusal_of(folder / "result.h5"), "");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+}
+
+TEST(RequireWritable, AcceptsAFileInTheCurrentFolder) {
+  const Folder folder;
+  EXPECT_EQ(failure_in_child([&] {
+              std::filesystem::current_path(folder.path());
+              require_writable("result.h5");
+            }),
+            "");
+}
+
+TEST(RequireWritable, SaysHowToMakeAMissingFolder) {
+  const Folder folder;
+  const std::string missing = (folder / "missing").string();
+  EXPECT_EQ(refusal_of(missing + "/result.h5"), missing + "/result.h5: cannot be written (the folder " +
+                                                    missing + " does not exist); create it with: mkdir -p " +
+                                                    missing);
+}
+
+TEST(RequireWritable, RefusesAFolderAndNamesAFileInIt) {
+  const Folder folder;
+  const std::string path = folder.path().string();
+  EXPECT_EQ(refusal_of(path),
+            path + ": cannot be written (it is a folder); name a file in it, e.g. " + path + "/result.h5");
+  EXPECT_EQ(
+      refusal_of(path + "/"),
+      path + "/: cannot be written (it names a folder); name a file in it, e.g. " + path + "/result.h5");
+}
+
+TEST(RequireWritable, RefusesWhatIsNoPlaceForAFile) {
+  const Folder folder;
+  put_bytes(folder / "file", "");
+  EXPECT_THAT(refusal_of(""), HasSubstr("its name is empty"));
+  EXPECT_THAT(refusal_of("/proc/result.h5"), HasSubstr("no file can be created in /proc"));
+  EXPECT_THAT(refusal_of("/dev/full"), HasSubstr("it is not a regular file"));
+  EXPECT_THAT(refusal_of("/dev/null"), HasSubstr("it is not a regular file"));
+  EXPECT_THAT(refusal_of(folder / "file/result.h5"), HasSubstr("file is not a folder"));
+  EXPECT_THAT(refusal_of(folder / std::string(300, 'a')), HasSubstr("File name too long"));
+}
+
+/// Becomes a user without rights, if it is root.
+void drop_rights() {
+  constexpr unsigned nobody = 65534;
+  if (::geteuid() == 0 && (::setgid(nobody) != 0 || ::setuid(nobody) != 0))
+    throw std::runtime_error("still root");
+}
+
+TEST(RequireWritable, RefusesAFolderWithoutPermission) {
+  const Folder folder;
+  ::chmod(folder.path().c_str(), 0555);
+  EXPECT_THAT(failure_in_child([&] {
+                drop_rights();
+                require_writable(folder / "result.h5");
+              }),
+              HasSubstr("Permission denied); choose another place"));
+}
+
+TEST(RequireWritable, RefusesAWriteProtectedFile) {
+  const Folder folder;
+  ::chmod(folder.path().c_str(), 0777);
+  put_bytes(folder / "result.h5", "earlier");
+  ::chmod((folder / "result.h5").c_str(), 0444);
+  EXPECT_THAT(failure_in_child([&] {
+                drop_rights();
+                require_writable(folder / "result.h5");
+              }),
+              HasSubstr("result.h5: cannot be written (Permission denied)"));
+}
+
+TEST(RequireWritable, NoticesAFullDiskBeforeTheRun) {
+  const Folder folder;
+  const std::string failure = failure_in_child([&] {
+    if (::unshare(CLONE_NEWNS) != 0 || ::mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=4k") != 0) {
+      throw std::runtime_error("no tmpfs");
+    }
+    put_bytes(folder / "other", std::string(4096, 'a'));
+    require_writable(folder / "result.h5");
+  });
+  if (failure == "no tmpfs") GTEST_SKIP() << "mounting is not allowed here";
+  EXPECT_THAT(
+      failure,
+      HasSubstr("cannot be written (No space left on device); free some space or choose another place"));
+}
+
+TEST(ReplaceFile, ReplacesTheWholeFileAndKeepsItsMode) {
+  const Folder folder;
+  put_bytes(folder / "result.h5", "an earlier and longer file");
+  ::chmod((folder / "result.h5").c_str(), 0640);
+  replace(folder / "result.h5", "new");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "new");
+  EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
+  struct stat status {};
+  ASSERT_EQ(::stat((folder / "result.h5").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0640u);
+}
+
+TEST(ReplaceFile, FollowsALinkThatStaysALink) {
+  const Folder folder;
+  put_bytes(folder / "there.h5", "earlier");
+  std::filesystem::create_symlink("there.h5", folder / "here.h5");
+  replace(folder / "here.h5", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "here.h5"));
+  EXPECT_EQ(bytes_of(folder / "there.h5"), "new");
+}
+
+TEST(ReplaceFile, KeepsTheEarlierFileWhenVerificationFails) {
+  const Folder folder;
+  put_bytes(folder / "result.h5", "earlier");
+  std::string seen;
+  const auto refuse = [&](const Path& temporary) {
+    seen = bytes_of(temporary);
+    throw StorageError("does not read back");
+  };
+  const std::string bytes = "new";
+  EXPECT_THROW(replace_file(folder / "result.h5", std::as_bytes(std::span(bytes)), refuse), StorageError);
+  EXPECT_EQ(seen, "new");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
+}
+
+TEST(ReplaceFile, KeepsTheEarlierFileWhenAFileMayNotGrow) {
+  const Folder folder;
+  put_bytes(folder / "result.h5", "earlier");
+  EXPECT_THAT(failure_in_child([&] {
+                std::signal(SIGXFSZ, SIG_IGN);
+                const rlimit limit{10000, 10000};
+                ::setrlimit(RLIMIT_FSIZE, &limit);
+                replace(folder / "result.h5", std::string(20000, 'a'));
+              }),
+              HasSubstr("result.h5: cannot be written (File too large)"));
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
+}
+
+TEST(ReplaceFile, KeepsTheEarlierFileWhenTheDiskFillsUp) {
+  const Folder folder;
+  const std::string failure = failure_in_child([&] {
+    if (::unshare(CLONE_NEWNS) != 0 || ::mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
+      throw std::runtime_error("no tmpfs");
+    }
+    put_bytes(folder / "result.h5", "earlier");
+    std::string message = "nothing failed";
+    try {
+      replace(folder / "result.h5", std::string(100000, 'a'));
+    } catch (const StorageError& error) {
+      message = error.what();
+    }
+    if (bytes_of(folder / "result.h5") != "earlier") message = "the earlier file is gone";
+    if (folder.names().size() != 1) message = "a temporary file stays";
+    throw std::runtime_error(message);
+  });
+  if (failure == "no tmpfs") GTEST_SKIP() << "mounting is not allowed here";
+  EXPECT_THAT(
+      failure,
+      HasSubstr("cannot be written (No space left on device); free some space or choose another place"));
+}
+
+}  // namespace
+}  // namespace rabiline
