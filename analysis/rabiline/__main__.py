@@ -18,6 +18,9 @@ from .report import summary
 from .units import law_name, parse_quantity
 
 
+MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
+
+
 class InputError(Exception):
     """Something wrong with what was asked for."""
 
@@ -55,7 +58,15 @@ def plot_scan(options: argparse.Namespace) -> None:
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
     title = options.title or files[0].title
     marks = dict(_mark(text) for text in options.mark)
-    _save(scan_plots.draw_scan([curve for _, curve in found], labels, title, marks), options.output)
+    lines = [curve for _, curve in found]
+    across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
+    if len(lines) <= MOST_CURVES:
+        figure = scan_plots.draw_scan(lines, labels, title, marks)
+    elif across and len(files) == 1:
+        figure = scan_plots.draw_map(lines, across[0], title, marks)
+    else:
+        raise InputError(f"{len(lines)} curves are too many for one picture")
+    _save(figure, options.output)
 
 
 def plot_image(options: argparse.Namespace) -> None:

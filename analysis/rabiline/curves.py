@@ -102,7 +102,7 @@ def half_maximum(curve: Curve) -> Resonance:
 
     baseline = value(along_baseline @ y, along_baseline)
     depth = value(abs(y[farthest] - baseline.value), along_extreme - along_baseline)
-    if depth.value <= 5 * max(depth.error, float(curve.errors.min())):
+    if depth.value <= 5 * max(depth.error, float(curve.errors.min()), 1e-12):  # 1e-12: rounding
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
     low, along_low, bend_low = _crossing(curve, farthest, -1, along_level)
     high, along_high, bend_high = _crossing(curve, farthest, +1, along_level)
@@ -128,8 +128,8 @@ def _direction(curve: Curve) -> int:
 
 
 def _crossing(curve: Curve, start: int, step: int, along_level: np.ndarray) -> tuple[float, np.ndarray, float]:
-    """Where the curve, followed from `start`, first crosses its half level, the gradient of that place by y, and how far
-    a parabola through the neighbours would put it from there."""
+    """Where the curve, followed from `start`, first crosses its half level, the gradient of that place by y, and how
+    far a parabola through the neighbours would put it from there."""
     x, y = curve.x, curve.y
     level = along_level @ y
     inside = np.sign(y[start] - level)

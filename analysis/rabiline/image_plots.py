@@ -6,20 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .curves import Curve, NoResonance, half_maximum
 from .results import Detector, Results
-from .style import GREY, LAWS, PALE
+from .style import COUNTS, GREY, LAWS
 from .units import format_value, law_name
 
 MILLI = 1e3
-LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.12, 0.75  # inches: an image's longer side, and what surrounds it
+LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
 BEAM = LAWS["quantum"][0]
-# one hue from paper white to ink: read the same by every eye, and an empty bin is white
-COUNTS: Colormap = LinearSegmentedColormap.from_list(
-    "counts", ["#ffffff", "#c6dff0", "#6aaed6", "#2272b4", "#0b3c73", "#041c3a"])
 
 
 @dataclass(frozen=True)
@@ -69,6 +67,8 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
                                 cmap=COUNTS, norm=norm, rasterized=True)
         if not detector.counts[point].any():
             image.text(0.5, 0.5, "nothing detected", transform=image.transAxes, ha="center", color=GREY)
+        for axis in (image.xaxis, image.yaxis):
+            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], prune="upper" if axis is image.xaxis else None))
         image.set_xlabel("x (mm)")
         image.spines[["top", "right"]].set_visible(True)
         _draw_heading(above, results, detector, shot)
@@ -142,4 +142,4 @@ def _draw_projection(axes: Axes, edges: np.ndarray, counts: np.ndarray, errors: 
         axes.errorbar(centres, counts, errors, **bars)
         axes.set_ylabel("counts")
     axes.tick_params(labelbottom=along_z, labelleft=not along_z)
-    axes.grid(axis="x" if along_z else "y", color=PALE, linewidth=0.8)
+    axes.grid(axis="x" if along_z else "y")

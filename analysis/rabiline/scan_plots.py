@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from .curves import Curve, NoResonance, Resonance, half_maximum
 from .fit import fit
-from .style import GREY, PALE, Look, looks
-from .units import Scale, fitting_scale, format_value
+from .results import Axis
+from .style import COUNTS, GREY, Look, looks
+from .units import Scale, fitting_scale, format_value, law_name
 
 
 def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float]) -> Figure:
@@ -19,26 +20,55 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     of a curve that has one is fitted, or measured at half maximum where the fit fails."""
     axis = curves[0].axis
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
+    resonances = [_measured(curve) for curve in curves]
+    beside = sum(resonance is not None for resonance in resonances) == 1  # several would write over each other
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
-    for rank, (curve, label, look) in enumerate(zip(curves, labels, looks([curve.law for curve in curves]))):
-        _draw_curve(axes, curve, label, look, scale, width=1.1 + 1.7 * (len(curves) - 1 - rank))
-        resonance = _measured(curve)
-        if resonance is not None:
-            _draw_resonance(axes, resonance, curve, look, scale)
-    for name, value in marks.items():
-        axes.axvline(scale.apply(value), color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=0)
-        axes.annotate(name, (scale.apply(value), 1), xycoords=("data", "axes fraction"), xytext=(0, 3),
-                      textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
+    drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
+    drawn.sort(key=lambda row: row[3] is not None)  # flat ones below
+    for i, (curve, label, look, resonance) in enumerate(drawn):
+        if resonance is None:
+            hidden_by = sum(_coincide(curve, other) for other, *_ in drawn[i + 1:])
+            _draw_curve(axes, curve, label, look, scale, hidden_by)
+            continue
+        words = _in_words(resonance, axis.units)
+        _draw_curve(axes, curve, label if beside else f"{label}\n{', '.join(words)}", look, scale)
+        _draw_width(axes, resonance, look, scale)
+        if beside:
+            _write_beside(axes, "\n".join(words), resonance, curve, look, scale)
+    _draw_marks(axes, marks, scale)
     if axis.labels:
-        axes.set_xticks(axis.values, axis.labels)
+        axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
     axes.set_xlabel(scale.label(axis.parameter))
     axes.set_ylabel("detected / emitted   (bars: one standard error)")
     axes.set_ylim(*_fraction_limits(curves))
-    axes.margins(x=0.02)
-    axes.grid(axis="y", color=PALE, linewidth=0.8)
+    axes.margins(x=0.1 if axis.labels else 0.02)
+    axes.grid(axis="y")
     figure.suptitle(title, fontsize=11.5)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=min(3, len(curves)), columnspacing=2.5)
+    if len(curves) > 1 or not axis.labels:
+        _draw_legend(figure, axes)
     return figure
+
+
+def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str, float]) -> Figure:
+    """The detected fraction over both axes of a grid; `across` tells the curves apart."""
+    along = curves[0].axis
+    scale, scale_across = fitting_scale(along.values, along.units), fitting_scale(across.values, across.units)
+    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    mesh = axes.pcolormesh(scale.apply(along.values), scale_across.apply(across.values),
+                           np.stack([curve.y for curve in curves]), shading="nearest", cmap=COUNTS, rasterized=True)
+    figure.colorbar(mesh, ax=axes, label="detected / emitted")
+    _draw_marks(axes, marks, scale)
+    axes.set_xlabel(scale.label(along.parameter))
+    axes.set_ylabel(scale_across.label(across.parameter))
+    figure.suptitle(f"{title}\n{law_name(curves[0].law)}", fontsize=11.5)
+    return figure
+
+
+def _draw_marks(axes: Axes, marks: dict[str, float], scale: Scale) -> None:
+    for name, value in marks.items():
+        axes.axvline(scale.apply(value), color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=1)
+        axes.annotate(name, (scale.apply(value), 1), xycoords=("data", "axes fraction"), xytext=(0, 3),
+                      textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
 
 
 def _measured(curve: Curve) -> Resonance | None:
@@ -51,26 +81,59 @@ def _measured(curve: Curve) -> Resonance | None:
     return None
 
 
-def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, width: float) -> None:
-    """A curve; wider lines and markers lie below, so that curves which coincide stay visible."""
-    style = "none" if curve.axis.labels else "-"
+def _coincide(one: Curve, other: Curve) -> bool:
+    """Whether most points of two curves lie on each other, within their errors or a hundredth."""
+    if not np.array_equal(one.x, other.x):
+        return False
+    return bool(np.median(np.abs(one.y - other.y) / np.maximum(np.hypot(one.errors, other.errors), 0.01)) < 1)
+
+
+def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, hidden_by: int = 0) -> None:
+    """A curve; a flat one that lies below others is drawn as a band as wide as it takes to be seen."""
+    width = 1.1 + 2.6 * hidden_by
+    style, size = ("none", 6.0) if curve.axis.labels else ("-", width if hidden_by else 3.4)
     axes.errorbar(scale.apply(curve.x), curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style,
-                  markersize=2 + width, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9,
-                  markeredgewidth=0.9, label=label)
+                  markersize=size, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0,
+                  label=label)
 
 
-def _draw_resonance(axes: Axes, resonance: Resonance, curve: Curve, look: Look, scale: Scale) -> None:
-    """An arrow across the full width, and beside it centre and width with their errors."""
+def _in_words(resonance: Resonance, unit: str) -> tuple[str, str]:
+    """Centre and width with their errors."""
     centre, width = resonance.centre, resonance.width
-    low, high = (scale.apply(centre.value + side * width.value / 2) for side in (-1, 1))
+    return (f"centre {format_value(centre.value, unit, centre.error)}",
+            f"FWHM {format_value(width.value, unit, width.error)}")
+
+
+def _edges(resonance: Resonance, scale: Scale) -> tuple[float, float]:
+    """Where the curve passes half its depth, as shown."""
+    centre, half = resonance.centre.value, resonance.width.value / 2
+    return scale.apply(centre - half), scale.apply(centre + half)
+
+
+def _draw_width(axes: Axes, resonance: Resonance, look: Look, scale: Scale) -> None:
+    low, high = _edges(resonance, scale)
     axes.annotate("", (low, resonance.level), (high, resonance.level),
                   arrowprops={"arrowstyle": "<->", "color": look.colour, "shrinkA": 0, "shrinkB": 0})
-    unit = curve.axis.units
-    text = (f"centre {format_value(centre.value, unit, centre.error)}\n"
-            f"FWHM {format_value(width.value, unit, width.error)}")
-    on_left = centre.value > curve.x.mean() + 0.1 * np.ptp(curve.x)
+
+
+def _write_beside(axes: Axes, text: str, resonance: Resonance, curve: Curve, look: Look, scale: Scale) -> None:
+    """Text on that side of the resonance where there is more room."""
+    low, high = _edges(resonance, scale)
+    on_left = resonance.centre.value > curve.x.mean() + 0.1 * np.ptp(curve.x)
     axes.annotate(text, (low if on_left else high, resonance.level), xytext=(-10 if on_left else 10, 0),
-                  textcoords="offset points", ha="right" if on_left else "left", va="center", color=look.colour)
+                  textcoords="offset points", ha="right" if on_left else "left", va="center", color=look.colour,
+                  bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}, zorder=6)
+
+
+def _draw_legend(figure: Figure, axes: Axes) -> None:
+    """The legend below, in as many columns as fit; the figure grows with its lines."""
+    items, labels = axes.get_legend_handles_labels()
+    widths = [8 + max(map(len, label.splitlines())) for label in labels]  # in letters
+    columns = len(labels) if sum(widths) < 96 else max(1, 96 // max(widths))
+    lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
+    figure.set_figheight(4.3 + 0.19 * lines)
+    below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
+    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5)
 
 
 def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:

@@ -9,18 +9,22 @@ import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt  # noqa: E402  (after the choice of backend)
+from matplotlib.colors import Colormap, LinearSegmentedColormap  # noqa: E402
 from matplotlib.figure import Figure  # noqa: E402
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
 # Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
 LAWS = {"quantum": ("#0072B2", "o"), "classical": ("#009E73", "s"), "dorado": ("#D55E00", "D")}
 OTHERS = [("#CC79A7", "^"), ("#56B4E9", "v"), ("#E69F00", "P"), ("#000000", "X")]
+# one hue from paper white to ink: read the same by every eye, and an empty bin is white
+COUNTS: Colormap = LinearSegmentedColormap.from_list(
+    "counts", ["#ffffff", "#c6dff0", "#6aaed6", "#2272b4", "#0b3c73", "#041c3a"])
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 10, "mathtext.fontset": "dejavusans",
     "axes.titlesize": 10.5, "axes.labelsize": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8,
     "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
-    "xtick.direction": "out", "ytick.direction": "out", "xtick.labelsize": 9, "ytick.labelsize": 9,
+    "grid.color": PALE, "grid.linewidth": 0.8, "xtick.labelsize": 9, "ytick.labelsize": 9,
     "legend.frameon": False, "legend.fontsize": 9, "figure.dpi": 100, "savefig.dpi": 200,
     "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
 })

@@ -13,7 +13,6 @@ from matplotlib.ticker import MaxNLocator
 
 from .style import GREY, INK, Look, looks
 from .tracks import Track, Tracks
-from .units import law_name
 
 MILLI = 1e3
 TURNED = np.radians(20)  # a spin that turns by more is shown on the whole sphere
@@ -49,15 +48,17 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         for track, look in spinning:
             panels[2].plot(track.position[:, 1], np.degrees(tip_angle(track)), color=look.colour, linewidth=1.2)
         panels[2].set_ylabel("spin turned by (°)")
-        farthest = {look: track for track, look in sorted(spinning, key=lambda pair: tip_angle(pair[0]).max())}
-        _draw_spins(figure.add_subplot(grid[:, 1], projection="3d"), [(track, look) for look, track in farthest.items()])
+        by_angle = sorted(spinning, key=lambda pair: tip_angle(pair[0]).max())
+        farthest = {look: track for track, look in by_angle}  # one per file, the last
+        sphere = figure.add_subplot(grid[:, 1], projection="3d")
+        _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
     for panel in panels:
         _shade(panel, regions, named=panel is panels[0])
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     panels[0].set_xlim(*_extent(files))
     figure.suptitle(title, fontsize=11.5)
-    panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=3)
+    panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=4)
     return figure
 
 
@@ -115,7 +116,7 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
     else:
         names = ["y (m)", *(f"$S_{'xyz'[i]}$ (10$^{{-3}}$)" for i in small)]
         title = "the spin while it turns, along the beam"
-        axes.set_box_aspect((1.5, 1, 1), zoom=0.85)
+        axes.set_box_aspect((1.5, 1, 1), zoom=0.78)
     axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
     axes.set_title(title, y=1.0)
     axes.view_init(elev=22, azim=-58)
@@ -141,7 +142,7 @@ def _draw_sphere(axes: Axes) -> None:
     polar, azimuth = np.mgrid[0:np.pi:13j, 0:2 * np.pi:25j]
     axes.plot_wireframe(np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar),
                         color="#cccccc", linewidth=0.4)
-    axes.set_box_aspect((1, 1, 1), zoom=0.9)
+    axes.set_box_aspect((1, 1, 1), zoom=0.8)
 
 
 def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:

@@ -45,7 +45,8 @@ def read(path: Path | str) -> Tracks:
         if not names:
             raise FileError(path, "no tracks in it: not a file of `rabiline trace`")
         tracks = (_read_track(entry.group(name), name) for name in names)
-        return Tracks(Path(path), entry.text("title"), entry.text("law"), tuple(sorted(tracks, key=lambda track: track.particle)))
+        ordered = tuple(sorted(tracks, key=lambda track: track.particle))
+        return Tracks(Path(path), entry.text("title"), entry.text("law"), ordered)
 
 
 def _read_track(group: Group, name: str) -> Track:

@@ -54,6 +54,8 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
     if error is None or not isfinite(error) or error <= 0:
         number = f"{value / factor:.10g}"
     else:
+        if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
+            unit_shown, factor = _prefixed(error, unit)
         digits = max(0, 1 - floor(log10(error / factor)))
         number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
     return f"{number} {unit_shown}".strip()
@@ -65,6 +67,7 @@ def parse_quantity(text: str) -> float:
     if len(words) == 1:
         return float(words[0])
     number, unit = words
+    unit = unit.replace("u", "µ")
     for power, prefix in PREFIXES.items():
         if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES:
             return float(number) * 10.0**power

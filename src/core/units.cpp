@@ -35,8 +35,9 @@ const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std:
 
 /// How far a decimal prefix moves the point, or nothing where the factor is no power of ten.
 std::optional<int> power_of_ten(double factor) {
-  static constexpr std::array powers{1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0,
-                                     1e1,   1e2,   1e3,   1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11, 1e12};
+  static constexpr std::array powers{1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                     1e-3,  1e-2,  1e-1,  1e0,  1e1,  1e2,  1e3,  1e4,  1e5,
+                                     1e6,   1e7,   1e8,   1e9,  1e10, 1e11, 1e12};
   for (std::size_t i = 0; i < powers.size(); ++i)
     if (powers[i] == factor) return static_cast<int>(i) - 12;
   return std::nullopt;
@@ -102,7 +103,8 @@ std::string suggest_unit(std::string_view symbol, std::optional<Dimension> wante
     if (lower(unit.symbol) == lower(symbol))
       same_letters += fmt::format("{}`{}`", same_letters.empty() ? "" : " or ", unit.symbol);
   }
-  if (!same_letters.empty()) return fmt::format("upper and lower case differ in units: write {}", same_letters);
+  if (!same_letters.empty())
+    return fmt::format("upper and lower case differ in units: write {}", same_letters);
   const std::string near = closest(symbol, candidates);
   if (!near.empty()) return fmt::format("did you mean `{}`?", near);
   if (!dimension_known) return {};
@@ -212,15 +214,19 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
 
   const UnitSymbol* unit = rest.empty() ? nullptr : find_unit(rest);
   if (!rest.empty() && !unit) {
-    const bool number_goes_on = is_digit(rest.front()) || std::string_view{"._,+-"}.find(rest.front()) != rest.npos;
+    const bool number_goes_on =
+        is_digit(rest.front()) || std::string_view{"._,+-"}.find(rest.front()) != rest.npos;
     if (number_goes_on || rest.size() > 16)
-      return failure("is not a number", "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
+      return failure("is not a number",
+                     "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
     return failure(fmt::format("has the unknown unit `{}`", rest), suggest_unit(rest, wanted));
   }
 
-  ParsedQuantity result{evaluate(*number, unit ? unit->factor : 1), unit ? unit->dimension : Dimension::number, {}, {}};
+  ParsedQuantity result{
+      evaluate(*number, unit ? unit->factor : 1), unit ? unit->dimension : Dimension::number, {}, {}};
   if (!std::isfinite(result.value)) return failure("is too large for a number");
-  if (result.value == 0 && !number->is_zero) return failure("is too small for a number", "write `0` if zero is meant");
+  if (result.value == 0 && !number->is_zero)
+    return failure("is too small for a number", "write `0` if zero is meant");
   return result;
 }
 
@@ -230,10 +236,18 @@ std::string write_quantity(double si_value, Dimension d) {
 }
 
 std::string pretty_quantity(double si_value, Dimension d) {
-  // The symbols a physicist would choose from, largest first; the first that leaves one digit before the point.
-  static constexpr std::string_view choices_of[] = {
-      "", "km m mm um nm", "s ms us ns", "km/s m/s mm/s", "kg g u", "C e", "T mT uT nT pT",
-      "THz GHz MHz kHz Hz mHz", "rad mrad urad nrad", "GHz/T MHz/T kHz/T Hz/T"};
+  // The symbols a physicist would choose from, largest first; the first that leaves one digit before the
+  // point.
+  static constexpr std::string_view choices_of[] = {"",
+                                                    "km m mm um nm",
+                                                    "s ms us ns",
+                                                    "km/s m/s mm/s",
+                                                    "kg g u",
+                                                    "C e",
+                                                    "T mT uT nT pT",
+                                                    "THz GHz MHz kHz Hz mHz",
+                                                    "rad mrad urad nrad",
+                                                    "GHz/T MHz/T kHz/T Hz/T"};
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));

@@ -48,8 +48,8 @@ struct ParsedQuantity {
 ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wanted = {});
 
 /// Writes a value so that parse_quantity gives back the same bits: "0.29165e6 Hz".
-std::string write_quantity(double si_value, Dimension);
+std::string write_quantity(double value, Dimension);
 /// Writes a value for people: four digits and a fitting prefix, "291.6 kHz".
-std::string pretty_quantity(double si_value, Dimension);
+std::string pretty_quantity(double value, Dimension);
 
 }  // namespace rabiline

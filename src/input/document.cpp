@@ -72,8 +72,9 @@ class TreeBuilder final : public YAML::EventHandler {
     if (!std::exchange(begun_, true)) return;
     const Place place = place_of(mark);
     const bool separated = source_->lines[static_cast<std::size_t>(mark.line)].starts_with("---");
-    refuse(place, separated ? "a second document begins here, but a file holds one experiment"
-                            : "this belongs to nothing above it",
+    refuse(place,
+           separated ? "a second document begins here, but a file holds one experiment"
+                     : "this belongs to nothing above it",
            separated ? "put the second experiment into a file of its own"
                      : "keys that belong together must begin in the same column");
   }
@@ -130,7 +131,9 @@ class TreeBuilder final : public YAML::EventHandler {
   void count(std::size_t more, const YAML::Mark& mark) {
     nodes_ += more;
     if (nodes_ > max_nodes)
-      refuse(place_of(mark), fmt::format("the file holds more than {} values (aliases count as often as they are used)", max_nodes));
+      refuse(place_of(mark),
+             fmt::format("the file holds more than {} values (aliases count as often as they are used)",
+                         max_nodes));
   }
 
   void open(Node::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
@@ -175,7 +178,9 @@ class TreeBuilder final : public YAML::EventHandler {
     if (!key.is_scalar() || key.scalar.empty())
       refuse(key.place, "a key is a word, followed by a colon and its value", "write `key: value`");
     if (const Entry* first = parent.node.find(key.scalar))
-      refuse(key.place, fmt::format("`{}` is given twice; it was first given in line {}", key.scalar, first->key_place.line),
+      refuse(key.place,
+             fmt::format("`{}` is given twice; it was first given in line {}", key.scalar,
+                         first->key_place.line),
              "keep one of them");
     parent.waiting = Entry{std::move(key.scalar), std::move(key.place), {}};
   }
@@ -199,7 +204,12 @@ class TreeBuilder final : public YAML::EventHandler {
 std::size_t find_bad_byte(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t size = lead < 0x80 ? 1 : lead < 0xc2 ? 0 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : lead < 0xf5 ? 4 : 0;
+    const std::size_t size = lead < 0x80   ? 1
+                             : lead < 0xc2 ? 0
+                             : lead < 0xe0 ? 2
+                             : lead < 0xf0 ? 3
+                             : lead < 0xf5 ? 4
+                                           : 0;
     if (size == 0 || i + size > text.size()) return i;
     if (lead < 0x20 && lead != '\t' && lead != '\n' && lead != '\r') return i;
     char32_t c = size == 1 ? lead : lead & (0x7fU >> size);
@@ -228,18 +238,20 @@ Place place_at(const std::shared_ptr<const SourceText>& source, std::string_view
 
 void refuse_what_yaml_mistakes(const std::shared_ptr<const SourceText>& source, std::string_view text) {
   if (text.size() > max_text_bytes)
-    refuse({source, 0, 0, 1}, fmt::format("the file is larger than {} bytes: no experiment is that long", max_text_bytes));
+    refuse({source, 0, 0, 1},
+           fmt::format("the file is larger than {} bytes: no experiment is that long", max_text_bytes));
   if (const std::size_t bad = find_bad_byte(text); bad != std::string_view::npos)
-    refuse(place_at(source, text, bad),
-           fmt::format("the byte 0x{:02x} is no text (files are UTF-8)", static_cast<unsigned char>(text[bad])),
-           "save the file as UTF-8");
+    refuse(
+        place_at(source, text, bad),
+        fmt::format("the byte 0x{:02x} is no text (files are UTF-8)", static_cast<unsigned char>(text[bad])),
+        "save the file as UTF-8");
   for (std::size_t i = 0; i < source->lines.size(); ++i) {
     const std::string& line = source->lines[i];
     const std::size_t word = line.find_first_not_of(" \t");
     const std::size_t tab = line.find('\t');
     if (word != std::string::npos && line[word] != '#' && tab < word)
-      refuse({source, static_cast<int>(i) + 1, static_cast<int>(tab) + 1, 1}, "the line is indented with a tab, which YAML forbids",
-             "indent with spaces");
+      refuse({source, static_cast<int>(i) + 1, static_cast<int>(tab) + 1, 1},
+             "the line is indented with a tab, which YAML forbids", "indent with spaces");
   }
 }
 
@@ -253,7 +265,8 @@ std::string hint_for(std::string_view message) {
       {"end of sequence flow not found", "a `]` or a comma is missing, in this line or above"},
       {"end of map not found", "keys that belong together must begin in the same column"},
       {"end of sequence not found", "items of a list must begin in the same column, each with `- `"},
-      {"illegal map value", "is a quote, a brace or a line end missing before it? A text that holds `: ` stands in quotes"},
+      {"illegal map value",
+       "is a quote, a brace or a line end missing before it? A text that holds `: ` stands in quotes"},
       {"unknown token", "put text that begins with a special character in quotes"},
       {"illegal flow end", "there is no `{` or `[` that this closes"},
       {"illegal EOF in scalar", "the closing quote is missing"},
@@ -306,6 +319,11 @@ Node parse_value(const std::shared_ptr<const SourceText>& argument, std::size_t 
   return parse_document(argument, std::string(from, ' ') + line.substr(from, length));
 }
 
+const Place& place_of(const Node& node, std::string_view key) {
+  const Entry* entry = node.find(key);
+  return entry ? entry->value.place : node.place;
+}
+
 std::string to_text(const Node& node) {
   std::string out;
   switch (node.kind) {
@@ -317,7 +335,8 @@ std::string to_text(const Node& node) {
       for (const Node& item : node.items) out += (out.empty() ? "" : ", ") + to_text(item);
       return "[" + out + "]";
     case Node::Kind::mapping:
-      for (const Entry& entry : node.entries) out += (out.empty() ? "" : ", ") + entry.key + ": " + to_text(entry.value);
+      for (const Entry& entry : node.entries)
+        out += (out.empty() ? "" : ", ") + entry.key + ": " + to_text(entry.value);
       return "{" + out + "}";
   }
   return out;

@@ -44,8 +44,11 @@ inline constexpr int max_depth = 32;
 std::shared_ptr<const SourceText> make_source_text(std::string name, std::string_view text);
 /// The tree of one YAML document. Throws InputError.
 Node parse_document(const std::shared_ptr<const SourceText>& source, std::string_view text);
-/// The tree of a value inside an argument: `argument.substr(from, length)`, with places in the whole argument.
+/// The tree of a value inside an argument: `argument.substr(from, length)`, with places in the whole
+/// argument.
 Node parse_value(const std::shared_ptr<const SourceText>& argument, std::size_t from, std::size_t length);
+/// Where a key's value stands, or the node itself where the key is not given.
+const Place& place_of(const Node&, std::string_view key);
 /// The value as one line of YAML, for labels and comparisons.
 std::string to_text(const Node&);
 

@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t max_files = 16;
 
 /// Whom to blame where a file cannot be read: the line that names it, or the file itself.
-[[noreturn]] void refuse(const Place& named_at, const fs::path& path, std::string message, std::string help = {}) {
+[[noreturn]] void refuse(const Place& named_at, const fs::path& path, std::string message,
+                         std::string help = {}) {
   Place place = named_at;
   if (!place.text) place = Place{make_source_text(path.string(), ""), 0, 0, 1};
   if (named_at.text) message = fmt::format("`{}`: {}", path.string(), message);
@@ -63,7 +64,8 @@ class Loader {
     if (!geometry) return;
     const Node named = geometry->value;
     if (!named.is_scalar() || named.scalar.empty())
-      throw InputError({{named.place, "`geometry` is the path of a file with shared parts", "write `geometry: bench.yaml`"}});
+      throw InputError({{named.place, "`geometry` is the path of a file with shared parts",
+                         "write `geometry: bench.yaml`"}});
     const fs::path target = (path.parent_path() / named.scalar).lexically_normal();
     std::error_code error;
     const fs::path real = fs::weakly_canonical(target, error);
@@ -84,17 +86,25 @@ class Loader {
     std::vector<Diagnostic> errors;
     for (const Entry& entry : shared.entries)
       if (std::find(std::begin(known), std::end(known), entry.key) == std::end(known))
-        errors.push_back({entry.key_place, fmt::format("`{}` has no place in a geometry file, which holds `parts` and `chamber`", entry.key),
-                          "move it to the experiment's file"});
+        errors.push_back(
+            {entry.key_place,
+             fmt::format("`{}` has no place in a geometry file, which holds `parts` and `chamber`",
+                         entry.key),
+             "move it to the experiment's file"});
     if (!shared.is_mapping() || !shared.find("parts"))
       errors.push_back({shared.place, "a geometry file needs a list of `parts`", {}});
     else if (!shared.find("parts")->value.is_sequence())
-      errors.push_back({shared.find("parts")->value.place, "`parts` is a list of parts", "begin each part with `- `"});
+      errors.push_back(
+          {shared.find("parts")->value.place, "`parts` is a list of parts", "begin each part with `- `"});
     const Entry* version = shared.find("rabiline");
     if (shared.is_mapping() && !version)
-      errors.push_back({shared.place, "a geometry file needs the version of its format", "begin it with `rabiline: 1`"});
+      errors.push_back(
+          {shared.place, "a geometry file needs the version of its format", "begin it with `rabiline: 1`"});
     else if (version && to_text(version->value) != "1")
-      errors.push_back({version->value.place, fmt::format("this program reads version 1 of the format, not {}", to_text(version->value)), {}});
+      errors.push_back(
+          {version->value.place,
+           fmt::format("this program reads version 1 of the format, not {}", to_text(version->value)),
+           {}});
     if (!errors.empty()) throw InputError(std::move(errors));
   }
 
@@ -107,7 +117,9 @@ class Loader {
     const Entry* chamber = shared.find("chamber");
     if (!chamber) return;
     if (const Entry* own = root.find("chamber"))
-      throw InputError({{own->key_place, fmt::format("the geometry gives a `chamber` already, in {}:{}", chamber->key_place.text->name, chamber->key_place.line),
+      throw InputError({{own->key_place,
+                         fmt::format("the geometry gives a `chamber` already, in {}:{}",
+                                     chamber->key_place.text->name, chamber->key_place.line),
                          "keep one of them"}});
     root.entries.push_back(*chamber);
   }
@@ -122,11 +134,6 @@ LoadedFile load_file(const fs::path& path) {
   LoadedFile out;
   out.root = Loader(out).load(path, {});
   return out;
-}
-
-const Place& place_of(const Node& node, std::string_view key) {
-  const Entry* entry = node.find(key);
-  return entry ? entry->value.place : node.place;
 }
 
 }  // namespace rabiline

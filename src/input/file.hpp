@@ -20,7 +20,4 @@ struct LoadedFile {
 /// Reads a file and what it includes. Throws InputError.
 LoadedFile load_file(const std::filesystem::path&);
 
-/// Where to point for something missing in a node's mapping: the key's value if it is there, else the node.
-const Place& place_of(const Node&, std::string_view key);
-
 }  // namespace rabiline

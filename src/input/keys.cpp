@@ -44,7 +44,8 @@ void Keys::refuse_unknown(const std::function<std::string(std::string_view)>& ow
     if (!near.empty() && owner.empty())
       help = fmt::format("did you mean `{}`?", near);
     else
-      for (const std::string_view key : known_) help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);
+      for (const std::string_view key : known_)
+        help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);
     reading_->error(entry.key_place, std::move(message), std::move(help));
   }
 }

@@ -37,18 +37,16 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
   return whole ? std::optional(static_cast<std::uint64_t>(parsed.value)) : std::nullopt;
 }
 
-std::string bound_text(double bound, Dimension d) {
-  const std::string pretty = pretty_quantity(bound, d);
-  return parse_quantity(pretty).value == bound ? pretty : write_quantity(bound, d);
-}
-
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {
-    std::string help = row.dimension == Dimension::number ? "write it without a unit"
-                                                          : fmt::format("write {} such as `{}`", wanted, example_for(row));
-    reading.error(node.place, fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
-                                          row.key, wanted), std::move(help));
+    std::string help = row.dimension == Dimension::number
+                           ? "write it without a unit"
+                           : fmt::format("write {} such as `{}`", wanted, example_for(row));
+    reading.error(node.place,
+                  fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
+                              row.key, wanted),
+                  std::move(help));
     return;
   }
   const std::string_view si = si_unit_of(row.dimension);
@@ -103,18 +101,39 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
   return near.empty() ? "write " + list_of(words) : fmt::format("did you mean `{}`?", near);
 }
 
-std::string example_for(const Row& row) { return std::string(example_of(row.dimension)); }
+std::string example_for(const Row& row) {
+  // Sizes that a bench has, where the dimension alone would give an odd one.
+  static constexpr std::pair<std::string_view, std::string_view> familiar[] = {
+      {"at", "0.25 m"},
+      {"length", "0.25 m"},
+      {"radius", "20 mm"},
+      {"amplitude", "0.3 uT"},
+      {"alignment", "1"},
+      {"sigma", "10 m/s"},
+      {"charge", "0 e"},
+      {"half_angle", "5 mrad"},
+      {"name", "my_name"},
+      {"target", "my_slit"},
+      {"kappa", "1"},
+      {"gyromagnetic_ratio", "16.5 MHz/T"},
+      {"parameter", "H0.frequency"}};
+  for (const auto& [key, example] : familiar)
+    if (row.key == key) return std::string(example);
+  return std::string(example_of(row.dimension));
+}
 
 bool read_quantity(const Node& node, const Row& row, Reading& reading, double& out) {
   const std::string wanted = with_article(name_of(row.dimension));
   const std::string help = fmt::format("write {} such as `{}`", wanted, example_for(row));
   if (!node.is_scalar()) {
-    reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, wanted, quote(node)), help);
+    reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, wanted, quote(node)),
+                  help);
     return false;
   }
   const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);
   if (!parsed.error.empty()) {
-    reading.error(node.place, fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
+    reading.error(node.place,
+                  fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
                   parsed.suggestion.empty() ? help : parsed.suggestion);
     return false;
   }
@@ -123,7 +142,8 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
     return false;
   }
   if (!row.range.contains(parsed.value)) {
-    reading.error(node.place, fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+    reading.error(node.place,
+                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.
@@ -135,17 +155,21 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
 bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_t& out) {
   const std::optional<std::uint64_t> value = node.is_scalar() ? whole_number(node.scalar) : std::nullopt;
   if (!value) {
-    reading.error(node.place, fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
-                  "write it like `10000` or `1e4`");
+    reading.error(
+        node.place,
+        fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
+        "write it like `10000` or `1e4`");
     return false;
   }
   if (node.scalar.size() > 1 && node.scalar.front() == '0' && is_all_digits(node.scalar)) {
-    reading.error(node.place, fmt::format("{} begins with a zero, which some programs read as octal", quote(node)),
+    reading.error(node.place,
+                  fmt::format("{} begins with a zero, which some programs read as octal", quote(node)),
                   fmt::format("write `{}`", *value));
     return false;
   }
   if (!row.range.contains(static_cast<double>(*value))) {
-    reading.error(node.place, fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+    reading.error(node.place,
+                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
     return false;
   }
   out = *value;
@@ -155,7 +179,9 @@ bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_
 
 bool read_text(const Node& node, const Row& row, Reading& reading, std::string& out) {
   if (!node.is_scalar() || node.scalar.empty()) {
-    reading.error(node.place, fmt::format("`{}` is a text, but {} stands here", row.key, node.is_scalar() ? "an empty one" : quote(node)),
+    reading.error(node.place,
+                  fmt::format("`{}` is a text, but {} stands here", row.key,
+                              node.is_scalar() ? "an empty one" : quote(node)),
                   fmt::format("it means: {}", row.meaning));
     return false;
   }
@@ -163,17 +189,20 @@ bool read_text(const Node& node, const Row& row, Reading& reading, std::string& 
   return true;
 }
 
-std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span<const Word> words, Reading& reading) {
+std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span<const Word> words,
+                                     Reading& reading) {
   if (node.is_scalar())
     for (std::size_t i = 0; i < words.size(); ++i)
       if (words[i].word == node.scalar) return i;
-  reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
+  reading.error(node.place,
+                fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
                 node.is_scalar() ? suggest(node.scalar, words) : std::string{});
   return std::nullopt;
 }
 
 bool read_half_integer(const Node& node, const Row& row, Reading& reading, HalfInteger& out) {
-  static constexpr std::array<std::string_view, 10> written{"0", "1/2", "1", "3/2", "2", "5/2", "3", "7/2", "4", "9/2"};
+  static constexpr std::array<std::string_view, 10> written{"0",   "1/2", "1",   "3/2", "2",
+                                                            "5/2", "3",   "7/2", "4",   "9/2"};
   for (std::size_t twice = 1; node.is_scalar() && twice < written.size(); ++twice)
     if (node.scalar == written[twice]) {
       out.twice = static_cast<int>(twice);
@@ -184,8 +213,10 @@ bool read_half_integer(const Node& node, const Row& row, Reading& reading, HalfI
   const double twice = 2 * parsed.value;
   if (parsed.error.empty() && twice >= 1 && twice <= 9 && twice == std::floor(twice))
     help = fmt::format("write it as `{}`", written[static_cast<std::size_t>(twice)]);
-  reading.error(node.place, fmt::format("`{}` is a whole or half number from 1/2 to 9/2, but {} stands here", row.key, quote(node)),
-                std::move(help));
+  reading.error(
+      node.place,
+      fmt::format("`{}` is a whole or half number from 1/2 to 9/2, but {} stands here", row.key, quote(node)),
+      std::move(help));
   return false;
 }
 
@@ -199,10 +230,13 @@ bool read_phase(const Node& node, const Row& row, Reading& reading, Phase& out) 
     out = {Phase::Kind::locked, 0};
     return true;
   }
-  const bool word = node.is_scalar() && !node.scalar.empty() && std::isalpha(static_cast<unsigned char>(node.scalar[0]));
+  const bool word =
+      node.is_scalar() && !node.scalar.empty() && std::isalpha(static_cast<unsigned char>(node.scalar[0]));
   if (!node.is_scalar() || word) {
     const std::string near = node.is_scalar() ? suggest(node.scalar, words) : std::string{"write `random`"};
-    reading.error(node.place, fmt::format("`{}` is `random`, `locked` or an angle such as `30 deg`, but {} stands here", row.key, quote(node)),
+    reading.error(node.place,
+                  fmt::format("`{}` is `random`, `locked` or an angle such as `30 deg`, but {} stands here",
+                              row.key, quote(node)),
                   near.starts_with("write") ? "" : near);
     return false;
   }
@@ -213,9 +247,11 @@ bool read_phase(const Node& node, const Row& row, Reading& reading, Phase& out) 
 bool read_bins(const Node& node, const Row& row, Reading& reading, Bins& out) {
   static constexpr Range allowed{1, 10000, true, true, "from 1 to 10000"};
   if (!node.is_sequence() || node.items.size() != 2) {
-    reading.error(node.place, fmt::format("`{}` is a pair of whole numbers, along x and along z, but {} stands here", row.key,
-                                          node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
-                  "write it like `[80, 80]`");
+    reading.error(
+        node.place,
+        fmt::format("`{}` is a pair of whole numbers, along x and along z, but {} stands here", row.key,
+                    node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
+        "write it like `[80, 80]`");
     return false;
   }
   std::uint64_t x = 0, z = 0;

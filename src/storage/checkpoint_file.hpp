@@ -11,8 +11,9 @@ namespace rabiline {
 /// Writes the file wholly and verified, or throws StorageError and leaves an earlier one intact.
 void write_checkpoint(const Snapshot&, const std::filesystem::path&);
 
-/// Reads what write_checkpoint wrote. Throws StorageError where the file is damaged or is not a checkpoint; a
-/// file made by somebody else can at worst be refused.
+/// Reads what write_checkpoint wrote. Throws StorageError where the file is damaged in any way or is no
+/// checkpoint. A file that somebody forged is refused before it opens other files or fills the memory;
+/// against metadata forged to crash HDF5 itself there is no defence here.
 Snapshot read_checkpoint(const std::filesystem::path&);
 
 }  // namespace rabiline

@@ -48,6 +48,12 @@ void require_own_storage(hid_t dataset, std::size_t element_size, const std::str
     refuse(where, "its chunks are too large");
 }
 
+/// Deflate packs 1032 bytes into one at best. A small file thus cannot make us allocate much.
+void require_stored(hid_t dataset, std::size_t size, const std::string& where) {
+  constexpr std::size_t best_ratio = 1100;
+  if (size / best_ratio > H5Dget_storage_size(dataset)) refuse(where, "it claims more than it stores");
+}
+
 /// The number of elements of a one-dimensional dataset that fits the limit.
 std::size_t length_within(hid_t dataset, std::size_t limit, const std::string& where) {
   const Handle space(H5Dget_space(dataset), H5Sclose, where);
@@ -81,7 +87,9 @@ std::vector<std::uint64_t> FileReader::numbers(const std::string& name, std::siz
   if (check(H5Tequal(type.id(), H5T_STD_U64LE), place) == 0)
     refuse(place, "it does not hold 64-bit unsigned integers");
   require_own_storage(dataset.id(), sizeof(std::uint64_t), place);
-  std::vector<std::uint64_t> values(length_within(dataset.id(), most_numbers, place));
+  const std::size_t length = length_within(dataset.id(), most_numbers, place);
+  require_stored(dataset.id(), length * sizeof(std::uint64_t), place);
+  std::vector<std::uint64_t> values(length);
   check(H5Dread(dataset.id(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
   return values;
 }
@@ -95,7 +103,9 @@ std::vector<std::string> FileReader::texts(const std::string& name, std::size_t 
     refuse(place, "it does not hold texts of fixed size");
   }
   require_own_storage(dataset.id(), size, place);
-  std::string bytes(length_within(dataset.id(), most_bytes / size, place) * size, '\0');
+  const std::size_t length = length_within(dataset.id(), most_bytes / size, place);
+  require_stored(dataset.id(), length * size, place);
+  std::string bytes(length * size, '\0');
   const Handle memory = fixed_text(size, place);
   check(H5Dread(dataset.id(), memory.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), place);
   std::vector<std::string> texts;

@@ -45,7 +45,7 @@ Axis index_axis(const std::string& name, const std::string& meaning, const std::
   std::string legend;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     axis.values.push_back(static_cast<double>(i));
-    legend += fmt::format("{}{} = {}", i == 0 ? "" : ", ", i, labels[i]);
+    legend += fmt::format("{}{}: {}", i == 0 ? "" : ", ", i, labels[i]);
   }
   // Viewers show the numbers, so the axis title carries the labels as long as they fit under a plot.
   constexpr std::size_t longest_legend = 80;

@@ -17,7 +17,7 @@ def nx_class(item):
 
 
 def groups_of_class(file, wanted):
-    """Every group of that class; a link to a dataset visited already does not count."""
+    """Every group of that class."""
     found = []
     file.visititems(lambda _, item: found.append(item) if nx_class(item) == wanted else None)
     return found

@@ -9,11 +9,11 @@
 
 namespace rabiline::test {
 
-inline Species neutron() {
-  return {"neutron", 1.67492750056e-27, 0, {1}, -1.83247174e8, "CODATA 2022"};
-}
+inline Species neutron() { return {"neutron", 1.67492750056e-27, 0, {1}, -1.83247174e8, "CODATA 2022"}; }
 
-inline PlacedPart place(const std::string& name, double at, Part part) { return {{name, at, {}}, std::move(part)}; }
+inline PlacedPart place(const std::string& name, double at, Part part) {
+  return {{name, at, {}}, std::move(part)};
+}
 
 /// B' 0.10-0.20 m, B 0.30-0.55 m, H0 0.35-0.55 m, a screen of 4 x 4 mm at 1.2 m, neutrons of 1000 m/s.
 inline Beamline suggested(double frequency, double amplitude = 0.3e-6) {
@@ -29,8 +29,9 @@ inline Beamline suggested(double frequency, double amplitude = 0.3e-6) {
   h0.frequency = frequency;
   h0.sense = Sense::co;
   h0.phase = {Phase::Kind::random, 0};
-  b.parts = {place("B_prime", 0.10, Polarizer{0.10, 10e-3, 1, {}}), place("B", 0.30, UniformField{0.25, 10e-3, {}}),
-             place("H0", 0.35, h0), place("screen", 1.2, Detector{4e-3, 4e-3, {80, 80}, {}})};
+  b.parts = {place("B_prime", 0.10, Polarizer{0.10, 10e-3, 1, {}}),
+             place("B", 0.30, UniformField{0.25, 10e-3, {}}), place("H0", 0.35, h0),
+             place("screen", 1.2, Detector{4e-3, 4e-3, {80, 80}, {}})};
   b.particles = 10000;
   b.seed = 1938;
   return b;

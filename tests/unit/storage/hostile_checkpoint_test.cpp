@@ -60,6 +60,12 @@ hid_t variable_text() {
   return type;
 }
 
+hid_t fixed_text() {
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
+}
+
 void put_numbers(hid_t file, const char* name, const std::vector<std::uint64_t>& values) {
   put(file, name, H5T_STD_U64LE, {values.size()});
   const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
@@ -72,6 +78,7 @@ struct Attack {
   std::function<void(hid_t)> change;
   std::string refusal;
 };
+void PrintTo(const Attack& attack, std::ostream* out) { *out << attack.name; }
 
 std::vector<Attack> attacks() {
   const hsize_t huge = hsize_t{1} << 50;
@@ -97,7 +104,11 @@ std::vector<Attack> attacks() {
        "/sums_low: refused (it is too long: 1125899906842624 where 536870912 is the most)"},
       {"HugeTexts", [=](hid_t file) { put(file, "arguments", H5T_C_S1, {huge}, chunked(1024)); },
        "/arguments: refused (it is too long: 1125899906842624 where 268435456 is the most)"},
-      {"HugeChunks", [](hid_t file) { put(file, "sums_low", H5T_STD_U64LE, {10}, chunked(500'000'000)); },
+      {"NumbersThatAreNotThere",
+       [](hid_t file) { put(file, "sums_low", H5T_STD_U64LE, {500'000'000}, chunked(1024)); },
+       "/sums_low: refused (it claims more than it stores)"},
+      {"HugeChunks",
+       [](hid_t file) { put(file, "sums_low", H5T_STD_U64LE, {500'000'000}, chunked(500'000'000)); },
        "/sums_low: refused (its chunks are too large)"},
       {"TwoDimensions",
        [](hid_t file) {
@@ -130,7 +141,7 @@ std::vector<Attack> attacks() {
       {"UnitsWithoutEnd", [](hid_t file) { put_numbers(file, "finished_end", {5}); },
        "(its units are incomplete)"},
       {"HalfASum", [](hid_t file) { put_numbers(file, "sums_low", {5}); }, "(its sums are incomplete)"},
-      {"InputWithoutText", [](hid_t file) { put(file, "input_texts", H5T_C_S1, {1}); },
+      {"InputWithoutText", [](hid_t file) { put(file, "input_texts", fixed_text(), {1}); },
        "(its texts are incomplete)"},
   };
 }

@@ -1,0 +1,115 @@
+#include "commands/common.hpp"
+
+#include <csignal>
+#include <cstdio>
+#include <thread>
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include "core/version.hpp"
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+namespace {
+
+std::atomic<bool> stop{false};
+extern "C" void on_signal(int) { stop = true; }
+
+int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
+    app.parse(reversed);
+    return exit_code::done;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? exit_code::done : exit_code::bad_input;
+  } catch (const InputError& error) {
+    fmt::print(stderr, "{}", render(error.diagnostics()));
+    return exit_code::bad_input;
+  } catch (const ArgumentError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_code::bad_input;
+  } catch (const StorageError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_code::not_written;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
+    return exit_code::bad_input;
+  }
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_requested() { return stop; }
+void watch_signals() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
+}
+
+void ExperimentOptions::add_to(CLI::App& app) {
+  app.add_option("FILE", file, "the experiment, a YAML file")->required();
+  app.add_option("--set", changes.set, "change a parameter for this time, e.g. --set 'B.field=9 mT'")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  app.add_option("--scan", changes.scan, "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'")
+      ->type_name("NAME=FROM:TO:POINTS|NAME=A,B,C")
+      ->allow_extra_args(false);
+  app.add_option("--particles", changes.particles, "particles per scan point")->type_name("N");
+  app.add_option("--seed", changes.seed, "seed of all random numbers")->type_name("S");
+}
+
+void MachineOptions::add_to(CLI::App& app) {
+  app.add_option("--threads", threads, "threads; the result is the same for any number")
+      ->type_name("T")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--isa", isa, "instruction set: x86-64, avx2 or avx512; the result is the same for any")
+      ->type_name("NAME");
+}
+
+int MachineOptions::thread_count() const { return threads > 0 ? threads : omp_get_num_procs(); }
+
+Isa MachineOptions::instruction_set() const {
+  if (isa.empty()) return best_isa();
+  const std::optional<Isa> parsed = parse_isa(isa);
+  if (!parsed)
+    throw ArgumentError(
+        fmt::format("--isa: there is no instruction set \"{}\"; choose x86-64, avx2 or avx512", isa));
+  if (!supported(*parsed))
+    throw ArgumentError(
+        fmt::format("--isa: this processor has no {}; the best one here is {}", isa, name_of(best_isa())));
+  return *parsed;
+}
+
+std::string fingerprint(const LoadedExperiment& loaded, const CommandLine& changes) {
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+  const auto mix = [&](const std::string& text) {
+    for (const char c : text + '\0') hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  };
+  mix(version);
+  for (const InputText& input : loaded.inputs) mix(input.text);
+  for (const std::string& change : changes.set) mix(change);
+  for (const std::string& scan : changes.scan) mix(scan);
+  mix(fmt::format("{} {}", changes.particles.value_or(0), changes.seed.value_or(0)));
+  return fmt::format("{:016x}", hash);
+}
+
+int run_program(const std::vector<std::string>& arguments, const Snapshot* start) {
+  CLI::App app{"rabiline: particle beams with spin through magnetic fields, by Monte Carlo", "rabiline"};
+  app.set_version_flag("--version", std::string("rabiline ") + version);
+  app.require_subcommand(1);
+  app.footer(
+      "A first run:   rabiline run beamline/suggested-experiment.yaml -o results.h5\n"
+      "What is in it: rabiline check beamline/suggested-experiment.yaml\n"
+      "All keys:      rabiline describe\n"
+      "Exit codes: 0 done, 2 bad input or arguments, 3 output could not be written, 4 stopped with a "
+      "checkpoint.");
+  int exit = exit_code::done;
+  add_run(app, arguments, start, exit);
+  add_check(app);
+  add_describe(app);
+  add_trace(app);
+  add_resume(app, exit);
+  const int parsed = parse_and_run(app, arguments);
+  return parsed == exit_code::done ? exit : parsed;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,60 @@
+#pragma once
+// What the verbs of the command line share: options of an experiment, exit codes, signals.
+#include <atomic>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "core/isa.hpp"
+#include "input/experiment.hpp"
+#include "simulation/snapshot.hpp"
+
+namespace rabiline {
+
+namespace exit_code {
+inline constexpr int done = 0, bad_input = 2, not_written = 3, stopped = 4;
+}
+
+/// A mistake in the arguments: one line, exit code 2.
+struct ArgumentError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// FILE and what changes its parameters.
+struct ExperimentOptions {
+  std::filesystem::path file;
+  CommandLine changes;
+  void add_to(CLI::App&);
+};
+
+/// How to compute, which never changes a result.
+struct MachineOptions {
+  int threads = 0;  // 0: as many as the process may use
+  std::string isa;  // empty: the best one
+  void add_to(CLI::App&);
+  int thread_count() const;
+  Isa instruction_set() const;  // throws ArgumentError
+};
+
+/// Set by SIGINT and SIGTERM after watch_signals().
+const std::atomic<bool>& stop_requested();
+void watch_signals();
+
+/// Identifies an experiment with its changes: a checkpoint of another one is refused.
+std::string fingerprint(const LoadedExperiment&, const CommandLine&);
+
+/// Each verb adds itself to the command line; `exit` gets its exit code when it has run.
+void add_run(CLI::App&, const std::vector<std::string>& arguments, const Snapshot* start, int& exit);
+void add_check(CLI::App&);
+void add_describe(CLI::App&);
+void add_trace(CLI::App&);
+void add_resume(CLI::App&, int& exit);
+
+/// The whole program: parses the arguments (without the program's name), runs the verb, explains what went
+/// wrong.
+int run_program(const std::vector<std::string>& arguments, const Snapshot* start = nullptr);
+
+}  // namespace rabiline

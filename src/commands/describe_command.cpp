@@ -1,0 +1,17 @@
+// rabiline describe: parts, species, laws and their keys, from the tables that the reader uses.
+#include <fmt/format.h>
+
+#include "commands/common.hpp"
+#include "input/describe.hpp"
+
+namespace rabiline {
+
+void add_describe(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("describe", "explain parts, species, laws and their keys");
+  auto topic = std::make_shared<std::string>();
+  verb->add_option("KIND", *topic,
+                   "a part, a law, source, species, scan or units; an overview where it is missing");
+  verb->callback([topic] { fmt::print("{}", topic->empty() ? describe_overview() : describe(*topic)); });
+}
+
+}  // namespace rabiline

@@ -1,0 +1,3 @@
+#include "commands/common.hpp"
+
+int main(int argc, char** argv) { return rabiline::run_program({argv + 1, argv + argc}); }

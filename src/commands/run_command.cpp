@@ -1,0 +1,219 @@
+// rabiline run: flies the experiment and writes one HDF5 file.
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include "commands/common.hpp"
+#include "core/version.hpp"
+#include "simulation/finish.hpp"
+#include "simulation/run.hpp"
+#include "storage/checkpoint_file.hpp"
+#include "storage/results_file.hpp"
+#include "storage/safe_file.hpp"
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+namespace {
+
+struct RunArguments {
+  ExperimentOptions experiment;
+  MachineOptions machine;
+  std::string output;
+  std::string progress = "auto";
+  int batch = Batch::capacity;
+};
+
+std::string now() {
+  const std::time_t t = std::time(nullptr);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(t));
+}
+
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(seconds + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+/// Shows how far a run is: one line that renews itself on a terminal, a line every ten seconds elsewhere.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const std::string& kind)
+      : terminal_(kind == "auto" && isatty(STDERR_FILENO) == 1),
+        json_(kind == "json"),
+        quiet_(kind == "none") {}
+
+  void operator()(const Progress& p) {
+    if (quiet_) return;
+    if (terminal_) {
+      fmt::print(stderr, "\r{:5.1f} %  {} left      ", 100 * p.done, duration(p.seconds_left));
+      shown_ = true;
+      return;
+    }
+    if (p.seconds < next_) return;
+    next_ = p.seconds + 10;
+    if (json_)
+      fmt::print(stderr, "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}}}\n", p.done,
+                 p.seconds, p.seconds_left);
+    else
+      fmt::print(stderr, "{:5.1f} %  {} left\n", 100 * p.done, duration(p.seconds_left));
+  }
+  void clear() const {
+    if (shown_) fmt::print(stderr, "\r{:40}\r", "");
+  }
+
+ private:
+  bool terminal_, json_, quiet_, shown_ = false;
+  double next_ = 0;
+};
+
+Provenance provenance_of(const RunArguments& a, const LoadedExperiment& loaded,
+                         const std::vector<std::string>& arguments) {
+  Provenance p;
+  p.arguments = arguments;
+  p.inputs = loaded.inputs;
+  p.version = version;
+  p.compiler = compiler;
+  p.instruction_set = name_of(a.machine.instruction_set());
+  p.threads = a.machine.thread_count();
+  utsname machine{};
+  if (uname(&machine) == 0) p.host = machine.nodename;
+  return p;
+}
+
+void print_summary(const Result& result, const std::filesystem::path& output, double seconds) {
+  const std::size_t points = result.emitted.size();
+  fmt::print("{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
+             points == 1 ? "" : "s", result.particles, seconds);
+  for (const DetectorResult& d : result.detectors) {
+    const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
+    if (points == 1)
+      fmt::print("  {}: {:.5f} +- {:.5f} of the emitted particles\n", d.name, d.detected[0],
+                 d.detected_errors[0]);
+    else
+      fmt::print("  {}: from {:.5f} to {:.5f} of the emitted particles\n", d.name, *least, *most);
+  }
+  fmt::print("wrote {}\n", output.string());
+}
+
+/// Writes checkpoints; one that cannot be written is worth a warning, not the run.
+class Checkpoints {
+ public:
+  Checkpoints(std::filesystem::path path, std::string fingerprint, const LoadedExperiment& loaded,
+              const std::vector<std::string>& arguments)
+      : path_(std::move(path)),
+        fingerprint_(std::move(fingerprint)),
+        loaded_(loaded),
+        arguments_(arguments) {}
+
+  void write(Snapshot snapshot) const {
+    snapshot.fingerprint = fingerprint_;
+    snapshot.arguments = arguments_;
+    snapshot.inputs = loaded_.inputs;
+    write_checkpoint(snapshot, path_);
+  }
+  void write_or_warn(const Snapshot& snapshot) const {
+    try {
+      write(snapshot);
+    } catch (const StorageError& error) {
+      if (stop_requested()) throw;
+      fmt::print(stderr, "\nwarning: {}\n", error.what());
+    }
+  }
+  void remove() const {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::string fingerprint_;
+  const LoadedExperiment& loaded_;
+  const std::vector<std::string>& arguments_;
+};
+
+int run_command(const RunArguments& a, const std::vector<std::string>& arguments, const Snapshot* start) {
+  const std::filesystem::path output = a.output.empty()
+                                           ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
+                                           : std::filesystem::path(a.output);
+  if (a.batch < 8 || a.batch > Batch::capacity || a.batch % 8 != 0)
+    throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
+  const LoadedExperiment loaded = load_experiment(a.experiment.file, a.experiment.changes);
+  require_writable(output);
+  const std::string identity = fingerprint(loaded, a.experiment.changes);
+  if (start != nullptr && start->fingerprint != identity)
+    throw ArgumentError("the checkpoint belongs to another state of the input: " +
+                        a.experiment.file.string() + " or the program has changed since");
+
+  const Plan plan = make_plan(loaded.experiment);
+  if (start != nullptr && start->sums_low.size() != plan.sums)
+    throw ArgumentError("the checkpoint does not fit the plan");
+  const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded, arguments);
+  ProgressLine progress(a.progress);
+  RunOptions options;
+  options.threads = a.machine.thread_count();
+  options.isa = a.machine.instruction_set();
+  options.batch = a.batch;
+  options.stop = &stop_requested();
+  options.progress = [&](const Progress& p) { progress(p); };
+  options.snapshot = [&](const Snapshot& s) { checkpoints.write_or_warn(s); };
+  options.start = start;
+
+  watch_signals();
+  Provenance provenance = provenance_of(a, loaded, arguments);
+  provenance.start_time = now();
+  const auto begin = std::chrono::steady_clock::now();
+  const RunOutcome outcome = run(plan, options);
+  provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  provenance.end_time = now();
+  progress.clear();
+  if (!outcome.finished) {
+    fmt::print(stderr,
+               "stopped; what is finished is in {0}.checkpoint\n  help: go on with: rabiline resume {0}\n",
+               output.string());
+    return exit_code::stopped;
+  }
+  Result result = finish(loaded.experiment, plan, outcome.sums);
+  result.provenance = std::move(provenance);
+  write_results(result, output);
+  checkpoints.remove();
+  print_summary(result, output, result.provenance.seconds);
+  return exit_code::done;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Snapshot* start, int& exit) {
+  CLI::App* verb = app.add_subcommand("run", "fly the experiment and write an HDF5 file");
+  auto a = std::make_shared<RunArguments>();
+  a->experiment.add_to(*verb);
+  verb->add_option("-o,--output", a->output,
+                   "where the result goes; FILE's name with .h5 where it is missing")
+      ->type_name("OUT.h5");
+  a->machine.add_to(*verb);
+  verb->add_option("--batch", a->batch,
+                   "particles that go through the loops together; the result is the same for any")
+      ->type_name("N");
+  verb->add_option("--progress", a->progress, "auto, lines, json or none")
+      ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
+  verb->callback([a, &arguments, start, &exit] { exit = run_command(*a, arguments, start); });
+}
+
+void add_resume(CLI::App& app, int& exit) {
+  CLI::App* verb = app.add_subcommand("resume", "go on with a run that was stopped, to the same bits");
+  auto output = std::make_shared<std::string>();
+  verb->add_option("OUT.h5", *output, "the file that the stopped run was to write")->required();
+  verb->callback([output, &exit] {
+    if (!std::filesystem::exists(*output + ".checkpoint"))
+      throw ArgumentError(fmt::format("there is no {}.checkpoint: nothing to go on with", *output));
+    const Snapshot snapshot = read_checkpoint(*output + ".checkpoint");
+    exit = run_program(snapshot.arguments, &snapshot);
+  });
+}
+
+}  // namespace rabiline

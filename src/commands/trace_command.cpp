@@ -1,0 +1,58 @@
+// rabiline trace: the paths of a few particles, by the same kernels as a run.
+#include <fmt/format.h>
+
+#include "commands/common.hpp"
+#include "simulation/trace.hpp"
+#include "storage/safe_file.hpp"
+#include "storage/tracks_file.hpp"
+
+namespace rabiline {
+namespace {
+
+struct TraceArguments {
+  ExperimentOptions experiment;
+  std::string output, isa;
+  std::uint64_t count = 5;
+  std::optional<std::uint64_t> particle;
+};
+
+void trace_command(const TraceArguments& a) {
+  constexpr std::uint64_t most = 10000;
+  if (a.count < 1 || a.count > most) throw ArgumentError(fmt::format("-n must be from 1 to {}", most));
+  MachineOptions machine;
+  machine.isa = a.isa;
+  const Isa isa = machine.instruction_set();
+  const LoadedExperiment loaded = load_experiment(a.experiment.file, a.experiment.changes);
+  require_writable(a.output);
+  std::vector<Track> tracks;
+  const std::uint64_t first = a.particle.value_or(0);
+  const std::uint64_t last = a.particle ? first + 1 : std::min(a.count, loaded.base.particles);
+  if (first >= loaded.base.particles)
+    throw ArgumentError(fmt::format("--particle: there is no particle {}; the run has {}, counted from 0",
+                                    first, loaded.base.particles));
+  for (std::uint64_t particle = first; particle < last; ++particle)
+    tracks.push_back(trace(loaded.base, particle, isa));
+  write_tracks(loaded.base.title, tracks, a.output);
+  for (const Track& t : tracks)
+    fmt::print("particle {}: {}{}{}, {} places recorded\n", t.particle, t.fate, t.where.empty() ? "" : " at ",
+               t.where, t.t.size());
+  fmt::print("wrote {}\n", a.output);
+}
+
+}  // namespace
+
+void add_trace(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("trace", "write the paths of a few particles, the file's scan left out");
+  auto a = std::make_shared<TraceArguments>();
+  a->experiment.add_to(*verb);
+  CLI::Option* count = verb->add_option("-n", a->count, "how many particles, from number 0")->type_name("N");
+  verb->add_option("--particle", a->particle, "only the particle of this number")
+      ->type_name("N")
+      ->excludes(count);
+  verb->add_option("-o,--output", a->output, "where the paths go")->type_name("TRACKS.h5")->required();
+  verb->add_option("--isa", a->isa, "instruction set: x86-64, avx2 or avx512")->type_name("NAME");
+  verb->callback([a] { trace_command(*a); });
+}
+
+}  // namespace rabiline

@@ -1,0 +1,204 @@
+#include "input/beamline_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "input/checks.hpp"
+#include "input/reader.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr Row fraction_row{"fraction",
+                           Dimension::number,
+                           {0, 1, false, true, "greater than 0 and at most 1"},
+                           "share of all particles"};
+
+const std::vector<Word>& library_words() {
+  static const std::vector<Word> words = [] {
+    std::vector<Word> out;
+    for (const Species& species : species_library()) out.push_back({species.name, species.source});
+    return out;
+  }();
+  return words;
+}
+
+bool find_in_library(const Node& name, Reading& reading, Species& out) {
+  const Species* found = find_species(name.scalar);
+  if (found)
+    out = *found;
+  else
+    reading.error(
+        name.place,
+        fmt::format("{} is no species of the library, which has {}", quote(name), list_of(library_words())),
+        closest(name.scalar,
+                [] {
+                  std::vector<std::string> names;
+                  for (const Word& w : library_words()) names.emplace_back(w.word);
+                  return names;
+                }())
+                .empty()
+            ? "or define it: `species: {name: ..., mass: ..., charge: ..., spin: ..., gyromagnetic_ratio: "
+              "...}`"
+            : suggest(name.scalar, library_words()));
+  return found != nullptr;
+}
+
+/// A mapping with nothing but a name means the library; with more it is a definition.
+bool read_species(const Node& node, Keys& keys, Species& out) {
+  const Entry* name = node.find("name");
+  const bool defined = std::any_of(node.entries.begin(), node.entries.end(),
+                                   [](const Entry& e) { return e.key != "name" && e.key != "fraction"; });
+  if (!defined && name && name->value.is_scalar()) {
+    keys.take("name");
+    return find_in_library(name->value, keys.reading(), out);
+  }
+  const bool good = read_rows(keys, out);
+  if (good && find_species(out.name)) {
+    keys.reading().error(name->value.place,
+                         fmt::format("`{}` is a species of the library, and defined anew here", out.name),
+                         "leave its constants away, or give the definition another name");
+    return false;
+  }
+  return good;
+}
+
+bool read_component(const Node& node, Reading& reading, Component& out) {
+  if (!node.is_mapping()) {
+    reading.error(
+        node.place, fmt::format("each species of a list has a fraction, but {} stands here", quote(node)),
+        fmt::format("write `- {{name: {}, fraction: 0.5}}`", node.is_scalar() ? node.scalar : "neutron"));
+    return false;
+  }
+  const Entry* name = node.find("name");
+  const std::string what =
+      name && name->value.is_scalar() ? fmt::format("the species `{}`", name->value.scalar) : "the species";
+  Keys keys(node, what, name ? name->value.place : node.place, reading);
+  bool good = read_species(node, keys, out.species), given = false;
+  if (const Entry* fraction = keys.take_value("fraction", given))
+    good = read_quantity(fraction->value, fraction_row, reading, out.fraction) && good;
+  else
+    good = false;
+  if (!given) keys.missing("fraction", fraction_row.meaning, "0.5");
+  keys.refuse_unknown();
+  return good;
+}
+
+void check_mixture(const Node& list, const Place& named_at, const std::vector<Component>& mixture,
+                   Reading& reading) {
+  double sum = 0;
+  for (std::size_t i = 0; i < mixture.size(); ++i) {
+    sum += mixture[i].fraction;
+    for (std::size_t k = 0; k < i; ++k)
+      if (mixture[k].species.name == mixture[i].species.name)
+        reading.error(place_of(list.items[i], "name"),
+                      fmt::format("the species `{}` stands in the list twice", mixture[i].species.name),
+                      "add its fractions up in one line");
+  }
+  if (std::abs(sum - 1) > 1e-9)
+    reading.error(named_at, fmt::format("the fractions of the species add up to {:.10g}, not to 1", sum),
+                  "the fractions are shares of all particles");
+}
+
+/// What messages call a part before its kind is known.
+std::string name_of_part(const Node& node) {
+  const Entry* name = node.find("name");
+  return name && name->value.is_scalar() ? fmt::format("the part `{}`", name->value.scalar) : "this part";
+}
+
+bool read_part(const Node& node, Reading& reading, PlacedPart& out) {
+  if (!node.is_mapping()) {
+    reading.error(node.place, fmt::format("a part is a mapping of keys, but {} stands here", quote(node)),
+                  "write `- {name: B, kind: uniform_field, at: 0.3 m, ...}`");
+    return false;
+  }
+  const Entry* name = node.find("name");
+  const std::string what = name_of_part(node);
+  Keys keys(node, what, name ? name->value.place : node.place, reading);
+  // The kind comes first, so that messages about the other keys can name it.
+  const Entry* kind = node.find(tag_key<Part>);
+  const bool known =
+      read_tagged(keys,
+                  {name && name->value.is_scalar() ? std::string_view(name->value.scalar) : "part",
+                   Dimension::number, range::any, "what the part is"},
+                  out.part);
+  const bool good = read_rows(keys, out.placement) && known;
+  const auto& words = words_of<Part>();
+  const bool kind_known = kind && std::any_of(words.begin(), words.end(),
+                                              [&](const Word& w) { return w.word == kind->value.scalar; });
+  if (kind_known) keys.refuse_unknown(&owner_of_key<Part>);
+  return good;
+}
+
+void check_version(const Node& root, Keys& keys, Reading& reading) {
+  const Entry* version = keys.take("rabiline");
+  if (!version)
+    reading.error(root.place, "the file does not say which version of the format it is written in",
+                  "begin it with `rabiline: 1`");
+  else if (!version->value.is_scalar() || version->value.scalar != "1")
+    reading.error(
+        version->value.place,
+        fmt::format("this program reads version 1 of the format, but {} stands here", quote(version->value)),
+        "write `rabiline: 1`");
+}
+
+}  // namespace
+
+bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading,
+                std::vector<Component>& out) {
+  out.clear();
+  if (node.is_sequence()) {
+    bool good = true;
+    for (const Node& item : node.items) good = read_component(item, reading, out.emplace_back()) && good;
+    if (good) check_mixture(node, named_at, out, reading);
+    return good;
+  }
+  Component& only = out.emplace_back();
+  if (node.is_scalar()) return find_in_library(node, reading, only.species);
+  Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
+  const bool good = read_species(node, keys, only.species);
+  keys.refuse_unknown();
+  return good;
+}
+
+/// Keeps the parts that could be read; all of them where nothing is reported.
+bool read_value(const Node& node, const Place&, const Row& row, Reading& reading,
+                std::vector<PlacedPart>& out) {
+  out.clear();
+  if (!node.is_sequence()) {
+    reading.error(node.place, fmt::format("`{}` is a list, but {} stands here", row.key, quote(node)),
+                  "begin each part with `- `");
+    return false;
+  }
+  bool good = true;
+  for (const Node& item : node.items) {
+    PlacedPart part;
+    if (read_part(item, reading, part))
+      out.push_back(std::move(part));
+    else
+      good = false;
+  }
+  return good;
+}
+
+Beamline read_beamline(const Node& root, Reading& reading) {
+  Beamline out;
+  if (!root.is_mapping()) {
+    reading.error(root.place,
+                  fmt::format("a beamline file is a mapping of keys, but {} stands here", quote(root)),
+                  "begin it with `rabiline: 1`");
+    return out;
+  }
+  Keys keys(root, "the file", root.place, reading);
+  check_version(root, keys, reading);
+  read_rows(keys, out);
+  keys.take("geometry");
+  keys.take("scan");
+  keys.refuse_unknown();
+  check_beamline(out, root, reading);
+  std::stable_sort(out.parts.begin(), out.parts.end(),
+                   [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,30 @@
+#pragma once
+// The experiment's own table and how one point of it is read from a tree.
+#include "beamline/beamline.hpp"
+#include "input/document.hpp"
+#include "input/values.hpp"
+
+namespace rabiline {
+
+/// A particle weighs 2^40 quanta and squares of weights are summed in 128 bits.
+inline constexpr Range particle_numbers{1, 1e14, true, true, "from 1 to 1e14"};
+inline constexpr Range whole{0, range::infinite, true, true, "zero or greater"};
+
+template <>
+inline constexpr auto parameters<Beamline> = std::tuple{
+    param("title", &Beamline::title, "what the experiment is called", std::string_view{}),
+    param("species", &Beamline::species,
+          "what flies: a library name, a definition, or a list with fractions"),
+    param("law", &Beamline::law, "law of motion"),
+    param("source", &Beamline::source, "where particles start"),
+    param("chamber", &Beamline::chamber, "round wall along the whole beam; none where it is missing"),
+    param("parts", &Beamline::parts, "what stands on the beam"),
+    param("particles", &Beamline::particles, Dimension::number, particle_numbers,
+          "how many fly, per scan point"),
+    param("seed", &Beamline::seed, Dimension::number, whole, "key of the random numbers"),
+};
+
+/// Reads and checks a whole file's tree; `scan` is left alone. Whether all is well shows in the Reading.
+Beamline read_beamline(const Node& root, Reading&);
+
+}  // namespace rabiline

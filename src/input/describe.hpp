@@ -1,0 +1,14 @@
+#pragma once
+// What a user can write, told from the tables alone.
+#include <string>
+#include <string_view>
+
+namespace rabiline {
+
+/// What there is to describe, and the keys of a file.
+std::string describe_overview();
+/// The keys of a part, law, species, source, scan, ... with unit, range, default and meaning, and a snippet.
+/// Throws InputError for a topic that is none.
+std::string describe(std::string_view topic);
+
+}  // namespace rabiline

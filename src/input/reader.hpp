@@ -1,0 +1,321 @@
+#pragma once
+// Reads any struct by its table (parameter/parameter.hpp): the same rows that `describe` prints.
+// Every function returns whether `out` is good; what is wrong is in the Reading.
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "input/keys.hpp"
+#include "input/values.hpp"
+
+namespace rabiline {
+
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool is_variant = false;
+template <class... A>
+inline constexpr bool is_variant<std::variant<A...>> = true;
+template <class T>
+inline constexpr bool has_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> > 0;
+
+template <class S, class M, class D>
+constexpr Row row_of(const Param<S, M, D>& p) {
+  return {p.key, p.dimension, p.range, p.meaning};
+}
+
+/// Calls f(type_identity<Alternative>) for each alternative, in order.
+template <class Variant, class F>
+constexpr void for_each_alternative(F f) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (f(std::type_identity<std::variant_alternative_t<I, Variant>>{}), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<Variant>>{});
+}
+
+/// Calls f(row) for each row of a table.
+template <class T, class F>
+constexpr void for_each_row(F f) {
+  std::apply([&](const auto&... p) { (f(p), ...); }, parameters<T>);
+}
+
+/// The tags of a variant, or the words of an enum.
+template <class T>
+const auto& words_of() {
+  if constexpr (is_variant<T>) {
+    static const auto words = [] {
+      std::array<Word, std::variant_size_v<T>> out;
+      std::size_t i = 0;
+      for_each_alternative<T>([&]<class A>(std::type_identity<A>) { out[i++] = {A::kind, A::meaning}; });
+      return out;
+    }();
+    return words;
+  } else {
+    static const auto words = [] {
+      std::array<Word, choices<T>.size()> out;
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] = {choices<T>[i].word, choices<T>[i].meaning};
+      return out;
+    }();
+    return words;
+  }
+}
+
+/// Whether a table has that key, also through rows whose keys stand in the same mapping.
+template <class T>
+bool has_key(std::string_view key) {
+  bool found = false;
+  if constexpr (is_variant<T>)
+    for_each_alternative<T>([&]<class A>(std::type_identity<A>) { found = found || has_key<A>(key); });
+  else
+    for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+      if constexpr (is_variant<M>)
+        if (p.key.empty()) found = found || has_key<M>(key);
+      found = found || (!p.key.empty() && p.key == key);
+    });
+  return found;
+}
+
+template <class T>
+std::string example_of_type(const Row& row);
+
+/// Optional numbers and words are left out only where another key stands for them.
+template <class M, class D>
+inline constexpr bool in_example = std::is_same_v<D, Required> && !is_optional<M>;
+template <class D>
+inline constexpr bool in_example<std::optional<double>, D> = true;
+template <class E, class D>
+requires std::is_enum_v<E>
+inline constexpr bool in_example<std::optional<E>, D> = true;
+
+/// "width: 0.2 mm, height: 0.2 mm": every key that must be given.
+template <class T>
+std::string example_of_rows() {
+  std::string out;
+  for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+    if constexpr (in_example<M, D>) {
+      std::string item = example_of_type<M>(row_of(p));
+      if (p.key.empty())
+        item = item.substr(1, item.size() - 2);
+      else
+        item = fmt::format("{}: {}", p.key, item);
+      out += (out.empty() ? "" : ", ") + item;
+    }
+  });
+  return out;
+}
+
+/// One way to write a value of that type, as it would stand in the file.
+template <class T>
+std::string example_of_type(const Row& row) {
+  if constexpr (is_optional<T>)
+    return example_of_type<typename T::value_type>(row);
+  else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::string>)
+    return example_for(row);
+  else if constexpr (std::is_integral_v<T>)
+    return "10000";
+  else if constexpr (std::is_enum_v<T>)
+    return std::string(choices<T>[0].word);
+  else if constexpr (std::is_same_v<T, HalfInteger>)
+    return "1/2";
+  else if constexpr (std::is_same_v<T, Phase>)
+    return "random";
+  else if constexpr (std::is_same_v<T, Bins>)
+    return "[80, 80]";
+  else if constexpr (is_variant<T>) {
+    using First = std::variant_alternative_t<0, T>;
+    if constexpr (tag_key<T>.empty()) return "{" + example_of_rows<First>() + "}";
+    const std::string rows = example_of_rows<First>();
+    return rows.empty() ? std::string(First::kind)
+                        : fmt::format("{{{}: {}, {}}}", tag_key<T>, First::kind, rows);
+  } else if constexpr (has_table<T>)
+    return "{" + example_of_rows<T>() + "}";
+  else
+    return {};
+}
+
+template <class T>
+bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out);
+
+/// Fills a member from its key, its default, or reports that it is missing.
+template <class S, class M, class D>
+bool read_row(Keys& keys, const Param<S, M, D>& p, S& out);
+
+/// Fills a struct from the keys of a mapping that may hold further keys.
+template <class T>
+bool read_rows(Keys& keys, T& out) {
+  bool good = true;
+  for_each_row<T>([&](const auto& p) { good = read_row(keys, p, out) && good; });
+  return good;
+}
+
+/// Fills the alternative with that index.
+template <class V>
+bool read_alternative(Keys& keys, std::size_t index, V& out) {
+  bool good = true;
+  std::size_t i = 0;
+  for_each_alternative<V>([&]<class A>(std::type_identity<A>) {
+    if (i++ == index) good = read_rows(keys, out.template emplace<A>());
+  });
+  return good;
+}
+
+/// Which alternative has that key, for "(rotating_field has)".
+template <class V>
+std::string owner_of_key(std::string_view key) {
+  std::string owner;
+  for_each_alternative<V>([&]<class A>(std::type_identity<A>) {
+    if (owner.empty() && has_key<A>(key)) owner = A::kind;
+  });
+  return owner;
+}
+
+/// A variant told apart by which keys are there. Its keys may stand among others.
+template <class V>
+bool read_by_keys(Keys& keys, V& out) {
+  struct Given {
+    std::size_t alternative;
+    const Entry* entry;
+  };
+  std::vector<Given> given;
+  std::string ways;
+  std::size_t index = 0;
+  for_each_alternative<V>([&]<class A>(std::type_identity<A>) {
+    std::string way;
+    for_each_row<A>([&](const auto& p) {
+      if (const Entry* entry = keys.take(p.key)) given.push_back({index, entry});
+      way += fmt::format("{}`{}`", way.empty() ? "" : " and ", p.key);
+    });
+    ways += (index++ == 0 ? "" : ", or ") + way;
+  });
+  if (given.empty()) {
+    keys.reading().error(keys.blame(), fmt::format("{} needs the size of its opening: {}", keys.what(), ways),
+                         fmt::format("add `{}`", example_of_rows<std::variant_alternative_t<0, V>>()));
+    return false;
+  }
+  for (const Given& g : given)
+    if (g.alternative != given.front().alternative) {
+      keys.reading().error(g.entry->key_place, fmt::format("`{}` and `{}` do not go together: give {}",
+                                                           given.front().entry->key, g.entry->key, ways));
+      return false;
+    }
+  return read_alternative(keys, given.front().alternative, out);
+}
+
+/// A variant told apart by its tag, which stands among the keys of its alternative.
+template <class V>
+bool read_tagged(Keys& keys, const Row& row, V& out) {
+  static constexpr std::string_view tag = tag_key<V>;
+  const auto& words = words_of<V>();
+  bool given = false;
+  const Entry* entry = keys.take_value(tag, given);
+  if (!entry) {
+    if (!given) keys.missing(tag, list_of(words), words[0].word);
+    return false;
+  }
+  const std::optional<std::size_t> index =
+      read_word(entry->value, {tag, Dimension::number, range::any, row.meaning}, words, keys.reading());
+  if (!index) return false;
+  keys.rename(fmt::format("the {} `{}`", words[*index].word, row.key), entry->value.place);
+  const bool good = read_alternative(keys, *index, out);
+  return good;
+}
+
+template <class V>
+bool read_variant(const Node& node, const Place& named_at, const Row& row, Reading& reading, V& out) {
+  if (node.is_scalar() && !tag_key<V>.empty()) {
+    const std::optional<std::size_t> index = read_word(node, row, words_of<V>(), reading);
+    if (!index) return false;
+    static const Node no_keys{Node::Kind::mapping, {}, {}, false, {}, {}};
+    Keys keys(no_keys, fmt::format("the {} `{}`", words_of<V>()[*index].word, row.key), node.place, reading);
+    return read_alternative(keys, *index, out);
+  }
+  if (!node.is_mapping()) {
+    reading.error(node.place,
+                  fmt::format("`{}` is a mapping of keys, but {} stands here", row.key, quote(node)),
+                  fmt::format("write it like `{}: {}`", row.key, example_of_type<V>(row)));
+    return false;
+  }
+  Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
+  if constexpr (tag_key<V>.empty()) {
+    const bool good = read_by_keys(keys, out);
+    keys.refuse_unknown();
+    return good;
+  } else {
+    const std::size_t errors = reading.errors.size();
+    const bool good = read_tagged(keys, row, out);
+    // Without a tag nobody knows which keys belong here.
+    if (good || keys.what().starts_with("the ")) keys.refuse_unknown(&owner_of_key<V>);
+    return good && errors == reading.errors.size();
+  }
+}
+
+template <class T>
+bool read_struct(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out) {
+  if (!node.is_mapping()) {
+    reading.error(node.place,
+                  fmt::format("`{}` is a mapping of keys, but {} stands here", row.key, quote(node)),
+                  fmt::format("write it like `{}: {}`", row.key, example_of_type<T>(row)));
+    return false;
+  }
+  Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
+  const bool good = read_rows(keys, out);
+  keys.refuse_unknown();
+  return good;
+}
+
+template <class T>
+bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out) {
+  if constexpr (is_optional<T>)
+    return read_value(node, named_at, row, reading, out.emplace());
+  else if constexpr (std::is_same_v<T, Node>) {
+    out = node;
+    return true;
+  } else if constexpr (std::is_same_v<T, double>)
+    return read_quantity(node, row, reading, out);
+  else if constexpr (std::is_same_v<T, std::uint64_t>)
+    return read_count(node, row, reading, out);
+  else if constexpr (std::is_same_v<T, std::string>)
+    return read_text(node, row, reading, out);
+  else if constexpr (std::is_same_v<T, HalfInteger>)
+    return read_half_integer(node, row, reading, out);
+  else if constexpr (std::is_same_v<T, Phase>)
+    return read_phase(node, row, reading, out);
+  else if constexpr (std::is_same_v<T, Bins>)
+    return read_bins(node, row, reading, out);
+  else if constexpr (std::is_enum_v<T>) {
+    const std::optional<std::size_t> index = read_word(node, row, words_of<T>(), reading);
+    if (index) out = choices<T>[*index].value;
+    return index.has_value();
+  } else if constexpr (is_variant<T>)
+    return read_variant(node, named_at, row, reading, out);
+  else
+    return read_struct(node, named_at, row, reading, out);
+}
+
+template <class S, class M, class D>
+bool read_row(Keys& keys, const Param<S, M, D>& p, S& out) {
+  M& member = out.*p.member;
+  if constexpr (is_variant<M>)
+    if (p.key.empty()) return read_by_keys(keys, member);
+  bool given = false;
+  if (const Entry* entry = keys.take_value(p.key, given))
+    return read_value(entry->value, entry->key_place, row_of(p), keys.reading(), member);
+  if (given) return false;
+  if constexpr (!std::is_same_v<D, Required>)
+    member = M(p.fallback);
+  else if constexpr (!is_optional<M>) {
+    keys.missing(p.key, p.meaning, example_of_type<M>(row_of(p)));
+    return false;
+  }
+  return true;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,13 @@
+#pragma once
+// The plan in words, with the numbers that a physicist wants before a run.
+#include <string>
+
+#include "plan/plan.hpp"
+
+namespace rabiline {
+
+/// What will be computed: species, stages with the points that share them, derived numbers of every field,
+/// cost, and warnings where the physics of a set-up is known to mislead.
+std::string explain(const Experiment&, const Plan&);
+
+}  // namespace rabiline

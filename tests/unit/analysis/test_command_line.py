@@ -1,0 +1,108 @@
+"""The commands: pictures that are there, errors that are one line, exit codes."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rabiline.__main__ import main
+from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
+
+PNG = b"\x89PNG"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Small files of every kind."""
+    folder = tmp_path_factory.mktemp("files")
+    axis = frequencies(41)
+    y = dip(axis.values, steepness=4)
+    write_results(folder / "laws.h5", [laws("quantum", DORADO), axis], np.concatenate([np.ones(41), y]),
+                  law=["quantum"] * 41 + [DORADO] * 41, bins=16)
+    write_results(folder / "dorado.h5", [axis], y, law=[DORADO], bins=16)
+    write_results(folder / "quantum.h5", [axis], np.ones(41), law=["quantum"], bins=16)
+    write_results(folder / "point.h5", [], np.array([1.0]), law=["quantum"], bins=16)
+    write_results(folder / "two.h5", [axis], np.stack([y, 1 - y]), law=[DORADO], detectors=("near", "far"), bins=16)
+    write_results(folder / "only_laws.h5", [laws("quantum", DORADO)], np.array([1.0, 0.1]), law=["quantum", DORADO],
+                  bins=16)
+    amplitudes = Axis("H0.amplitude", np.linspace(1e-7, 9e-7, 9), "T")
+    write_results(folder / "grid.h5", [amplitudes, axis], np.tile(y, 9), law=[DORADO], bins=4)
+    write_tracks(folder / "straight.h5", [fly("quantum", 291.65e3)], law="quantum")
+    y = np.linspace(0, 1, 50)
+    tip = {"sx": np.sin(y), "sy": 0 * y, "sz": -np.cos(y)}
+    write_tracks(folder / "turned.h5", [{n: y for n in "t x y z vx vy vz".split()} | tip])
+    (folder / "text.h5").write_text("counts: 7")
+    return folder
+
+
+@pytest.mark.parametrize("command", [
+    "plot-scan laws.h5",
+    "plot-scan dorado.h5 quantum.h5 --mark Larmor=291.65e3",
+    "plot-scan dorado.h5 dorado.h5",
+    "plot-scan two.h5 --detector far",
+    "plot-scan grid.h5 --mark Larmor=291.65e3",
+    "plot-scan only_laws.h5",
+    "plot-image dorado.h5",
+    "plot-image quantum.h5",
+    "plot-image laws.h5",
+    "plot-image point.h5",
+    "plot-image two.h5 --detector far --points 0,20,40",
+    "plot-tracks straight.h5 turned.h5 --region B=0.30:0.55 --region H0=0.35:0.55",
+    "plot-tracks straight.h5",
+])
+def test_every_picture_is_drawn(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str) -> None:
+    monkeypatch.chdir(folder)
+    picture = tmp_path / "picture.png"
+    assert main([*command.split(), "-o", str(picture)]) == 0
+    assert picture.read_bytes().startswith(PNG)
+
+
+def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["summary", str(folder / "laws.h5")]) == 0
+    text = capsys.readouterr().out
+    assert "dorado (hypothesis), torque, κ = 1: " in text
+    assert "fit           dip at 291.6" in text and "FWHM 7.3" in text
+    assert "quantum: 1 to 1 of emitted\n    no resonance" in text
+    assert "the ledger closes" in text
+
+
+@pytest.mark.parametrize(("command", "message"), [
+    ("plot-scan missing.h5", "rabiline: missing.h5: no such file"),
+    ("plot-scan text.h5", "rabiline: text.h5: not an HDF5 file"),
+    ("plot-scan point.h5", "rabiline: point.h5: nothing is scanned in this file"),
+    ("plot-scan straight.h5", "rabiline: straight.h5: /entry: no `scan`: not a file of `rabiline run`, or one without "
+                              "a detector"),
+    ("plot-scan dorado.h5 only_laws.h5", "rabiline: only_laws.h5: its scan runs over law, the first one over "
+                                         "H0.frequency"),
+    ("plot-scan two.h5 --detector middle", "rabiline: two.h5: no detector `middle` (there is near, far)"),
+    ("plot-scan dorado.h5 --mark Larmor", 'rabiline: --mark "Larmor" is not LABEL=VALUE, such as "Larmor '
+                                          'frequency=291.647 kHz"'),
+    ("plot-scan grid.h5 dorado.h5", "rabiline: 10 curves are too many for one picture"),
+    ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),
+    ("plot-image dorado.h5 --points a", "rabiline: --points a is not a list of numbers, such as 0,50"),
+    ("plot-tracks dorado.h5", "rabiline: dorado.h5: no tracks in it: not a file of `rabiline trace`"),
+    ("plot-tracks straight.h5 --region B=0.5:0.3", 'rabiline: --region "B=0.5:0.3" is not NAME=BEGIN:END in metres, '
+                                                   'such as "B=0.30:0.55"'),
+])
+def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                               capsys: pytest.CaptureFixture, command: str, message: str) -> None:
+    monkeypatch.chdir(folder)
+    assert main([*command.split(), "-o", "never.png"]) == 2
+    assert capsys.readouterr().err == message + "\n"
+    assert not Path("never.png").exists()
+
+
+def test_a_mistyped_command_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["plot-scam", "a.h5"])
+    assert left.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["plot-scan", str(folder / "dorado.h5"), "-o", "picture.doc"]) == 2
+    assert "picture.doc" in capsys.readouterr().err
+
+
+def test_a_picture_that_cannot_be_written_is_exit_code_3(folder: Path, tmp_path: Path) -> None:
+    assert main(["plot-scan", str(folder / "dorado.h5"), "-o", str(tmp_path / "nowhere" / "a.png")]) == 3

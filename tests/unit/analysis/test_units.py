@@ -1,0 +1,51 @@
+"""Numbers and names as people read them."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rabiline.units import fitting_scale, format_value, law_name, parse_quantity
+
+
+@pytest.mark.parametrize(("value", "unit", "error", "text"), [
+    (291650.0, "Hz", None, "291.65 kHz"),
+    (291650.0, "Hz", 12.3, "291.650 ± 0.012 kHz"),
+    (9192631770.1, "Hz", 1.1, "9192631770.1 ± 1.1 Hz"),
+    (3e-7, "T", None, "300 nT"),
+    (1e-3, "m", None, "1 mm"),
+    (0.0, "m", None, "0 m"),
+    (1000.0, "m/s", None, "1000 m/s"),
+    (0.5, "", 0.01, "0.500 ± 0.010"),
+    (-5.2e-3, "m", 1e-4, "-5.20 ± 0.10 mm"),
+])
+def test_a_value_is_written_with_a_fitting_prefix(value: float, unit: str, error: float | None, text: str) -> None:
+    assert format_value(value, unit, error) == text
+
+
+def test_an_axis_has_the_prefix_of_its_largest_value() -> None:
+    scale = fitting_scale(np.array([266.6e3, 316.6e3]), "Hz")
+    assert scale.label("H0.frequency") == "H0.frequency (kHz)"
+    assert scale.apply(291.65e3) == pytest.approx(291.65)
+
+
+def test_a_narrow_scan_is_shown_as_differences_from_its_middle() -> None:
+    scale = fitting_scale(9192631770 + np.linspace(-100, 100, 11), "Hz")
+    assert scale.label("frequency") == "frequency − 9.19263177 GHz (Hz)"
+    assert scale.apply(9192631870) == pytest.approx(100)
+
+
+@pytest.mark.parametrize(("text", "value"), [("291.65 kHz", 291650), ("3 mm", 3e-3), ("2.5", 2.5), ("1 m", 1),
+                                             ("0.3 µT", 3e-7), ("0.3 uT", 3e-7)])
+def test_a_quantity_is_read_with_its_prefix(text: str, value: float) -> None:
+    assert parse_quantity(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["", "fast", "3 parsec", "3 k Hz"])
+def test_a_quantity_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(ValueError):
+        parse_quantity(text)
+
+
+def test_a_hypothesis_is_named_one() -> None:
+    assert law_name("dorado (torque, kappa = 1)") == "dorado (hypothesis), torque, κ = 1"
+    assert law_name("dorado") == "dorado (hypothesis)"
+    assert law_name("quantum") == "quantum"
