@@ -149,6 +149,7 @@ void GroupWriter::attribute(const std::string& name, std::string_view value) con
 
 void GroupWriter::attribute(const std::string& name, const std::vector<std::string>& values) const {
   std::vector<const char*> pointers;
+  pointers.reserve(values.size());
   for (const std::string& value : values) pointers.push_back(value.c_str());
   const std::string place = where("@" + name);
   write_attribute(group_.id(), name, variable_text(place).id(), {values.size()}, pointers.data(), place);

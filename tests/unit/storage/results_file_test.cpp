@@ -168,7 +168,7 @@ Extent chunk_of(const std::filesystem::path& path, const std::string& name) {
   return chunk;
 }
 
-TEST(ResultsFile, CarriesAChecksumThatNoticesEveryFlippedBitOfADataset) {
+TEST(ResultsFile, IsVerifiedSoThatEveryFlippedBitOfADatasetIsNoticed) {
   const Folder folder;
   hdf5::FileWriter file(folder / "a.h5");
   std::vector<double> numbers;
