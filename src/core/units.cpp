@@ -214,8 +214,7 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
 
   const UnitSymbol* unit = rest.empty() ? nullptr : find_unit(rest);
   if (!rest.empty() && !unit) {
-    const bool number_goes_on =
-        is_digit(rest.front()) || std::string_view{"._,+-"}.find(rest.front()) != rest.npos;
+    const bool number_goes_on = rest.find_first_of("0123456789._,+-") != rest.npos;
     if (number_goes_on || rest.size() > 16)
       return failure("is not a number",
                      "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");

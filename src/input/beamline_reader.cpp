@@ -80,7 +80,7 @@ bool read_component(const Node& node, Reading& reading, Component& out) {
   else
     good = false;
   if (!given) keys.missing("fraction", fraction_row.meaning, "0.5");
-  keys.refuse_unknown();
+  keys.finish();
   return good;
 }
 
@@ -116,17 +116,15 @@ bool read_part(const Node& node, Reading& reading, PlacedPart& out) {
   const std::string what = name_of_part(node);
   Keys keys(node, what, name ? name->value.place : node.place, reading);
   // The kind comes first, so that messages about the other keys can name it.
-  const Entry* kind = node.find(tag_key<Part>);
-  const bool known =
-      read_tagged(keys,
-                  {name && name->value.is_scalar() ? std::string_view(name->value.scalar) : "part",
-                   Dimension::number, range::any, "what the part is"},
-                  out.part);
-  const bool good = read_rows(keys, out.placement) && known;
-  const auto& words = words_of<Part>();
-  const bool kind_known = kind && std::any_of(words.begin(), words.end(),
-                                              [&](const Word& w) { return w.word == kind->value.scalar; });
-  if (kind_known) keys.refuse_unknown(&owner_of_key<Part>);
+  bool kind_known = false;
+  const std::string_view called = name && name->value.is_scalar() ? std::string_view(name->value.scalar) : "";
+  const Row row{called, Dimension::number, range::any, "what the part is"};
+  const bool part_read = read_tagged(keys, row, out.part, kind_known);
+  const bool good = read_rows(keys, out.placement) && part_read;
+  if (kind_known)
+    keys.finish(&owner_of_key<Part>);
+  else
+    keys.finish_unknown();
   return good;
 }
 
@@ -148,7 +146,8 @@ bool read_value(const Node& node, const Place& named_at, const Row& row, Reading
                 std::vector<Component>& out) {
   out.clear();
   if (node.is_sequence()) {
-    bool good = true;
+    bool good = !node.items.empty();
+    if (!good) reading.error(node.place, "the list of species is empty", "write `species: neutron`");
     for (const Node& item : node.items) good = read_component(item, reading, out.emplace_back()) && good;
     if (good) check_mixture(node, named_at, out, reading);
     return good;
@@ -157,7 +156,7 @@ bool read_value(const Node& node, const Place& named_at, const Row& row, Reading
   if (node.is_scalar()) return find_in_library(node, reading, only.species);
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
   const bool good = read_species(node, keys, only.species);
-  keys.refuse_unknown();
+  keys.finish();
   return good;
 }
 
@@ -194,7 +193,7 @@ Beamline read_beamline(const Node& root, Reading& reading) {
   read_rows(keys, out);
   keys.take("geometry");
   keys.take("scan");
-  keys.refuse_unknown();
+  keys.finish();
   check_beamline(out, root, reading);
   std::stable_sort(out.parts.begin(), out.parts.end(),
                    [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });

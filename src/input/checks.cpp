@@ -175,14 +175,16 @@ void check_aim(const Beamline& beamline, const Node& root, const PartNodes& node
       reading.error(place,
                     fmt::format("the source is aimed at `{}`, whose opening has no area", aimed->target),
                     "open the slit");
-    for (const PlacedPart& field : beamline.parts)
-      if (is_field(field.part) && field.placement.at < part.placement.at)
-        reading.error(place,
-                      fmt::format("the field `{}` begins at {}, before `{}` at {}: nothing may act before "
-                                  "the opening that the source is aimed at",
-                                  field.placement.name, metres(field.placement.at), aimed->target,
-                                  metres(part.placement.at)),
-                      "aim at an opening before the first field, or use `direction: {kind: cone, ...}`");
+    const auto field = std::find_if(beamline.parts.begin(), beamline.parts.end(), [&](const PlacedPart& p) {
+      return is_field(p.part) && p.placement.at < part.placement.at;
+    });
+    if (field != beamline.parts.end())
+      reading.error(place,
+                    fmt::format("the field `{}` begins at {}, before `{}` at {}: nothing may act before the "
+                                "opening that the source is aimed at",
+                                field->placement.name, metres(field->placement.at), aimed->target,
+                                metres(part.placement.at)),
+                    "aim at an opening before the first field, or use `direction: {kind: cone, ...}`");
   }
 }
 
@@ -191,17 +193,19 @@ void check_follower(const PlacedPart& part, const RotatingField& zone, const Par
   const std::string& clock = *zone.oscillator;
   const Place& place = place_in(nodes, part, "oscillator");
   const Node* target = nodes.find(clock);
+  std::vector<std::string> clocks = nodes.names({RotatingField::kind});
+  std::erase(clocks, part.placement.name);
   if (clock == part.placement.name)
     reading.error(place, fmt::format("`{}` cannot follow its own clock", clock), "leave `oscillator` away");
   else if (!target)
     reading.error(place,
                   fmt::format("there is no rotating_field `{}` whose clock `{}` could follow", clock,
                               part.placement.name),
-                  suggest_name(clock, nodes.names({RotatingField::kind})));
+                  suggest_name(clock, clocks));
   else if (PartNodes::kind_of(*target) != RotatingField::kind)
     reading.error(place,
                   fmt::format("`{}` is a {} and has no clock to follow", clock, PartNodes::kind_of(*target)),
-                  suggest_name(clock, nodes.names({RotatingField::kind})));
+                  suggest_name(clock, clocks));
   else if (const Entry* next = target->find("oscillator"))
     reading.error(place, fmt::format("`{}` follows a clock itself, that of `{}`", clock, next->value.scalar),
                   fmt::format("write `oscillator: {}`", next->value.scalar));

@@ -31,9 +31,12 @@ class Page {
     std::array<std::size_t, 3> width{};
     for (const auto& row : rows_)
       for (std::size_t i = 0; i < width.size(); ++i) width[i] = std::max(width[i], row[i].size());
-    for (const auto& [key, what, need, meaning] : rows_)
-      text_ +=
-          fmt::format("  {:{}}  {:{}}  {:{}}  {}\n", key, width[0], what, width[1], need, width[2], meaning);
+    for (const auto& [key, what, need, meaning] : rows_) {
+      std::string line =
+          fmt::format("  {:{}}  {:{}}  {:{}}  {}", key, width[0], what, width[1], need, width[2], meaning);
+      line.erase(line.find_last_not_of(' ') + 1);
+      text_ += line + '\n';
+    }
     rows_.clear();
   }
 
@@ -286,17 +289,18 @@ std::string describe_overview() {
   add_rows<Beamline>(page);
   page.row("scan", "mapping, or list of two", "may be missing", "which parameter takes which values");
   page.line("\nParts");
-  for_each_alternative<Part>(
-      [&]<class A>(std::type_identity<A>) { page.row(std::string(A::kind), "", "", A::meaning); });
+  for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
+    page.row(std::string(A::kind), std::string(A::meaning), "", "");
+  });
   page.line("\nLaws of motion");
-  for_each_alternative<Law>(
-      [&]<class A>(std::type_identity<A>) { page.row(std::string(A::kind), "", "", A::meaning); });
+  for_each_alternative<Law>([&]<class A>(std::type_identity<A>) {
+    page.row(std::string(A::kind), std::string(A::meaning), "", "");
+  });
   page.line("\n`rabiline describe TOPIC` tells more of a part, a law, or");
   std::string others;
-  for (const Topic& topic : topics())
-    if (topic.name != "rectangle" && topic.name != "disc" &&
-        others.find(" " + topic.name) == std::string::npos)
-      others += " " + topic.name;
+  for (const std::string_view topic :
+       {"source", "speed", "direction", "opening", "species", "chamber", "scan", "units"})
+    others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();
 }

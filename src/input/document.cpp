@@ -24,7 +24,7 @@ int characters(std::string_view line, std::size_t from, std::size_t to) {
   return count;
 }
 
-/// The byte after a quoted scalar that begins at `from`, or the line's end where it goes on below.
+/// The byte after a quoted scalar that begins at `from`, or npos where it does not end in its line.
 std::size_t end_of_quoted(std::string_view line, std::size_t from) {
   const char quote = line[from];
   for (std::size_t i = from + 1; i < line.size(); ++i) {
@@ -35,7 +35,7 @@ std::size_t end_of_quoted(std::string_view line, std::size_t from) {
     else if (line[i] == quote)
       return i + 1;
   }
-  return line.size();
+  return std::string_view::npos;
 }
 
 std::size_t count_nodes(const Node& node) {
@@ -61,7 +61,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (from >= line.size()) return place;
     std::size_t end = from + 1;
     if (line[from] == '"' || line[from] == '\'')
-      end = end_of_quoted(line, from);
+      end = std::min(end_of_quoted(line, from), line.size());
     else if (!plain.empty() && line.substr(from).starts_with(plain))
       end = from + plain.size();
     place.length = std::max(1, characters(line, from, end));
@@ -92,6 +92,7 @@ class TreeBuilder final : public YAML::EventHandler {
     node.scalar = value;
     node.quoted = tag == "!";
     node.place = place_of(mark, value);
+    if (node.quoted) refuse_open_quote(mark, node.place);
     complete(std::move(node), anchor);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -126,6 +127,15 @@ class TreeBuilder final : public YAML::EventHandler {
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?" && tag != "!")
       refuse(place_of(mark), fmt::format("the YAML tag `{}` has no meaning here", tag), "leave the tag away");
+  }
+
+  /// The library takes a text whose closing quote is missing for one that goes on to the end of the file.
+  void refuse_open_quote(const YAML::Mark& mark, const Place& place) const {
+    const std::string_view line = source_->lines[static_cast<std::size_t>(mark.line)];
+    const auto from = static_cast<std::size_t>(mark.column);
+    const bool quote = from < line.size() && (line[from] == '"' || line[from] == '\'');
+    if (quote && end_of_quoted(line, from) == line.npos)
+      refuse(place, "the text in quotes does not end in its line", "add the closing quote");
   }
 
   void count(std::size_t more, const YAML::Mark& mark) {
@@ -255,26 +265,29 @@ void refuse_what_yaml_mistakes(const std::shared_ptr<const SourceText>& source, 
   }
 }
 
-/// What the parser's words mean for somebody who forgot a brace or a space.
-std::string hint_for(std::string_view message) {
-  struct Hint {
-    std::string_view message, hint;
+/// The parser's words for what somebody forgot, in plainer ones.
+Diagnostic explain(Place place, std::string_view message) {
+  struct Case {
+    std::string_view message, problem, help;
   };
-  static constexpr Hint hints[] = {
-      {"end of map flow not found", "a `}` or a comma is missing, in this line or above"},
-      {"end of sequence flow not found", "a `]` or a comma is missing, in this line or above"},
-      {"end of map not found", "keys that belong together must begin in the same column"},
-      {"end of sequence not found", "items of a list must begin in the same column, each with `- `"},
-      {"illegal map value",
-       "is a quote, a brace or a line end missing before it? A text that holds `: ` stands in quotes"},
-      {"unknown token", "put text that begins with a special character in quotes"},
-      {"illegal flow end", "there is no `{` or `[` that this closes"},
-      {"illegal EOF in scalar", "the closing quote is missing"},
-      {"illegal document indicator in scalar", "the closing quote is missing"},
+  static constexpr Case cases[] = {
+      {"end of map flow not found", "a `{` is never closed",
+       "a `}` or a comma is missing, in this line or above"},
+      {"end of sequence flow not found", "a `[` is never closed",
+       "a `]` or a comma is missing, in this line or above"},
+      {"end of map not found", "this key stands in another column than the keys it belongs to",
+       "keys that belong together begin in the same column"},
+      {"end of sequence not found", "this item stands in another column than the items it belongs to",
+       "items of a list begin in the same column, each with `- `"},
+      {"illegal map value", "a second colon makes no sense here",
+       "a text that holds `: ` stands in quotes; or a brace or a line end is missing before it"},
+      {"illegal flow end", "this closes what was not opened, or something before it is still open",
+       "compare the brackets and braces"},
   };
-  for (const Hint& h : hints)
-    if (message.find(h.message) != message.npos) return std::string(h.hint);
-  return {};
+  for (const Case& c : cases)
+    if (message.find(c.message) != message.npos)
+      return {std::move(place), std::string(c.problem), std::string(c.help)};
+  return {std::move(place), fmt::format("this is not YAML: {}", message), {}};
 }
 
 }  // namespace
@@ -309,7 +322,7 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
     if (!parser.HandleNextDocument(builder)) return {};
     parser.HandleNextDocument(builder);  // refuses what it finds
   } catch (const YAML::Exception& e) {
-    refuse(builder.place_of(e.mark), fmt::format("this is not YAML: {}", e.msg), hint_for(e.msg));
+    throw InputError({explain(builder.place_of(e.mark), e.msg)});
   }
   return builder.take_root();
 }

@@ -112,7 +112,7 @@ void write_out(Node& node, std::string_view key, const Place& place) {
   if (node.is_mapping() || node.is_sequence()) return;
   Node mapping;
   mapping.kind = Node::Kind::mapping;
-  mapping.place = node.is_null() ? place : node.place;
+  mapping.place = place;
   if (node.is_scalar()) {
     const bool named = key == "law" || key == "species";
     mapping.entries.push_back({std::string(named ? tag_key<Law> : tag_key<SpeedLaw>), node.place, node});
@@ -144,7 +144,7 @@ Node* put_value(Node& root, const std::string& name, const Place& name_place, co
     Entry* entry = node->find(path[i].word);
     if (!entry) entry = &node->entries.emplace_back(Entry{path[i].word, path[i].place, Node{}});
     node = &entry->value;
-    if (i + 1 < path.size()) write_out(*node, path[i].word, path[i].place);
+    if (i + 1 < path.size()) write_out(*node, path[i].word, path[i + 1].place);
   }
   *node = value;
   return node;

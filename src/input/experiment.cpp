@@ -112,12 +112,12 @@ class ScanReader {
     if (!node) return out;
     bool numeric = true;
     std::size_t failures = 0;
-    for (std::size_t i = 0; i < axis.values.size() && failures < 10; ++i) {
+    for (std::size_t i = 0; i < axis.values.size() && failures < (axis.is_range ? 1 : 10); ++i) {
       *node = axis.values[i];
       reading_.watched = {{node, std::nullopt, 0}};
       const std::size_t errors = reading_.errors.size();
       Beamline point = read_beamline(tree, reading_);
-      name_point(errors, {&axis.values[i]});
+      name_point(errors, {{&axis, &axis.values[i]}});
       if (reading_.errors.size() > errors) ++failures;
       numeric = numeric && reading_.watched.front().dimension.has_value();
       out.dimension = reading_.watched.front().dimension;
@@ -148,7 +148,7 @@ class ScanReader {
         *b = other;
         points.push_back(read_beamline(tree, reading_));
         if (reading_.errors.empty()) continue;
-        name_point(0, {&value, &other});
+        name_point(0, {{&outer, &value}, {&inner, &other}});
         return points;
       }
     }
@@ -157,23 +157,17 @@ class ScanReader {
 
  private:
   /// Says at which point of the scan something is wrong, where the place does not show it.
-  void name_point(std::size_t from, const std::vector<const Node*>& values) {
+  void name_point(std::size_t from, const std::vector<std::pair<const Axis*, const Node*>>& values) {
+    std::string where;
+    for (const auto& [axis, value] : values)
+      where += fmt::format("{}{} = {}", where.empty() ? "" : ", ", axis->parameter, to_text(*value));
     for (std::size_t i = from; i < reading_.errors.size(); ++i) {
-      std::string where;
-      for (std::size_t k = 0; k < values.size(); ++k) {
-        const Axis& axis = values.size() == 2 ? plan_.axes[k] : axis_of(values[k]);
-        where += fmt::format("{}{} = {}", k == 0 ? "" : ", ", axis.parameter, to_text(*values[k]));
-      }
-      reading_.errors[i].message += fmt::format(" [at the scan point {}]", where);
+      const Place& place = reading_.errors[i].place;
+      const bool shown = std::any_of(values.begin(), values.end(), [&](const auto& v) {
+        return place.text == v.first->place.text && place.line == v.first->place.line;
+      });
+      if (!shown) reading_.errors[i].message += fmt::format(" [at the scan point {}]", where);
     }
-  }
-
-  const Axis& axis_of(const Node* value) const {
-    for (const Axis& axis : plan_.axes)
-      if (!axis.values.empty() && value >= axis.values.data() &&
-          value < axis.values.data() + axis.values.size())
-        return axis;
-    return plan_.axes.front();
   }
 
   static std::string label_of(const Axis& axis, const Beamline& point, std::size_t i) {
@@ -185,8 +179,7 @@ class ScanReader {
       for (std::size_t k = 0; k < i && reading_.errors.empty(); ++k)
         if (numeric ? out.values[i] == out.values[k] : out.labels[i] == out.labels[k])
           reading_.error(axis.values[i].place,
-                         fmt::format("the scan has the value {} twice", quote(axis.values[i])),
-                         "keep one of them");
+                         fmt::format("the scan has the value `{}` twice", out.labels[i]), "keep one of them");
     if (numeric) {
       out.labels.clear();
       return;

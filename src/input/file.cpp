@@ -52,7 +52,8 @@ class Loader {
     out_.sources.push_back(source);
     Node root = parse_document(source, text);
     if (root.is_null())
-      refuse(Place{source, 0, 0, 1}, path, "the file is empty", "`rabiline new` writes one to begin with");
+      throw InputError(
+          {{Place{source, 0, 0, 1}, "the file is empty", "`rabiline new` writes one to begin with"}});
     include_geometry(root, path);
     return root;
   }

@@ -23,31 +23,41 @@ const Entry* Keys::take_value(std::string_view key, bool& given) {
   const Entry* entry = take(key);
   given = entry != nullptr;
   if (!entry || !entry->value.is_null()) return entry;
-  reading_->error(entry->key_place, fmt::format("`{}` has no value", key),
-                  "give it one, or take the key away where it may be missing");
+  reading_->error(entry->key_place, fmt::format("`{}` has no value", key), "write a value after the colon");
   return nullptr;
 }
 
 void Keys::missing(std::string_view key, std::string_view meaning, std::string_view example) {
-  reading_->error(blame_, fmt::format("{} needs `{}`: {}", what_, key, meaning),
-                  example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example));
+  missing_.push_back({std::string(key),
+                      {blame_, fmt::format("{} needs `{}`: {}", what_, key, meaning),
+                       example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example)}});
 }
 
-void Keys::refuse_unknown(const std::function<std::string(std::string_view)>& owner_of) {
+void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
   for (const Entry& entry : node_->entries) {
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
     const std::string owner = owner_of ? owner_of(entry.key) : std::string{};
     std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
     if (!owner.empty()) message += fmt::format(" ({} has)", owner);
-    const std::string near = closest(entry.key, {known_.begin(), known_.end()});
+    const std::string near =
+        owner.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
     std::string help;
-    if (!near.empty() && owner.empty())
+    if (!near.empty())
       help = fmt::format("did you mean `{}`?", near);
+    else if (entry.key.front() >= '0' && entry.key.front() <= '9')
+      help = "numbers have a decimal point, not a comma";
     else
       for (const std::string_view key : known_)
         help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);
+    std::erase_if(missing_, [&](const auto& m) { return m.first == near; });
     reading_->error(entry.key_place, std::move(message), std::move(help));
   }
+  finish_unknown();
+}
+
+void Keys::finish_unknown() {
+  for (auto& [key, diagnostic] : missing_) reading_->errors.push_back(std::move(diagnostic));
+  missing_.clear();
 }
 
 }  // namespace rabiline

@@ -18,10 +18,13 @@ class Keys {
   const Entry* take(std::string_view key);
   /// As take, but a key without a value is an error and counts as not given.
   const Entry* take_value(std::string_view key, bool& given);
-  /// Reports a key that must be given and is not.
+  /// Notes a key that must be given and is not.
   void missing(std::string_view key, std::string_view meaning, std::string_view example);
-  /// Reports every key that nobody asked for. `owner_of` names what has such a key instead, or is empty.
-  void refuse_unknown(const std::function<std::string(std::string_view key)>& owner_of = {});
+  /// Reports every key that nobody asked for, and those that are missing: a misspelt one once only.
+  /// `owner_of` names what has such a key instead, or is empty.
+  void finish(const std::function<std::string(std::string_view key)>& owner_of = {});
+  /// As finish, where nobody knows which keys belong here.
+  void finish_unknown();
 
   const Node& node() const { return *node_; }
   const std::string& what() const { return what_; }
@@ -35,6 +38,7 @@ class Keys {
   Place blame_;
   Reading* reading_;
   std::vector<std::string_view> known_;
+  std::vector<std::pair<std::string, Diagnostic>> missing_;
 };
 
 }  // namespace rabiline

@@ -209,9 +209,10 @@ bool read_by_keys(Keys& keys, V& out) {
   return read_alternative(keys, given.front().alternative, out);
 }
 
-/// A variant told apart by its tag, which stands among the keys of its alternative.
+/// A variant told apart by its tag, which stands among the keys of its alternative. `tagged` says whether the
+/// tag is good, so that one knows which keys belong here.
 template <class V>
-bool read_tagged(Keys& keys, const Row& row, V& out) {
+bool read_tagged(Keys& keys, const Row& row, V& out, bool& tagged) {
   static constexpr std::string_view tag = tag_key<V>;
   const auto& words = words_of<V>();
   bool given = false;
@@ -222,21 +223,32 @@ bool read_tagged(Keys& keys, const Row& row, V& out) {
   }
   const std::optional<std::size_t> index =
       read_word(entry->value, {tag, Dimension::number, range::any, row.meaning}, words, keys.reading());
+  tagged = index.has_value();
   if (!index) return false;
-  keys.rename(fmt::format("the {} `{}`", words[*index].word, row.key), entry->value.place);
+  keys.rename(row.key.empty() ? fmt::format("this {}", words[*index].word)
+                              : fmt::format("the {} `{}`", words[*index].word, row.key),
+              entry->value.place);
+  return read_alternative(keys, *index, out);
+}
+
+/// A word alone is the tag, with every other key left to its default.
+template <class V>
+bool read_short_form(const Node& node, const Row& row, Reading& reading, V& out) {
+  static const Node no_keys{Node::Kind::mapping, {}, {}, false, {}, {}};
+  const std::string example = example_of_type<V>(row);
+  const std::optional<std::size_t> index =
+      read_word(node, row, words_of<V>(), reading, example.starts_with("{") ? example : "");
+  if (!index) return false;
+  Keys keys(no_keys, fmt::format("the {} `{}`", words_of<V>()[*index].word, row.key), node.place, reading);
   const bool good = read_alternative(keys, *index, out);
+  keys.finish();
   return good;
 }
 
 template <class V>
 bool read_variant(const Node& node, const Place& named_at, const Row& row, Reading& reading, V& out) {
-  if (node.is_scalar() && !tag_key<V>.empty()) {
-    const std::optional<std::size_t> index = read_word(node, row, words_of<V>(), reading);
-    if (!index) return false;
-    static const Node no_keys{Node::Kind::mapping, {}, {}, false, {}, {}};
-    Keys keys(no_keys, fmt::format("the {} `{}`", words_of<V>()[*index].word, row.key), node.place, reading);
-    return read_alternative(keys, *index, out);
-  }
+  if constexpr (!tag_key<V>.empty())
+    if (node.is_scalar()) return read_short_form(node, row, reading, out);
   if (!node.is_mapping()) {
     reading.error(node.place,
                   fmt::format("`{}` is a mapping of keys, but {} stands here", row.key, quote(node)),
@@ -246,14 +258,16 @@ bool read_variant(const Node& node, const Place& named_at, const Row& row, Readi
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
   if constexpr (tag_key<V>.empty()) {
     const bool good = read_by_keys(keys, out);
-    keys.refuse_unknown();
+    keys.finish();
     return good;
   } else {
-    const std::size_t errors = reading.errors.size();
-    const bool good = read_tagged(keys, row, out);
-    // Without a tag nobody knows which keys belong here.
-    if (good || keys.what().starts_with("the ")) keys.refuse_unknown(&owner_of_key<V>);
-    return good && errors == reading.errors.size();
+    bool tagged = false;
+    const bool good = read_tagged(keys, row, out, tagged);
+    if (tagged)
+      keys.finish(&owner_of_key<V>);
+    else
+      keys.finish_unknown();
+    return good;
   }
 }
 
@@ -267,7 +281,7 @@ bool read_struct(const Node& node, const Place& named_at, const Row& row, Readin
   }
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
   const bool good = read_rows(keys, out);
-  keys.refuse_unknown();
+  keys.finish();
   return good;
 }
 

@@ -67,6 +67,11 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
                 std::optional<ScanParticles>& particles) {
   Axis axis;
   ScanEntry entry;
+  if (!node.is_mapping()) {
+    reading.error(node.place, fmt::format("`scan` is a mapping of keys, but {} stands here", quote(node)),
+                  "write it like `scan: {parameter: H0.frequency, from: 280 kHz, to: 300 kHz, points: 21}`");
+    return axis;
+  }
   if (!read_struct(node, named_at, {"scan", Dimension::number, range::any, ""}, reading, entry)) return axis;
   axis.parameter = entry.parameter;
   axis.place = place_of(node, "parameter");
@@ -91,8 +96,10 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
                               : !entry.to ? "to"
                                           : "points"),
                   "a range has `from`, `to` and `points`");
-  else
+  else {
+    axis.is_range = true;
     axis.values = range_values(*entry.from, *entry.to, *entry.points, reading);
+  }
   return axis;
 }
 
@@ -150,6 +157,7 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
     from = cut + 1;
   }
   std::uint64_t points = 0;
+  axis.is_range = range;
   if (!range)
     axis.values = std::move(nodes);
   else if (read_count(nodes[2], {"points", Dimension::number, scan_points, ""}, reading, points))

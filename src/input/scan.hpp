@@ -39,6 +39,7 @@ struct Axis {
   std::string parameter;
   Place place;
   std::vector<Node> values;
+  bool is_range = false;  // else the values were written one by one
 };
 
 struct ScanPlan {

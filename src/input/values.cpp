@@ -50,8 +50,10 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
     return;
   }
   const std::string_view si = si_unit_of(row.dimension);
+  const bool angle = row.dimension == Dimension::angle;
   reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
-                fmt::format("write `{} {}` if {} is meant", node.scalar, si, si));
+                angle ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
+                      : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si));
 }
 
 }  // namespace
@@ -102,7 +104,7 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
 }
 
 std::string example_for(const Row& row) {
-  // Sizes that a bench has, where the dimension alone would give an odd one.
+  // Sizes that a bench has, where the type alone would give an odd one or none.
   static constexpr std::pair<std::string_view, std::string_view> familiar[] = {
       {"at", "0.25 m"},
       {"length", "0.25 m"},
@@ -116,10 +118,14 @@ std::string example_for(const Row& row) {
       {"target", "my_slit"},
       {"kappa", "1"},
       {"gyromagnetic_ratio", "16.5 MHz/T"},
+      {"species", "neutron"},
+      {"seed", "1"},
+      {"particles", "10000"},
+      {"points", "21"},
       {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
     if (row.key == key) return std::string(example);
-  return std::string(example_of(row.dimension));
+  return row.dimension == Dimension::number ? std::string{} : std::string(example_of(row.dimension));
 }
 
 bool read_quantity(const Node& node, const Row& row, Reading& reading, double& out) {
@@ -132,9 +138,11 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
   }
   const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);
   if (!parsed.error.empty()) {
+    const bool sized = parsed.error.starts_with("is too") || parsed.error.starts_with("has too");
     reading.error(node.place,
-                  fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
-                  parsed.suggestion.empty() ? help : parsed.suggestion);
+                  sized ? fmt::format("{} {}", quote(node), parsed.error)
+                        : fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
+                  parsed.suggestion.empty() && !sized ? help : parsed.suggestion);
     return false;
   }
   if (parsed.dimension != row.dimension) {
@@ -190,13 +198,18 @@ bool read_text(const Node& node, const Row& row, Reading& reading, std::string& 
 }
 
 std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span<const Word> words,
-                                     Reading& reading) {
-  if (node.is_scalar())
+                                     Reading& reading, std::string_view example) {
+  std::string help;
+  if (node.is_scalar()) {
     for (std::size_t i = 0; i < words.size(); ++i)
       if (words[i].word == node.scalar) return i;
+    help = suggest(node.scalar, words);
+    if (!example.empty() && help.starts_with("write"))
+      help = fmt::format("write it like `{}: {}`", row.key, example);
+  }
   reading.error(node.place,
                 fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
-                node.is_scalar() ? suggest(node.scalar, words) : std::string{});
+                std::move(help));
   return std::nullopt;
 }
 

@@ -54,8 +54,9 @@ std::string example_for(const Row&);
 bool read_quantity(const Node&, const Row&, Reading&, double& out);
 bool read_count(const Node&, const Row&, Reading&, std::uint64_t& out);
 bool read_text(const Node&, const Row&, Reading&, std::string& out);
-/// The index of the word.
-std::optional<std::size_t> read_word(const Node&, const Row&, std::span<const Word>, Reading&);
+/// The index of the word. `example` helps where no word is near.
+std::optional<std::size_t> read_word(const Node&, const Row&, std::span<const Word>, Reading&,
+                                     std::string_view example = {});
 bool read_half_integer(const Node&, const Row&, Reading&, HalfInteger& out);
 bool read_phase(const Node&, const Row&, Reading&, Phase& out);
 bool read_bins(const Node&, const Row&, Reading&, Bins& out);

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
+#include "plan/geometry.hpp"
 #include "plan/plan.hpp"
 #include "section/section_builder.hpp"
 #include "spin/majorana.hpp"
@@ -23,11 +25,6 @@ double steps_per_turn_of_path(double tip, double turns) {
   return std::clamp(24 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
 }
 
-double mean_speed(const SpeedLaw& law) {
-  if (const auto* single = std::get_if<SingleSpeed>(&law)) return single->value;
-  return std::get<GaussianSpeed>(law).mean;
-}
-
 /// What turns the velocity under a law: dv/dt = W x v with W = rate_per_tesla B.
 struct Turning {
   double rate_per_tesla = 0;  // [rad/(s T)]
@@ -39,35 +36,6 @@ Turning turning_of(const Law& law, const Species& species) {
   const auto* dorado = std::get_if<DoradoLaw>(&law);
   if (dorado == nullptr) return {-species.charge / species.mass, false};
   return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque};
-}
-
-Aperture aperture_of(double y, const Opening& opening, const Offset& offset) {
-  Aperture a;
-  a.y = y;
-  a.x0 = offset.x;
-  a.z0 = offset.z;
-  if (const auto* disc = std::get_if<Disc>(&opening)) {
-    a.radius = disc->radius;
-  } else {
-    a.half_x = std::get<Rectangle>(opening).width / 2;
-    a.half_z = std::get<Rectangle>(opening).height / 2;
-  }
-  return a;
-}
-
-Screen screen_of(double y, int part, const ScreenTerm& term) {
-  Screen s;
-  s.y = y;
-  s.part = part;
-  s.x0 = term.offset.x;
-  s.z0 = term.offset.z;
-  s.half_x = term.size.width / 2;
-  s.half_z = term.size.height / 2;
-  s.bins_x = term.bins_x;
-  s.bins_z = term.bins_z;
-  s.bins_per_x = term.bins_x / term.size.width;
-  s.bins_per_z = term.bins_z / term.size.height;
-  return s;
 }
 
 Sections sections_of(const Beamline& beamline) {
@@ -90,13 +58,12 @@ class Compiler {
         species_(species),
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
-        turning_(turning_of(beamline.law, species)) {}
+        turning_(turning_of(beamline.law, species)),
+        straight_(turning_.rate_per_tesla == 0),
+        may_reach_chamber_(!std::holds_alternative<ParallelDirection>(beamline.source.direction)) {}
 
   std::vector<Stage> compile() {
-    if (turning_.rate_per_tesla == 0)
-      fly_straight();
-    else
-      fly_through_regions();
+    fly();
     chain_.push_back(Exit{});
     for (const Plane& plane : sections_.planes)
       if (std::holds_alternative<ScreenTerm>(plane.term)) chain_.push_back(stretch_to(plane));
@@ -156,7 +123,7 @@ class Compiler {
       chain_.push_back(Passage{aperture_of(y, Disc{wall.radius}, {}), wall.part});
   }
   void stop_at_chamber(double y) {
-    if (beamline_.chamber) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
+    if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
   }
   void add_plane(const Plane& plane) {
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
@@ -171,26 +138,49 @@ class Compiler {
       chain_.push_back(Score{screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term))});
   }
 
-  // ---- nothing turns the velocity ----
+  // ---- from the source to the last part ----
 
-  void fly_straight() {
-    std::size_t next_plane = 0;
-    const auto planes_up_to = [&](double y) {
-      while (next_plane < sections_.planes.size() && sections_.planes[next_plane].y <= y)
-        add_plane(sections_.planes[next_plane++]);
-    };
-    for (const Section& section : sections_.sections) {
-      if (section.wall.part == chamber_number) continue;
-      planes_up_to(section.begin);
-      stop_at_wall(section.begin, section.wall);
-      planes_up_to(std::nextafter(section.end, section.begin));
-      stop_at_wall(section.end, section.wall);
+  /// Sections that touch are passed together: as a region where they can turn the velocity, else straight.
+  void fly() {
+    const auto& sections = sections_.sections;
+    for (std::size_t i = 0; i < sections.size();) {
+      std::size_t end = i + 1;
+      while (end < sections.size() && sections[end].begin == sections[end - 1].end) ++end;
+      add_planes_up_to(sections[i].begin);
+      const std::span<const Section> touching(&sections[i], end - i);
+      if (turns_velocity(touching))
+        fly_through_region(touching);
+      else
+        for (const Section& section : touching) fly_straight_through(section);
+      i = end;
     }
-    planes_up_to(std::numeric_limits<double>::infinity());
-    straight_ = true;
+    add_planes_up_to(std::numeric_limits<double>::infinity());
+  }
+  void add_planes_up_to(double y) {
+    while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= y)
+      add_plane(sections_.planes[next_plane_++]);
   }
 
-  // ---- something does ----
+  /// Under closure `torque` fields without a drive do nothing to spins along them.
+  bool turns_velocity(std::span<const Section> touching) const {
+    const auto driven = [](const Section& s) {
+      return std::any_of(s.rotating.begin(), s.rotating.end(),
+                         [](const RotatingTerm& t) { return t.amplitude != 0; });
+    };
+    const bool any_driven = std::any_of(touching.begin(), touching.end(), driven);
+    const bool any_field =
+        std::any_of(touching.begin(), touching.end(), [](const Section& s) { return s.field != 0; });
+    const bool spins_along_field = turning_.take_off_spin_component && tip_ == 0;
+    return turning_.rate_per_tesla != 0 && (any_driven || (any_field && !spins_along_field));
+  }
+
+  void fly_straight_through(const Section& section) {
+    if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall);
+    add_planes_up_to(std::nextafter(section.end, section.begin));
+    if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall);
+  }
+
+  // ---- where fields turn the velocity ----
 
   /// Largest sine of the angle that drives can open between spin and field in a zone: the tip of a spin that
   /// entered along the field; the drives' own turning where the velocity follows the field and not the spin.
@@ -250,41 +240,30 @@ class Compiler {
 
   /// One section of a region, cut at the planes inside it; several planes at one place get zones of no length
   /// between them.
-  void add_section(const Section& section, std::size_t& next_plane, RegionInMaking& making) {
+  void add_section(const Section& section, RegionInMaking& making) {
     double begin = section.begin;
-    for (; next_plane < sections_.planes.size() && sections_.planes[next_plane].y < section.end;
-         ++next_plane) {
-      const double y = sections_.planes[next_plane].y;
-      if (y > begin || making.pending.kind != EdgeKind::open) {
-        making.add(region_zone(section, begin, y));
-        begin = y;
+    for (; next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y < section.end;
+         ++next_plane_) {
+      const Plane& plane = sections_.planes[next_plane_];
+      if (plane.y > begin || making.pending.kind != EdgeKind::open) {
+        making.add(region_zone(section, begin, plane.y));
+        begin = plane.y;
       }
-      making.pending = region_edge(sections_.planes[next_plane]);
+      making.pending = region_edge(plane);
     }
     making.add(region_zone(section, begin, section.end));
   }
 
-  /// Sections that touch form one region.
-  void fly_through_regions() {
-    const auto& sections = sections_.sections;
-    std::size_t next_plane = 0;
-    const auto planes_up_to = [&](double y) {
-      while (next_plane < sections_.planes.size() && sections_.planes[next_plane].y <= y)
-        add_plane(sections_.planes[next_plane++]);
-    };
-    for (std::size_t i = 0; i < sections.size();) {
-      const double begin = sections[i].begin;
-      planes_up_to(begin);
-      stop_at_chamber(begin);
-      chain_.push_back(Drift{begin});
-      RegionInMaking making;
-      do add_section(sections[i++], next_plane, making);
-      while (i < sections.size() && sections[i].begin == sections[i - 1].end);
-      making.region.take_off_spin_component = turning_.take_off_spin_component;
-      making.region.most_steps = most_steps(making.region);
-      chain_.push_back(std::move(making.region));
-    }
-    planes_up_to(std::numeric_limits<double>::infinity());
+  void fly_through_region(std::span<const Section> touching) {
+    const double begin = touching.front().begin;
+    stop_at_chamber(begin);
+    chain_.push_back(Drift{begin});
+    RegionInMaking making;
+    for (const Section& section : touching) add_section(section, making);
+    making.region.take_off_spin_component = turning_.take_off_spin_component;
+    making.region.most_steps = most_steps(making.region);
+    chain_.push_back(std::move(making.region));
+    may_reach_chamber_ = true;
   }
 
   /// Two hundred straight crossings of the longest zone: what circles for longer gives up.
@@ -339,56 +318,17 @@ class Compiler {
   const Sections sections_;
   const bool quantum_;
   const Turning turning_;
-  bool straight_ = false;
+  const bool straight_;     // nothing in the whole beam turns the velocity
+  bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
+  std::size_t next_plane_ = 0;
   double tip_ = 1;  // how far spins may stand from the field so far; 1 for a beam that nothing has aligned
   std::vector<Stage> chain_;
 };
-
-const PlacedPart* find_part(const Beamline& beamline, const std::string& name) {
-  for (const PlacedPart& part : beamline.parts)
-    if (part.placement.name == name) return &part;
-  return nullptr;
-}
-
-/// The opening that an aimed source is aimed at: a slit's hole or a detector's face.
-Aperture target_of(const Beamline& beamline, const std::string& name) {
-  const PlacedPart& target = *find_part(beamline, name);
-  if (const auto* slit = std::get_if<Slit>(&target.part))
-    return aperture_of(target.placement.at, slit->opening, slit->offset);
-  const auto& detector = std::get<Detector>(target.part);
-  return aperture_of(target.placement.at, Rectangle{detector.width, detector.height}, detector.offset);
-}
 
 }  // namespace
 
 std::vector<Stage> compile(const Beamline& beamline, const Component& component) {
   return Compiler(beamline, component.species).compile();
-}
-
-Emission emission_of(const Beamline& beamline, const Component& component, RandomKey key) {
-  Emission e;
-  e.key = key;
-  e.speed = mean_speed(beamline.source.speed);
-  if (const auto* gaussian = std::get_if<GaussianSpeed>(&beamline.source.speed)) {
-    e.speed_kind = SpeedKind::gaussian;
-    e.speed_sigma = gaussian->sigma;
-  }
-  e.opening = aperture_of(0, beamline.source.opening, {});
-  const DirectionLaw& direction = beamline.source.direction;
-  if (const auto* gaussian = std::get_if<GaussianDirection>(&direction)) {
-    e.direction = DirectionKind::gaussian;
-    e.spread_x = gaussian->x;
-    e.spread_z = gaussian->z;
-  } else if (const auto* cone = std::get_if<ConeDirection>(&direction)) {
-    e.direction = DirectionKind::cone;
-    const double half = std::sin(cone->half_angle / 2);
-    e.spread_x = 2 * half * half;
-  } else if (const auto* aimed = std::get_if<AimedDirection>(&direction)) {
-    e.direction = DirectionKind::aimed;
-    e.target = target_of(beamline, aimed->target);
-  }
-  if (std::holds_alternative<QuantumLaw>(beamline.law)) e.levels = component.species.spin.twice + 1;
-  return e;
 }
 
 }  // namespace rabiline

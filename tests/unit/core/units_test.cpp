@@ -1,1 +1,151 @@
+#include "core/units.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <clocale>
+#include <cmath>
+#include <numbers>
+
+#include "core/constants.hpp"
+#include "particle/species.hpp"
+
+namespace rabiline {
+namespace {
+
+using testing::HasSubstr;
+
+double value_of(std::string_view text) {
+  const ParsedQuantity parsed = parse_quantity(text);
+  EXPECT_EQ(parsed.error, "") << text;
+  return parsed.value;
+}
+
+TEST(Units, GiveTheSameBitsForTheSameLengthInAnyPrefix) {
+  EXPECT_EQ(value_of("250 mm"), 0.25);
+  EXPECT_EQ(value_of("0.35 m"), value_of("350 mm"));
+  EXPECT_EQ(value_of("0.3 uT"), 0.3e-6);
+  EXPECT_EQ(value_of("266.6 kHz"), 266600.0);
+  EXPECT_EQ(value_of("0.1 km"), value_of("1e4 cm"));
+  EXPECT_EQ(value_of("3.4 mT"), value_of("34 G"));
+}
+
+TEST(Units, AreUnderstoodWithAndWithoutASpace) {
+  EXPECT_EQ(value_of("250mm"), 0.25);
+  EXPECT_EQ(value_of(" 1e-3 m "), 1e-3);
+  EXPECT_EQ(value_of("+1E3m"), 1e3);
+  EXPECT_EQ(value_of("-.5 mT"), -0.5e-3);
+  EXPECT_EQ(value_of("5. m"), 5.0);
+}
+
+TEST(Units, TakeBothCharactersForMicroAndTheDegreeSign) {
+  EXPECT_EQ(value_of("3 \u00b5m"), 3e-6);
+  EXPECT_EQ(value_of("3 \u03bcm"), 3e-6);
+  EXPECT_EQ(value_of("180\u00b0"), std::numbers::pi);
+  EXPECT_EQ(value_of("90 deg"), std::numbers::pi / 2);
+}
+
+TEST(Units, TellTheChargeEFromAPowerOfTen) {
+  EXPECT_EQ(value_of("1 e"), 1.602176634e-19);
+  EXPECT_EQ(value_of("-1e"), -1.602176634e-19);
+  EXPECT_EQ(value_of("1e3e"), 1e3 * 1.602176634e-19);
+  EXPECT_EQ(parse_quantity("1e3").dimension, Dimension::number);
+}
+
+TEST(Units, TurnAGyromagneticRatioInTurnsIntoRadians) {
+  EXPECT_DOUBLE_EQ(value_of("1 Hz/T"), 2 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(value_of("-29.1646935 MHz/T"), -1.83247174e8 * (1 + 1.2e-9));
+  EXPECT_DOUBLE_EQ(value_of("1 MHz/G"), value_of("10 GHz/T"));
+  EXPECT_EQ(value_of("5 rad/s/T"), 5.0);
+}
+
+TEST(Units, HaveEachSymbolOnceAndReadItBack) {
+  for (const UnitSymbol& unit : unit_table()) {
+    const ParsedQuantity parsed = parse_quantity("1 " + std::string(unit.symbol));
+    EXPECT_EQ(parsed.error, "") << unit.symbol;
+    EXPECT_EQ(parsed.dimension, unit.dimension) << unit.symbol;
+    EXPECT_EQ(parsed.value, unit.factor) << unit.symbol;
+  }
+}
+
+TEST(Units, RefuseWhatIsNoDecimalNumber) {
+  for (const char* text : {"", "m", "0x10 m", "inf m", "nan", ".inf", "1_000 m", "1,5 m", "1.2.3 m", "- 1 m",
+                           "--1 m", ".", "e5"})
+    EXPECT_EQ(parse_quantity(text).error, "is not a number") << text;
+}
+
+TEST(Units, RefuseNumbersThatWouldOverflowOrVanish) {
+  EXPECT_EQ(parse_quantity("1e999 m").error, "is too large for a number");
+  EXPECT_EQ(parse_quantity("1e-400 m").error, "is too small for a number");
+  EXPECT_EQ(parse_quantity("1e99999999999999999999 m").error, "is too large for a number");
+  EXPECT_EQ(parse_quantity("1e306 km").error, "is too large for a number");
+  EXPECT_EQ(parse_quantity("1e-310 u").error, "is too small for a number");
+  EXPECT_EQ(value_of("0e-400 m"), 0.0);
+  EXPECT_EQ(parse_quantity(std::string(100, '9') + " m").error, "has too many digits");
+}
+
+TEST(Units, SuggestTheUnitThatWasMeant) {
+  EXPECT_THAT(parse_quantity("1 KHz").suggestion, HasSubstr("`kHz`"));
+  EXPECT_THAT(parse_quantity("1 mt").suggestion, HasSubstr("`mT`"));
+  EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write it like `0.2 mm`");
+  EXPECT_EQ(parse_quantity("1 uTt", Dimension::magnetic_field).suggestion, "did you mean `uT`?");
+}
+
+TEST(Units, ReadTheSameUnderALocaleWithDecimalCommas) {
+  const char* const before = std::setlocale(LC_ALL, nullptr);
+  const std::string kept = before ? before : "C";
+  std::setlocale(LC_ALL, "de_DE.UTF-8");
+  EXPECT_EQ(value_of("0.5 mm"), 0.5e-3);
+  EXPECT_EQ(write_quantity(0.5, Dimension::length), "0.5 m");
+  std::setlocale(LC_ALL, kept.c_str());
+}
+
+TEST(Units, WriteQuantitiesThatReadBackToTheSameBits) {
+  for (int d = 0; d <= static_cast<int>(Dimension::gyromagnetic); ++d)
+    for (double x = 1.1e-30; x < 1e30; x *= 37.21) {
+      const std::string text = write_quantity(-x, static_cast<Dimension>(d));
+      EXPECT_EQ(value_of(text), -x) << text;
+      EXPECT_EQ(parse_quantity(text).dimension, static_cast<Dimension>(d)) << text;
+    }
+}
+
+TEST(Units, ArePrettyForPeople) {
+  EXPECT_EQ(pretty_quantity(291600, Dimension::frequency), "291.6 kHz");
+  EXPECT_EQ(pretty_quantity(0.3e-6, Dimension::magnetic_field), "300 nT");
+  EXPECT_EQ(pretty_quantity(0.999999, Dimension::length), "1 m");
+  EXPECT_EQ(pretty_quantity(-0.25, Dimension::length), "-250 mm");
+  EXPECT_EQ(pretty_quantity(0, Dimension::speed), "0 m/s");
+  EXPECT_EQ(pretty_quantity(0.25, Dimension::number), "0.25");
+  EXPECT_EQ(pretty_quantity(1e-12, Dimension::length), "0.001 nm");
+}
+
+TEST(Constants, ObeyTheIdentitiesThatConnectThem) {
+  using namespace constants;
+  const double electron_mass = find_species("electron")->mass, proton_mass = find_species("proton")->mass;
+  EXPECT_NEAR(bohr_magneton / (elementary_charge * hbar / (2 * electron_mass)), 1, 1e-9);
+  EXPECT_NEAR(nuclear_magneton / (elementary_charge * hbar / (2 * proton_mass)), 1, 1e-9);
+  EXPECT_NEAR(proton_mass / atomic_mass, 1.0072764665789, 1e-9);
+}
+
+TEST(SpeciesLibrary, HasTheMomentsThatTheRatiosImply) {
+  using namespace constants;
+  // mu/mu_N or mu/mu_B = gamma hbar I / mu_N: CODATA 2022 neutron, proton, electron; Stone 2014 Li-7.
+  const auto moment = [](const char* name) {
+    const Species& s = *find_species(name);
+    return s.gyromagnetic_ratio * hbar * s.spin.value();
+  };
+  EXPECT_NEAR(moment("neutron") / nuclear_magneton, -1.91304276, 1e-8);
+  EXPECT_NEAR(moment("proton") / nuclear_magneton, 2.79284734463, 1e-8);
+  EXPECT_NEAR(moment("electron") / bohr_magneton, -1.00115965218, 1e-9);
+  EXPECT_NEAR(moment("Li-7") / nuclear_magneton, 3.256427, 1e-5);
+  EXPECT_EQ(find_species("neutrino"), nullptr);
+  for (const Species& s : species_library()) EXPECT_NE(s.source, "") << s.name;
+}
+
+TEST(SpeciesLibrary, GivesTheHydrogenAtomTheMassOfItsPartsLessTheirBinding) {
+  const double parts = find_species("proton")->mass + find_species("electron")->mass;
+  EXPECT_NEAR(find_species("H")->mass / parts, 1 - 13.6 / 938.8e6, 1e-9);
+}
+
+}  // namespace
+}  // namespace rabiline

@@ -1,1 +1,72 @@
+#include "input/describe.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "input/experiment.hpp"
+
+namespace rabiline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Describe, ListsEveryPartAndLaw) {
+  const std::string text = describe_overview();
+  for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "quantum",
+                           "classical", "dorado", "seed"})
+    EXPECT_THAT(text, HasSubstr(word));
+}
+
+TEST(Describe, TellsUnitRangeDefaultAndMeaningOfEachKey) {
+  EXPECT_THAT(describe("rotating_field"), HasSubstr("magnetic field, zero or greater"));
+  EXPECT_THAT(describe("dorado"), HasSubstr("default torque"));
+  EXPECT_THAT(describe("slit"), HasSubstr("for a rectangle"));
+  EXPECT_THAT(describe("species"), HasSubstr("Li-7"));
+  EXPECT_THAT(describe("units"), HasSubstr("mT uT"));
+}
+
+TEST(Describe, TellsBothMeaningsOfAWordThatHasTwo) {
+  EXPECT_THAT(describe("gaussian"), HasSubstr("gaussian (speed)"));
+  EXPECT_THAT(describe("gaussian"), HasSubstr("gaussian (direction)"));
+}
+
+TEST(Describe, SuggestsTheTopicThatWasMeant) {
+  try {
+    describe("rotatingfield");
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_STREQ(e.what(),
+                 "error: there is nothing to describe called `rotatingfield`\n  help: did you mean "
+                 "`rotating_field`?\n");
+  }
+}
+
+/// The lines after "Example", without their indentation.
+std::string snippet_of(std::string_view topic) {
+  const std::string text = describe(topic);
+  const std::size_t from = text.rfind("Example\n  ");
+  return from == std::string::npos ? "" : text.substr(from + 10);
+}
+
+TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
+  const auto path = std::filesystem::temp_directory_path() / "rabiline_describe_test.yaml";
+  for (const char* kind : {"polarizer", "uniform_field", "rotating_field", "slit", "detector"}) {
+    std::ofstream(path)
+        << "rabiline: 1\nspecies: neutron\nparticles: 1\nseed: 1\n"
+        << snippet_of("law").substr(0, 12) << "\nsource:\n  " << snippet_of("speed") << "  "
+        << snippet_of("opening") << "  " << snippet_of("cone") << "parts:\n  " << snippet_of(kind)
+        << "  - {name: screen, kind: detector, at: 3 m, width: 1 mm, height: 1 mm, bins: [1, 1]}\n";
+    try {
+      EXPECT_EQ(load_experiment(path, {}).base.parts.size(), 2U);
+    } catch (const InputError& e) {
+      ADD_FAILURE() << kind << "\n" << e.what();
+    }
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace rabiline

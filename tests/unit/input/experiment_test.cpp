@@ -1,1 +1,161 @@
+#include "input/experiment.hpp"
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace rabiline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const std::filesystem::path sample =
+    std::filesystem::path(RABILINE_ROOT) / "beamline/suggested-experiment.yaml";
+
+LoadedExperiment load(std::vector<std::string> set = {}, std::vector<std::string> scan = {}) {
+  return load_experiment(sample, {std::move(set), std::move(scan), {}, {}});
+}
+std::string error_of(std::vector<std::string> set, std::vector<std::string> scan = {}) {
+  try {
+    load(std::move(set), std::move(scan));
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+template <class P>
+const P& part(const Beamline& beamline, std::string_view name) {
+  for (const PlacedPart& p : beamline.parts)
+    if (p.placement.name == name) return std::get<P>(p.part);
+  throw std::runtime_error("no such part");
+}
+
+TEST(SuggestedExperiment, IsReadAsItStands) {
+  const LoadedExperiment loaded = load();
+  const Beamline& b = loaded.base;
+  EXPECT_EQ(b.title, "The experiment suggested to test the theory");
+  ASSERT_EQ(b.species.size(), 1U);
+  EXPECT_EQ(b.species[0].species, *find_species("neutron"));
+  EXPECT_EQ(b.species[0].fraction, 1);
+  EXPECT_EQ(std::get<DoradoLaw>(b.law), (DoradoLaw{Closure::torque, 1}));
+  EXPECT_EQ(std::get<GaussianSpeed>(b.source.speed), (GaussianSpeed{1000, 10}));
+  EXPECT_EQ(std::get<Rectangle>(b.source.opening), (Rectangle{0.2e-3, 1e-3}));
+  EXPECT_TRUE(std::holds_alternative<ParallelDirection>(b.source.direction));
+  EXPECT_EQ(b.chamber->radius, 0.05);
+  ASSERT_EQ(b.parts.size(), 4U);
+  EXPECT_EQ(b.parts[0].placement, (Placement{"B_prime", 0.1, "B\u2032"}));
+  EXPECT_EQ(part<Polarizer>(b, "B_prime"), (Polarizer{0.1, 0.01, 1, {}}));
+  EXPECT_EQ(part<UniformField>(b, "B"), (UniformField{0.25, 0.01, {}}));
+  EXPECT_EQ(part<RotatingField>(b, "H0"),
+            (RotatingField{0.2, 0.3e-6, 291600.0, Sense::co, {Phase::Kind::random, 0}, {}, {}}));
+  EXPECT_EQ(part<Detector>(b, "screen"), (Detector{4e-3, 4e-3, {80, 80}, {}}));
+  EXPECT_EQ(b.particles, 10000U);
+  EXPECT_EQ(b.seed, 1938U);
+  ASSERT_EQ(loaded.inputs.size(), 1U);
+  EXPECT_THAT(loaded.inputs[0].text, HasSubstr("rabiline: 1"));
+}
+
+TEST(Scan, HasBothEndsToTheBitAndOnePointForEachValue) {
+  const Experiment e = load().experiment;
+  ASSERT_EQ(e.axes.size(), 1U);
+  EXPECT_EQ(e.axes[0].parameter, "H0.frequency");
+  EXPECT_EQ(e.axes[0].dimension, Dimension::frequency);
+  ASSERT_EQ(e.points.size(), 101U);
+  EXPECT_EQ(e.axes[0].values.front(), 266600.0);
+  EXPECT_EQ(e.axes[0].values[50], 291600.0);
+  EXPECT_EQ(e.axes[0].values.back(), 316600.0);
+  for (std::size_t i = 0; i < 101; ++i)
+    EXPECT_EQ(part<RotatingField>(e.points[i], "H0").frequency, e.axes[0].values[i]);
+  EXPECT_EQ(e.particles, ScanParticles::shared);
+}
+
+TEST(Scan, OfTheCommandLineReplacesTheSameOneAndElseGoesOutside) {
+  const Experiment same = load({}, {"H0.frequency=1 kHz,2 kHz"}).experiment;
+  EXPECT_THAT(same.axes.at(0).values, ElementsAre(1000, 2000));
+  EXPECT_EQ(same.axes.size(), 1U);
+  const Experiment grid = load({}, {"law=quantum,{name: dorado, closure: larmor}"}).experiment;
+  ASSERT_EQ(grid.axes.size(), 2U);
+  EXPECT_EQ(grid.axes[0].parameter, "law");
+  EXPECT_EQ(grid.axes[0].dimension, std::nullopt);
+  EXPECT_THAT(grid.axes[0].values, ElementsAre(0, 1));
+  EXPECT_THAT(grid.axes[0].labels, ElementsAre("quantum", "dorado (larmor, kappa = 1)"));
+  ASSERT_EQ(grid.points.size(), 202U);
+  EXPECT_TRUE(std::holds_alternative<QuantumLaw>(grid.points[100].law));
+  EXPECT_TRUE(std::holds_alternative<DoradoLaw>(grid.points[101].law));
+  EXPECT_EQ(part<RotatingField>(grid.points[101 + 7], "H0").frequency, grid.axes[1].values[7]);
+}
+
+TEST(Scan, ReachesNumbersWordsCountsAndKeysThatTheFileLeavesOut) {
+  for (const char* scan :
+       {"source.speed.mean=900 m/s:1100 m/s:3", "source.opening.width=0.1 mm:0.3 mm:3", "law.kappa=0:1:3",
+        "screen.offset.x=-1 mm:1 mm:3", "particles=100:300:3", "seed=1,2,3", "chamber.radius=40 mm:60 mm:3",
+        "B_prime.alignment=0:1:3", "B.bore.radius=10 mm:30 mm:3", "H0.phase=0 deg,90 deg,180 deg"}) {
+    const Experiment e = load({}, {std::string(scan), "H0.frequency=1 kHz"}).experiment;
+    EXPECT_TRUE(e.axes[0].dimension) << scan;
+    EXPECT_EQ(e.points.size(), 3U) << scan;
+  }
+  for (const char* scan :
+       {"species=neutron,proton,H", "H0.sense=co,counter,positive", "H0.phase=random,locked,30 deg",
+        "screen.bins=[1, 1],[2, 2],[3, 3]",
+        "source.direction=parallel,{kind: cone, half_angle: 1 mrad},{kind: aimed, target: screen}"}) {
+    try {
+      const Experiment e = load({}, {std::string(scan), "H0.frequency=1 kHz"}).experiment;
+      EXPECT_EQ(e.axes[0].labels.size(), 3U) << scan;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("nothing may act before")) << scan;
+    }
+  }
+}
+
+TEST(Scan, OfParticlesRefusesAFractionBetweenItsEnds) {
+  EXPECT_THAT(error_of({}, {"particles=1:2:3"}), HasSubstr("whole number"));
+}
+
+TEST(Scan, CanDrawItsParticlesAnewFromTheCommandLine) {
+  EXPECT_EQ(load({"scan.particles=independent"}).experiment.particles, ScanParticles::independent);
+}
+
+TEST(Scan, OfAThousandPointsTakesLessThanASecond) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(load({}, {"H0.frequency=1 kHz:2 kHz:1000"}).experiment.points.size(), 1000U);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+}
+
+TEST(Settings, ChangeTheFileAndEveryPointOfItsScan) {
+  const LoadedExperiment loaded = load({"B.field=11 mT", "law=quantum", "particles=5", "title=Another"});
+  EXPECT_EQ(part<UniformField>(loaded.base, "B").field, 0.011);
+  EXPECT_EQ(part<UniformField>(loaded.experiment.points[77], "B").field, 0.011);
+  EXPECT_TRUE(std::holds_alternative<QuantumLaw>(loaded.base.law));
+  EXPECT_EQ(loaded.base.particles, 5U);
+  EXPECT_EQ(loaded.base.title, "Another");
+}
+
+TEST(Settings, WriteAShortFormOut) {
+  const LoadedExperiment loaded = load({"law=dorado", "law.kappa=0.5", "law.closure=larmor"});
+  EXPECT_EQ(std::get<DoradoLaw>(loaded.base.law), (DoradoLaw{Closure::larmor, 0.5}));
+}
+
+TEST(Settings, OfParticlesAndSeedHaveOptionsOfTheirOwn) {
+  const LoadedExperiment loaded = load_experiment(sample, {{}, {}, 7, 18446744073709551615ULL});
+  EXPECT_EQ(loaded.base.particles, 7U);
+  EXPECT_EQ(loaded.base.seed, 18446744073709551615ULL);
+}
+
+TEST(Settings, ReportEveryMistakeAtOnceInTheOrderGiven) {
+  const std::string error = error_of({"B.field=1", "H0.amplitude=1 Hz"});
+  const auto first = error.find("`field` is a magnetic field"), second = error.find("`1 Hz` is a frequency");
+  EXPECT_NE(first, std::string::npos);
+  EXPECT_NE(second, std::string::npos);
+  EXPECT_LT(first, second);
+}
+
+TEST(Parts, AreSortedByWhereTheyBegin) {
+  const LoadedExperiment loaded = load({"B_prime.at=0.9 m"});
+  EXPECT_EQ(loaded.base.parts[2].placement.name, "B_prime");
+  EXPECT_EQ(loaded.base.parts[3].placement.name, "screen");
+}
+
+}  // namespace
+}  // namespace rabiline

@@ -3,12 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <csignal>
 #include <random>
-#include <thread>
 
-#include "forked.hpp"
 #include "samples.hpp"
 
 namespace rabiline {
@@ -84,24 +80,6 @@ TEST(CheckpointFile, NoticesAFileCutShort) {
   for (const std::size_t size : {std::size_t{0}, std::size_t{100}, std::size_t{512}, whole.size() - 1}) {
     samples::put_bytes(folder / "b", whole.substr(0, size));
     EXPECT_THAT(refusal_of(folder / "b"), HasSubstr("is no usable checkpoint")) << size;
-  }
-}
-
-TEST(CheckpointFile, IsWholeAfterKillInTheMiddleOfWriting) {
-  const Folder folder;
-  const Snapshot even = samples::snapshot(2, 100000), odd = samples::snapshot(3, 90000);
-  write_checkpoint(even, folder / "a");
-  std::mt19937 random(1938);
-  for (int trial = 0; trial < 20; ++trial) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      for (int number = 0;; ++number) write_checkpoint(number % 2 == 0 ? odd : even, folder / "a");
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(5 + random() % 100));
-    ::kill(child, SIGKILL);
-    ::waitpid(child, nullptr, 0);
-    const Snapshot read = read_checkpoint(folder / "a");
-    ASSERT_TRUE(samples::same(read, even) || samples::same(read, odd)) << trial;
   }
 }
 

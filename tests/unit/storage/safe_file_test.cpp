@@ -9,7 +9,10 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <csignal>
+#include <random>
+#include <thread>
 
 #include "forked.hpp"
 
@@ -203,6 +206,44 @@ TEST(ReplaceFile, KeepsTheEarlierFileWhenTheDiskFillsUp) {
   EXPECT_THAT(
       failure,
       HasSubstr("cannot be written (No space left on device); free some space or choose another place"));
+}
+
+void remove_all_but(const Folder& folder, const std::string& kept) {
+  for (const std::string& name : folder.names()) {
+    if (name != kept) std::filesystem::remove(folder / name);
+  }
+}
+
+// The content is large, so that most kills fall into the write itself.
+TEST(ReplaceFile, LeavesOneWholeFileWhenKilledAtAnyMoment) {
+  const Folder folder;
+  const std::string one(16 << 20, '1'), other(16 << 20, '2');
+  put_bytes(folder / "result.h5", one);
+  std::mt19937 random(1938);
+  for (int trial = 0; trial < 20; ++trial) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      for (int number = 0;; ++number) replace(folder / "result.h5", number % 2 == 0 ? other : one);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(random() % 60));
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    const std::string read = bytes_of(folder / "result.h5");
+    ASSERT_TRUE(read == one || read == other) << trial;
+    remove_all_but(folder, "result.h5");
+  }
+}
+
+TEST(ReplaceFile, LeavesTheEarlierFileWhenKilledJustBeforeTheRename) {
+  const Folder folder;
+  put_bytes(folder / "result.h5", "earlier");
+  EXPECT_EQ(failure_in_child([&] {
+              const std::string bytes = "new";
+              replace_file(folder / "result.h5", std::as_bytes(std::span(bytes)),
+                           [](const Path&) { ::kill(::getpid(), SIGKILL); });
+            }),
+            "the child died");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
 }
 
 }  // namespace

@@ -1,0 +1,141 @@
+#include "plan/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include "physics/suggested.hpp"
+#include "plan/explain.hpp"
+
+namespace rabiline {
+namespace {
+
+using test::place;
+using test::suggested;
+
+/// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
+/// E exit, L spins on levels.
+std::string letters(const std::vector<Stage>& chain) {
+  std::string text;
+  for (const Stage& stage : chain) text += "DPARSEL"[stage.index()];
+  return text;
+}
+std::string compiled(const Beamline& b) { return letters(compile(b, b.species.front())); }
+
+std::size_t nodes_of(const std::vector<PlanNode>& nodes) {
+  std::size_t count = nodes.size();
+  for (const PlanNode& node : nodes) count += nodes_of(node.next);
+  return count;
+}
+Experiment scan(std::vector<Beamline> points) {
+  Experiment e;
+  e.points = std::move(points);
+  return e;
+}
+
+TEST(Compile, GivesTheHypothesisARegionOnlyWhereFieldsCanTurnTheVelocity) {
+  EXPECT_EQ(compiled(suggested(291e3)), "ADRPSEL");  // none for B': its spins stand along it
+  Beamline larmor = suggested(291e3);
+  larmor.law = DoradoLaw{Closure::larmor, 1};
+  EXPECT_EQ(compiled(larmor), "ADRPDRPSEL");
+}
+
+TEST(Compile, FliesStraightUnderStandardLawsAndForKappaZero) {
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}, Law{DoradoLaw{Closure::larmor, 0}}}) {
+    Beamline b = suggested(291e3);
+    b.law = law;
+    EXPECT_EQ(compiled(b), "ASEL");
+  }
+}
+
+TEST(Compile, AsksForTheChamberWhereADivergentBeamMeetsSomething) {
+  Beamline b = suggested(291e3);
+  b.law = QuantumLaw{};
+  b.source.direction = GaussianDirection{1e-3, 1e-3};
+  EXPECT_EQ(compiled(b), "APSEL");
+  b.chamber.reset();
+  EXPECT_EQ(compiled(b), "ASEL");
+}
+
+TEST(Compile, CutsARegionAtSlitsAndScreensInsideIt) {
+  Beamline b = suggested(291e3);
+  b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
+  b.parts.insert(b.parts.begin() + 4, place("inner", 0.45, Detector{1e-3, 1e-3, {2, 2}, {}}));
+  const auto chain = compile(b, b.species.front());
+  const auto& region = std::get<TurningRegion>(chain.at(2));
+  ASSERT_EQ(region.zones.size(), 4U);  // 0.30-0.35, 0.35-0.45, a zone of no length, 0.45-0.55
+  ASSERT_EQ(region.edges.size(), 3U);
+  EXPECT_EQ(region.edges[0].kind, EdgeKind::open);
+  EXPECT_EQ(region.edges[1].kind, EdgeKind::plate);
+  EXPECT_EQ(region.edges[2].kind, EdgeKind::screen);
+  EXPECT_EQ(region.zones[2].field.begin, region.zones[2].field.end);
+}
+
+TEST(Compile, RefusesMoreRotatingFieldsAtOnePlaceThanItKnows) {
+  Beamline b = suggested(291e3);
+  for (int i = 0; i < 8; ++i) b.parts.push_back(place("again" + std::to_string(i), 0.35, b.parts[2].part));
+  EXPECT_THROW(compiled(b), std::invalid_argument);
+}
+
+TEST(MakePlan, SharesWhatAFrequencyScanHasInCommon) {
+  std::vector<Beamline> points;
+  for (int i = 0; i < 7; ++i) points.push_back(suggested(290e3 + i * 1e3));
+  const Plan hypothesis = make_plan(scan(points));
+  ASSERT_EQ(hypothesis.trees.size(), 1U);
+  EXPECT_EQ(nodes_of(hypothesis.trees[0].next), 2 + 7 * 5U);
+  for (Beamline& b : points) b.law = QuantumLaw{};
+  const Plan standard = make_plan(scan(points));
+  EXPECT_EQ(nodes_of(standard.trees[0].next), 3 + 7U);  // only the spins differ
+}
+
+TEST(MakePlan, SharesTheSourceAcrossLawsThatEmitAlike) {
+  Beamline classical = suggested(291e3), hypothesis = classical;
+  classical.law = ClassicalLaw{};
+  const Plan plan = make_plan(scan({classical, hypothesis}));
+  ASSERT_EQ(plan.trees.size(), 1U);
+  EXPECT_EQ(plan.trees[0].next.size(), 1U);
+  EXPECT_EQ(plan.trees[0].next[0].next.size(), 2U);
+}
+
+TEST(MakePlan, GivesEachSpeciesItsOwnTreeAndSharesOutEveryParticle) {
+  Beamline b = suggested(291e3);
+  Species heavy = test::neutron();
+  heavy.name = "heavy";
+  heavy.gyromagnetic_ratio *= 2;
+  b.species = {{test::neutron(), 1.0 / 3}, {heavy, 2.0 / 3}};
+  b.particles = 1000;
+  const Plan plan = make_plan(scan({b}));
+  ASSERT_EQ(plan.trees.size(), 2U);
+  EXPECT_EQ(plan.trees[0].last, plan.trees[1].first);
+  EXPECT_EQ(plan.trees[0].last, 333U);
+  EXPECT_EQ(plan.trees[1].last, 1000U);
+}
+
+TEST(MakePlan, KeepsIndependentPointsApartAndLargeScansInSeveralTrees) {
+  std::vector<Beamline> points(5, suggested(291e3));
+  Experiment e = scan(points);
+  e.particles = ScanParticles::independent;
+  EXPECT_EQ(make_plan(e).trees.size(), 5U);
+  points.clear();
+  for (int i = 0; i < 40; ++i) points.push_back(suggested(290e3 + i));
+  EXPECT_GT(make_plan(scan(points), 1e-3).trees.size(), 5U);
+}
+
+TEST(Explain, TellsTheNumbersThatAPhysicistWants) {
+  const Experiment e = scan({suggested(291.6e3)});
+  const std::string text = explain(e, make_plan(e));
+  for (const char* expected :
+       {"Larmor 291.6 kHz", "58.33 turns", "tip angle 0.63 deg", "1/T = 5 kHz", "200 us"})
+    EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
+}
+
+TEST(Explain, WarnsWhereTheFieldGoesOnBehindTheDrive) {
+  Beamline b = suggested(291.6e3);
+  std::get<UniformField>(b.parts[1].part).length = 0.4;
+  Experiment e = scan({b});
+  EXPECT_NE(explain(e, make_plan(e)).find("goes on to 0.7 m"), std::string::npos);
+  b = suggested(291.6e3, 85e-6);
+  e = scan({b});
+  EXPECT_NE(explain(e, make_plan(e)).find("tip angle 178 deg is large"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rabiline

@@ -1,0 +1,93 @@
+#include "section/section_builder.hpp"
+
+#include <gtest/gtest.h>
+
+#include "parts/part.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr Wall chamber{0.05, chamber_number};
+
+RotatingField h0(double length, std::optional<std::string> oscillator = {}) {
+  RotatingField part;
+  part.length = length;
+  part.amplitude = 1e-6;
+  part.oscillator = std::move(oscillator);
+  if (!part.oscillator) {
+    part.frequency = 1e5;
+    part.sense = Sense::counter;
+    part.phase = {Phase::Kind::random, 0};
+  }
+  return part;
+}
+
+TEST(SectionBuilder, CutsAtEveryEdgeAndAddsUpFieldsThatOverlap) {
+  SectionBuilder builder(chamber);
+  contribute(UniformField{0.3, 1e-3, {}}, {"A", 0.1, {}}, builder);
+  contribute(UniformField{0.4, 2e-3, {}}, {"B", 0.3, {}}, builder);
+  const Sections s = builder.build();
+  ASSERT_EQ(s.sections.size(), 3U);
+  EXPECT_EQ(s.sections[0].field, 1e-3);
+  EXPECT_DOUBLE_EQ(s.sections[1].field, 3e-3);
+  EXPECT_EQ(s.sections[2].field, 2e-3);
+  EXPECT_EQ(s.sections[1].begin, 0.3);
+  EXPECT_EQ(s.sections[1].end, 0.4);
+}
+
+TEST(SectionBuilder, LeavesNoSectionWhereNothingStands) {
+  SectionBuilder builder(chamber);
+  contribute(UniformField{0.1, 1e-3, {}}, {"A", 0.1, {}}, builder);
+  contribute(UniformField{0.1, 2e-3, {}}, {"B", 0.5, {}}, builder);
+  EXPECT_EQ(builder.build().sections.size(), 2U);
+}
+
+TEST(SectionBuilder, TakesTheNarrowestWallAndKnowsWhoseItIs) {
+  SectionBuilder builder(chamber);
+  builder.begin_part(0);
+  contribute(UniformField{0.4, 1e-3, Bore{0.02}}, {"A", 0.1, {}}, builder);
+  builder.begin_part(1);
+  contribute(UniformField{0.2, 1e-3, Bore{0.01}}, {"B", 0.2, {}}, builder);
+  const Sections s = builder.build();
+  ASSERT_EQ(s.sections.size(), 3U);
+  EXPECT_EQ(s.sections[0].wall, (Wall{0.02, 0}));
+  EXPECT_EQ(s.sections[1].wall, (Wall{0.01, 1}));
+  SectionBuilder narrow({0.005, chamber_number});
+  contribute(UniformField{0.2, 1e-3, Bore{0.01}}, {"B", 0.2, {}}, narrow);
+  EXPECT_EQ(narrow.build().sections[0].wall.part, chamber_number);
+}
+
+TEST(SectionBuilder, LetsAZoneFollowTheClockOfItsOscillatorAndAddsItsOwnPhase) {
+  SectionBuilder builder(chamber);
+  builder.begin_part(0);
+  RotatingField second = h0(0.1, "first");
+  second.phase = {Phase::Kind::angle, 0.7};
+  contribute(second, {"second", 0.5, {}}, builder);  // stands before its oscillator in the list
+  builder.begin_part(1);
+  contribute(h0(0.1), {"first", 0.1, {}}, builder);
+  const Sections s = builder.build();
+  ASSERT_EQ(s.sections.size(), 2U);
+  const RotatingTerm& a = s.sections[0].rotating.at(0);
+  const RotatingTerm& b = s.sections[1].rotating.at(0);
+  EXPECT_EQ(a.oscillator, 1);
+  EXPECT_EQ(b.oscillator, 1);
+  EXPECT_TRUE(b.random_phase);
+  EXPECT_EQ(b.frequency, 1e5);
+  EXPECT_EQ(b.turn, Turn::against_precession);
+  EXPECT_EQ(b.phase - a.phase, 0.7);
+}
+
+TEST(RotatingTerm, TurnsWithThePrecessionOfEitherSignOfGamma) {
+  RotatingTerm term;
+  term.frequency = 1;
+  term.turn = Turn::with_precession;
+  EXPECT_GT(term.omega(-1e8), 0);  // dS/dt = gamma S x B: S turns with -gamma B
+  EXPECT_LT(term.omega(1e8), 0);
+  term.turn = Turn::against_precession;
+  EXPECT_LT(term.omega(-1e8), 0);
+  term.turn = Turn::negative;
+  EXPECT_LT(term.omega(-1e8), 0);
+}
+
+}  // namespace
+}  // namespace rabiline

@@ -1,0 +1,107 @@
+#include "simulation/finish.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "physics/suggested.hpp"
+
+namespace rabiline {
+namespace {
+
+using test::run_points;
+using test::suggested;
+
+Beamline divergent(std::uint64_t seed) {
+  Beamline b = suggested(291e3);
+  b.law = QuantumLaw{};
+  b.source.direction = GaussianDirection{1.5e-3, 1.5e-3};
+  b.seed = seed;
+  b.particles = 3001;
+  return b;
+}
+
+TEST(Wilson, ErrorIsNeverZeroAndNearTheBinomialOneForManyParticles) {
+  EXPECT_GT(wilson_error(0, 100), 0);
+  EXPECT_EQ(wilson_error(0, 100), wilson_error(100, 100));
+  EXPECT_NEAR(wilson_error(3000, 10000), std::sqrt(0.3 * 0.7 / 10000), 1e-6);
+}
+
+TEST(Finish, AddsUpFatesHistogramsAndFractions) {
+  const Result r = run_points({divergent(1)});
+  double sum = 0;
+  for (const FateResult& f : r.fates) sum += f.particles.at(0);
+  EXPECT_EQ(sum, 3001);
+  const DetectorResult& d = r.detectors.at(0);
+  double counts = 0, along_x = 0, along_z = 0;
+  for (const double c : d.counts) counts += c;
+  for (const double c : d.counts_x) along_x += c;
+  for (const double c : d.counts_z) along_z += c;
+  EXPECT_EQ(counts, along_x);
+  EXPECT_EQ(counts, along_z);
+  EXPECT_DOUBLE_EQ(d.detected.at(0), counts / 3001);
+}
+
+TEST(Finish, QuotesTheErrorThatRepeatedRunsScatterBy) {
+  std::vector<double> values;
+  double error = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const Result r = run_points({divergent(seed)});
+    values.push_back(r.detectors[0].detected[0]);
+    error = r.detectors[0].detected_errors[0];
+  }
+  double mean = 0, square = 0;
+  for (const double v : values) mean += v / 200;
+  for (const double v : values) square += (v - mean) * (v - mean) / 199;
+  EXPECT_NEAR(std::sqrt(square) / error, 1,
+              4 / std::sqrt(2 * 199.0));  // four standard errors of a standard deviation
+}
+
+TEST(Finish, GivesPointsThatShareParticlesTheirCovariance) {
+  Beamline near = divergent(1), far = near;
+  std::get<Detector>(far.parts.back().part).width = 3e-3;
+  const Result r = run_points({near, far, near});
+  const DetectorResult& d = r.detectors.at(0);
+  const double variance = d.detected_covariance.at(0);
+  EXPECT_NEAR(std::sqrt(variance) / d.detected_errors[0], 1, 4 / std::sqrt(2 * 255.0));
+  EXPECT_EQ(d.detected_covariance.at(2), variance);  // the same point twice
+  // Everything that the narrow screen catches, the wide one does: cov = p_narrow (1 - p_wide)/N.
+  const double expected = d.detected[1] * (1 - d.detected[0]) / 3001;
+  EXPECT_NEAR(d.detected_covariance.at(1), expected, 4 * variance / std::sqrt(255.0));
+}
+
+TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
+  // Emitted isotropically within 60 degrees, or aimed at the slit with its solid angle as a factor: the same
+  // rate.
+  Beamline cone = divergent(3);
+  cone.parts.insert(cone.parts.begin(), test::place("S", 0.003, Slit{Rectangle{4e-3, 6e-3}, {1e-3, 0}}));
+  cone.parts.back() = test::place("screen", 0.004, Detector{4e-3, 4e-3, {1, 1}, {}});
+  cone.parts.erase(cone.parts.begin() + 1, cone.parts.end() - 1);
+  cone.source.direction = ConeDirection{std::numbers::pi / 3};
+  cone.particles = 200000;
+  Beamline aimed = cone;
+  aimed.source.direction = AimedDirection{"S"};
+  const Result a = run_points({cone}), b = run_points({aimed});
+  const double cone_angle = 2 * std::numbers::pi * (1 - std::cos(std::numbers::pi / 3));
+  const double rate_a = a.detectors[0].detected[0] * cone_angle;
+  const double rate_b = b.detectors[0].detected[0] * b.emitted[0] / 200000 * b.solid_angle;
+  const double error = std::hypot(a.detectors[0].detected_errors[0] * cone_angle,
+                                  b.detectors[0].detected_errors[0] * b.solid_angle);
+  EXPECT_DOUBLE_EQ(b.solid_angle, 4e-3 * 6e-3 / 9e-6);
+  EXPECT_NEAR(rate_a, rate_b, 4 * error);
+  EXPECT_LT(4 * error, 0.02 * rate_a);
+}
+
+TEST(Finish, LabelsTheLevelsOfEverySpin) {
+  Beamline b = divergent(1);
+  EXPECT_EQ(run_points({b}).detectors[0].level_labels, (std::vector<std::string>{"m = +1/2", "m = -1/2"}));
+  b.species[0].species.spin = {2};
+  EXPECT_EQ(run_points({b}).detectors[0].level_labels,
+            (std::vector<std::string>{"m = +1", "m = +0", "m = -1"}));
+  b.law = ClassicalLaw{};
+  EXPECT_EQ(run_points({b}).detectors[0].level_labels.size(), 2U);
+}
+
+}  // namespace
+}  // namespace rabiline

@@ -1,0 +1,97 @@
+#include "simulation/run.hpp"
+
+#include <gtest/gtest.h>
+
+#include "physics/suggested.hpp"
+
+namespace rabiline {
+namespace {
+
+/// A small scan with every kind of stage: three laws, a mixture, a slit, two detectors, a divergent source.
+Experiment everything() {
+  Experiment e;
+  const Species lithium{"Li-7", 1.165e-26, 0, {3}, 1.0397e8, ""};
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}, Law{DoradoLaw{}}})
+    for (const double frequency : {290e3, 291.6e3}) {
+      Beamline b = test::suggested(frequency);
+      b.law = law;
+      b.species = {{test::neutron(), 0.5}, {lithium, 0.5}};
+      b.source.direction = GaussianDirection{1e-3, 1e-3};
+      b.parts.insert(b.parts.begin(), test::place("S", 0.05, Slit{Disc{0.4e-3}, {}}));
+      b.parts.insert(b.parts.end() - 1,
+                     test::place("small", 0.9, Detector{0.5e-3, 0.5e-3, {3, 3}, {1e-4, 0}}));
+      b.particles = 600;
+      e.points.push_back(b);
+    }
+  return e;
+}
+Sums sums_of(const Plan& plan, RunOptions options) { return run(plan, options).sums; }
+
+TEST(Run, GivesTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
+  const Plan plan = make_plan(everything());
+  RunOptions options;
+  options.isa = best_isa();
+  const Sums expected = sums_of(plan, options);
+  for (const int threads : {2, 3, 7}) {
+    options.threads = threads;
+    EXPECT_TRUE(sums_of(plan, options) == expected) << threads << " threads";
+  }
+  for (const int batch : {8, 64, 200}) {
+    options.batch = batch;
+    EXPECT_TRUE(sums_of(plan, options) == expected) << "batches of " << batch;
+  }
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    options.isa = isa;
+    EXPECT_TRUE(sums_of(plan, options) == expected) << name_of(isa);
+  }
+}
+
+TEST(Run, GoesOnFromASnapshotToTheSameBits) {
+  const Plan plan = make_plan(everything());
+  RunOptions options;
+  options.isa = best_isa();
+  options.most_unit_cost = 1e-5;
+  const Sums expected = sums_of(plan, options);
+
+  std::atomic<bool> stop{false};
+  Snapshot kept;
+  int progress = 0;
+  options.stop = &stop;
+  options.snapshot_seconds = 0;
+  options.snapshot = [&](const Snapshot& s) {
+    kept = s;
+    if (++progress == 5) stop = true;
+  };
+  EXPECT_FALSE(run(plan, options).finished);
+  EXPECT_FALSE(kept.finished.empty());
+
+  stop = false;
+  options.snapshot = {};
+  options.start = &kept;
+  const RunOutcome outcome = run(plan, options);
+  EXPECT_TRUE(outcome.finished);
+  EXPECT_TRUE(outcome.sums == expected);
+}
+
+TEST(Run, CarriesAnExceptionOutOfItsThreads) {
+  const Plan plan = make_plan(everything());
+  RunOptions options;
+  options.isa = best_isa();
+  options.threads = 2;
+  options.snapshot_seconds = 0;
+  options.snapshot = [](const Snapshot&) { throw std::runtime_error("disk full"); };
+  EXPECT_THROW(run(plan, options), std::runtime_error);
+}
+
+TEST(Run, WithAnotherSeedOrStreamGivesOtherParticles) {
+  Experiment e = everything();
+  RunOptions options;
+  options.isa = best_isa();
+  const Sums expected = sums_of(make_plan(e), options);
+  for (Beamline& b : e.points) b.seed = 7;
+  EXPECT_FALSE(sums_of(make_plan(e), options) == expected);
+}
+
+}  // namespace
+}  // namespace rabiline

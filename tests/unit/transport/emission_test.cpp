@@ -1,0 +1,167 @@
+// Every law that particles start by, against its distribution.
+#include <gsl/gsl_cdf.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "core/isa.hpp"
+#include "transport/kernels.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr int particles = 100000, cells = 50;
+
+std::vector<double> emitted(const Emission& e, const std::function<double(const BatchView&, int)>& value) {
+  std::vector<double> values;
+  Batch batch;
+  BatchView& view = batch.view();
+  for (std::uint64_t first = 0; first < particles; first += Batch::capacity) {
+    view.count = static_cast<int>(std::min<std::uint64_t>(Batch::capacity, particles - first));
+    view.padded = (view.count + 7) / 8 * 8;
+    kernels_for(best_isa()).emit(e, first, view);
+    for (int i = 0; i < view.count; ++i) values.push_back(value(view, i));
+  }
+  return values;
+}
+
+/// p-value of a chi-square test against a distribution function, in cells of equal probability.
+double p_value(const std::vector<double>& values, const std::function<double(double)>& cdf) {
+  std::vector<double> counts(cells, 0.0);
+  for (const double v : values)
+    counts[static_cast<std::size_t>(std::clamp(static_cast<int>(cells * cdf(v)), 0, cells - 1))] += 1;
+  const double expected = static_cast<double>(values.size()) / cells;
+  double chi2 = 0;
+  for (const double n : counts) chi2 += (n - expected) * (n - expected) / expected;
+  return gsl_cdf_chisq_Q(chi2, cells - 1);
+}
+
+/// Fits the law, and does not fit it with a parameter that is off by 2 %.
+void expect_law(const std::vector<double>& values, const std::function<double(double, double)>& cdf) {
+  EXPECT_GT(p_value(values, [&](double v) { return cdf(v, 1); }), 0.001);
+  EXPECT_LT(p_value(values, [&](double v) { return cdf(v, 1.02); }), 0.001);
+}
+
+Emission base() {
+  Emission e;
+  e.key = {1938, 0};
+  e.speed = 1000;
+  e.opening.half_x = 1e-3;
+  e.opening.half_z = 2e-3;
+  return e;
+}
+double speed_of(const BatchView& b, int i) { return std::hypot(b.vx[i], b.vy[i], b.vz[i]); }
+
+TEST(Emission, DrawsGaussianSpeeds) {
+  Emission e = base();
+  e.speed_kind = SpeedKind::gaussian;
+  e.speed_sigma = 50;
+  expect_law(emitted(e, speed_of), [](double v, double s) { return gsl_cdf_gaussian_P(v - 1000, s * 50); });
+}
+
+TEST(Emission, CutsAWideGaussianAtZeroSpeed) {
+  Emission e = base();
+  e.speed_kind = SpeedKind::gaussian;
+  e.speed_sigma = 2000;
+  const std::vector<double> values = emitted(e, speed_of);
+  EXPECT_GT(*std::min_element(values.begin(), values.end()), 0);
+  expect_law(values, [](double v, double s) {
+    const double cut = gsl_cdf_gaussian_P(-1000, s * 2000);
+    return (gsl_cdf_gaussian_P(v - 1000, s * 2000) - cut) / (1 - cut);
+  });
+}
+
+TEST(Emission, FillsARectangleUniformly) {
+  expect_law(emitted(base(), [](const BatchView& b, int i) { return b.x[i]; }),
+             [](double x, double s) { return (x / (s * 1e-3) + 1) / 2; });
+  expect_law(emitted(base(), [](const BatchView& b, int i) { return b.z[i]; }),
+             [](double z, double s) { return (z / (s * 2e-3) + 1) / 2; });
+}
+
+TEST(Emission, FillsADiscUniformly) {
+  Emission e = base();
+  e.opening.radius = 3e-3;
+  expect_law(emitted(e, [](const BatchView& b, int i) { return std::hypot(b.x[i], b.z[i]); }),
+             [](double r, double s) { return std::min(1.0, std::pow(r / (s * 3e-3), 2)); });
+}
+
+TEST(Emission, DrawsGaussianSlopesOfTheirOwnWidthInXAndZ) {
+  Emission e = base();
+  e.direction = DirectionKind::gaussian;
+  e.spread_x = 1e-3;
+  e.spread_z = 4e-3;
+  expect_law(emitted(e, [](const BatchView& b, int i) { return b.vx[i] / b.vy[i]; }),
+             [](double slope, double s) { return gsl_cdf_gaussian_P(slope, s * 1e-3); });
+  expect_law(emitted(e, [](const BatchView& b, int i) { return b.vz[i] / b.vy[i]; }),
+             [](double slope, double s) { return gsl_cdf_gaussian_P(slope, s * 4e-3); });
+  for (const double v : emitted(e, speed_of)) ASSERT_NEAR(v, 1000, 1e-9);
+}
+
+TEST(Emission, FillsAConeUniformlyInSolidAngle) {
+  Emission e = base();
+  const double half = 0.3;
+  e.direction = DirectionKind::cone;
+  e.spread_x = 1 - std::cos(half);
+  expect_law(
+      emitted(e, [](const BatchView& b, int i) { return b.vy[i] / speed_of(b, i); }),
+      [&](double cosine, double s) { return std::max(0.0, 1 - (1 - cosine) / (1 - std::cos(s * half))); });
+}
+
+TEST(Emission, OfUnpolarisedSpinsIsIsotropicForVectorsAndUniformOverLevels) {
+  expect_law(emitted(base(), [](const BatchView& b, int i) { return b.sz[i]; }),
+             [](double z, double s) { return (z / s + 1) / 2; });
+  Emission e = base();
+  e.levels = 4;
+  std::vector<double> count(4, 0.0);
+  for (const double level :
+       emitted(e, [](const BatchView&b, int i) { return static_cast<double>(b.level[i]); }))
+    count[static_cast<std::size_t>(level)] += 1;
+  for (const double n : count) EXPECT_NEAR(n, particles / 4.0, 4 * std::sqrt(particles * 3 / 16.0));
+}
+
+TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
+  Emission e = base();
+  e.direction = DirectionKind::aimed;
+  e.target.y = 0.01;
+  e.target.x0 = 2e-3;
+  e.target.half_x = 3e-3;
+  e.target.half_z = 4e-3;
+  for (const double x :
+       emitted(e, [](const BatchView&b, int i) { return b.x[i] + b.vx[i] / b.vy[i] * 0.01; })) {
+    ASSERT_LE(std::abs(x - 2e-3), 3e-3 + 1e-15);
+  }
+  for (const double off : emitted(e, [](const BatchView&b, int i) {
+         const double cosine = b.vy[i] / speed_of(b, i);
+         return static_cast<double>(b.weight[i]) / static_cast<double>(quanta_per_particle) -
+                cosine * cosine * cosine;
+       }))
+    ASSERT_NEAR(off, 0, 1e-12);
+}
+
+TEST(Emission, GivesAParticleTheSameStartInAnyBatchAndOnAnyInstructionSet) {
+  Emission e = base();
+  e.speed_kind = SpeedKind::gaussian;
+  e.speed_sigma = 50;
+  e.direction = DirectionKind::cone;
+  e.spread_x = 0.01;
+  Batch whole, alone;
+  whole.view().count = whole.view().padded = 256;
+  kernels_for(best_isa()).emit(e, 1000, whole.view());
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    alone.view().count = 1;
+    alone.view().padded = 8;
+    kernels_for(isa).emit(e, 1077, alone.view());
+    EXPECT_EQ(alone.view().x[0], whole.view().x[77]);
+    EXPECT_EQ(alone.view().vx[0], whole.view().vx[77]);
+    EXPECT_EQ(alone.view().vy[0], whole.view().vy[77]);
+    EXPECT_EQ(alone.view().sx[0], whole.view().sx[77]);
+  }
+}
+
+}  // namespace
+}  // namespace rabiline
