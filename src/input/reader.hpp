@@ -117,10 +117,7 @@ template <class T>
 std::string example_of_type(const Row& row) {
   if constexpr (is_optional<T>)
     return example_of_type<typename T::value_type>(row);
-  else if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::string>)
-    return example_for(row);
-  else if constexpr (std::is_integral_v<T>)
-    return "10000";
+
   else if constexpr (std::is_enum_v<T>)
     return std::string(choices<T>[0].word);
   else if constexpr (std::is_same_v<T, HalfInteger>)
@@ -138,7 +135,7 @@ std::string example_of_type(const Row& row) {
   } else if constexpr (has_table<T>)
     return "{" + example_of_rows<T>() + "}";
   else
-    return {};
+    return example_for(row);
 }
 
 template <class T>

@@ -54,7 +54,7 @@ TEST(Units, TellTheChargeEFromAPowerOfTen) {
 
 TEST(Units, TurnAGyromagneticRatioInTurnsIntoRadians) {
   EXPECT_DOUBLE_EQ(value_of("1 Hz/T"), 2 * std::numbers::pi);
-  EXPECT_DOUBLE_EQ(value_of("-29.1646935 MHz/T"), -1.83247174e8 * (1 + 1.2e-9));
+  EXPECT_NEAR(value_of("-29.1646935 MHz/T"), -1.83247174e8, 1);
   EXPECT_DOUBLE_EQ(value_of("1 MHz/G"), value_of("10 GHz/T"));
   EXPECT_EQ(value_of("5 rad/s/T"), 5.0);
 }

@@ -79,6 +79,7 @@ TEST(Run, CarriesAnExceptionOutOfItsThreads) {
   RunOptions options;
   options.isa = best_isa();
   options.threads = 2;
+  options.most_unit_cost = 1e-6;  // many units, so that the reporting thread gets some
   options.snapshot_seconds = 0;
   options.snapshot = [](const Snapshot&) { throw std::runtime_error("disk full"); };
   EXPECT_THROW(run(plan, options), std::runtime_error);

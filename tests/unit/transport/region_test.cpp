@@ -73,7 +73,8 @@ TEST(Region, StopsAtASlitInsideItWhatMissesTheOpening) {
 TEST(Region, AlignsAtAPolarizerThatTouchesTheField) {
   // B' and B as one field: unaligned spins would turn the path under torque, aligned ones fly straight.
   Beamline b = suggested(291e3);
-  b.parts = {place("before", 0.05, UniformField{0.05, 1e-3, {}}),
+  b.chamber.reset();
+  b.parts = {place("before", 0.05, UniformField{0.05, 5e-5, {}}),
              place("P", 0.1, test::suggested(1).parts[0].part),
              place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
   const Track t = trace(b, 0, best_isa());
