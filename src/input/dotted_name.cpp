@@ -125,6 +125,11 @@ void write_out(Node& node, std::string_view key, const Place& place) {
 Node* put_value(Node& root, const std::string& name, const Place& name_place, const Node& value,
                 Reading& reading) {
   const std::vector<Segment> path = split(name, name_place);
+  for (const Segment& segment : path)
+    if (segment.word.empty()) {
+      reading.error(segment.place, "a name is words with one dot between them", "such as `H0.frequency`");
+      return nullptr;
+    }
   const bool top = has_key<Beamline>(path.front().word) || path.front().word == "rabiline" ||
                    path.front().word == "geometry" || path.front().word == "scan";
   Node* part = top ? nullptr : find_part(root, path.front().word);

@@ -117,7 +117,6 @@ template <class T>
 std::string example_of_type(const Row& row) {
   if constexpr (is_optional<T>)
     return example_of_type<typename T::value_type>(row);
-
   else if constexpr (std::is_enum_v<T>)
     return std::string(choices<T>[0].word);
   else if constexpr (std::is_same_v<T, HalfInteger>)

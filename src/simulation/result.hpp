@@ -76,6 +76,7 @@ struct Result {
 /// The path of one particle, for `rabiline trace`.
 struct Track {
   std::uint64_t particle = 0;
+  std::string law;  // "dorado (torque, kappa = 1)"
   std::string species, fate, where;
   std::vector<double> t;           // [s]
   std::vector<double> x, y, z;     // [m]

@@ -52,7 +52,7 @@ class Runner {
 
   RunOutcome run() {
 #pragma omp parallel num_threads(options_.threads)
-    work(shares_[static_cast<std::size_t>(omp_get_thread_num())], omp_get_thread_num() == 0);
+    work(shares_[static_cast<std::size_t>(omp_get_thread_num())]);
     if (error_) std::rethrow_exception(error_);
     const bool finished = finished_units_ == units_.count();
     if (!finished && options_.snapshot) options_.snapshot(snapshot());
@@ -63,7 +63,7 @@ class Runner {
   bool stopped() const { return failed_ || (options_.stop != nullptr && *options_.stop); }
 
   /// One thread's loop. No exception leaves it.
-  void work(Share& share, bool reports) {
+  void work(Share& share) {
     try {
       Walker walker(kernels_for(options_.isa), options_.batch);
       for (std::uint64_t number = next_++; number < units_.count() && !stopped(); number = next_++) {
@@ -75,7 +75,7 @@ class Runner {
           share.finished.insert(number);
         }
         ++finished_units_;
-        if (reports) report();
+        report();
       }
     } catch (...) {
       const std::lock_guard guard(error_lock_);
@@ -84,7 +84,10 @@ class Runner {
     }
   }
 
+  /// Whichever thread comes by when it is time; one at a time.
   void report() {
+    const std::unique_lock turn(report_lock_, std::try_to_lock);
+    if (!turn) return;
     const double seconds = seconds_since(start_);
     if (options_.progress && seconds >= next_progress_) {
       const double all = static_cast<double>(units_.count()),
@@ -129,7 +132,7 @@ class Runner {
   Sums sums_before_;
   std::atomic<std::uint64_t> next_{0}, finished_units_{0};
   std::atomic<bool> failed_{false};
-  std::mutex error_lock_;
+  std::mutex error_lock_, report_lock_;
   std::exception_ptr error_;
   const Clock::time_point start_ = Clock::now();
   double next_progress_ = 0.5, next_snapshot_ = options_.snapshot_seconds;

@@ -21,8 +21,8 @@ struct RunOptions {
   int batch = Batch::capacity;              // particles that go through the loops together; a multiple of 8
   double most_unit_cost = 0.025;            // [s] estimated; a unit never is less than 8 particles
   const std::atomic<bool>* stop = nullptr;  // looked at between units
-  std::function<void(const Progress&)> progress;  // from one thread, a few times a second
-  std::function<void(const Snapshot&)> snapshot;  // from one thread, every snapshot_seconds and when stopped
+  std::function<void(const Progress&)> progress;  // by one thread at a time, a few times a second
+  std::function<void(const Snapshot&)> snapshot;  // likewise, every snapshot_seconds and when stopped
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here
 };

@@ -17,6 +17,7 @@ class Tracer {
   Tracer(const Beamline& beamline, const PlanTree& tree, std::uint64_t particle, Isa isa)
       : beamline_(beamline), tree_(tree), kernels_(kernels_for(isa)) {
     track_.particle = particle;
+    track_.law = describe(beamline.law);
     track_.species = beamline.species[static_cast<std::size_t>(tree.component)].species.name;
     batch_.view().count = 1;
     batch_.view().padded = 8;

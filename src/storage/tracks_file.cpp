@@ -45,6 +45,7 @@ void write_track(const GroupWriter& entry, const std::string& name, const std::s
                  {{"units", column.units}, {"long_name", nexus::long_name(column.meaning, column.units)}});
   }
   data.attribute("particle", track.particle);
+  data.attribute("law", track.law);
   data.attribute("species", track.species);
   data.attribute("fate", track.fate);
   data.attribute("where", track.where);
@@ -57,7 +58,8 @@ void write_tracks(const std::string& title, const std::vector<Track>& tracks,
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, RABILINE_VERSION);
-    nexus::Names names({"title", "program_name"});
+    nexus::Names names({"title", "program_name", "law"});
+    if (!tracks.empty()) entry.text("law", tracks.front().law, {{"long_name", "law of motion"}});
     for (const Track& track : tracks) {
       const std::string name = names.claim(fmt::format("particle_{}", track.particle), {""});
       if (&track == &tracks.front()) entry.attribute("default", name);

@@ -1,0 +1,132 @@
+#include "bench/limits.hpp"
+#include "core/random_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+namespace {
+
+using bench::FlipSums;
+using bench::RabiLine;
+
+/// 1/x and 1/sqrt(x) to rounding, by two Newton steps from 14 bits.
+RABILINE_LANES real reciprocal(real x) {
+  real y = _mm512_rcp14_pd(x);
+  y = fma(y, fnma(x, y, broadcast(1)), y);
+  return fma(y, fnma(x, y, broadcast(1)), y);
+}
+RABILINE_LANES real reciprocal_root(real x) {
+  real y = _mm512_rsqrt14_pd(x);
+  const real half = x * 0.5;
+  y = y * fnma(half * y, y, broadcast(1.5));
+  return y * fnma(half * y, y, broadcast(1.5));
+}
+
+/// cos(2 pi u) for 0 < u < 1 as 2 sin^2(pi (u - 1/2)) - 1: no reduction, no quadrants.
+RABILINE_LANES real cosine_of_turns(real u) {
+  constexpr double sine[] = {2.7314e-15,
+                             -7.64397029679267883e-13,
+                             1.60589773124639035e-10,
+                             -2.50521076169961788e-08,
+                             2.75573192191632342e-06,
+                             -1.98412698412549741e-04,
+                             8.33333333333331587e-03,
+                             -1.66666666666666657e-01};
+  const real r = (u - 0.5) * 3.14159265358979324, z = r * r;
+  const real s = fma(r * z, polynomial(z, sine), r);
+  return fma(s + s, s, broadcast(-1));
+}
+
+struct Draw {
+  const Emission& e;
+  RABILINE_LANES void operator()(std::uint64_t first, real& u0, real& u1) const {
+    uniforms(lane_numbers() + static_cast<unsigned long long>(first), e.key.seed, purpose::speed, 0, e.key.stream, u0, u1);
+  }
+};
+
+struct NormalSlowness {
+  Draw draw;
+  RABILINE_LANES real operator()(std::uint64_t first) const {
+    real u0, u1;
+    draw(first, u0, u1);
+    const real minus_two_log = -2.0 * log(u0);
+    const real radius = minus_two_log * reciprocal_root(minus_two_log);
+    return reciprocal(fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed_sigma), broadcast(draw.e.speed)));
+  }
+};
+
+/// v^2/a^2 is the sum of two exponential variables.
+struct FluxWeightedSlowness {
+  Draw draw;
+  RABILINE_LANES real operator()(std::uint64_t first) const {
+    real u0, u1;
+    draw(first, u0, u1);
+    return reciprocal_root(-log(u0 * u1)) * (1 / draw.e.speed);
+  }
+};
+
+struct Accumulator {
+  real p = real{}, p_squared = real{};
+  RABILINE_LANES void add(real x) {
+    p = p + x;
+    p_squared = fma(x, x, p_squared);
+  }
+  void flush(FlipSums& sums) const {
+    for (int i = 0; i < lane_count; ++i) {
+      sums.p += lane(p, i);
+      sums.p_squared += lane(p_squared, i);
+    }
+  }
+};
+
+RABILINE_LANES real flip(const RabiLine& line, real slowness) {
+  return line.most * sin_squared(line.half_turn_per_slowness * slowness);
+}
+
+/// Two packs in flight hide each other's latencies.
+template <class Slowness>
+FlipSums beam(const Slowness& slowness, const RabiLine& line, std::uint64_t particles) {
+  Accumulator a, b;
+  for (std::uint64_t i = 0; i < particles; i += 2 * lane_count) {
+    a.add(flip(line, slowness(i)));
+    b.add(flip(line, slowness(i + lane_count)));
+  }
+  FlipSums sums;
+  a.flush(sums);
+  b.flush(sums);
+  return sums;
+}
+
+}  // namespace
+}  // namespace rabiline::RABILINE_ISA
+
+namespace rabiline::bench {
+
+using namespace rabiline::RABILINE_ISA;
+
+FlipSums normal_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {
+  return beam(NormalSlowness{{e}}, line, particles);
+}
+
+FlipSums flux_weighted_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {
+  return beam(FluxWeightedSlowness{{e}}, line, particles);
+}
+
+void scan_of_normal_beam(const Emission& e, const std::vector<RabiLine>& lines, std::uint64_t particles, FlipSums* sums) {
+  constexpr std::uint64_t block = 2048;
+  alignas(64) double slowness[block];
+  const NormalSlowness draw{{e}};
+  for (std::uint64_t first = 0; first < particles; first += block) {
+    for (std::uint64_t i = 0; i < block; i += lane_count) store(slowness + i, draw(first + i));
+    for (const RabiLine& line : lines) {
+      Accumulator a, b;
+      for (std::uint64_t i = 0; i < block; i += 2 * lane_count) {
+        a.add(flip(line, load(slowness + i)));
+        b.add(flip(line, load(slowness + i + lane_count)));
+      }
+      FlipSums& sum = sums[&line - lines.data()];
+      a.flush(sum);
+      b.flush(sum);
+    }
+  }
+}
+
+}  // namespace rabiline::bench
