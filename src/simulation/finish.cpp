@@ -27,6 +27,7 @@ struct ScreenTally {
 };
 struct LevelTally {
   int part;
+  int component;  // of the beam
   int levels;
   std::size_t at;
   const std::vector<int>* points;
@@ -46,11 +47,15 @@ struct Tallies {
   std::vector<FateTally> fates;
 
   explicit Tallies(const Plan& plan) {
-    for (const PlanTree& tree : plan.trees)
+    for (const PlanTree& tree : plan.trees) {
+      component_ = tree.component;
       for (const PlanNode& node : tree.next) visit(node);
+    }
   }
 
  private:
+  int component_ = 0;
+
   void visit(const PlanNode& node) {
     std::visit([&](const auto& stage) { add(stage, node); }, node.stage);
     for (const PlanNode& next : node.next) visit(next);
@@ -64,7 +69,7 @@ struct Tallies {
     fates.push_back({Fate::passed, no_part, node.sums, &node.points});
   }
   void add(const SpinStretch& stretch, const PlanNode& node) {
-    levels.push_back({stretch.part, stretch.levels, node.sums, &node.points});
+    levels.push_back({stretch.part, component_, stretch.levels, node.sums, &node.points});
   }
   void add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
   void add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
@@ -275,43 +280,48 @@ class Finisher {
 
   // ---- levels ----
 
-  static std::vector<std::string> labels_of(const Beamline& beamline, std::size_t levels) {
-    if (!std::holds_alternative<QuantumLaw>(beamline.law)) return {"(1 + S_z)/2", "(1 - S_z)/2"};
-    std::vector<std::string> labels;
-    const int twice = static_cast<int>(levels) - 1;
-    for (int k = 0; k <= twice; ++k) {
-      const int m = twice - 2 * k;
-      labels.push_back(twice % 2 == 0 ? fmt::format("m = {:+d}", m / 2) : fmt::format("m = {:+d}/2", m));
-    }
-    return labels;
+  /// What a row of levels is called: the level, after the species where several fly.
+  static std::string label_of(const Beamline& beamline, const LevelTally& tally, int level) {
+    const Species& species = beamline.species[static_cast<std::size_t>(tally.component)].species;
+    const int twice = tally.levels - 1, m = twice - 2 * level;
+    const std::string name = !std::holds_alternative<QuantumLaw>(beamline.law)
+                                 ? (level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2")
+                             : twice % 2 == 0 ? fmt::format("m = {:+d}", m / 2)
+                                              : fmt::format("m = {:+d}/2", m);
+    return beamline.species.size() == 1 ? name : species.name + " " + name;
   }
 
+  /// One row for every label that occurs; NaN at points that do not have it.
   void add_levels(DetectorResult& detector) {
-    std::size_t levels = 0;
-    for (const LevelTally& tally : tallies_.levels)
-      levels = std::max(levels, static_cast<std::size_t>(tally.levels));
-    bool one_kind = true;
-    for (const LevelTally& tally : tallies_.levels)
-      one_kind = one_kind && static_cast<std::size_t>(tally.levels) == levels;
-    detector.level_labels =
-        one_kind ? labels_of(experiment_.points.front(), levels) : std::vector<std::string>{};
-    for (std::size_t k = detector.level_labels.size(); k < levels; ++k)
-      detector.level_labels.push_back(fmt::format("level {} from above", k));
+    std::vector<std::map<std::string, Moments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
-      std::vector<Moments> found(levels);
       const int part = number_of(p, detector.name);
-      for (const LevelTally& tally : tallies_.levels)
-        if (tally.part == part && concerns(*tally.points, p))
-          for (std::size_t k = 0; k < static_cast<std::size_t>(tally.levels); ++k) {
-            found[k].q += sums_[tally.at + 2 * k];
-            found[k].q2 += sums_[tally.at + 2 * k + 1];
-          }
+      for (const LevelTally& tally : tallies_.levels) {
+        if (tally.part != part || !concerns(*tally.points, p)) continue;
+        for (int level = 0; level < tally.levels; ++level) {
+          const std::string label = label_of(experiment_.points[p], tally, level);
+          if (std::find(detector.level_labels.begin(), detector.level_labels.end(), label) ==
+              detector.level_labels.end())
+            detector.level_labels.push_back(label);
+          Moments& m = found[p][label];
+          m.q += sums_[tally.at + 2 * static_cast<std::size_t>(level)];
+          m.q2 += sums_[tally.at + 2 * static_cast<std::size_t>(level) + 1];
+        }
+      }
+    }
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t p = 0; p < points_; ++p) {
       const Moments& all = totals_[detector.name][p];
-      for (const Moments& m : found) {
-        const double fraction = static_cast<double>(m.q) / static_cast<double>(all.q);
-        const double spread = static_cast<double>(m.q2) - fraction * fraction * static_cast<double>(all.q2);
+      for (const std::string& label : detector.level_labels) {
+        const auto m = found[p].find(label);
+        const bool there = m != found[p].end() && all.q > 0;
+        const double total = static_cast<double>(all.q),
+                     fraction = there ? static_cast<double>(m->second.q) / total : none;
+        const double spread =
+            there ? static_cast<double>(m->second.q2) - fraction * fraction * static_cast<double>(all.q2)
+                  : none;
         detector.levels.push_back(fraction);
-        detector.levels_errors.push_back(std::sqrt(std::max(0.0, spread)) / static_cast<double>(all.q));
+        detector.levels_errors.push_back(there ? std::sqrt(std::max(0.0, spread)) / total : none);
       }
     }
   }

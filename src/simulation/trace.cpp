@@ -39,7 +39,8 @@ class Tracer {
     if (!flying()) return;
     show_plane(node.stage);
     Sums sums(sums_needed(node.stage));
-    const auto forward = [](void* self, double t, const double* place, const double* velocity, const double* spin) {
+    const auto forward = [](void* self, double t, const double* place, const double* velocity,
+                            const double* spin) {
       static_cast<Tracer*>(self)->record(t, place, velocity, spin);
     };
     const StepRecorder recorder{forward, this};

@@ -93,14 +93,26 @@ TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
   EXPECT_LT(4 * error, 0.03 * rate_a);
 }
 
-TEST(Finish, LabelsTheLevelsOfEverySpin) {
+TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {
   Beamline b = divergent(1);
   EXPECT_EQ(run_points({b}).detectors[0].level_labels, (std::vector<std::string>{"m = +1/2", "m = -1/2"}));
-  b.species[0].species.spin = {2};
-  EXPECT_EQ(run_points({b}).detectors[0].level_labels,
+  Beamline one = b, vector = b;
+  one.species[0].species.spin = {2};
+  vector.law = ClassicalLaw{};
+  EXPECT_EQ(run_points({one}).detectors[0].level_labels,
             (std::vector<std::string>{"m = +1", "m = +0", "m = -1"}));
-  b.law = ClassicalLaw{};
-  EXPECT_EQ(run_points({b}).detectors[0].level_labels.size(), 2U);
+  const DetectorResult both = run_points({b, vector}).detectors[0];
+  ASSERT_EQ(both.level_labels,
+            (std::vector<std::string>{"m = +1/2", "m = -1/2", "(1 + S_z)/2", "(1 - S_z)/2"}));
+  EXPECT_TRUE(std::isnan(both.levels[2]));
+  EXPECT_NEAR(both.levels[4 + 3], 1, 1e-3);
+  b.species.push_back({one.species[0].species, 0.5});
+  b.species[0].fraction = 0.5;
+  b.species[1].species.name = "other";
+  const DetectorResult mixed = run_points({b}).detectors[0];
+  EXPECT_EQ(mixed.level_labels.size(), 5U);
+  EXPECT_EQ(mixed.level_labels[1], "neutron m = -1/2");
+  EXPECT_NEAR(mixed.levels[1], 0.5, 0.05);
 }
 
 }  // namespace
