@@ -9,6 +9,9 @@ from .results import Axis, Results
 from .units import format_value, law_name
 
 
+MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
+
+
 class NoResonance(Exception):
     """A curve in which no dip or peak can be measured, and why."""
 
@@ -84,69 +87,150 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
     ]
 
 
-def half_maximum(curve: Curve) -> Resonance:
-    """The dip or peak without a model. The baseline is the mean of the outer tenths of the scan, the depth the distance
-    to the farthest point, the edges where straight lines between points first cross half of it on either side. Errors
-    come from the covariance, to first order, and for the edges from the curvature that straight lines leave out. Raises
-    NoResonance."""
-    y, sign = curve.y, _direction(curve)
-    n, tenth = y.size, max(1, y.size // 10)
-    along_baseline = np.zeros(n)  # d(baseline)/dy, and so on
-    along_baseline[:tenth] = along_baseline[n - tenth:] = 1 / (2 * tenth)
-    farthest = int(np.argmax(sign * y))
-    along_extreme = np.eye(n)[farthest]
-    along_level = (along_baseline + along_extreme) / 2
+def half_maxima(curve: Curve) -> list[Resonance]:
+    """Every dip or peak without a model, by rising x. The depth of each is the distance from the baseline to its
+    farthest point; its edges are where straight lines between points first cross half of it on either side. Two dips
+    are two where the curve comes back between them to less than a quarter of the shallower one's depth; what stays
+    below a quarter of the deepest one is a side lobe and not measured.
 
-    def value(of: float, along: np.ndarray, bend: float = 0.0) -> Value:
-        return Value(float(of), float(np.sqrt(max(0.0, along @ curve.covariance @ along) + bend**2)))
-
-    baseline = value(along_baseline @ y, along_baseline)
-    depth = value(abs(y[farthest] - baseline.value), along_extreme - along_baseline)
-    if depth.value <= 5 * max(depth.error, float(curve.errors.min()), 1e-12):  # 1e-12: rounding
+    Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance
+    where nothing stands out, and where any one of several cannot be measured: no number is better than a wrong one.
+    """
+    along_baseline, sign = _baseline(curve)
+    height = sign * (curve.y - along_baseline @ curve.y)
+    n, noise = curve.y.size, max(float(curve.errors.min()), 1e-12)  # 1e-12: rounding
+    deepest = int(np.argmax(height))
+    depth_error = _spread(np.eye(n)[deepest] - along_baseline, curve.covariance)
+    if height[deepest] <= 5 * max(depth_error, noise):
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
-    low, along_low, bend_low = _crossing(curve, farthest, -1, along_level)
-    high, along_high, bend_high = _crossing(curve, farthest, +1, along_level)
-    bend = float(np.hypot(bend_low, bend_high))
+    least = np.maximum(height[deepest] / 4, 5 * np.maximum(curve.errors, noise))
+    found = [_measured(curve, extreme, along_baseline, sign) for extreme in _extremes(height, least)]
+    if len(found) > MOST_RESONANCES:
+        raise NoResonance(f"{len(found)} dips or peaks: too many to measure each")
+    return found
+
+
+def deepest(resonances: list[Resonance]) -> Resonance:
+    """The one with the largest depth."""
+    return max(resonances, key=lambda resonance: resonance.depth.value)
+
+
+@dataclass(frozen=True)
+class Edge:
+    """Where a curve passes half its depth, between two neighbouring points."""
+
+    place: float
+    gradient: np.ndarray  # [n] d(place)/dy
+    spacing: float  # of the two points
+    climb: float  # part of the depth by which the curve changes between them
+    bend: float  # how far a parabola through the neighbours would put the place from there
+
+    @property
+    def resolution(self) -> float:
+        """How well the spacing of the points allows to know the place, as a standard deviation, whatever the number
+        of particles. Where the curve climbs by half its depth or more from one point to the next, the place may be
+        anywhere between the two: spacing/√12. Where several points follow the edge, what straight lines or a model
+        miss between points falls as the square of the climb; the bend is a lower limit of it."""
+        return max(self.bend, self.spacing / np.sqrt(12) * min(1.0, 2 * self.climb) ** 2)
+
+
+def edges(curve: Curve, resonance: Resonance) -> tuple[Edge, Edge]:
+    """The two places where a curve passes half the depth of one of its `half_maxima`."""
+    along_baseline, sign = _baseline(curve)
+    height = sign * (curve.y - along_baseline @ curve.y)
+    inside = np.abs(curve.x - resonance.centre.value) <= resonance.width.value / 2
+    extreme = int(np.argmax(np.where(inside, height, -np.inf)))
+    return _edges(curve, extreme, along_baseline)
+
+
+def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int) -> Resonance:
+    low, high = _edges(curve, extreme, along_baseline)
+    along_depth = sign * (np.eye(curve.y.size)[extreme] - along_baseline)
+
+    def value(along: np.ndarray, of: float | None = None, resolution: float = 0.0) -> Value:
+        return Value(float(along @ curve.y if of is None else of),
+                     float(np.hypot(_spread(along, curve.covariance), resolution)))
+
+    resolution = float(np.hypot(low.resolution, high.resolution))
     return Resonance(
         kind="peak" if sign > 0 else "dip",
-        centre=value((low + high) / 2, (along_low + along_high) / 2, bend / 2),
-        width=value(high - low, along_high - along_low, bend),
-        depth=depth,
-        baseline=baseline,
+        centre=value((low.gradient + high.gradient) / 2, (low.place + high.place) / 2, resolution / 2),
+        width=value(high.gradient - low.gradient, high.place - low.place, resolution),
+        depth=value(along_depth),
+        baseline=value(along_baseline),
     )
 
 
-def _direction(curve: Curve) -> int:
-    """+1 for a peak, -1 for a dip: where the curve goes farther from its outer tenths."""
+def _edges(curve: Curve, extreme: int, along_baseline: np.ndarray) -> tuple[Edge, Edge]:
+    along_level = (along_baseline + np.eye(curve.y.size)[extreme]) / 2
+    return _edge(curve, extreme, -1, along_level), _edge(curve, extreme, +1, along_level)
+
+
+def _spread(along: np.ndarray, covariance: np.ndarray) -> float:
+    """Standard error of along @ y."""
+    return float(np.sqrt(max(0.0, along @ covariance @ along)))
+
+
+def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
+    """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
+    is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
+    mean of the points near the median of all."""
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):
         raise NoResonance("a resonance needs finite fractions at rising values")
-    tenth = max(1, curve.y.size // 10)
-    baseline = (curve.y[:tenth].mean() + curve.y[-tenth:].mean()) / 2
-    return 1 if curve.y.max() - baseline > baseline - curve.y.min() else -1
+    y, tenth = curve.y, max(1, curve.y.size // 10)
+    near = np.zeros(y.size, dtype=bool)
+    near[:tenth] = near[-tenth:] = True
+    alike = np.maximum(np.ptp(y) / 10, 5 * curve.errors)
+    if (np.abs(y - y[near].mean()) > alike)[near].any():
+        near = np.abs(y - np.median(y)) <= alike
+    baseline = y[near].mean()
+    return near / near.sum(), 1 if y.max() - baseline > baseline - y.min() else -1
 
 
-def _crossing(curve: Curve, start: int, step: int, along_level: np.ndarray) -> tuple[float, np.ndarray, float]:
-    """Where the curve, followed from `start`, first crosses its half level, the gradient of that place by y, and how
-    far a parabola through the neighbours would put it from there."""
+def _extremes(height: np.ndarray, least: np.ndarray) -> list[int]:
+    """The farthest point of each dip or peak that reaches `least`. Neighbours are separate where the curve comes back
+    between them to less than a quarter of the lower one's height."""
+    found: list[int] = []
+    for i in np.flatnonzero(height >= least):
+        if not found or height[found[-1]:i + 1].min() < min(height[found[-1]], height[i]) / 4:
+            found.append(int(i))
+        elif height[i] > height[found[-1]]:
+            found[-1] = int(i)
+    return found
+
+
+def _edge(curve: Curve, start: int, step: int, along_level: np.ndarray) -> Edge:
+    """Where the curve, followed from `start`, first crosses its half level. Refused where it then turns and crosses
+    it back before it has come to a quarter of the depth: two dips in one."""
     x, y = curve.x, curve.y
-    level = along_level @ y
+    level, depth = along_level @ y, 2 * abs(y[start] - along_level @ y)
     inside = np.sign(y[start] - level)
     i = start
     while np.sign(y[i] - level) == inside:
         i += step
         if not 0 <= i < y.size:
             raise NoResonance("the scan ends before the curve is back at half its depth")
-    before = i - step
+    crossed = i
+    while 0 <= i < y.size and inside * (y[i] - level) > -depth / 4:
+        if inside * (y[i] - level) > 3 * curve.errors[i]:
+            raise NoResonance("the curve crosses its half depth more than twice: dips or peaks that overlap")
+        i += step
+    i, before = crossed, crossed - step
     slope = (y[i] - y[before]) / (x[i] - x[before])
     part = (level - y[before]) / (y[i] - y[before])
     along = along_level.copy()
     along[before] -= 1 - part
     along[i] -= part
     curvature = np.abs(np.diff(y[max(0, min(i, before) - 1):max(i, before) + 2], 2)).max()
-    bend = part * (1 - part) / 2 * curvature / abs(slope)
-    return float(x[before] + part * (x[i] - x[before])), along / slope, float(bend)
+    return Edge(
+        place=float(x[before] + part * (x[i] - x[before])),
+        gradient=along / slope,
+        spacing=float(abs(x[i] - x[before])),
+        climb=float(abs(y[i] - y[before]) / depth),
+        bend=float(part * (1 - part) / 2 * curvature / abs(slope)),
+    )
 
 
 def _at_least(covariance: np.ndarray, errors: np.ndarray) -> np.ndarray:

@@ -43,6 +43,7 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
 const std::atomic<bool>& stop_requested() { return stop; }
 void watch_signals() {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit is then an error of the write
 }
 
 void ExperimentOptions::add_to(CLI::App& app) {

@@ -137,6 +137,17 @@ class Checkpoints {
   const std::vector<std::string>& arguments_;
 };
 
+/// Sums of every thread and of the whole must fit into the machine.
+void require_memory(const Plan& plan, int threads) {
+  const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2);
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  if (needed > 0.7 * there)
+    throw ArgumentError(fmt::format(
+        "the histograms of {} scan points need {:.1f} GiB on {} threads, and this machine has {:.1f} GiB\n"
+        "  help: use fewer bins, fewer scan points or fewer threads",
+        plan.points, needed / 1073741824, threads, there / 1073741824));
+}
+
 int run_command(const RunArguments& a, const std::vector<std::string>& arguments, const Snapshot* start) {
   const std::filesystem::path output = a.output.empty()
                                            ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
@@ -151,6 +162,7 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
                         a.experiment.file.string() + " or the program has changed since");
 
   const Plan plan = make_plan(loaded.experiment);
+  require_memory(plan, a.machine.thread_count());
   if (start != nullptr && start->sums_low.size() != plan.sums)
     throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded, arguments);

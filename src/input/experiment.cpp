@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <tuple>
 
 #include "input/beamline_reader.hpp"
@@ -175,11 +176,12 @@ class ScanReader {
   }
 
   void finish_axis(const Axis& axis, bool numeric, ScanAxis& out) {
-    for (std::size_t i = 0; i < out.values.size(); ++i)
-      for (std::size_t k = 0; k < i && reading_.errors.empty(); ++k)
-        if (numeric ? out.values[i] == out.values[k] : out.labels[i] == out.labels[k])
-          reading_.error(axis.values[i].place,
-                         fmt::format("the scan has the value `{}` twice", out.labels[i]), "keep one of them");
+    std::set<double> numbers;
+    std::set<std::string> words;
+    for (std::size_t i = 0; i < out.values.size() && reading_.errors.empty(); ++i)
+      if (!(numeric ? numbers.insert(out.values[i]).second : words.insert(out.labels[i]).second))
+        reading_.error(axis.values[i].place, fmt::format("the scan has the value `{}` twice", out.labels[i]),
+                       "keep one of them");
     if (numeric) {
       out.labels.clear();
       return;

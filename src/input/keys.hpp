@@ -26,7 +26,6 @@ class Keys {
   /// As finish, where nobody knows which keys belong here.
   void finish_unknown();
 
-  const Node& node() const { return *node_; }
   const std::string& what() const { return what_; }
   const Place& blame() const { return blame_; }
   void rename(std::string what, Place blame);

@@ -127,12 +127,12 @@ std::string example_of_type(const Row& row) {
     return "[80, 80]";
   else if constexpr (is_variant<T>) {
     using First = std::variant_alternative_t<0, T>;
-    if constexpr (tag_key<T>.empty()) return "{" + example_of_rows<First>() + "}";
+    if constexpr (tag_key<T>.empty()) return fmt::format("{{{}}}", example_of_rows<First>());
     const std::string rows = example_of_rows<First>();
     return rows.empty() ? std::string(First::kind)
                         : fmt::format("{{{}: {}, {}}}", tag_key<T>, First::kind, rows);
   } else if constexpr (has_table<T>)
-    return "{" + example_of_rows<T>() + "}";
+    return fmt::format("{{{}}}", example_of_rows<T>());
   else
     return example_for(row);
 }

@@ -80,7 +80,7 @@ std::string quote(const Node& node) {
     case Node::Kind::null:
       return "nothing";
     case Node::Kind::scalar:
-      return "`" + shortened(node.scalar) + "`";
+      return fmt::format("`{}`", shortened(node.scalar));
     case Node::Kind::sequence:
       return "a list";
     case Node::Kind::mapping:

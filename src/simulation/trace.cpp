@@ -46,6 +46,7 @@ class Tracer {
     const StepRecorder recorder{forward, this};
     Flight flight{kernels_, tree_.source.key, batch_, sums.data(), &recorder};
     advance(node.stage, flight);
+    if (std::holds_alternative<Alignment>(node.stage)) show_plane(node.stage);  // the same place, another spin
     if (!flying()) end(node.stage);
   }
 
@@ -90,7 +91,7 @@ class Tracer {
     record(b.t[0] + dt, place, velocity, spin);
   }
   void record(double t, const double* place, const double* velocity, const double* spin) {
-    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1]) return;
+    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && is_last_spin(spin)) return;
     track_.t.push_back(t);
     track_.x.push_back(place[0]);
     track_.y.push_back(place[1]);
@@ -101,6 +102,11 @@ class Tracer {
     track_.sx.push_back(spin_known_ ? spin[0] : not_known);
     track_.sy.push_back(spin_known_ ? spin[1] : not_known);
     track_.sz.push_back(spin_known_ ? spin[2] : not_known);
+  }
+
+  bool is_last_spin(const double* spin) const {
+    return !spin_known_ ||
+           (track_.sx.back() == spin[0] && track_.sy.back() == spin[1] && track_.sz.back() == spin[2]);
   }
 
   const Beamline& beamline_;

@@ -9,12 +9,12 @@ using bench::RabiLine;
 
 /// 1/x and 1/sqrt(x) to rounding, by two Newton steps from 14 bits.
 RABILINE_LANES real reciprocal(real x) {
-  real y = _mm512_rcp14_pd(x);
+  real y = _mm512_maskz_rcp14_pd(0xFF, x);
   y = fma(y, fnma(x, y, broadcast(1)), y);
   return fma(y, fnma(x, y, broadcast(1)), y);
 }
 RABILINE_LANES real reciprocal_root(real x) {
-  real y = _mm512_rsqrt14_pd(x);
+  real y = _mm512_maskz_rsqrt14_pd(0xFF, x);
   const real half = x * 0.5;
   y = y * fnma(half * y, y, broadcast(1.5));
   return y * fnma(half * y, y, broadcast(1.5));

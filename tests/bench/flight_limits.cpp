@@ -54,8 +54,8 @@ RABILINE_LANES void step(const Constants& c, State& s) {
   s.velocity = add(add(s.velocity, sine, u), cosine, uu);
 }
 
-Vector broadcast(const double (&v)[3]) {
-  return {RABILINE_ISA::broadcast(v[0]), RABILINE_ISA::broadcast(v[1]), RABILINE_ISA::broadcast(v[2])};
+Vector vector_of(const double (&v)[3]) {
+  return {broadcast(v[0]), broadcast(v[1]), broadcast(v[2])};
 }
 void first_lane(const Vector& v, double (&out)[3]) {
   out[0] = lane(v.x, 0);
@@ -76,13 +76,13 @@ Particle turning_flight(const SpinZone& zone, double h, double t, const Particle
   const real rate = spin_rate_in_frame(zone, ux, uz);
   const double inside = gauss_second - gauss_first, across = 1 - inside;
   const auto turned = [&](double part) { return rotation_in_xz_axis(ux, uz, rate * (part * h)); };
-  const auto phase_after = [&](double time) { return phasor(RABILINE_ISA::broadcast(drive.omega * time)); };
+  const auto phase_after = [&](double time) { return phasor(broadcast(drive.omega * time)); };
   const Constants constants{turned(inside), turned(across), phase_after(inside * h), phase_after(across * h),
-                            {RABILINE_ISA::broadcast(drive.turn_rate), real{}, RABILINE_ISA::broadcast(zone.turn_rate)},
-                            RABILINE_ISA::broadcast(h)};
-  const Phasor at_start = phasor(RABILINE_ISA::broadcast(drive.omega * t + drive.phase));
-  const State begin{RABILINE_ISA::broadcast(start.place), RABILINE_ISA::broadcast(start.velocity),
-                    turned(gauss_first) * turn_back_about_z(at_start, RABILINE_ISA::broadcast(start.spin)),
+                            {broadcast(drive.turn_rate), real{}, broadcast(zone.turn_rate)},
+                            broadcast(h)};
+  const Phasor at_start = phasor(broadcast(drive.omega * t + drive.phase));
+  const State begin{vector_of(start.place), vector_of(start.velocity),
+                    turned(gauss_first) * turn_back_about_z(at_start, vector_of(start.spin)),
                     at_start * phase_after(gauss_first * h)};
   State last = begin;
   for (int pack = 0; pack < packs; pack += packs_in_flight) {

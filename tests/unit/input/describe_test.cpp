@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "input/document.hpp"
 #include "input/experiment.hpp"
 
 namespace rabiline {
@@ -66,6 +67,17 @@ TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
     }
   }
   std::filesystem::remove(path);
+}
+
+TEST(JsonSchema, IsOneMappingWithEveryKeyOfAFile) {
+  const std::string text = json_schema();
+  const Node root = parse_document(make_source_text("schema", text), text);
+  const Node& properties = root.find("properties")->value;
+  for (const char* key :
+       {"rabiline", "title", "species", "law", "source", "chamber", "parts", "particles", "seed", "scan"})
+    EXPECT_TRUE(properties.find(key)) << key;
+  EXPECT_THAT(to_text(root.find("required")->value), HasSubstr("law"));
+  EXPECT_THAT(text, HasSubstr("rotating_field"));
 }
 
 }  // namespace

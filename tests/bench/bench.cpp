@@ -1,0 +1,125 @@
+// The program against hand-written loops on this machine: one table of rates and their ratios. Repetitions of all
+// benchmarks are interleaved, so that a drift of the machine's speed cancels.
+#include <benchmark/benchmark.h>
+
+#include "bench/checks.hpp"
+#include "bench/experiments.hpp"
+#include "bench/table.hpp"
+#include "simulation/run.hpp"
+
+namespace rabiline::bench {
+namespace {
+
+constexpr int frequencies = 101;
+constexpr std::uint64_t beam_particles = 1 << 20, scan_particles = 1 << 16, dorado_particles = 1 << 13;
+constexpr int dorado_points = 8;
+
+template <class Work>
+void time_it(benchmark::State& state, double items, Work work) {
+  for (auto _ : state) benchmark::DoNotOptimize(work());
+  state.SetItemsProcessed(static_cast<std::int64_t>(static_cast<double>(state.iterations()) * items));
+}
+
+void program(benchmark::State& state, const Experiment& experiment, double items, int threads = 1) {
+  const Plan plan = make_plan(experiment);
+  RunOptions options;
+  options.isa = best_isa();
+  options.threads = threads;
+  time_it(state, items, [&] { return run(plan, options).sums[0]; });
+}
+
+double dorado_steps() {
+  const Experiment experiment = suggested_experiment(dorado_points, dorado_particles);
+  double steps = 0;
+  for (const Beamline& point : experiment.points) {
+    Experiment one;
+    one.points = {point};
+    const Plan plan = make_plan(one);
+    steps += steps_through(region_of(plan), emission_of(plan).speed) * dorado_particles;
+  }
+  return steps;
+}
+
+// ---- the program ----
+
+void beam_program(benchmark::State& state) {
+  program(state, two_level_beamline(1, beam_particles), beam_particles);
+}
+void scan_program(benchmark::State& state) {
+  program(state, two_level_beamline(frequencies, scan_particles), double{scan_particles} * frequencies);
+}
+void dorado_program(benchmark::State& state, int threads) {
+  program(state, suggested_experiment(dorado_points, dorado_particles), dorado_steps(), threads);
+}
+
+// ---- the limits ----
+
+#if defined(RABILINE_HAS_LIMITS)
+void beam_limit(benchmark::State& state, FlipSums (*limit)(const Emission&, const RabiLine&, std::uint64_t)) {
+  const Plan plan = make_plan(two_level_beamline(1, beam_particles));
+  const RabiLine line = lines_of(plan).at(0);
+  time_it(state, beam_particles, [&] { return limit(emission_of(plan), line, beam_particles); });
+}
+void scan_limit(benchmark::State& state) {
+  const Plan plan = make_plan(two_level_beamline(frequencies, scan_particles));
+  const std::vector<RabiLine> lines = lines_of(plan);
+  std::vector<FlipSums> sums(lines.size());
+  time_it(state, double{scan_particles} * frequencies, [&] {
+    scan_of_normal_beam(emission_of(plan), lines, scan_particles, sums.data());
+    return sums.back().p;
+  });
+}
+void dorado_limit(benchmark::State& state) {
+  const Plan plan = make_plan(suggested_experiment(1, 1));
+  const RegionZone& zone = region_of(plan).zones.back();
+  const Particle start{{0, 0.35, 0}, {0, 1000, 0}, {0, 0, -1}};
+  constexpr int steps = 500, packs = 100;
+  time_it(state, 8.0 * steps * packs,
+          [&] { return turning_flight(zone.field, zone.step, 0, start, steps, packs).place[1]; });
+}
+#endif
+
+void register_all() {
+#if defined(RABILINE_HAS_LIMITS)
+  if (!supported(Isa::avx512)) {
+    std::fputs("no AVX-512 here: the hand-written limits are left out\n", stderr);
+  } else {
+    check_limits();
+    benchmark::RegisterBenchmark("beam/limit", beam_limit, normal_beam);
+    benchmark::RegisterBenchmark("beam/flux-weighted limit", beam_limit, flux_weighted_beam);
+    benchmark::RegisterBenchmark("scan/limit", scan_limit);
+    benchmark::RegisterBenchmark("dorado/limit", dorado_limit);
+  }
+#endif
+  benchmark::RegisterBenchmark("beam/program", beam_program);
+  benchmark::RegisterBenchmark("scan/program", scan_program);
+  benchmark::RegisterBenchmark("dorado/program", dorado_program, 1);
+  benchmark::RegisterBenchmark("dorado/one thread", dorado_program, 1)->UseRealTime();
+  benchmark::RegisterBenchmark("dorado/two threads", dorado_program, 2)->UseRealTime();
+}
+
+const std::vector<Row> rows{
+    {"two-level beamline, closed form [particles]", "beam/limit", "beam/program", 0.3, 0.5},
+    {"  against flux-weighted speeds [particles]", "beam/flux-weighted limit", "beam/program"},
+    {"frequency scan, tracks reused [particles x frequencies]", "scan/limit", "scan/program", 0.25, 0.6},
+    {"dorado region [steps]", "dorado/limit", "dorado/program", 0.4, 0.7},
+    {"dorado scan, two threads against one [steps]", "dorado/one thread", "dorado/two threads", 1.85, 1.95},
+};
+
+}  // namespace
+}  // namespace rabiline::bench
+
+int main(int argc, char** argv) {
+  using namespace rabiline::bench;
+  std::vector<char*> arguments(argv, argv + argc);
+  std::string repetitions = "--benchmark_repetitions=15", interleaving = "--benchmark_enable_random_interleaving=true",
+              time = "--benchmark_min_time=0.1";
+  arguments.insert(arguments.begin() + 1, {repetitions.data(), interleaving.data(), time.data()});
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  register_all();
+  Table table(rows);
+  benchmark::RunSpecifiedBenchmarks(&table);
+  return 0;
+}

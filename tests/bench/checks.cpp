@@ -1,0 +1,76 @@
+#include "bench/checks.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "bench/experiments.hpp"
+#include "physics/suggested.hpp"
+#include "simulation/trace.hpp"
+
+namespace rabiline::bench {
+namespace {
+
+void expect_near(double limit, double program, double tolerance, const char* what) {
+  if (!(std::abs(limit - program) <= tolerance))
+    throw std::logic_error(fmt::format("{}: the limit finds {}, the program {}", what, limit, program));
+}
+
+/// The fraction of flipped spins of an open beamline, over a scan.
+void check_beam() {
+  constexpr std::uint64_t particles = 8192;
+  constexpr int points = 5;
+  Experiment experiment = two_level_beamline(points, particles, true);
+  for (Beamline& beamline : experiment.points)
+    for (PlacedPart& placed : beamline.parts)
+      if (auto* slit = std::get_if<Slit>(&placed.part)) slit->opening = Rectangle{1, 1};
+  const Plan plan = make_plan(experiment);
+  const std::vector<RabiLine> lines = lines_of(plan);
+  FlipSums scan[points];
+  scan_of_normal_beam(emission_of(plan), lines, particles, scan);
+  RunOptions options;
+  options.isa = best_isa();
+  const Result result = finish(experiment, plan, run(plan, options).sums);
+  for (std::size_t i = 0; i < points; ++i) {
+    const double flipped = result.detectors.at(0).levels.at(2 * i);  // B' leaves the lower level
+    expect_near(scan[i].p / particles, flipped, 1e-9, "scan of a beam");
+    expect_near(normal_beam(emission_of(plan), lines[i], particles).p / particles, flipped, 1e-9, "beam");
+  }
+}
+
+/// A few steps of one particle in the suggested experiment's fields.
+void check_flight() {
+  Experiment experiment = suggested_experiment(1, 1);
+  Beamline& beamline = experiment.points.at(0);
+  for (PlacedPart& placed : beamline.parts)
+    if (auto* rotating = std::get_if<RotatingField>(&placed.part)) rotating->phase = {Phase::Kind::angle, 0.7};
+  const Plan plan = make_plan(experiment);
+  const RegionZone& zone = region_of(plan).zones.back();
+  const Track track = trace(beamline, 0, best_isa());
+  std::size_t begin = 0;
+  while (track.y.at(begin) < zone.field.begin) ++begin;
+  constexpr int steps = 40;
+  const std::size_t end = begin + steps;
+  const auto particle_at = [&](std::size_t i) {
+    return Particle{{track.x.at(i), track.y.at(i), track.z.at(i)},
+                    {track.vx.at(i), track.vy.at(i), track.vz.at(i)},
+                    {track.sx.at(i), track.sy.at(i), track.sz.at(i)}};
+  };
+  const Particle program = particle_at(end);
+  const Particle limit =
+      turning_flight(zone.field, zone.step, track.t.at(begin), particle_at(begin), steps, 2);
+  for (int k = 0; k < 3; ++k) {
+    expect_near(limit.place[k], program.place[k], 1e-12, "place in a turning field");
+    expect_near(limit.velocity[k], program.velocity[k], 1e-8, "velocity in a turning field");
+  }
+}
+
+}  // namespace
+
+void check_limits() {
+  check_beam();
+  check_flight();
+}
+
+}  // namespace rabiline::bench

@@ -1,0 +1,22 @@
+#pragma once
+// What is timed, as experiments built in code.
+#include "bench/limits.hpp"
+#include "plan/plan.hpp"
+
+namespace rabiline::bench {
+
+/// Neutrons from an opening through two slits and one zone of a rotating field to a screen of 80 x 80 bins, under
+/// `quantum`: `points` frequencies around resonance.
+Experiment two_level_beamline(int points, std::uint64_t particles, bool polarised = false);
+/// The suggested experiment under `dorado` at `points` frequencies around the Larmor frequency.
+Experiment suggested_experiment(int points, std::uint64_t particles);
+
+/// Rabi's line of the plan's closed form at each scan point, in order.
+std::vector<RabiLine> lines_of(const Plan&);
+const Emission& emission_of(const Plan&);
+/// The plan's only region.
+const TurningRegion& region_of(const Plan&);
+/// Steps that a particle of this speed takes straight through a region.
+double steps_through(const TurningRegion&, double speed);
+
+}  // namespace rabiline::bench

@@ -1,0 +1,473 @@
+"""The program as a user meets it: bits, fates, exit codes, stops and restarts, what the options change, memory.
+
+RABILINE_PROGRAM names the program; Debian's /usr/bin/python3 -m pytest has what is needed.
+"""
+from __future__ import annotations
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("RABILINE_PROGRAM", str(ROOT / "build" / "release" / "rabiline"))
+EXPERIMENT = ROOT / "beamline" / "suggested-experiment.yaml"
+VERBS = ("run", "check", "describe", "trace", "resume")
+DONE, BAD_INPUT, NOT_WRITTEN, STOPPED = 0, 2, 3, 4
+QUANTA = 2**40  # of one particle
+LAWS = ("--scan", "law=quantum,classical,dorado")
+EDGES = ("--scan", "H0.frequency=270 kHz,288.1 kHz,295.6 kHz")  # dorado's dip: far off and on both slopes
+
+# Every fate there is: a spread beam, a slit that stops some of it, two species, spins of both signs.
+CROWDED = """rabiline: 1
+title: A crowded beam
+species: [{name: neutron, fraction: 0.75}, {name: H, fraction: 0.25}]
+law: quantum
+source:
+  speed: {kind: gaussian, mean: 1000 m/s, sigma: 50 m/s}
+  opening: {radius: 0.3 mm}
+  direction: {kind: gaussian, x: 2 mrad, z: 2 mrad}
+chamber: {radius: 5 mm}
+parts:
+  - {name: B_prime, kind: polarizer,      at: 0.10 m, length: 0.10 m, field: 10 mT, alignment: 0.5}
+  - {name: hole,    kind: slit,           at: 0.25 m, width: 1 mm, height: 2 mm}
+  - {name: B,       kind: uniform_field,  at: 0.30 m, length: 0.25 m, field: 10 mT}
+  - {name: H0,      kind: rotating_field, at: 0.35 m, length: 0.20 m, amplitude: 60 uT, frequency: 291.6 kHz,
+     sense: co, phase: random}
+  - {name: screen,  kind: detector,       at: 1.2 m, width: 4 mm, height: 4 mm, bins: [20, 30]}
+particles: 1003
+seed: 7
+scan: [{parameter: law, values: [quantum, classical, dorado]},
+       {parameter: H0.frequency, from: 288 kHz, to: 294 kHz, points: 3}]
+"""
+
+
+def rabiline(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300)
+
+
+def run(output: Path, *arguments: object, experiment: Path = EXPERIMENT) -> Path:
+    """A run that has to succeed; its output."""
+    done = rabiline("run", experiment, "-o", output, "--progress", "none", *arguments)
+    assert done.returncode == DONE, done.stderr
+    assert done.stderr == "" and f"wrote {output}" in done.stdout
+    return output
+
+
+def contents(path: Path) -> dict[str, np.ndarray]:
+    """Every dataset, and every attribute of groups and datasets, outside /entry/simulation."""
+    found = {}
+
+    def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if name.startswith("entry/simulation"):
+            return
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+        for key, value in item.attrs.items():
+            found[f"{name}@{key}"] = value
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    assert "entry/scan/detected" in found and "entry/fates/quanta_low" in found
+    return found
+
+
+def bits(value: object) -> tuple:
+    array = np.asarray(value)
+    return array.dtype, array.shape, array.tolist() if array.dtype == object else array.tobytes()
+
+
+def assert_same_bits(one: Path, other: Path) -> None:
+    a, b = contents(one), contents(other)
+    assert a.keys() == b.keys()
+    assert not [name for name in a if bits(a[name]) != bits(b[name])]
+
+
+def read(path: Path, name: str) -> np.ndarray:
+    with h5py.File(path) as file:
+        return file["entry"][name][()]
+
+
+def provenance(path: Path) -> list[str]:
+    return [argument.decode() for argument in read(path, "simulation/arguments")]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("runs")
+
+
+@pytest.fixture(scope="module")
+def crowded(folder: Path) -> Path:
+    path = folder / "crowded.yaml"
+    path.write_text(CROWDED)
+    return path
+
+
+@pytest.fixture(scope="module")
+def reference(folder: Path) -> Path:
+    return run(folder / "reference.h5", "--particles", 2003, *LAWS, *EDGES)
+
+
+@pytest.fixture(scope="module")
+def crowded_reference(folder: Path, crowded: Path) -> Path:
+    return run(folder / "crowded.h5", experiment=crowded)
+
+
+# ---- The same bits on every machine -----------------------------------------------------------------------------
+
+MACHINES = [("--threads", 1), ("--threads", 2), ("--threads", 3), ("--threads", 7), ("--batch", 8), ("--batch", 64),
+            ("--batch", 200), ("--batch", 512), ("--isa", "x86-64"), ("--isa", "avx2"), ("--isa", "avx512")]
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda machine: f"{machine[0][2:]}={machine[1]}")
+def test_a_result_is_the_same_bits_on_every_machine(tmp_path: Path, reference: Path, crowded: Path,
+                                                    crowded_reference: Path, machine: tuple) -> None:
+    tried = rabiline("run", EXPERIMENT, "-o", tmp_path / "try.h5", "--particles", 1, *EDGES, *machine)
+    if machine[0] == "--isa" and "this processor has no" in tried.stderr:
+        pytest.skip(tried.stderr)
+    assert_same_bits(reference, run(tmp_path / "out.h5", "--particles", 2003, *LAWS, *EDGES, *machine))
+    assert_same_bits(crowded_reference, run(tmp_path / "crowded.h5", *machine, experiment=crowded))
+
+
+def test_independent_points_have_the_same_bits_too(tmp_path: Path, crowded: Path, crowded_reference: Path) -> None:
+    mode = ("--set", "scan.particles=independent")
+    one = run(tmp_path / "1.h5", *mode, "--threads", 1, "--batch", 64, experiment=crowded)
+    assert_same_bits(one, run(tmp_path / "3.h5", *mode, "--threads", 3, experiment=crowded))
+    assert not np.array_equal(read(one, "screen/counts"), read(crowded_reference, "screen/counts"))
+
+
+# ---- Every particle has a fate ----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("which", ["reference", "crowded_reference"])
+def test_the_fates_add_up_to_what_was_emitted_in_quanta(request: pytest.FixtureRequest, which: str) -> None:
+    path = request.getfixturevalue(which)
+    high, low = read(path, "fates/quanta_high"), read(path, "fates/quanta_low")
+    emitted_high, emitted_low = read(path, "fates/emitted_quanta_high"), read(path, "fates/emitted_quanta_low")
+    assert high.shape == low.shape and high.shape[1] == 9
+    for point in range(9):
+        summed = sum(int(h) * 2**64 + int(l) for h, l in zip(high[:, point], low[:, point]))
+        assert summed == int(emitted_high[point]) * 2**64 + int(emitted_low[point])
+        assert summed == int(read(path, "particles")) * QUANTA
+
+
+def test_a_crowded_beam_meets_several_fates(crowded_reference: Path) -> None:
+    kinds = {(fate.decode(), where.decode()): particles.max() for fate, where, particles in
+             zip(*(read(crowded_reference, f"fates/{name}") for name in ("fate", "where", "particles")))}
+    met = {line for line, most in kinds.items() if most > 0}
+    assert {("detected", "screen"), ("stopped", "hole"), ("passed", "")} <= met
+
+
+def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Path) -> None:
+    fate, particles = read(crowded_reference, "fates/fate"), read(crowded_reference, "fates/particles")
+    caught = particles[list(fate).index(b"detected")]
+    assert np.allclose(read(crowded_reference, "scan/detected").ravel() * 1003, caught, rtol=1e-13)
+    assert np.allclose(read(crowded_reference, "screen/counts").sum((2, 3)).ravel(), caught, rtol=1e-13)
+
+
+# ---- Exit codes -------------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    ([], "subcommand"),
+    (["fly"], ""),
+    (["run"], "FILE"),
+    (["run", "nowhere.yaml"], "nowhere.yaml: error: there is no such file"),
+    (["run", "."], "folder"),
+    (["run", "bad.yaml"], "bad.yaml:3:8: error"),
+    (["run", "broken.yaml"], "broken.yaml:1:"),
+    (["run", EXPERIMENT, "--speed", "9"], "--speed"),
+    (["run", EXPERIMENT, "--isa", "sse9"], "x86-64, avx2 or avx512"),
+    (["run", EXPERIMENT, "--batch", "12"], "multiple of 8"),
+    (["run", EXPERIMENT, "--threads", "0"], "--threads"),
+    (["run", EXPERIMENT, "--particles", "many"], "--particles"),
+    (["run", EXPERIMENT, "--particles", "-5"], "particles"),
+    (["run", EXPERIMENT, "--particles", "0"], "`particles` must be from 1 to 1e14"),
+    (["run", EXPERIMENT, "--set", "B.fild=9 mT"], "did you mean"),
+    (["run", EXPERIMENT, "--set", "B.field=9"], "B.field=9"),
+    (["run", EXPERIMENT, "--scan", "law=quantum,newton"], "newton"),
+    (["check", "bad.yaml"], "bad.yaml:3:8: error"),
+    (["describe", "dorada"], "did you mean `dorado`"),
+    (["trace", EXPERIMENT], "--output"),
+    (["trace", EXPERIMENT, "-n", "0", "-o", "t.h5"], "-n"),
+    (["trace", EXPERIMENT, "--particle", "10000", "-o", "t.h5"], "no particle 10000"),
+    (["resume", "never.h5"], "never.h5.checkpoint"),
+], ids=lambda value: " ".join(Path(str(part)).name for part in value) if isinstance(value, list) else "")
+def test_bad_input_exits_2_and_leaves_nothing(tmp_path: Path, arguments: list, says: str) -> None:
+    (tmp_path / "bad.yaml").write_text(EXPERIMENT.read_text().replace("species: neutron", "species: neutrom"))
+    (tmp_path / "broken.yaml").write_text("rabiline: [1")
+    before = sorted(tmp_path.iterdir())
+    done = rabiline(*arguments, cwd=tmp_path)
+    assert done.returncode == BAD_INPUT
+    assert says in done.stderr and done.stderr.endswith("\n") and done.stdout == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("verb", ["run", "trace"])
+@pytest.mark.parametrize("output", ["missing/out.h5", ".", "file/out.h5", "/proc/out.h5", "/dev/full"])
+def test_what_cannot_be_written_exits_3_before_the_run_and_leaves_nothing(tmp_path: Path, verb: str,
+                                                                          output: str) -> None:
+    (tmp_path / "file").write_text("no folder")
+    begin = time.monotonic()
+    long = ["--particles", 10**11] if verb == "run" else []
+    done = rabiline(verb, EXPERIMENT, *long, "-o", output, cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN
+    assert time.monotonic() - begin < 10
+    assert output in done.stderr and done.stderr.count("\n") == 1 and done.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Path) -> None:
+    output = tmp_path / "out.h5"
+    output.write_bytes(b"precious")
+    done = subprocess.run([PROGRAM, "run", EXPERIMENT, "--particles", "10", *EDGES, "-o", output], text=True,
+                          capture_output=True, timeout=60,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
+    assert done.returncode == NOT_WRITTEN and "out.h5" in done.stderr
+    assert list(tmp_path.iterdir()) == [output] and output.read_bytes() == b"precious"
+
+
+# ---- Stopped and resumed ----------------------------------------------------------------------------------------
+
+LONG = ("--particles", 300_001, *EDGES)
+
+
+def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:
+    """A run that has flown for half a second, with most of it still to come."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    assert '"done"' in process.stderr.readline()
+    return process
+
+
+def slow_run(output: Path) -> subprocess.Popen[str]:
+    return start_and_wait_for_progress("run", EXPERIMENT, "-o", output, *LONG, "--threads", 1, "--batch", 8,
+                                       "--progress", "json")
+
+
+def stop(process: subprocess.Popen[str], how: signal.Signals) -> str:
+    """What it said after the signal; it exits 4 and soon."""
+    process.send_signal(how)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode == STOPPED, errors
+    return errors
+
+
+@pytest.fixture(scope="module")
+def long_reference(folder: Path) -> Path:
+    return run(folder / "long.h5", *LONG)
+
+
+def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, long_reference: Path) -> None:
+    output = tmp_path / "out.h5"
+    checkpoint = tmp_path / "out.h5.checkpoint"
+    said = stop(slow_run(output), signal.SIGTERM)
+    assert f"rabiline resume {output}" in said
+    assert list(tmp_path.iterdir()) == [checkpoint]
+    stop(start_and_wait_for_progress("resume", output), signal.SIGINT)
+    assert list(tmp_path.iterdir()) == [checkpoint]
+    resumed = rabiline("resume", output)
+    assert resumed.returncode == DONE, resumed.stderr
+    assert list(tmp_path.iterdir()) == [output]
+    assert_same_bits(long_reference, output)
+
+
+def test_a_stopped_run_leaves_an_earlier_file_and_a_killed_one_too(tmp_path: Path, reference: Path) -> None:
+    output = tmp_path / "out.h5"
+    output.write_bytes(reference.read_bytes())
+    stop(slow_run(output), signal.SIGTERM)
+    assert output.read_bytes() == reference.read_bytes()
+    (tmp_path / "out.h5.checkpoint").unlink()
+    process = slow_run(output)
+    process.kill()
+    process.communicate(timeout=30)
+    assert process.returncode == -signal.SIGKILL
+    assert output.read_bytes() == reference.read_bytes()
+    assert list(tmp_path.iterdir()) == [output]
+
+
+def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) -> None:
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "mine.yaml").write_text(EXPERIMENT.read_text())
+    process = start_and_wait_for_progress("run", "mine.yaml", "-o", "out.h5", *LONG, "--threads", 1, "--batch", 8,
+                                          "--progress", "json", cwd=work)
+    stop(process, signal.SIGTERM)
+    resumed = rabiline("resume", "work/out.h5", cwd=tmp_path)
+    assert resumed.returncode == DONE, resumed.stderr
+    assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
+    assert_same_bits(long_reference, work / "out.h5")
+
+
+def test_a_checkpoint_of_another_input_is_refused(tmp_path: Path) -> None:
+    experiment = tmp_path / "mine.yaml"
+    experiment.write_text(EXPERIMENT.read_text())
+    output = tmp_path / "out.h5"
+    stop(start_and_wait_for_progress("run", experiment, "-o", output, *LONG, "--threads", 1, "--batch", 8,
+                                     "--progress", "json"), signal.SIGTERM)
+    experiment.write_text(EXPERIMENT.read_text().replace("0.3 uT", "0.4 uT"))
+    refused = rabiline("resume", output)
+    assert refused.returncode == BAD_INPUT and "mine.yaml" in refused.stderr
+    assert (tmp_path / "out.h5.checkpoint").exists() and not output.exists()
+
+
+# ---- What the options change, and that it is recorded -----------------------------------------------------------
+
+def test_particles_and_seed_change_what_they_should(tmp_path: Path) -> None:
+    few = run(tmp_path / "few.h5", "--particles", 500, *EDGES)
+    assert read(few, "particles") == 500 and (read(few, "fates/emitted") == 500).all()
+    assert read(few, "simulation/seed") == 1938
+    other = run(tmp_path / "other.h5", "--particles", 500, *EDGES, "--seed", 12345678901234567890)
+    assert read(other, "simulation/seed") == 12345678901234567890
+    assert not np.array_equal(read(few, "screen/counts"), read(other, "screen/counts"))
+    assert provenance(other) == ["run", str(EXPERIMENT), "-o", str(other), "--progress", "none", "--particles", "500",
+                                 *EDGES, "--seed", "12345678901234567890"]
+    assert read(other, "simulation/input_0/data").decode() == EXPERIMENT.read_text()
+    assert read(other, "simulation/input_0/file_name").decode() == str(EXPERIMENT)
+
+
+def test_set_does_what_the_file_would_do(tmp_path: Path) -> None:
+    written = tmp_path / "written.yaml"
+    written.write_text(EXPERIMENT.read_text().replace("length: 0.25 m, field: 10 mT", "length: 0.25 m, field: 9 mT")
+                       .replace("particles: 10000", "particles: 700"))
+    set_ = ("--set", "B.field=9 mT", "--set", "particles=700")
+    assert_same_bits(run(tmp_path / "written.h5", *EDGES, experiment=written), run(tmp_path / "set.h5", *EDGES, *set_))
+    assert provenance(tmp_path / "set.h5")[-4:] == list(set_)
+
+
+def test_a_scan_is_a_range_a_list_or_the_laws(tmp_path: Path) -> None:
+    range_ = run(tmp_path / "range.h5", "--particles", 100, "--scan", "H0.frequency=290 kHz:292 kHz:5")
+    assert np.allclose(read(range_, "scan/H0_frequency"), np.linspace(290e3, 292e3, 5), rtol=1e-15)
+    list_ = run(tmp_path / "list.h5", "--particles", 100, "--scan", "H0.frequency=290 kHz,290500 Hz,291 kHz")
+    assert read(list_, "scan/H0_frequency").tolist() == [290e3, 290.5e3, 291e3]
+    assert np.array_equal(read(list_, "screen/counts"), read(range_, "screen/counts")[:3])
+    assert provenance(list_)[-1] == "H0.frequency=290 kHz,290500 Hz,291 kHz"
+
+
+def test_two_scans_make_a_grid_whose_rows_are_single_scans(tmp_path: Path) -> None:
+    grid = run(tmp_path / "grid.h5", "--particles", 300, *EDGES, "--scan", "H0.amplitude=0.2 uT,0.4 uT")
+    with h5py.File(grid) as file:
+        scan = file["entry/scan"]
+        axes = list(scan.attrs["axes"])
+        assert sorted(axes) == ["H0_amplitude", "H0_frequency"]
+        assert scan["detected"].shape == tuple(len(scan[axis]) for axis in axes)
+        rows = np.moveaxis(file["entry/screen/counts"][()], axes.index("H0_amplitude"), 0)
+    for row, amplitude in zip(rows, ("0.2 uT", "0.4 uT")):
+        single = run(tmp_path / "single.h5", "--particles", 300, *EDGES, "--set", f"H0.amplitude={amplitude}")
+        assert np.array_equal(read(single, "screen/counts"), row)
+
+
+def test_standard_theory_and_its_classical_limit_agree_at_every_frequency(tmp_path: Path) -> None:
+    path = run(tmp_path / "laws.h5", "--particles", 2000, *LAWS)
+    labels = [label.decode().split()[0] for label in read(path, "scan/law_labels")]
+    assert labels == ["quantum", "classical", "dorado"]
+    for name in ("scan/detected", "scan/detected_errors", "screen/counts", "screen/counts_errors"):
+        quantum, classical, dorado = read(path, name)
+        assert len(quantum) == 101
+        assert np.array_equal(quantum, classical), name
+    detected = read(path, "scan/detected")
+    assert (detected[0] == 1).all()
+    assert detected[2].min() < 0.01 and detected[2, 0] > 0.9 and detected[2, -1] > 0.9
+
+
+# ---- Memory -----------------------------------------------------------------------------------------------------
+
+# A small process in between: a child's peak starts from that of the process that started it.
+LAUNCHER = """import resource, subprocess, sys
+done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+print(done, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"""
+
+
+def peak_mebibytes(output: Path, *arguments: object) -> float:
+    command = [PROGRAM, "run", EXPERIMENT, "-o", output, "--threads", 2, *arguments]
+    said = subprocess.run([sys.executable, "-S", "-c", LAUNCHER, *map(str, command)], text=True, capture_output=True,
+                          check=True, timeout=300).stdout
+    exit_code, kibibytes = map(int, said.split())
+    assert exit_code == DONE
+    return kibibytes / 1024
+
+
+def test_memory_does_not_grow_with_the_number_of_particles(tmp_path: Path) -> None:
+    assert peak_mebibytes(tmp_path / "out.h5") < 200
+    few, many = (peak_mebibytes(tmp_path / "out.h5", "--particles", particles, *EDGES)
+                 for particles in (10**4, 4 * 10**5))
+    assert many < 1.05 * few
+
+
+# ---- The other verbs --------------------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("verb", ("", *VERBS))
+def test_every_verb_has_a_help_text(verb: str) -> None:
+    done = rabiline(*verb.split(), "--help")
+    assert done.returncode == DONE and done.stderr == ""
+    assert "Usage: rabiline" in done.stdout and "--help" in done.stdout
+    assert all(other in done.stdout for other in VERBS) or verb
+
+
+def test_the_version_is_told() -> None:
+    assert rabiline("--version").stdout.startswith("rabiline ")
+
+
+def test_check_tells_the_plan_and_the_derived_numbers() -> None:
+    done = rabiline("check", EXPERIMENT)
+    assert done.returncode == DONE and done.stderr == ""
+    for words in ("The experiment suggested to test the theory", "dorado", "H0.frequency: 266.6 kHz to 316.6 kHz",
+                  "101 points", "neutron: spin 1/2", "Larmor 291.6 kHz", "resonance width 1/T = 5 kHz", "cost"):
+        assert words in done.stdout
+    for part in ("B_prime", "screen"):
+        assert f"{part}:" in done.stdout
+
+
+def test_check_tells_every_error_at_once(tmp_path: Path) -> None:
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(EXPERIMENT.read_text().replace("neutron", "neutrom").replace("0.3 uT", "0.3"))
+    done = rabiline("check", bad)
+    assert done.returncode == BAD_INPUT and done.stdout == ""
+    assert done.stderr.count("error:") == 2 and done.stderr.count("^") >= 2
+    assert "did you mean" in done.stderr
+
+
+def test_describe_explains_everything_that_it_lists() -> None:
+    overview = rabiline("describe").stdout
+    listed = overview.rstrip().splitlines()[-1].split()
+    assert {"polarizer", "detector", "source", "species", "scan", "units", "dorado"} <= set(listed)
+    for topic in listed:
+        done = rabiline("describe", topic)
+        assert done.returncode == DONE and done.stdout.startswith(topic) and done.stderr == ""
+
+
+def test_the_examples_of_describe_are_read_as_they_stand(tmp_path: Path) -> None:
+    for kind in ("polarizer", "uniform_field", "slit", "detector"):
+        example = rabiline("describe", kind).stdout.split("Example\n")[1].splitlines()[0]
+        text = EXPERIMENT.read_text().replace("parts:\n", f"parts:\n{example.replace('0.25 m,', '0.60 m,', 1)}\n", 1)
+        (tmp_path / "example.yaml").write_text(text)
+        done = rabiline("check", tmp_path / "example.yaml")
+        assert done.returncode == DONE, done.stderr
+
+
+def test_trace_writes_the_paths_of_the_particles_asked_for(tmp_path: Path) -> None:
+    all_, one = tmp_path / "all.h5", tmp_path / "one.h5"
+    done = rabiline("trace", EXPERIMENT, "-n", 3, "-o", all_)
+    assert done.returncode == DONE and done.stderr == ""
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["particle 0", "particle 1", "particle 2",
+                                                                        f"wrote {all_}"]
+    assert rabiline("trace", EXPERIMENT, "--particle", 2, "-o", one, "--isa", "x86-64").returncode == DONE
+    with h5py.File(all_) as three, h5py.File(one) as single:
+        for name in ("t", "x", "y", "z", "vx", "vy", "vz", "sx", "sy", "sz"):
+            assert np.array_equal(three[f"entry/particle_2/{name}"], single[f"entry/particle_2/{name}"])
+        assert (np.diff(three["entry/particle_0/t"]) >= 0).all() and three["entry/particle_0/y"][0] == 0
+
+
+def test_viewers_read_what_the_program_wrote(tmp_path: Path, reference: Path, crowded_reference: Path) -> None:
+    tracks = tmp_path / "tracks.h5"
+    assert rabiline("trace", EXPERIMENT, "-n", 1, "-o", tracks).returncode == DONE
+    for arguments in ([reference], [crowded_reference], ["--tracks", tracks]):
+        viewed = subprocess.run([sys.executable, Path(__file__).with_name("nexus_test.py"), *arguments], text=True,
+                                capture_output=True, timeout=60)
+        assert viewed.returncode == 0, viewed.stdout + viewed.stderr

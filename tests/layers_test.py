@@ -1,0 +1,55 @@
+"""The folders of src see only those above them; files stay short; nothing points out of the tree."""
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+LAYERS = ("core parameter spin field particle tally section parts beamline transport plan simulation input storage "
+          "commands").split()
+SOURCES = [path for path in sorted((ROOT / "src").rglob("*")) if path.suffix in (".hpp", ".cpp", ".in")]
+LONGEST = 400  # lines of a file
+
+
+def includes(path: Path) -> list[str]:
+    return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', path.read_text(), re.MULTILINE)
+
+
+def layer(path: Path) -> str:
+    return path.relative_to(ROOT / "src").parts[0]
+
+
+def test_a_folder_includes_only_folders_above_it() -> None:
+    assert {layer(path) for path in SOURCES} <= set(LAYERS)
+    wrong = []
+    for path in SOURCES:
+        allowed = LAYERS[:LAYERS.index(layer(path)) + 1]
+        if layer(path) == "storage":
+            allowed.remove("input")
+        for name in includes(path):
+            folder = name.split("/")[0]
+            if folder in LAYERS and "/" in name and folder not in allowed:
+                wrong.append(f"{path.relative_to(ROOT)} includes {name}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_only_input_sees_yaml_and_only_storage_sees_hdf5() -> None:
+    wrong = [f"{path.relative_to(ROOT)} includes {name}" for path in SOURCES for name in includes(path)
+             if (name.startswith("yaml-cpp/") and layer(path) != "input")
+             or (re.match(r"(hdf5|H5\w+)\.h", name) and layer(path) != "storage")]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_no_file_is_long() -> None:
+    files = SOURCES + sorted((ROOT / "analysis").rglob("*.py"))
+    long = {str(path.relative_to(ROOT)): lines for path in files
+            if (lines := path.read_text().count("\n")) > LONGEST}
+    assert not long, long
+
+
+def test_no_text_points_out_of_the_tree() -> None:
+    foreign = re.compile(r"(?<![\w./:-])/(?:home|root|work|mnt|srv|Users)/\w")
+    files = [path for path in ROOT.rglob("*") if path.is_file()
+             and not {".git", "build", "results"} & set(path.relative_to(ROOT).parts)
+             and path.suffix not in (".h5", ".checkpoint", ".pyc", ".png")]
+    wrong = [f"{path.relative_to(ROOT)}:{number}: {line.strip()}" for path in files
+             for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1) if foreign.search(line)]
+    assert not wrong, "\n".join(wrong)
