@@ -52,6 +52,8 @@ class Resonance:
     width: Value  # full width at half maximum
     depth: Value  # height over the baseline for a peak; never negative
     baseline: Value
+    resolution: float  # what the spacing of the points alone leaves open of the width, one standard deviation; it is
+    # part of the width's error, and half of it of the centre's
 
     @property
     def level(self) -> float:
@@ -98,12 +100,12 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     """
     along_baseline, sign = _baseline(curve)
     height = sign * (curve.y - along_baseline @ curve.y)
-    n, noise = curve.y.size, max(float(curve.errors.min()), 1e-12)  # 1e-12: rounding
-    deepest = int(np.argmax(height))
-    depth_error = _spread(np.eye(n)[deepest] - along_baseline, curve.covariance)
-    if height[deepest] <= 5 * max(depth_error, noise):
+    farthest = int(np.argmax(height))
+    noise = max(float(curve.errors.min()), 1e-12,  # 1e-12: rounding
+                _spread(np.eye(curve.y.size)[farthest] - along_baseline, curve.covariance))
+    if height[farthest] <= 5 * noise:
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
-    least = np.maximum(height[deepest] / 4, 5 * np.maximum(curve.errors, noise))
+    least = np.clip(5 * curve.errors, height[farthest] / 4, height[farthest])
     found = [_measured(curve, extreme, along_baseline, sign) for extreme in _extremes(height, least)]
     if len(found) > MOST_RESONANCES:
         raise NoResonance(f"{len(found)} dips or peaks: too many to measure each")
@@ -134,15 +136,6 @@ class Edge:
         return max(self.bend, self.spacing / np.sqrt(12) * min(1.0, 2 * self.climb) ** 2)
 
 
-def edges(curve: Curve, resonance: Resonance) -> tuple[Edge, Edge]:
-    """The two places where a curve passes half the depth of one of its `half_maxima`."""
-    along_baseline, sign = _baseline(curve)
-    height = sign * (curve.y - along_baseline @ curve.y)
-    inside = np.abs(curve.x - resonance.centre.value) <= resonance.width.value / 2
-    extreme = int(np.argmax(np.where(inside, height, -np.inf)))
-    return _edges(curve, extreme, along_baseline)
-
-
 def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int) -> Resonance:
     low, high = _edges(curve, extreme, along_baseline)
     along_depth = sign * (np.eye(curve.y.size)[extreme] - along_baseline)
@@ -158,6 +151,7 @@ def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int)
         width=value(high.gradient - low.gradient, high.place - low.place, resolution),
         depth=value(along_depth),
         baseline=value(along_baseline),
+        resolution=resolution,
     )
 
 

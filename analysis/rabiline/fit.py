@@ -1,4 +1,4 @@
-"""The fit of a dip or peak with a model, and what its errors mean."""
+"""The fit of dips or peaks with a model, and what its errors mean."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -6,72 +6,94 @@ from dataclasses import dataclass
 import lmfit
 import numpy as np
 
-from .curves import Curve, NoResonance, Resonance, Value, half_maximum
+from .curves import Curve, NoResonance, Resonance, Value, half_maxima
 
-NAMES = ("baseline", "height", "centre", "width", "steepness")
+SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
 
 
-def bell(x: np.ndarray, baseline: float, height: float, centre: float, width: float, steepness: float) -> np.ndarray:
-    """baseline + height 2^(-|2 (x - centre)/width|^steepness). `width` is the full width at half maximum whatever the
-    steepness: 2 is a Gaussian, close to a Rabi line's main lobe; large values a dip with a flat bottom."""
+def bell(x: np.ndarray, height: float, centre: float, width: float, steepness: float) -> np.ndarray:
+    """height 2^(-|2 (x - centre)/width|^steepness). `width` is the full width at half maximum whatever the steepness:
+    2 is a Gaussian, close to a Rabi line's main lobe; large values a dip with a flat bottom."""
     distance = np.maximum(np.abs(2 * (x - centre) / width), 1e-300)
-    return baseline + height * np.exp2(-np.exp(np.minimum(steepness * np.log(distance), 10.0)))
+    return height * np.exp2(-np.exp(np.minimum(steepness * np.log(distance), 10.0)))
+
+
+def bells(x: np.ndarray, parameters: np.ndarray) -> np.ndarray:
+    """A baseline and one bell for every four numbers after it."""
+    return parameters[0] + sum(bell(x, *own) for own in parameters[SHARED:].reshape(-1, OWN))
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted dip or peak."""
+    """The fitted dips or peaks of a curve, by rising x."""
 
-    resonance: Resonance
-    steepness: Value
+    resonances: tuple[Resonance, ...]
+    steepnesses: tuple[Value, ...]
     misfit: float  # rms residual over rms error: about 1 or below where the model describes the curve
-    parameters: dict[str, float]  # of `bell`
-
-    def __call__(self, x: np.ndarray) -> np.ndarray:
-        """The fitted curve at x."""
-        return bell(x, **self.parameters)
 
 
 def fit(curve: Curve) -> Fit:
-    """Fits `bell` by least squares and takes the errors from the curve's covariance.
+    """Fits all dips or peaks of a curve at once, as `bells` on a common baseline, by least squares, and takes the
+    errors from the curve's covariance.
 
     Every point weighs the same, and the covariance C enters through the estimate p = A y, A = (JᵀJ)⁻¹Jᵀ, as A C Aᵀ.
     That holds for any C, also for one that is singular or estimated from few groups of particles, where C⁻¹ as a
     weight would be wrong or would not exist. Where the model misses the points by more than their errors
-    (misfit > 1), all errors are multiplied by the misfit, as the Particle Data Group does. Raises NoResonance.
+    (misfit > 1), all errors are multiplied by the misfit, as the Particle Data Group does.
+
+    A model says nothing about what happens between points, so the resolution of the half-maximum edges
+    (`curves.Edge.resolution`) is added in quadrature: the whole of it to the width, half of it to the centre. It
+    counts where an edge falls between two points or three, and is negligible where many points follow the edges.
+    Raises NoResonance.
     """
-    start = half_maximum(curve)
-    sign = 1 if start.kind == "peak" else -1
-    unit, origin = float(np.ptp(curve.x)), start.centre.value  # the fit sees numbers of order one
+    starts = half_maxima(curve)
+    unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
-    parameters = lmfit.Parameters()
-    parameters.add("baseline", start.baseline.value)
-    parameters.add("height", sign * start.depth.value)
-    parameters.add("centre", 0.0, min=x[0], max=x[-1])
-    parameters.add("width", start.width.value / unit, min=1e-6, max=2.0)
-    parameters.add("steepness", 4.0, min=0.5, max=60.0)
-    outcome = lmfit.minimize(lambda p: bell(x, **p.valuesdict()) - curve.y, parameters)
-    best = np.array([outcome.params[name].value for name in NAMES])
+    outcome = lmfit.minimize(lambda p: bells(x, _numbers(p)) - curve.y, _start(starts, unit, origin))
+    best = _numbers(outcome.params)
     if not (outcome.success and np.isfinite(best).all()):
         raise NoResonance("the fit does not converge")
 
     misfit = float(np.sqrt(np.mean(outcome.residual**2) / np.mean(np.diag(curve.covariance))))
     linear = np.linalg.pinv(_jacobian(x, best), rcond=1e-8)
     errors = np.sqrt(np.diag(linear @ curve.covariance @ linear.T).clip(0)) * max(1.0, misfit)
-    baseline, height, centre, width, steepness = map(Value, best.tolist(), errors.tolist())
-    resonance = Resonance(
+    baseline, *own = map(Value, best.tolist(), errors.tolist())
+    resonances = tuple(
+        _resonance(start, baseline, *own[i:i + OWN - 1], unit=unit, origin=origin)
+        for start, i in zip(starts, range(0, len(own), OWN)))
+    return Fit(resonances, tuple(own[OWN - 1::OWN]), misfit)
+
+
+def _start(starts: list[Resonance], unit: float, origin: float) -> lmfit.Parameters:
+    parameters = lmfit.Parameters()
+    parameters.add("baseline", starts[0].baseline.value)
+    for i, start in enumerate(starts):
+        low, high = ((start.centre.value - origin + side * start.width.value / 2) / unit for side in (-1, 1))
+        parameters.add(f"height_{i}", (1 if start.kind == "peak" else -1) * start.depth.value)
+        parameters.add(f"centre_{i}", (low + high) / 2, min=low, max=high)
+        parameters.add(f"width_{i}", high - low, min=(high - low) / 4, max=2.0)
+        parameters.add(f"steepness_{i}", 4.0, min=0.5, max=60.0)
+    return parameters
+
+
+def _numbers(parameters: lmfit.Parameters) -> np.ndarray:
+    return np.array([parameter.value for parameter in parameters.values()])
+
+
+def _resonance(start: Resonance, baseline: Value, height: Value, centre: Value, width: Value, *, unit: float,
+               origin: float) -> Resonance:
+    return Resonance(
         kind=start.kind,
-        centre=Value(origin + unit * centre.value, unit * centre.error),
-        width=Value(unit * width.value, unit * width.error),
+        centre=Value(origin + unit * centre.value, float(np.hypot(unit * centre.error, start.resolution / 2))),
+        width=Value(unit * width.value, float(np.hypot(unit * width.error, start.resolution))),
         depth=Value(abs(height.value), height.error),
         baseline=baseline,
+        resolution=start.resolution,
     )
-    values = (baseline.value, height.value, resonance.centre.value, resonance.width.value, steepness.value)
-    return Fit(resonance, steepness, misfit, dict(zip(NAMES, values)))
 
 
 def _jacobian(x: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-    """[n, 5] Derivatives of `bell` by its parameters, by central differences."""
+    """[n, parameters] Derivatives of `bells` by its parameters, by central differences."""
     step = 1e-5 * np.maximum(np.abs(parameters), 1e-3)
-    columns = [(bell(x, *(parameters + move)) - bell(x, *(parameters - move))) for move in np.diag(step)]
+    columns = [(bells(x, parameters + move) - bells(x, parameters - move)) for move in np.diag(step)]
     return np.stack(columns, axis=1) / (2 * step)

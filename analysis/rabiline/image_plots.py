@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .curves import Curve, NoResonance, half_maximum
+from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
 from .results import Detector, Results
 from .style import COUNTS, GREY, LAWS
 from .units import format_value, law_name
@@ -38,15 +38,15 @@ def shot_of(results: Results, point: int) -> Shot:
 
 def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
     """The scan's edge and the middle of its deepest dip or peak; the middle of the scan where there is none."""
-    found = {}
+    found: list[tuple[Resonance, Curve]] = []
     for curve in curves:
         try:
-            found[half_maximum(curve).depth.value] = curve
+            found.append((deepest(half_maxima(curve)), curve))
         except NoResonance:
             continue
     if found:
-        curve = found[max(found)]
-        on = int(np.argmin(np.abs(curve.x - half_maximum(curve).centre.value)))
+        resonance, curve = max(found, key=lambda pair: pair[0].depth.value)
+        on = int(np.argmin(np.abs(curve.x - resonance.centre.value)))
         words = ("off resonance: ", "on resonance: ")
     else:
         curve, words = curves[0], ("", "")

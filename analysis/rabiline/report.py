@@ -5,7 +5,7 @@ from typing import Iterable
 
 import numpy as np
 
-from .curves import Curve, NoResonance, Resonance, curves, half_maximum
+from .curves import Curve, NoResonance, Resonance, curves, half_maxima
 from .fit import fit
 from .results import Axis, Results
 from .units import format_value, law_name
@@ -50,11 +50,13 @@ def _resonances(results: Results) -> Iterable[str]:
 
 def _resonance(curve: Curve) -> Iterable[str]:
     try:
-        yield f"half maximum  {_measured(half_maximum(curve), curve.axis.units)}"
+        for resonance in half_maxima(curve):
+            yield f"half maximum  {_measured(resonance, curve.axis.units)}"
         fitted = fit(curve)
-        yield f"fit           {_measured(fitted.resonance, curve.axis.units)}"
-        yield f"              steepness {format_value(fitted.steepness.value, '', fitted.steepness.error)}, " \
-              f"misfit {fitted.misfit:.2f}"
+        for resonance, steepness in zip(fitted.resonances, fitted.steepnesses):
+            yield f"fit           {_measured(resonance, curve.axis.units)}, " \
+                  f"steepness {format_value(steepness.value, '', steepness.error)}"
+        yield f"              misfit {fitted.misfit:.2f}"
     except NoResonance as problem:
         yield f"no resonance: {problem}"
 

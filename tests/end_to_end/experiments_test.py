@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-RABILINE = os.environ["RABILINE"]
+RABILINE = os.environ["RABILINE_PROGRAM"]
 EXPERIMENTS = pathlib.Path(__file__).resolve().parents[2] / "beamline"
 LARMOR = 29.1646935e6 * 10e-3  # Hz, neutron in 10 mT
 
