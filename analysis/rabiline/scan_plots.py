@@ -8,7 +8,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .curves import Curve, NoResonance, Resonance, half_maximum
+from .curves import Curve, NoResonance, Resonance, half_maxima
 from .fit import fit
 from .results import Axis
 from .style import COUNTS, GREY, Look, looks
@@ -16,25 +16,27 @@ from .units import Scale, fitting_scale, format_value, law_name
 
 
 def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float]) -> Figure:
-    """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dip or peak
-    of a curve that has one is fitted, or measured at half maximum where the fit fails."""
+    """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
+    peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
+    or of different ones, their numbers stand in the legend."""
     axis = curves[0].axis
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
     resonances = [_measured(curve) for curve in curves]
-    beside = sum(resonance is not None for resonance in resonances) == 1  # several would write over each other
+    beside = sum(map(len, resonances)) == 1  # several would write over each other
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
-    drawn.sort(key=lambda row: row[3] is not None)  # flat ones below
-    for i, (curve, label, look, resonance) in enumerate(drawn):
-        if resonance is None:
+    drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
+    for i, (curve, label, look, found) in enumerate(drawn):
+        if not found:
             hidden_by = sum(_coincide(curve, other) for other, *_ in drawn[i + 1:])
             _draw_curve(axes, curve, label, look, scale, hidden_by)
             continue
-        words = _in_words(resonance, axis.units)
-        _draw_curve(axes, curve, label if beside else f"{label}\n{', '.join(words)}", look, scale)
-        _draw_width(axes, resonance, look, scale)
+        words = [_in_words(resonance, axis.units) for resonance in found]
+        _draw_curve(axes, curve, label if beside else "\n".join([label, *map(", ".join, words)]), look, scale)
+        for resonance in found:
+            _draw_width(axes, resonance, look, scale)
         if beside:
-            _write_beside(axes, "\n".join(words), resonance, curve, look, scale)
+            _write_beside(axes, "\n".join(words[0]), found[0], curve, look, scale)
     _draw_marks(axes, marks, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
@@ -71,14 +73,14 @@ def _draw_marks(axes: Axes, marks: dict[str, float], scale: Scale) -> None:
                       textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
 
 
-def _measured(curve: Curve) -> Resonance | None:
-    """None for a flat line, which is a result too."""
-    for measure in (lambda: fit(curve).resonance, lambda: half_maximum(curve)):
+def _measured(curve: Curve) -> Sequence[Resonance]:
+    """All dips or peaks by rising x; none for a flat line, which is a result too."""
+    for measure in (lambda: fit(curve).resonances, lambda: half_maxima(curve)):
         try:
             return measure()
         except NoResonance:
             continue
-    return None
+    return ()
 
 
 def _coincide(one: Curve, other: Curve) -> bool:

@@ -180,7 +180,7 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["run"], "FILE"),
     (["run", "nowhere.yaml"], "nowhere.yaml: error: there is no such file"),
     (["run", "."], "folder"),
-    (["run", "bad.yaml"], "bad.yaml:3:8: error"),
+    (["run", "bad.yaml"], "bad.yaml:3:18: error"),
     (["run", "broken.yaml"], "broken.yaml:1:"),
     (["run", EXPERIMENT, "--speed", "9"], "--speed"),
     (["run", EXPERIMENT, "--isa", "sse9"], "x86-64, avx2 or avx512"),
@@ -192,7 +192,7 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["run", EXPERIMENT, "--set", "B.fild=9 mT"], "did you mean"),
     (["run", EXPERIMENT, "--set", "B.field=9"], "B.field=9"),
     (["run", EXPERIMENT, "--scan", "law=quantum,newton"], "newton"),
-    (["check", "bad.yaml"], "bad.yaml:3:8: error"),
+    (["check", "bad.yaml"], "bad.yaml:3:18: error"),
     (["describe", "dorada"], "did you mean `dorado`"),
     (["trace", EXPERIMENT], "--output"),
     (["trace", EXPERIMENT, "-n", "0", "-o", "t.h5"], "-n"),
@@ -200,7 +200,7 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["resume", "never.h5"], "never.h5.checkpoint"),
 ], ids=lambda value: " ".join(Path(str(part)).name for part in value) if isinstance(value, list) else "")
 def test_bad_input_exits_2_and_leaves_nothing(tmp_path: Path, arguments: list, says: str) -> None:
-    (tmp_path / "bad.yaml").write_text(EXPERIMENT.read_text().replace("species: neutron", "species: neutrom"))
+    (tmp_path / "bad.yaml").write_text(CROWDED.replace("neutron", "neutrom"))
     (tmp_path / "broken.yaml").write_text("rabiline: [1")
     before = sorted(tmp_path.iterdir())
     done = rabiline(*arguments, cwd=tmp_path)
@@ -235,7 +235,7 @@ def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Pa
 
 # ---- Stopped and resumed ----------------------------------------------------------------------------------------
 
-LONG = ("--particles", 300_001, *EDGES)
+LONG = ("--particles", 600_001, *EDGES)
 
 
 def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:
@@ -435,9 +435,11 @@ def test_check_tells_every_error_at_once(tmp_path: Path) -> None:
 
 def test_describe_explains_everything_that_it_lists() -> None:
     overview = rabiline("describe").stdout
-    listed = overview.rstrip().splitlines()[-1].split()
-    assert {"polarizer", "detector", "source", "species", "scan", "units", "dorado"} <= set(listed)
-    for topic in listed:
+    parts, laws = (overview.split(f"{heading}\n")[1].split("\n\n")[0] for heading in ("Parts", "Laws of motion"))
+    listed = [line.split()[0] for line in (parts + "\n" + laws).splitlines()]
+    topics = overview.rstrip().splitlines()[-1].split()
+    assert {"polarizer", "detector", "quantum", "dorado"} <= set(listed) and "species" in topics
+    for topic in listed + topics:
         done = rabiline("describe", topic)
         assert done.returncode == DONE and done.stdout.startswith(topic) and done.stderr == ""
 

@@ -36,14 +36,16 @@ std::string damaged(std::string text, std::mt19937& random) {
 
 TEST(DamagedFile, IsReadOrExplained) {
   std::ifstream file(std::filesystem::path(RABILINE_ROOT) / "beamline/suggested-experiment.yaml");
-  std::ostringstream sample;
-  sample << file.rdbuf();
+  std::ostringstream contents;
+  contents << file.rdbuf();
+  std::string sample = contents.str();
+  sample.replace(sample.find("points: 101"), 11, "points: 3");  // damage would make a hundred a million
   const auto path =
       std::filesystem::temp_directory_path() / ("rabiline_damaged_" + std::to_string(::getpid()) + ".yaml");
   std::mt19937 random(1938);
   int explained = 0;
   for (int i = 0; i < 1000; ++i) {
-    std::string text = sample.str();
+    std::string text = sample;
     for (int k = 0; k <= i % 3 && !text.empty(); ++k) text = damaged(std::move(text), random);
     std::ofstream(path, std::ios::binary) << text;
     try {
