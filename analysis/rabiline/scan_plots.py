@@ -14,6 +14,9 @@ from .results import Axis
 from .style import COUNTS, GREY, Look, looks
 from .units import Scale, fitting_scale, format_value, law_name
 
+SYMBOL = 3.4  # points
+PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
+
 
 def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float]) -> Figure:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
@@ -26,23 +29,25 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
+    below = [i for i, (curve, _, _, found) in enumerate(drawn)
+             if not found and any(_coincide(curve, other) for other, *_ in drawn[i + 1:])]
     for i, (curve, label, look, found) in enumerate(drawn):
-        if not found:
-            hidden_by = sum(_coincide(curve, other) for other, *_ in drawn[i + 1:])
-            _draw_curve(axes, curve, label, look, scale, hidden_by)
+        if i in below:
+            _draw_below(axes, curve, label, look, scale, below.index(i), len(below))
             continue
-        words = [_in_words(resonance, axis.units) for resonance in found]
-        _draw_curve(axes, curve, label if beside else "\n".join([label, *map(", ".join, words)]), look, scale)
+        words = [] if beside else [", ".join(_in_words(resonance, axis.units)) for resonance in found]
+        _draw_curve(axes, curve, "\n".join([label, *words]), look, scale)
         for resonance in found:
             _draw_width(axes, resonance, look, scale)
-        if beside:
-            _write_beside(axes, "\n".join(words[0]), found[0], curve, look, scale)
+            if beside:
+                _write_beside(axes, "\n".join(_in_words(resonance, axis.units)), resonance, curve, look, scale)
     _draw_marks(axes, marks, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
     axes.set_xlabel(scale.label(axis.parameter))
-    axes.set_ylabel("detected / emitted   (bars: one standard error)")
-    axes.set_ylim(*_fraction_limits(curves))
+    limits = _fraction_limits(curves)
+    axes.set_ylabel(f"detected / emitted   ({about_errors(curves, limits)})")
+    axes.set_ylim(*limits)
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
     figure.suptitle(title, fontsize=11.5)
@@ -90,13 +95,27 @@ def _coincide(one: Curve, other: Curve) -> bool:
     return bool(np.median(np.abs(one.y - other.y) / np.maximum(np.hypot(one.errors, other.errors), 0.01)) < 1)
 
 
-def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, hidden_by: int = 0) -> None:
-    """A curve; a flat one that lies below others is drawn as a band as wide as it takes to be seen."""
-    width = 1.1 + 2.6 * hidden_by
-    style, size = ("none", 6.0) if curve.axis.labels else ("-", width if hidden_by else 3.4)
+def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale) -> None:
+    style, size = ("none", 6.0) if curve.axis.labels else ("-", SYMBOL)
     axes.errorbar(scale.apply(curve.x), curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style,
-                  markersize=size, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0,
+                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0,
                   label=label)
+
+
+def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, number: int, of: int) -> None:
+    """A flat curve that lies below others: a thick line, in turns with the others that do."""
+    dash = 1.5  # line widths
+    style = "-" if of == 1 else (-number * dash, (dash, (of - 1) * dash))
+    bars = axes.errorbar(scale.apply(curve.x), curve.y, curve.errors, color=look.colour, linestyle=style,
+                         linewidth=1.6 * SYMBOL, elinewidth=0.9, label=label)
+    bars.lines[0].set_dash_capstyle("butt")
+
+
+def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
+    """What the error bars are, or why none are to be seen."""
+    smallest_seen = SYMBOL / 2 / (PANEL * 72) * (limits[1] - limits[0])
+    seen = any((curve.errors > smallest_seen).any() for curve in curves)
+    return "bars: one standard error" if seen else "errors smaller than symbols"
 
 
 def _in_words(resonance: Resonance, unit: str) -> tuple[str, str]:

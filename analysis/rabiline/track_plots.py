@@ -15,7 +15,7 @@ from .style import GREY, INK, Look, looks
 from .tracks import Track, Tracks
 
 MILLI = 1e3
-TURNED = np.radians(20)  # a spin that turns by more is shown on the whole sphere
+TILTED = np.radians(20)  # a spin that tilts by more is shown on the whole sphere
 SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
 ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
 
@@ -30,7 +30,8 @@ class Region:
 
 
 def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
-    """x, z and the angle by which the spin has turned, over y; and the spins' paths in three dimensions."""
+    """x, z and the tilt of the spin from the z axis, over y; and the spins' paths in three dimensions. Spins are shown
+    from their last alignment on: what they were before is chance."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
     figure = plt.figure(figsize=(11.0 if spinning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
@@ -46,9 +47,9 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     panels[1].set_ylabel("z (mm)")
     if spinning:
         for track, look in spinning:
-            panels[2].plot(track.position[:, 1], np.degrees(tip_angle(track)), color=look.colour, linewidth=1.2)
-        panels[2].set_ylabel("spin turned by (°)")
-        by_angle = sorted(spinning, key=lambda pair: tip_angle(pair[0]).max())
+            panels[2].plot(track.position[:, 1], np.degrees(track.tilt), color=look.colour, linewidth=1.2)
+        panels[2].set_ylabel("spin's tilt from z (°)")
+        by_angle = sorted(spinning, key=lambda pair: np.nanmax(pair[0].tilt))
         farthest = {look: track for track, look in by_angle}  # one per file, the last
         sphere = figure.add_subplot(grid[:, 1], projection="3d")
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
@@ -60,12 +61,6 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     figure.suptitle(title, fontsize=11.5)
     panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=4)
     return figure
-
-
-def tip_angle(track: Track) -> np.ndarray:
-    """[n] The angle between the spin and what it was at first, rad. By the chord, which keeps small angles exact."""
-    chord = np.linalg.norm(track.spin - track.spin[0], axis=1)
-    return 2 * np.arcsin(np.minimum(chord / 2, 1))
 
 
 def _draw_path(axes: Axes, track: Track, component: int, look: Look) -> None:
@@ -98,14 +93,12 @@ def _extent(files: Sequence[Tracks]) -> tuple[float, float]:
 
 
 def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
-    """For each file the spin that turns farthest: its tip on the unit sphere, or where it turns little the two small
+    """For each file the spin that tilts farthest: its tip on the unit sphere, or where it tilts little the two small
     components along the beam."""
-    far = max(tip_angle(track).max() for track, _ in files) > TURNED
-    first = files[0][0].spin[0]
-    small = sorted(np.argsort(np.abs(first), kind="stable")[:2])
+    far = max(np.nanmax(track.tilt) for track, _ in files) > TILTED
     for track, look in files:
         part = _while_turning(track)
-        across = track.spin[part][:, small] * MILLI
+        across = track.spin[part, :2] * MILLI
         path = track.spin[part] if far else np.column_stack([track.position[part, 1], across])
         line = "-" if _is_smooth(across) else ""
         axes.plot(*path.T, line, marker="" if line else ".", markersize=2, color=look.colour, linewidth=0.8)
@@ -114,7 +107,7 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
         _draw_sphere(axes)
         names, title = ["$S_x$", "$S_y$", "$S_z$"], "path of the spin's tip on the unit sphere"
     else:
-        names = ["y (m)", *(f"$S_{'xyz'[i]}$ (10$^{{-3}}$)" for i in small)]
+        names = ["y (m)", "$S_x$ (10$^{-3}$)", "$S_y$ (10$^{-3}$)"]
         title = "the spin while it turns, along the beam"
         axes.set_box_aspect((1.5, 1, 1), zoom=0.78)
     axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
@@ -127,9 +120,10 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
 
 
 def _while_turning(track: Track) -> slice:
-    """The part of a track during which its spin moves."""
-    moving = np.flatnonzero(np.linalg.norm(np.diff(track.spin, axis=0), axis=1) > 1e-12)
-    return slice(moving[0], moving[-1] + 2) if moving.size else slice(None)
+    """The part of a track during which its spin moves, after its last alignment."""
+    first = track.aligned
+    moving = first + np.flatnonzero(np.linalg.norm(np.diff(track.spin[first:], axis=0), axis=1) > 1e-12)
+    return slice(moving[0], moving[-1] + 2) if moving.size else slice(first, None)
 
 
 def _is_smooth(path: np.ndarray) -> bool:

@@ -8,12 +8,15 @@ import numpy as np
 
 from .hdf5 import FileError, Group, open_entry
 
+FASTER_THAN_FIELDS = 100  # times the usual rate at which a track's polar angle changes
+
 
 @dataclass(frozen=True)
 class Track:
     """The path of one particle."""
 
     particle: int
+    law: str  # empty where the file does not say
     species: str
     fate: str
     where: str  # the part that decided its fate
@@ -26,6 +29,28 @@ class Track:
     def has_spin(self) -> bool:
         """Whether the law gives the particle a spin vector."""
         return bool(np.isfinite(self.spin).all())
+
+    @property
+    def aligned(self) -> int:
+        """The record from which on only fields turn the spin: the one after the last alignment, 0 where there is none.
+        An alignment changes the spin in no time, or in the midst of a field's steps faster by far than the field tips
+        spins; along z, about which a static field turns them fast, a field changes them slowly."""
+        polar = np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), self.spin[:, 2])
+        moved, taken = np.abs(np.diff(polar)), np.diff(self.time)
+        turned = np.linalg.norm(np.diff(self.spin, axis=0), axis=1)
+        at_once = (taken <= 0) & (turned > 1e-9)
+        rate = moved / np.where(taken > 0, taken, np.inf)
+        by_fields = rate[rate > 0]
+        usual = np.median(by_fields) if by_fields.size > 2 else np.inf
+        jumps = np.flatnonzero(at_once | (moved > 1e-3) & (rate > FASTER_THAN_FIELDS * usual))
+        return int(jumps[-1]) + 1 if jumps.size else 0
+
+    @property
+    def tilt(self) -> np.ndarray:
+        """[n] The angle between the spin and the z axis, +z or -z whichever is nearer, rad. NaN before `aligned`."""
+        tilt = np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), np.abs(self.spin[:, 2]))
+        tilt[:self.aligned] = np.nan
+        return tilt
 
 
 @dataclass(frozen=True)
@@ -46,7 +71,7 @@ def read(path: Path | str) -> Tracks:
             raise FileError(path, "no tracks in it: not a file of `rabiline trace`")
         tracks = (_read_track(entry.group(name), name) for name in names)
         ordered = tuple(sorted(tracks, key=lambda track: track.particle))
-        return Tracks(Path(path), entry.text("title"), entry.text("law"), ordered)
+        return Tracks(Path(path), entry.text("title"), entry.text("law", ordered[0].law), ordered)
 
 
 def _read_track(group: Group, name: str) -> Track:
@@ -63,5 +88,5 @@ def _read_track(group: Group, name: str) -> Track:
     number = attribute("particle") or name.removeprefix("particle_")
     if not number.isdigit():
         raise group.error("the particle has no number")
-    return Track(int(number), attribute("species"), attribute("fate"), attribute("where"), time,
+    return Track(int(number), attribute("law"), attribute("species"), attribute("fate"), attribute("where"), time,
                  vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz"))

@@ -1,10 +1,12 @@
 #include "commands/common.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <omp.h>
 
 #include "core/version.hpp"
@@ -15,6 +17,18 @@ namespace {
 
 std::atomic<bool> stop{false};
 extern "C" void on_signal(int) { stop = true; }
+
+/// CLI11 would only say that a subcommand is missing.
+void require_known_verb(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  if (std::find(verbs.begin(), verbs.end(), arguments.front()) != verbs.end()) return;
+  const std::string near = closest(arguments.front(), verbs);
+  throw ArgumentError(fmt::format("there is no command `{}`\n  help: {}", arguments.front(),
+                                  near.empty() ? fmt::format("the commands are {}", fmt::join(verbs, ", "))
+                                               : fmt::format("did you mean `{}`?", near)));
+}
 
 int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
   try {
@@ -37,18 +51,6 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
     fmt::print(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
     return exit_code::bad_input;
   }
-}
-
-/// CLI11 would only say that a subcommand is missing.
-void require_known_verb(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  std::vector<std::string> verbs;
-  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
-  if (std::find(verbs.begin(), verbs.end(), arguments.front()) != verbs.end()) return;
-  const std::string near = closest(arguments.front(), verbs);
-  throw ArgumentError(fmt::format("there is no command `{}`\n  help: {}", arguments.front(),
-                                  near.empty() ? fmt::format("the commands are {}", fmt::join(verbs, ", "))
-                                               : fmt::format("did you mean `{}`?", near)));
 }
 
 }  // namespace

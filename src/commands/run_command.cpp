@@ -140,7 +140,8 @@ class Checkpoints {
 /// Sums of every thread and of the whole must fit into the machine.
 void require_memory(const Plan& plan, int threads) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2);
-  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double there =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (needed > 0.7 * there)
     throw ArgumentError(fmt::format(
         "the histograms of {} scan points need {:.1f} GiB on {} threads, and this machine has {:.1f} GiB\n"

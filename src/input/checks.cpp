@@ -242,6 +242,25 @@ void check_oscillators(const Beamline& beamline, const PartNodes& nodes, Reading
   }
 }
 
+/// `co` and `counter` follow the sign of gamma; one field cannot follow two.
+void check_senses(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  const Species *positive = nullptr, *negative = nullptr;
+  for (const Component& component : beamline.species)
+    (component.species.gyromagnetic_ratio < 0 ? negative : positive) = &component.species;
+  if (!positive || !negative) return;
+  for (const PlacedPart& part : beamline.parts) {
+    const auto* zone = std::get_if<RotatingField>(&part.part);
+    if (!zone || (zone->sense != Sense::co && zone->sense != Sense::counter)) continue;
+    reading.error(
+        place_in(nodes, part, "sense"),
+        fmt::format("`{}` cannot say which way the field turns: `{}` has a positive and `{}` a negative "
+                    "gyromagnetic ratio, so they precess in opposite senses",
+                    *zone->sense == Sense::co ? "co" : "counter", positive->name, negative->name),
+        fmt::format("write `positive` to drive `{}`, or `negative` to drive `{}`, with the field along +z",
+                    negative->name, positive->name));
+  }
+}
+
 void check_polarizers(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   const auto& parts = beamline.parts;
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -313,6 +332,25 @@ bool is_reserved(std::string_view name) {
   return std::find(words.begin(), words.end(), name) != words.end();
 }
 
+void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  for (const Beamline& point : points) {
+    const Beamline& first = points.front();
+    if (point.particles != first.particles || point.seed != first.seed)
+      return reading.error(
+          axis.place, fmt::format("`{}` is the same at every point of a scan", axis.parameter),
+          "for points with random numbers of their own write `particles: independent` in the scan");
+    for (std::size_t i = 0; i < point.parts.size() && i < first.parts.size(); ++i) {
+      const auto *now = std::get_if<Detector>(&point.parts[i].part),
+                 *then = std::get_if<Detector>(&first.parts[i].part);
+      if (now && then && point.parts[i].placement.name == first.parts[i].placement.name && *now != *then)
+        return reading.error(axis.place,
+                             fmt::format("`{}` cannot be scanned: all points fill the same histogram of `{}`",
+                                         axis.parameter, point.parts[i].placement.name),
+                             "put a slit in front of a wide detector and scan the slit");
+    }
+  }
+}
+
 void check_beamline(const Beamline& beamline, const Node& root, Reading& reading) {
   const PartNodes nodes(root);
   check_names(nodes, reading);
@@ -320,6 +358,7 @@ void check_beamline(const Beamline& beamline, const Node& root, Reading& reading
   check_detectors(beamline, root, nodes, reading);
   check_aim(beamline, root, nodes, reading);
   check_oscillators(beamline, nodes, reading);
+  check_senses(beamline, nodes, reading);
   check_polarizers(beamline, nodes, reading);
   check_chamber(beamline, root, nodes, reading);
 }

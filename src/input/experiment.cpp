@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "input/beamline_reader.hpp"
+#include "input/checks.hpp"
 #include "input/dotted_name.hpp"
 #include "input/file.hpp"
 #include "input/reader.hpp"
@@ -127,6 +128,7 @@ class ScanReader {
       points.push_back(std::move(point));
     }
     reading_.watched.clear();
+    if (reading_.errors.empty()) check_axis(axis, points, reading_);
     finish_axis(axis, numeric, out);
     return out;
   }
