@@ -16,7 +16,11 @@ namespace rabiline {
 namespace {
 
 std::atomic<bool> stop{false};
-extern "C" void on_signal(int) { stop = true; }
+/// The first signal asks; a second one ends the program at once.
+extern "C" void on_signal(int signal) {
+  stop = true;
+  std::signal(signal, SIG_DFL);
+}
 
 /// CLI11 would only say that a subcommand is missing.
 void require_known_verb(const CLI::App& app, const std::vector<std::string>& arguments) {
@@ -47,6 +51,9 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
   } catch (const StorageError& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_code::not_written;
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_code::bad_input;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
     return exit_code::bad_input;

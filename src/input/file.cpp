@@ -53,7 +53,7 @@ class Loader {
     Node root = parse_document(source, text);
     if (root.is_null())
       throw InputError(
-          {{Place{source, 0, 0, 1}, "the file is empty", "`rabiline new` writes one to begin with"}});
+          {{Place{source, 0, 0, 1}, "the file is empty", "start from a copy of beamline/suggested-experiment.yaml"}});
     include_geometry(root, path);
     return root;
   }

@@ -5,6 +5,8 @@
 #include <span>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
 #include "section/section_builder.hpp"
@@ -85,6 +87,7 @@ class Compiler {
       throw std::invalid_argument("more than 8 rotating fields overlap at one place");
     for (const RotatingTerm& term : section.rotating)
       if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term);
+    require_known_phases(zone);
     if (zone.drives > 1)
       zone.steps = static_cast<int>(std::ceil(steps_per_turn_of_spin * rate_of(zone) *
                                               (section.end - section.begin) / (two_pi * speed())));
@@ -108,6 +111,19 @@ class Compiler {
       fastest = std::max(fastest, std::abs(zone.drive[i].omega));
     }
     return std::max({spin, turn, fastest});
+  }
+  /// Beyond this a phase omega t is not known well enough, and the kernels' sine has no digits left
+  /// (core/lanes.hpp).
+  void require_known_phases(const SpinZone& zone) const {
+    constexpr double most = 1e8;  // [rad]: ten times slower particles still stay within 1e9
+    const double phase = rate_of(zone) * zone.end / speed();
+    if (!(phase <= most))
+      throw std::invalid_argument(
+          fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {:.4g} m: more "
+                      "than {:.0e}, where its "
+                      "phase is no longer known\n  help: make the field or the frequency smaller, or the "
+                      "particles faster",
+                      species_.name, phase, zone.end, most));
   }
   double speed() const { return mean_speed(beamline_.source.speed); }
   Alignment alignment_of(const AlignTerm& term, int part) const {
