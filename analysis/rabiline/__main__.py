@@ -1,4 +1,4 @@
-"""The command line: `python3 -m rabiline plot-scan | plot-image | plot-tracks | summary`.
+"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tracks | summary`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -11,7 +11,7 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import image_plots, results, scan_plots, style, track_plots, tracks
+from . import image_plots, level_plots, results, scan_plots, style, track_plots, tracks
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
 from .report import summary
@@ -19,6 +19,7 @@ from .units import law_name, parse_quantity
 
 
 MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
+MOST_PANELS = 6
 
 
 class InputError(Exception):
@@ -69,6 +70,17 @@ def plot_scan(options: argparse.Namespace) -> None:
     _save(figure, options.output)
 
 
+def plot_levels(options: argparse.Namespace) -> None:
+    """Populations of the spin levels at a detector, over the scan."""
+    file = results.read(options.file)
+    rows = _curves(file, options.detector)
+    if len(rows) > MOST_PANELS:
+        raise InputError(f"{len(rows)} curves are too many for one picture")
+    detector = file.detectors[_detector(file, options.detector)]
+    marks = dict(_mark(text) for text in options.mark)
+    _save(level_plots.draw_levels(rows, detector, options.title or _title([file]), marks), options.output)
+
+
 def plot_image(options: argparse.Namespace) -> None:
     """A detector's images off and on resonance."""
     file = results.read(options.file)
@@ -109,17 +121,19 @@ def _parser() -> Parser:
         return made
 
     scan = command("plot-scan", plot_scan, many=True)
-    scan.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
-                      help='points out a value: "Larmor frequency=291.647 kHz"')
+    levels = command("plot-levels", plot_levels, many=False)
+    for plot in (scan, levels):
+        plot.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
+                          help='points out a value: "Larmor frequency=291.647 kHz"')
     image = command("plot-image", plot_image, many=False)
     image.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
                                                         "and the middle of its deepest dip or peak")
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')
-    for plot in (scan, image):
+    for plot in (scan, levels, image):
         plot.add_argument("--detector", metavar="NAME", help="the first one by default")
-    for plot in (scan, flights):
+    for plot in (scan, levels, flights):
         plot.add_argument("--title", help="instead of the file's own")
     command("summary", print_summary, many=False, draws=False)
     return parser

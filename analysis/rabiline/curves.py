@@ -196,22 +196,21 @@ def _extremes(height: np.ndarray, least: np.ndarray) -> list[int]:
 
 
 def _edge(curve: Curve, start: int, step: int, along_level: np.ndarray) -> Edge:
-    """Where the curve, followed from `start`, first crosses its half level. Refused where it then turns and crosses
-    it back before it has come to a quarter of the depth: two dips in one."""
+    """Where the curve, followed from `start`, first crosses its half level. Refused where it turns back on its way to a
+    quarter of its depth: two dips in one."""
     x, y = curve.x, curve.y
     level, depth = along_level @ y, 2 * abs(y[start] - along_level @ y)
-    inside = np.sign(y[start] - level)
-    i = start
-    while np.sign(y[i] - level) == inside:
-        i += step
-        if not 0 <= i < y.size:
-            raise NoResonance("the scan ends before the curve is back at half its depth")
-    crossed = i
-    while 0 <= i < y.size and inside * (y[i] - level) > -depth / 4:
-        if inside * (y[i] - level) > 3 * curve.errors[i]:
-            raise NoResonance("the curve crosses its half depth more than twice: dips or peaks that overlap")
-        i += step
-    i, before = crossed, crossed - step
+    outwards = slice(start, None, step)
+    height = np.sign(y[start] - level) * (y[outwards] - level) / depth  # 1/2 at the start, -1/2 on the baseline
+    below = np.flatnonzero(height < 0)
+    if below.size == 0:
+        raise NoResonance("the scan ends before the curve is back at half its depth")
+    flank = height[:np.flatnonzero(np.append(height < -1 / 4, True))[0]]
+    back = flank - np.minimum.accumulate(flank)
+    if (back > np.maximum(0.1, 7 * curve.errors[outwards][:flank.size] / depth)).any():  # 7: five of a difference
+        raise NoResonance("the curve turns back on a flank: dips or peaks that overlap")
+    i = start + step * int(below[0])
+    before = i - step
     slope = (y[i] - y[before]) / (x[i] - x[before])
     part = (level - y[before]) / (y[i] - y[before])
     along = along_level.copy()

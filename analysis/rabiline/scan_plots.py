@@ -41,7 +41,7 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
             _draw_width(axes, resonance, look, scale)
             if beside:
                 _write_beside(axes, "\n".join(_in_words(resonance, axis.units)), resonance, curve, look, scale)
-    _draw_marks(axes, marks, scale)
+    draw_marks(axes, marks, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
     axes.set_xlabel(scale.label(axis.parameter))
@@ -64,16 +64,19 @@ def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str,
     mesh = axes.pcolormesh(scale.apply(along.values), scale_across.apply(across.values),
                            np.stack([curve.y for curve in curves]), shading="nearest", cmap=COUNTS, rasterized=True)
     figure.colorbar(mesh, ax=axes, label="detected / emitted")
-    _draw_marks(axes, marks, scale)
+    draw_marks(axes, marks, scale)
     axes.set_xlabel(scale.label(along.parameter))
     axes.set_ylabel(scale_across.label(across.parameter))
     figure.suptitle(f"{title}\n{law_name(curves[0].law)}", fontsize=11.5)
     return figure
 
 
-def _draw_marks(axes: Axes, marks: dict[str, float], scale: Scale) -> None:
+def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = True) -> None:
+    """Lines at values of the axis (SI)."""
     for name, value in marks.items():
         axes.axvline(scale.apply(value), color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=1)
+        if not named:
+            continue
         axes.annotate(name, (scale.apply(value), 1), xycoords=("data", "axes fraction"), xytext=(0, 3),
                       textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
 

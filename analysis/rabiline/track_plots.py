@@ -34,9 +34,9 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     from their last alignment on: what they were before is chance."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
-    figure = plt.figure(figsize=(11.0 if spinning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
-    grid = figure.add_gridspec(3 if spinning else 2, 2 if spinning else 1,
-                               width_ratios=[1.55, 1] if spinning else None)
+    turning = [(track, look) for track, look in spinning if _while_turning(track)]
+    figure = plt.figure(figsize=(11.0 if turning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
+    grid = figure.add_gridspec(3 if spinning else 2, 2 if turning else 1, width_ratios=[1.55, 1] if turning else None)
     panels = [figure.add_subplot(grid[0, 0])]
     panels += [figure.add_subplot(grid[row, 0], sharex=panels[0]) for row in range(1, grid.nrows)]
     for file, _, look in styled:
@@ -48,8 +48,11 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     if spinning:
         for track, look in spinning:
             panels[2].plot(track.position[:, 1], np.degrees(track.tilt), color=look.colour, linewidth=1.2)
+        top = np.degrees(max(np.nanmax(track.tilt) for track, _ in spinning)) or 1.0
+        panels[2].set_ylim(-0.05 * top, 1.08 * top)
         panels[2].set_ylabel("spin's tilt from z (°)")
-        by_angle = sorted(spinning, key=lambda pair: np.nanmax(pair[0].tilt))
+    if turning:
+        by_angle = sorted(turning, key=lambda pair: np.nanmax(pair[0].tilt))
         farthest = {look: track for track, look in by_angle}  # one per file, the last
         sphere = figure.add_subplot(grid[:, 1], projection="3d")
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
@@ -73,7 +76,8 @@ def _draw_path(axes: Axes, track: Track, component: int, look: Look) -> None:
 def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
     """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
     rows: list[float] = []  # where the last region of each row ends
-    for region, shade in zip(regions, SHADES * (len(regions) // len(SHADES) + 1)):
+    ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
+    for region, shade in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
         axes.axvspan(region.begin, region.end, color=shade, alpha=0.75, linewidth=0, zorder=0)
         if not named:
             continue
@@ -119,11 +123,11 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
     axes.tick_params(labelsize=8, pad=1)
 
 
-def _while_turning(track: Track) -> slice:
-    """The part of a track during which its spin moves, after its last alignment."""
+def _while_turning(track: Track) -> slice | None:
+    """The part of a track during which its spin moves, after its last alignment; None where it does not."""
     first = track.aligned
     moving = first + np.flatnonzero(np.linalg.norm(np.diff(track.spin[first:], axis=0), axis=1) > 1e-12)
-    return slice(moving[0], moving[-1] + 2) if moving.size else slice(first, None)
+    return slice(moving[0], moving[-1] + 2) if moving.size else None
 
 
 def _is_smooth(path: np.ndarray) -> bool:
@@ -143,5 +147,5 @@ def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:
     """One line per file, with the law named, and one marker per fate that occurs."""
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
     fates = dict.fromkeys(track.fate for file, _, _ in styled for track in file.tracks)
-    return lines + [Line2D([], [], color=INK, marker=ENDS.get(fate, "*"), linestyle="", markersize=5, label=fate)
+    return lines + [Line2D([], [], color=INK, marker=ENDS.get(fate, "*"), linestyle="", markersize=5, label=fate.replace("_", " "))
                     for fate in fates if fate]

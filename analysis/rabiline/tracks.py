@@ -23,11 +23,11 @@ class Track:
     time: np.ndarray  # [n] s
     position: np.ndarray  # [n, 3] m, y along the beam
     velocity: np.ndarray  # [n, 3] m/s
-    spin: np.ndarray  # [n, 3] unit vector; NaN where the law has none
+    spin: np.ndarray  # [n, 3] unit vector; NaN where it is not followed
 
     @property
     def has_spin(self) -> bool:
-        """Whether the law gives the particle a spin vector."""
+        """Whether the spin is followed along the whole path."""
         return bool(np.isfinite(self.spin).all())
 
     @property

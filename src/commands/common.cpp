@@ -69,12 +69,18 @@ void watch_signals() {
 }
 
 void ExperimentOptions::add_to(CLI::App& app) {
+  add_without_scan_to(app);
+  changes.without_scan = false;
+  app.add_option("--scan", changes.scan, "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'")
+      ->type_name("NAME=FROM:TO:POINTS|NAME=A,B,C")
+      ->allow_extra_args(false);
+}
+
+void ExperimentOptions::add_without_scan_to(CLI::App& app) {
+  changes.without_scan = true;
   app.add_option("FILE", file, "the experiment, a YAML file")->required();
   app.add_option("--set", changes.set, "change a parameter for this time, e.g. --set 'B.field=9 mT'")
       ->type_name("NAME=VALUE")
-      ->allow_extra_args(false);
-  app.add_option("--scan", changes.scan, "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'")
-      ->type_name("NAME=FROM:TO:POINTS|NAME=A,B,C")
       ->allow_extra_args(false);
   app.add_option("--particles", changes.particles, "particles per scan point")->type_name("N");
   app.add_option("--seed", changes.seed, "seed of all random numbers")->type_name("S");

@@ -28,6 +28,7 @@ struct ExperimentOptions {
   std::filesystem::path file;
   CommandLine changes;
   void add_to(CLI::App&);
+  void add_without_scan_to(CLI::App&);  // for one point: the file's own values
 };
 
 /// How to compute, which never changes a result.

@@ -45,7 +45,7 @@ void add_trace(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("trace", "write the paths of a few particles, the file's scan left out");
   auto a = std::make_shared<TraceArguments>();
-  a->experiment.add_to(*verb);
+  a->experiment.add_without_scan_to(*verb);
   CLI::Option* count = verb->add_option("-n", a->count, "how many particles, from number 0")->type_name("N");
   verb->add_option("--particle", a->particle, "only the particle of this number")
       ->type_name("N")

@@ -216,7 +216,7 @@ LoadedExperiment load_experiment(const std::filesystem::path& path, const Comman
   Sources arguments;
   for (const std::string& text : line.scan) arguments.push_back(make_source_text("--scan", text));
   sources.insert(sources.end(), arguments.begin(), arguments.end());
-  const ScanPlan plan = read_scan(file.root, arguments, reading);
+  const ScanPlan plan = line.without_scan ? ScanPlan{} : read_scan(file.root, arguments, reading);
   refuse_settings_of_scanned(settings, plan, reading);
   throw_if_wrong(reading, sources);
 

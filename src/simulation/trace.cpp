@@ -26,6 +26,7 @@ class Tracer {
   }
 
   Track fly() {
+    look_ahead(tree_.next);
     record_straight(0);
     for (const std::vector<PlanNode>* nodes = &tree_.next; !nodes->empty(); nodes = &nodes->front().next)
       pass(nodes->front());
@@ -46,8 +47,24 @@ class Tracer {
     const StepRecorder recorder{forward, this};
     Flight flight{kernels_, tree_.source.key, batch_, sums.data(), &recorder};
     advance(node.stage, flight);
-    if (std::holds_alternative<Alignment>(node.stage)) show_plane(node.stage);  // the same place, another spin
+    if (std::holds_alternative<Alignment>(node.stage)) {
+      look_ahead(node.next);
+      show_plane(node.stage);  // the same place, another spin
+    }
     if (!flying()) end(node.stage);
+  }
+
+  /// Finds where the fields of a straight flight begin, up to the next alignment: what they do to the spin is
+  /// worked out at the detector only, so from there on it is not known here.
+  void look_ahead(const std::vector<PlanNode>& from) {
+    spin_known_until_ = std::numeric_limits<double>::infinity();
+    for (const std::vector<PlanNode>* nodes = &from; !nodes->empty(); nodes = &nodes->front().next) {
+      if (std::holds_alternative<Alignment>(nodes->front().stage)) return;
+      const auto* stretch = std::get_if<SpinStretch>(&nodes->front().stage);
+      if (stretch == nullptr || stretch->zones.empty()) continue;
+      spin_known_until_ = stretch->zones.front().begin;
+      return;
+    }
   }
 
   /// Straight flights are recorded where they meet something.
@@ -91,7 +108,8 @@ class Tracer {
     record(b.t[0] + dt, place, velocity, spin);
   }
   void record(double t, const double* place, const double* velocity, const double* spin) {
-    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && is_last_spin(spin)) return;
+    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && is_last_spin(spin))
+      return;
     track_.t.push_back(t);
     track_.x.push_back(place[0]);
     track_.y.push_back(place[1]);
@@ -99,9 +117,10 @@ class Tracer {
     track_.vx.push_back(velocity[0]);
     track_.vy.push_back(velocity[1]);
     track_.vz.push_back(velocity[2]);
-    track_.sx.push_back(spin_known_ ? spin[0] : not_known);
-    track_.sy.push_back(spin_known_ ? spin[1] : not_known);
-    track_.sz.push_back(spin_known_ ? spin[2] : not_known);
+    const bool known = spin_known_ && place[1] <= spin_known_until_;
+    track_.sx.push_back(known ? spin[0] : not_known);
+    track_.sy.push_back(known ? spin[1] : not_known);
+    track_.sz.push_back(known ? spin[2] : not_known);
   }
 
   bool is_last_spin(const double* spin) const {
@@ -114,6 +133,7 @@ class Tracer {
   const Kernels& kernels_;
   Batch batch_;
   bool spin_known_ = false;
+  double spin_known_until_ = 0;  // [m] place along the beam
   Track track_;
 };
 

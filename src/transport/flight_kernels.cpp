@@ -7,16 +7,15 @@ namespace {
 
 constexpr double two_pi = 6.283185307179586;
 
-real uniform_pair(words particle, const RandomKey& key, unsigned use, unsigned draw, real& second) {
+RABILINE_LANES real uniform_pair(words particle, const RandomKey& key, unsigned use, unsigned draw,
+                                 real& second) {
   real first;
   uniforms(particle, key.seed, use, draw, key.stream, first, second);
   return first;
 }
 
-/// Two independent standard normal variables (Box and Muller 1958).
-void normal_pair(words particle, const RandomKey& key, unsigned use, unsigned draw, real& a, real& b) {
-  real u1;
-  const real u0 = uniform_pair(particle, key, use, draw, u1);
+/// Two independent standard normal variables from two uniform ones (Box and Muller 1958).
+RABILINE_LANES void normal_pair(real u0, real u1, real& a, real& b) {
   const real r = sqrt(-2.0 * log(u0));
   const Phasor p = phasor(u1 * two_pi);
   a = r * p.c;
@@ -24,7 +23,7 @@ void normal_pair(words particle, const RandomKey& key, unsigned use, unsigned dr
 }
 
 /// A point uniform in the opening.
-void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
+RABILINE_LANES void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
   if (a.radius >= 0) {
     const real r = sqrt(u0) * a.radius;
     const Phasor p = phasor(u1 * two_pi);
@@ -42,16 +41,37 @@ std::uint64_t sum(words w) {
   return total;
 }
 
-/// A normal speed; where it is not positive it is drawn again.
-real draw_speed(const Emission& e, words particle) {
-  if (e.speed_kind == SpeedKind::single) return broadcast(e.speed);
-  real speed = broadcast(0);
-  for (unsigned draw = 0; any(speed <= broadcast(0)); ++draw) {
-    real normal, unused;
-    normal_pair(particle, e.key, purpose::speed, draw, normal, unused);
-    speed = select(speed <= broadcast(0), fma(normal, broadcast(e.speed_sigma), broadcast(e.speed)), speed);
+RABILINE_LANES real normal_speed(const Emission& e, real u0, real u1) {
+  real normal, unused;
+  normal_pair(u0, u1, normal, unused);
+  return fma(normal, broadcast(e.speed_sigma), broadcast(e.speed));
+}
+/// The parameters by value: a pointer to them would keep emit from holding them in registers.
+[[gnu::noinline]] real redrawn(Emission e, words particle, real speed) {
+  for (unsigned draw = 1; any(speed <= broadcast(0)); ++draw) {
+    real u1;
+    const real u0 = uniform_pair(particle, e.key, purpose::speed, draw, u1);
+    speed = select(speed <= broadcast(0), normal_speed(e, u0, u1), speed);
   }
   return speed;
+}
+/// A normal law; speeds that are not positive are drawn again.
+RABILINE_LANES void draw_speeds(const Emission& e, BatchView& batch) {
+  if (e.speed_kind == SpeedKind::single) {
+    for (int i = 0; i < batch.padded; i += lane_count) store(batch.vy + i, broadcast(e.speed));
+    return;
+  }
+  alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real second;
+    store(u0 + i, uniform_pair(load(batch.particle + i), e.key, purpose::speed, 0, second));
+    store(u1 + i, second);
+  }
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real speed = normal_speed(e, load(u0 + i), load(u1 + i));
+    const bool again = any(speed <= broadcast(0));
+    store(batch.vy + i, again ? redrawn(e, load(batch.particle + i), speed) : speed);
+  }
 }
 
 /// Slopes dx/dy and dz/dy, from the place of emission.
@@ -59,7 +79,9 @@ void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_
   slope_x = slope_z = broadcast(0);
   if (e.direction == DirectionKind::parallel) return;
   if (e.direction == DirectionKind::gaussian) {
-    normal_pair(particle, e.key, purpose::direction, 0, slope_x, slope_z);
+    real u1;
+    const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+    normal_pair(u0, u1, slope_x, slope_z);
     slope_x = slope_x * e.spread_x;
     slope_z = slope_z * e.spread_z;
     return;
@@ -81,7 +103,7 @@ void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_
 }
 
 /// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
-void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
+RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
   real u1;
   const real u0 = uniform_pair(particle, e.key, purpose::spin, 0, u1);
   const real zero = broadcast(0);
@@ -105,39 +127,49 @@ void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
 
 /// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
 /// value.
-words weight_of(const Emission& e, real cosine) {
+RABILINE_LANES words weight_of(const Emission& e, real cosine) {
   if (e.direction != DirectionKind::aimed) return broadcast_word(quanta_per_particle);
   const real quanta = cosine * cosine * cosine * static_cast<double>(quanta_per_particle);
   return (words)(round_to_nearest(quanta) + 0x1p52) & 0xfffffffffffffULL;  // the integer in the low bits
 }
 
+/// Gives a speed, which stands in vy, its direction, and the particle its weight.
+RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
+  real slope_x, slope_z, cosine = broadcast(1);
+  draw_slopes(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i), slope_x, slope_z);
+  if (e.direction != DirectionKind::parallel)
+    cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
+  const real vy = load(batch.vy + i) * cosine;
+  store(batch.vx + i, vy * slope_x);
+  store(batch.vy + i, vy);
+  store(batch.vz + i, vy * slope_z);
+  store(batch.weight + i, weight_of(e, cosine) & load(batch.flying + i));
+}
+
 }  // namespace
 
-void emit(const Emission& e, std::uint64_t first_particle, BatchView& batch) {
-  batch.y = 0;
+// One short loop for each thing that is drawn: a processor holds several rounds of each at a time. The copies
+// show the compiler that parameters do not change while columns are written.
+void emit(const Emission& emission, std::uint64_t first_particle, BatchView& view) {
+  view.y = 0;
+  const Emission e = emission;
+  BatchView batch = view;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words index = lane_numbers() + static_cast<unsigned long long>(i);
     const words particle = index + static_cast<unsigned long long>(first_particle);
     store(batch.particle + i, particle);
-    real u1, x, z, slope_x, slope_z;
+    real u1, x, z;
     const real u0 = uniform_pair(particle, e.key, purpose::place, 0, u1);
     draw_point(e.opening, u0, u1, x, z);
-    draw_slopes(e, particle, x, z, slope_x, slope_z);
-    const real speed = draw_speed(e, particle);
-    const real cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
-    const real vy = speed * cosine;
     store(batch.x + i, x);
     store(batch.z + i, z);
-    store(batch.vx + i, vy * slope_x);
-    store(batch.vy + i, vy);
-    store(batch.vz + i, vy * slope_z);
     store(batch.t + i, broadcast(0));
-    draw_spin(e, particle, i, batch);
-    const words real_particle = (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count)));
-    store(batch.flying + i, real_particle);
-    store(batch.weight + i, weight_of(e, cosine) & real_particle);
+    store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
     store(batch.caught_by + i, words{});
   }
+  draw_speeds(e, batch);
+  for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);
+  for (int i = 0; i < batch.padded; i += lane_count) draw_spin(e, load(batch.particle + i), i, batch);
 }
 
 void drift(double y, BatchView& batch) {

@@ -48,49 +48,50 @@ real final_sz(const Projection& p, const BatchView& batch, int i) {
   return s.z;
 }
 
-/// floor(w f) for 0 <= f <= 1 and weights up to 2^40, as an integer.
-words quanta_of(real weight, real fraction) {
+/// floor(w f) for 0 <= f <= 1 and whole weights up to 2^40.
+RABILINE_LANES real quanta_of(real weight, real fraction) {
   const real exact = weight * fraction, nearest = round_to_nearest(exact);
-  return bit_pattern(select(nearest > exact, nearest - 1.0, nearest) + 0x1p52) & 0xfffffffffffffULL;
+  return select(nearest > exact, nearest - 1.0, nearest);
 }
 
-/// A weight up to 2^40 as a real.
-real as_real(words w) { return from_bits(w | 0x4330000000000000ULL) - 0x1p52; }
-
-/// Sums over lanes, kept as lanes until the end of the batch.
+/// Sums over lanes until the end of the batch, exact in floating point: q = high 2^20 + low, where low may be
+/// negative.
 struct Accumulator {
-  words q = words{}, hh = words{}, hl = words{}, ll = words{};
-  RABILINE_LANES void add(words quanta) {
-    const words high = quanta >> 20, low = quanta & 0xfffffULL;
+  static_assert(Batch::capacity <= 4096, "the sum of high^2 <= 2^40 has at most 53 bits");
+  real q = real{}, hh = real{}, hl = real{}, ll = real{};
+  RABILINE_LANES void add(real quanta) {
+    const real high = round_to_nearest(quanta * 0x1p-20), low = fnma(high, broadcast(0x1p20), quanta);
     q = q + quanta;
-    hh = hh + product_of_low_words(high, high);
-    hl = hl + product_of_low_words(high, low);
-    ll = ll + product_of_low_words(low, low);
+    hh = fma(high, high, hh);
+    hl = fma(high, low, hl);
+    ll = fma(low, low, ll);
   }
   void flush(LevelSums& sums, int level) const {
     for (int k = 0; k < lane_count; ++k) {
-      sums.q[level] += lane(q, k);
-      sums.high_high[level] += lane(hh, k);
-      sums.high_low[level] += lane(hl, k);
-      sums.low_low[level] += lane(ll, k);
+      sums.q[level] += static_cast<std::uint64_t>(lane(q, k));
+      sums.high_high[level] += static_cast<std::uint64_t>(lane(hh, k));
+      sums.high_low[level] += static_cast<std::uint64_t>(static_cast<std::int64_t>(lane(hl, k)));
+      sums.low_low[level] += static_cast<std::uint64_t>(lane(ll, k));
     }
   }
 };
 
 /// A weight shared between two outcomes: the smaller share is floored, the larger takes the rest.
 struct Shares {
-  words first, second;
+  real first, second;
 };
-Shares share(words weight, real first_fraction) {
+RABILINE_LANES Shares share(real weight, real first_fraction) {
+  const real floored = quanta_of(weight, min(first_fraction, 1.0 - first_fraction)), rest = weight - floored;
   const mask minor = first_fraction <= broadcast(0.5);
-  const words floored = quanta_of(as_real(weight), select(minor, first_fraction, 1.0 - first_fraction));
-  return {select(minor, floored, weight - floored), select(minor, weight - floored, floored)};
+  return {select(minor, floored, rest), select(minor, rest, floored)};
 }
 
-words caught_weight(const Projection& p, const BatchView& batch, int i) {
+/// The weight of what the detector caught, up to 2^40; zero elsewhere.
+RABILINE_LANES real caught_weight(const Projection& p, const BatchView& batch, int i) {
   const mask caught =
       load(batch.caught_by + i) == broadcast_word(static_cast<unsigned long long>(p.part + 1));
-  return load(batch.weight + i) & (words)caught;
+  const words weight = load(batch.weight + i) & (words)caught;
+  return from_bits(weight | 0x4330000000000000ULL) - 0x1p52;
 }
 
 /// Two levels: m = +1/2 and -1/2, or (1 + S_z)/2 and (1 - S_z)/2 of a vector law.
@@ -102,7 +103,7 @@ real upper_fraction(const Projection& p, const BatchView& batch, int i, real fli
 void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const words weight = caught_weight(p, batch, i);
+    const real weight = caught_weight(p, batch, i);
     const real sz = final_sz(p, batch, i);
     const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
     const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
@@ -120,11 +121,13 @@ void project_two_through_one_zone(const Projection& p, const BatchView& batch, L
   const double rate = __builtin_sqrt(detuned * detuned + w1 * w1);
   const real most = broadcast(rate > 0 ? w1 * w1 / (rate * rate) : 0);
   const real half_turn_per_slowness = broadcast(0.5 * rate * (zone.end - zone.begin));
+  // Two short loops: a processor holds several rounds of each at a time.
+  alignas(64) double flips[Batch::capacity];
+  for (int i = 0; i < batch.padded; i += lane_count)
+    store(flips + i, most * sin_squared(half_turn_per_slowness * load(batch.slowness + i)));
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const words weight = caught_weight(p, batch, i);
-    const real flip = most * sin_squared(half_turn_per_slowness * load(batch.slowness + i));
-    const Shares shares = share(weight, upper_fraction(p, batch, i, flip));
+    const Shares shares = share(caught_weight(p, batch, i), upper_fraction(p, batch, i, load(flips + i)));
     upper.add(shares.first);
     lower.add(shares.second);
   }
@@ -150,12 +153,13 @@ real level_probability(const Projection& p, words from, int to, real flip) {
 void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator levels[most_levels];
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const words weight = caught_weight(p, batch, i);
+    const real weight = caught_weight(p, batch, i);
     const real flip = max(broadcast(0), min(broadcast(1), flip_probability(final_sz(p, batch, i))));
-    words quanta[most_levels];
-    words rest = weight, largest = words{}, largest_level = words{};
+    real quanta[most_levels];
+    real rest = weight, largest = real{};
+    words largest_level = words{};
     for (int to = 0; to < p.levels; ++to) {
-      quanta[to] = quanta_of(as_real(weight), level_probability(p, load(batch.level + i), to, flip));
+      quanta[to] = quanta_of(weight, level_probability(p, load(batch.level + i), to, flip));
       const mask larger = quanta[to] > largest;
       largest = select(larger, quanta[to], largest);
       largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);
@@ -163,7 +167,7 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
     }
     for (int to = 0; to < p.levels; ++to) {
       const mask takes = largest_level == broadcast_word(static_cast<unsigned long long>(to));
-      levels[to].add(quanta[to] + (rest & (words)takes));
+      levels[to].add(quanta[to] + select(takes, rest, broadcast(0)));
     }
   }
   for (int to = 0; to < p.levels; ++to) levels[to].flush(sums, to);

@@ -48,17 +48,27 @@ void pass(const Score& score, Flight& flight) {
   BatchView& batch = flight.batch.view();
   if (flight.kernels.screen(score.screen, batch) == 0) return;
   const ScreenSums layout = sums_of(score.screen);
-  for (int i = 0; i < batch.count; ++i)
-    if (batch.scratch[i] != ~std::uint64_t{0})
-      catch_particle(layout, flight.sums, batch.scratch[i], batch.weight[i], batch.particle[i]);
+  // Listed first, since whether a particle was caught cannot be foretold as a branch.
+  int caught[Batch::capacity], count = 0;
+  for (int i = 0; i < batch.count; ++i) {
+    caught[count] = i;
+    count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
+  }
+  for (int k = 0; k < count; ++k) {
+    const int i = caught[k];
+    catch_particle(layout, flight.sums, batch.scratch[i], batch.weight[i], batch.particle[i]);
+  }
 }
 
+/// The weights of a batch add up to less than 2^64.
 void pass(const Exit&, Flight& flight) {
   BatchView& batch = flight.batch.view();
+  std::uint64_t passed = 0;
   for (int i = 0; i < batch.count; ++i) {
-    flight.sums[0] += batch.weight[i] & batch.flying[i];
+    passed += batch.weight[i] & batch.flying[i];
     batch.flying[i] = 0;
   }
+  flight.sums[0] += passed;
 }
 
 /// Books the end of one particle's flight through a region; returns whether it flies on.
@@ -93,10 +103,10 @@ void pass(const TurningRegion& region, Flight& flight) {
     if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
 }
 
-/// Sum of q^2 from the sums of products of its halves, q = high 2^20 + low.
+/// Sum of q^2 from the sums of products of its halves, q = high 2^20 + low, where low may be negative.
 Sum joined_squares(const LevelSums& s, int level) {
-  return (static_cast<Sum>(s.high_high[level]) << 40) + (static_cast<Sum>(s.high_low[level]) << 21) +
-         s.low_low[level];
+  const Sum high_low = static_cast<Sum>(static_cast<std::int64_t>(s.high_low[level]));
+  return (static_cast<Sum>(s.high_high[level]) << 40) + (high_low << 21) + s.low_low[level];
 }
 
 void pass(const SpinStretch& stretch, Flight& flight) {

@@ -146,8 +146,10 @@ State to_edge(const Stepper& stepper, const State& before, real h, real edge) {
   real length = h * 0.5;
   for (int i = 0; i < 6; ++i) {
     const State at = stepper.step(stepper.steps_of(length), before);
-    const real better = length + (edge - at.place.y) / at.velocity.y;
-    length = select(at.velocity.y != broadcast(0), max(broadcast(0), min(h, better)), length);
+    const real newton = max(broadcast(0), min(h, length + (edge - at.place.y) / at.velocity.y));
+    const real better = select(at.velocity.y != broadcast(0), newton, length);
+    if (all(better == length)) break;
+    length = better;
   }
   State at = stepper.step(stepper.steps_of(length), before);
   at.place.y = edge;
@@ -180,10 +182,11 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   for (int i = 0; i < region.most_steps && any(going); ++i) {
     const State old = now;
     now = stepper.step(whole_step, old);
-    const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
-    const mask wall = ~(fma(now.place.x, now.place.x, now.place.z * now.place.z) <= wall2) & going;
-    const mask leaves = forward | backwards | wall;
-    if (any(leaves)) {
+    const real from_axis2 = fma(now.place.x, now.place.x, now.place.z * now.place.z);
+    const mask stays = (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2);
+    if (any(going & ~stays)) {
+      const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
+      const mask wall = ~(from_axis2 <= wall2) & going, leaves = forward | backwards | wall;
       before = choose(leaves, old, before);
       last = choose(leaves, now, last);
       v.forward = v.forward | forward;

@@ -38,7 +38,8 @@ RABILINE_LANES real cosine_of_turns(real u) {
 struct Draw {
   const Emission& e;
   RABILINE_LANES void operator()(std::uint64_t first, real& u0, real& u1) const {
-    uniforms(lane_numbers() + static_cast<unsigned long long>(first), e.key.seed, purpose::speed, 0, e.key.stream, u0, u1);
+    uniforms(lane_numbers() + static_cast<unsigned long long>(first), e.key.seed, purpose::speed, 0,
+             e.key.stream, u0, u1);
   }
 };
 
@@ -49,7 +50,8 @@ struct NormalSlowness {
     draw(first, u0, u1);
     const real minus_two_log = -2.0 * log(u0);
     const real radius = minus_two_log * reciprocal_root(minus_two_log);
-    return reciprocal(fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed_sigma), broadcast(draw.e.speed)));
+    return reciprocal(
+        fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed_sigma), broadcast(draw.e.speed)));
   }
 };
 
@@ -110,7 +112,8 @@ FlipSums flux_weighted_beam(const Emission& e, const RabiLine& line, std::uint64
   return beam(FluxWeightedSlowness{{e}}, line, particles);
 }
 
-void scan_of_normal_beam(const Emission& e, const std::vector<RabiLine>& lines, std::uint64_t particles, FlipSums* sums) {
+void scan_of_normal_beam(const Emission& e, const std::vector<RabiLine>& lines, std::uint64_t particles,
+                         FlipSums* sums) {
   constexpr std::uint64_t block = 2048;
   alignas(64) double slowness[block];
   const NormalSlowness draw{{e}};

@@ -44,7 +44,8 @@ void check_flight() {
   Experiment experiment = suggested_experiment(1, 1);
   Beamline& beamline = experiment.points.at(0);
   for (PlacedPart& placed : beamline.parts)
-    if (auto* rotating = std::get_if<RotatingField>(&placed.part)) rotating->phase = {Phase::Kind::angle, 0.7};
+    if (auto* rotating = std::get_if<RotatingField>(&placed.part))
+      rotating->phase = {Phase::Kind::angle, 0.7};
   const Plan plan = make_plan(experiment);
   const RegionZone& zone = region_of(plan).zones.back();
   const Track track = trace(beamline, 0, best_isa());
@@ -63,6 +64,7 @@ void check_flight() {
   for (int k = 0; k < 3; ++k) {
     expect_near(limit.place[k], program.place[k], 1e-12, "place in a turning field");
     expect_near(limit.velocity[k], program.velocity[k], 1e-8, "velocity in a turning field");
+    expect_near(limit.spin[k], program.spin[k], 1e-9, "spin in a turning field");
   }
 }
 

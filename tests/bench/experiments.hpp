@@ -5,8 +5,8 @@
 
 namespace rabiline::bench {
 
-/// Neutrons from an opening through two slits and one zone of a rotating field to a screen of 80 x 80 bins, under
-/// `quantum`: `points` frequencies around resonance.
+/// Neutrons from an opening through two slits and one zone of a rotating field to a screen of 80 x 80 bins,
+/// under `quantum`: `points` frequencies around resonance.
 Experiment two_level_beamline(int points, std::uint64_t particles, bool polarised = false);
 /// The suggested experiment under `dorado` at `points` frequencies around the Larmor frequency.
 Experiment suggested_experiment(int points, std::uint64_t particles);

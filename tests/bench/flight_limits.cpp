@@ -1,5 +1,6 @@
-// The steps of closure `torque` as src/transport/turn_kernels.cpp takes them, down to their bare arithmetic: constant
-// rotations carry spin and phase from one step's second Gauss point straight to the next step's first.
+// The steps of closure `torque` as src/transport/turn_kernels.cpp takes them, down to their bare arithmetic:
+// constant rotations carry spin and phase from one step's second Gauss point straight to the next step's
+// first.
 #include "bench/limits.hpp"
 #include "transport/vector_lanes.hpp"
 
@@ -22,12 +23,14 @@ struct Constants {
   real h;
 };
 
-RABILINE_LANES real spin_rate_in_frame(const SpinZone& zone, double& ux, double& uz) {
+/// In the frame that turns with the field the spin turns about (ux, 0, uz).
+struct Precession {
+  double rate, ux, uz;
+};
+Precession precession_in_frame(const SpinZone& zone) {
   const double w1 = zone.drive[0].spin_rate, detuned = zone.spin_rate - zone.drive[0].omega;
   const double rate = __builtin_sqrt(detuned * detuned + w1 * w1);
-  ux = w1 / rate;
-  uz = detuned / rate;
-  return broadcast(rate);
+  return {rate, w1 / rate, detuned / rate};
 }
 
 RABILINE_LANES Vector torque(const Vector& turn, const Vector& spin) {
@@ -54,9 +57,7 @@ RABILINE_LANES void step(const Constants& c, State& s) {
   s.velocity = add(add(s.velocity, sine, u), cosine, uu);
 }
 
-Vector vector_of(const double (&v)[3]) {
-  return {broadcast(v[0]), broadcast(v[1]), broadcast(v[2])};
-}
+Vector vector_of(const double (&v)[3]) { return {broadcast(v[0]), broadcast(v[1]), broadcast(v[2])}; }
 void first_lane(const Vector& v, double (&out)[3]) {
   out[0] = lane(v.x, 0);
   out[1] = lane(v.y, 0);
@@ -70,14 +71,19 @@ namespace rabiline::bench {
 
 using namespace rabiline::RABILINE_ISA;
 
-Particle turning_flight(const SpinZone& zone, double h, double t, const Particle& start, int steps, int packs) {
+Particle turning_flight(const SpinZone& zone, double h, double t, const Particle& start, int steps,
+                        int packs) {
   const DriveTerm& drive = zone.drive[0];
-  double ux, uz;
-  const real rate = spin_rate_in_frame(zone, ux, uz);
+  const Precession spin = precession_in_frame(zone);
   const double inside = gauss_second - gauss_first, across = 1 - inside;
-  const auto turned = [&](double part) { return rotation_in_xz_axis(ux, uz, rate * (part * h)); };
+  const auto turned = [&](double part) {
+    return rotation_in_xz_axis(spin.ux, spin.uz, broadcast(spin.rate * part * h));
+  };
   const auto phase_after = [&](double time) { return phasor(broadcast(drive.omega * time)); };
-  const Constants constants{turned(inside), turned(across), phase_after(inside * h), phase_after(across * h),
+  const Constants constants{turned(inside),
+                            turned(across),
+                            phase_after(inside * h),
+                            phase_after(across * h),
                             {broadcast(drive.turn_rate), real{}, broadcast(zone.turn_rate)},
                             broadcast(h)};
   const Phasor at_start = phasor(broadcast(drive.omega * t + drive.phase));
@@ -96,11 +102,11 @@ Particle turning_flight(const SpinZone& zone, double h, double t, const Particle
     last = s[packs_in_flight - 1];
     asm volatile("" : : "v"(s[0].place.x), "v"(s[0].velocity.x), "v"(s[0].place.y), "v"(s[0].place.z));
   }
-  const Vector spin = turn_about_z(last.frame, last.spin);
   Particle end;
   first_lane(last.place, end.place);
   first_lane(last.velocity, end.velocity);
-  first_lane(spin, end.spin);
+  first_lane(turn_about_z(last.frame * phase_after(-gauss_first * h), turned(-gauss_first) * last.spin),
+             end.spin);
   return end;
 }
 

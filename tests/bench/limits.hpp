@@ -1,6 +1,7 @@
 #pragma once
-// Hand-written loops: how fast the bare arithmetic of an experiment goes on this machine, without a program around it.
-// They need AVX-512, take approximate reciprocals and sum in floating point: all that the kernels must not do.
+// Hand-written loops: how fast the bare arithmetic of an experiment goes on this machine, without a program
+// around it. They need AVX-512, take approximate reciprocals and sum in floating point: all that the kernels
+// must not do.
 #include <cstdint>
 #include <vector>
 
@@ -17,20 +18,21 @@ struct FlipSums {
   double p = 0, p_squared = 0;
 };
 
-/// For each particle: draw its normal speed, its flip probability, sums of P and P^2. The same random numbers as the
-/// program's, so that the sums agree.
+/// For each particle: draw its normal speed, its flip probability, sums of P and P^2. The same random numbers
+/// as the program's, so that the sums agree.
 FlipSums normal_beam(const Emission&, const RabiLine&, std::uint64_t particles);
 /// As above with speeds v^3 exp(-v^2/a^2), a = Emission::speed, for comparison with other programs.
 FlipSums flux_weighted_beam(const Emission&, const RabiLine&, std::uint64_t particles);
 /// Each particle's speed is drawn once and serves all lines; sums[line].
-void scan_of_normal_beam(const Emission&, const std::vector<RabiLine>&, std::uint64_t particles, FlipSums* sums);
+void scan_of_normal_beam(const Emission&, const std::vector<RabiLine>&, std::uint64_t particles,
+                         FlipSums* sums);
 
 /// Place, velocity and spin in the laboratory.
 struct Particle {
   double place[3], velocity[3], spin[3];
 };
-/// Flies `packs` equal packs of 8 particles through `steps` whole steps of a zone with one rotating field under closure
-/// `torque`, from time t on, and returns the last particle. No edge, no wall, nothing drawn.
+/// Flies `packs` equal packs of 8 particles through `steps` whole steps of a zone with one rotating field
+/// under closure `torque`, from time t on, and returns the last particle. No edge, no wall, nothing drawn.
 Particle turning_flight(const SpinZone&, double step, double t, const Particle&, int steps, int packs);
 
 }  // namespace rabiline::bench

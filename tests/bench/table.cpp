@@ -1,6 +1,6 @@
 #include "bench/table.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -18,10 +18,16 @@ void Table::ReportRuns(const std::vector<Run>& runs) {
 }
 
 void Table::Finalize() {
-  fmt::print("{:<58} {:>10} {:>10} {:>7} {:>6} {:>6}\n", "medians", "limit /s", "program /s", "ratio", "must", "aim");
+  fmt::print("{:<58} {:>10} {:>10} {:>7} {:>6} {:>6}\n", "medians", "limit /s", "program /s", "ratio", "must",
+             "aim");
   for (const Row& row : rows_) {
-    if (!rates_.contains(row.limit) || !rates_.contains(row.program)) continue;
-    const double limit = median_rate(row.limit), program = median_rate(row.program);
+    if (!rates_.contains(row.program)) continue;
+    const double program = median_rate(row.program);
+    if (!rates_.contains(row.limit)) {
+      fmt::print("{:<58} {:>10} {:>10.3g}\n", row.work, "-", program);
+      continue;
+    }
+    const double limit = median_rate(row.limit);
     fmt::print("{:<58} {:>10.3g} {:>10.3g} {:>7.3f}", row.work, limit, program, program / limit);
     if (row.must > 0) fmt::print(" {:>6} {:>6}", row.must, row.aim);
     fmt::print("\n");

@@ -121,6 +121,14 @@ def _write_fates(entry: h5py.Group, rows: np.ndarray, particles: int) -> None:
     fates["emitted"] = np.full(rows.shape[1], float(particles))
 
 
+def align(flight: dict[str, np.ndarray], record: int, before: tuple[float, float, float]) -> dict[str, np.ndarray]:
+    """The flight with another spin before `record`, at which an alignment changes it in no time."""
+    longer = {name: np.insert(values, record, values[record]) for name, values in flight.items()}
+    for name, value in zip(("sx", "sy", "sz"), before):
+        longer[name][:record + 1] = value
+    return longer
+
+
 def fly(law: str, frequency: float, x: float = 0.0, z: float = 0.0, phase: float = 0.0) -> dict[str, np.ndarray]:
     """A neutron through the suggested experiment, by Runge and Kutta's method: B along z from 0.30 m to 0.55 m, the
     rotating field from 0.35 m on, plane at 1.2 m. The vector law is the hypothesis `dorado`, closure torque."""
@@ -170,6 +178,6 @@ def write_tracks(path: Path, flights: list[dict[str, np.ndarray]], law: str = ""
             for name, values in flight.items():
                 group[name] = values
             hit = abs(flight["x"][-1]) < 2e-3
-            group.attrs.update({"particle": np.uint64(number), "species": "neutron",
+            group.attrs.update({"particle": np.uint64(number), "law": law, "species": "neutron",
                                 "fate": "detected" if hit else "passed", "where": "screen" if hit else ""})
     return path

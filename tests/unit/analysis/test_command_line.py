@@ -31,6 +31,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     y = np.linspace(0, 1, 50)
     tip = {"sx": np.sin(y), "sy": 0 * y, "sz": -np.cos(y)}
     write_tracks(folder / "turned.h5", [{n: y for n in "t x y z vx vy vz".split()} | tip])
+    both = np.minimum(dip(axis.values, 275e3), dip(axis.values, 308e3)) / 2 + 0.5
+    write_results(folder / "mixture.h5", [axis], both, law=[DORADO], bins=4)
     (folder / "text.h5").write_text("counts: 7")
     return folder
 
@@ -42,6 +44,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     "plot-scan two.h5 --detector far",
     "plot-scan grid.h5 --mark Larmor=291.65e3",
     "plot-scan only_laws.h5",
+    "plot-scan mixture.h5",
+    "plot-levels dorado.h5 --mark Larmor=291.65e3",
+    "plot-levels laws.h5",
+    "plot-levels only_laws.h5",
+    "plot-levels two.h5 --detector far",
     "plot-image dorado.h5",
     "plot-image quantum.h5",
     "plot-image laws.h5",
@@ -78,6 +85,8 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
     ("plot-scan dorado.h5 --mark Larmor", 'rabiline: --mark "Larmor" is not LABEL=VALUE, such as "Larmor '
                                           'frequency=291.647 kHz"'),
     ("plot-scan grid.h5 dorado.h5", "rabiline: 10 curves are too many for one picture"),
+    ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
+    ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),
     ("plot-image dorado.h5 --points a", "rabiline: --points a is not a list of numbers, such as 0,50"),
     ("plot-tracks dorado.h5", "rabiline: dorado.h5: no tracks in it: not a file of `rabiline trace`"),

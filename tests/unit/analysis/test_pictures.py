@@ -1,0 +1,95 @@
+"""What stands in the pictures of scans and levels."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib.figure import Figure
+from rabiline import results
+from rabiline.curves import curves
+from rabiline.level_plots import draw_levels
+from rabiline.scan_plots import draw_scan
+from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
+
+
+def drawn(path: Path) -> Figure:
+    file = results.read(path)
+    lines = curves(file)
+    return draw_scan(lines, [line.label for line in lines], "a title", {})
+
+
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.axes[-1].get_legend().texts]
+
+
+def written(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+
+
+def test_one_dip_has_its_numbers_beside_it(tmp_path: Path) -> None:
+    axis = frequencies()
+    figure = drawn(write_results(tmp_path / "a.h5", [axis], dip(axis.values), law=[DORADO], bins=4))
+    (numbers,) = written(figure)
+    assert numbers.startswith("centre 291.6") and "\nFWHM 7." in numbers
+    assert legend(figure) == ["dorado (hypothesis), torque, κ = 1"]
+
+
+def test_two_dips_have_both_their_numbers_in_the_legend(tmp_path: Path) -> None:
+    axis = Axis("H0.frequency", np.linspace(285e3, 355e3, 141), "Hz")
+    both = (dip(axis.values) + dip(axis.values, 350e3)) / 2
+    figure = drawn(write_results(tmp_path / "a.h5", [axis], both, law=[DORADO], bins=4))
+    assert written(figure) == []
+    (words,) = legend(figure)
+    _, first, second = words.splitlines()
+    assert first.startswith("centre 291.") and second.startswith("centre 350.")
+
+
+def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
+    axis = frequencies(41)
+    y = np.concatenate([np.ones(82), dip(axis.values)])
+    figure = drawn(write_results(tmp_path / "a.h5", [laws("quantum", "classical", DORADO), axis], y,
+                                 law=["quantum"] * 41 + ["classical"] * 41 + [DORADO] * 41, bins=4))
+    assert legend(figure) == ["quantum", "classical", "dorado (hypothesis), torque, κ = 1"]
+    dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
+    assert len(dashed) == 2
+
+
+def test_levels_are_drawn_where_something_was_detected_with_their_errors(tmp_path: Path) -> None:
+    axis = frequencies(41)
+    path = write_results(tmp_path / "a.h5", [axis], dip(axis.values), law=[DORADO], bins=4)
+    up = np.linspace(0, 1, 41)
+    fractions = np.column_stack([up, 1 - up])
+    fractions[15:20] = np.nan
+    with h5py.File(path, "a") as file:
+        file["entry/screen_levels/levels"][...] = fractions
+        file["entry/screen_levels/levels_errors"][...] = 0.01
+    file = results.read(path)
+    figure = draw_levels(curves(file), file.detectors["screen"], "a title", {})
+    (axes,) = figure.axes
+    assert legend(figure) == ["m = +1/2", "m = −1/2"]
+    assert axes.get_title(loc="left") == "dorado (hypothesis), torque, κ = 1"
+    for level, bars in enumerate(axes.containers):
+        points, _, (stems,) = bars.lines
+        known = np.isfinite(fractions[:, level])
+        np.testing.assert_allclose(points.get_ydata(), fractions[known, level])
+        np.testing.assert_allclose([np.ptp(stem[:, 1]) for stem in stems.get_segments()], 0.02)
+
+
+def test_a_law_has_only_its_own_levels(tmp_path: Path) -> None:
+    axis = frequencies(11)
+    path = write_results(tmp_path / "a.h5", [laws("quantum", DORADO), axis], np.ones(22),
+                         law=["quantum"] * 11 + [DORADO] * 11, bins=4)
+    with h5py.File(path, "a") as file:
+        group = file["entry/screen_levels"]
+        for name in ("levels", "levels_errors", "level_index", "level_index_labels"):
+            del group[name]
+        values = np.full((2, 11, 4), 0.5)
+        values[0, :, 2:] = values[1, :, :2] = np.nan
+        group["levels"] = group["levels_errors"] = values
+        group["level_index"] = np.arange(4.0)
+        group["level_index_labels"] = np.array(["m = +1/2", "m = -1/2", "(1 + S_z)/2", "(1 - S_z)/2"], dtype="S")
+    file = results.read(path)
+    quantum, dorado = draw_levels(curves(file), file.detectors["screen"], "a title", {}).axes
+    assert quantum.get_legend_handles_labels()[1] == ["m = +1/2", "m = −1/2"]
+    assert dorado.get_legend_handles_labels()[1] == ["(1 + $S_z$)/2", "(1 − $S_z$)/2"]

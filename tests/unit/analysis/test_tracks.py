@@ -1,0 +1,84 @@
+"""Tracks: whose law they follow, and from where on their spins mean something."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from rabiline import tracks
+from rabiline.track_plots import Region, draw_tracks
+from rabiline.units import law_name
+from synthetic import DORADO, GAMMA, align, fly, write_tracks
+
+BEFORE = (0.6, 0.0, 0.8)
+
+
+def spinning(polar: np.ndarray, azimuth: np.ndarray | float = 0.0) -> dict[str, np.ndarray]:
+    """A flight along y with the spin at these angles."""
+    y = np.linspace(0, 1, polar.size)
+    return {name: 0 * y for name in "x z vx vz".split()} | {
+        "t": y * 1e-3, "y": y, "vy": 0 * y + 1000, "sx": np.sin(polar) * np.cos(azimuth),
+        "sy": np.sin(polar) * np.sin(azimuth), "sz": np.cos(polar)}
+
+
+def read_one(tmp_path: Path, flight: dict[str, np.ndarray]) -> tracks.Track:
+    (track,) = tracks.read(write_tracks(tmp_path / "t.h5", [flight], law=DORADO)).tracks
+    return track
+
+
+def test_the_law_is_read_from_the_entry_and_from_each_particle(tmp_path: Path) -> None:
+    path = write_tracks(tmp_path / "t.h5", [spinning(np.zeros(3))], law=DORADO)
+    assert tracks.read(path).law == tracks.read(path).tracks[0].law == DORADO
+    with h5py.File(path, "a") as file:
+        del file["entry/law"]
+    assert tracks.read(path).law == DORADO
+
+
+def test_the_tilt_starts_with_the_alignment_and_grows_by_what_the_field_turns(tmp_path: Path) -> None:
+    flight = align(fly("dorado", abs(GAMMA) * 10e-3 / (2 * np.pi)), 0, BEFORE)
+    track = read_one(tmp_path, flight)
+    assert track.aligned == 1
+    assert np.isnan(track.tilt[0]) and track.tilt[1] == 0
+    assert track.tilt[-1] == pytest.approx(abs(GAMMA) * 0.3e-6 * 0.2e-3, rel=5e-3)  # resonance: gamma H0 T
+
+
+def test_without_an_alignment_the_tilt_is_shown_from_the_start(tmp_path: Path) -> None:
+    track = read_one(tmp_path, spinning(np.full(50, 0.3), np.linspace(0, 40, 50)))
+    assert track.aligned == 0
+    np.testing.assert_allclose(track.tilt, 0.3)
+
+
+@pytest.mark.parametrize("azimuths", [np.zeros(200), np.linspace(0, 300, 200)])
+def test_a_field_that_turns_the_spin_over_is_no_alignment(tmp_path: Path, azimuths: np.ndarray) -> None:
+    polar = np.linspace(0, np.pi, 200)
+    track = read_one(tmp_path, spinning(polar, azimuths))
+    assert track.aligned == 0
+    np.testing.assert_allclose(track.tilt, np.minimum(polar, np.pi - polar), atol=1e-12)  # the nearer end of z
+
+
+def test_an_alignment_in_the_midst_of_a_field_is_told_from_the_field(tmp_path: Path) -> None:
+    polar = np.where(np.arange(200) < 80, 1.0, np.pi - 1e-4 * np.maximum(np.arange(200) - 80, 0))
+    track = read_one(tmp_path, spinning(polar, np.linspace(0, 300, 200)))
+    assert track.aligned == 80
+    assert track.tilt[-1] == pytest.approx(119e-4)
+
+
+def test_the_last_of_several_alignments_counts(tmp_path: Path) -> None:
+    flight = align(align(spinning(np.linspace(0, 0.01, 20)), 12, BEFORE), 4, (0, 1, 0))
+    track = read_one(tmp_path, flight)
+    assert track.aligned == 14 and np.isnan(track.tilt[:14]).all() and np.isfinite(track.tilt[14:]).all()
+
+
+def test_a_picture_names_every_file_and_shows_no_spin_from_before_the_alignment(tmp_path: Path) -> None:
+    flown = fly("dorado", 281e3)
+    files = [tracks.read(write_tracks(tmp_path / "a.h5", [align(flown, 0, BEFORE)], law=DORADO)),
+             tracks.read(write_tracks(tmp_path / "q.h5", [fly("quantum", 281e3)], law="quantum"))]
+    labels = [law_name(file.law) for file in files]
+    figure = draw_tracks(files, labels, "a title", [Region("H0", 0.35, 0.55), Region("B", 0.3, 0.55)])
+    x, z, tilt, sphere = figure.axes
+    words = [text.get_text() for text in x.texts + z.texts + tilt.get_legend().texts]
+    assert words == ["B", "H0", "dorado (hypothesis), torque, κ = 1", "quantum", "detected"]
+    (line,) = tilt.lines
+    assert np.nanmax(line.get_ydata()) < 0.2 and tilt.get_ylabel() == "spin's tilt from z (°)"
+    assert sphere.get_zlabel() == "$S_y$ (10$^{-3}$)"
