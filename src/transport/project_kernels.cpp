@@ -60,11 +60,11 @@ struct Accumulator {
   static_assert(Batch::capacity <= 4096, "the sum of high^2 <= 2^40 has at most 53 bits");
   real q = real{}, hh = real{}, hl = real{}, ll = real{};
   RABILINE_LANES void add(real quanta) {
-    const real high = round_to_nearest(quanta * 0x1p-20), low = fnma(high, broadcast(0x1p20), quanta);
+    const real high = round_to_nearest(quanta * 0x1p-20), low = quanta - high * 0x1p20;
     q = q + quanta;
-    hh = fma(high, high, hh);
-    hl = fma(high, low, hl);
-    ll = fma(low, low, ll);
+    hh = hh + high * high;
+    hl = hl + high * low;
+    ll = ll + low * low;
   }
   void flush(LevelSums& sums, int level) const {
     for (int k = 0; k < lane_count; ++k) {
