@@ -67,15 +67,18 @@ RABILINE_LANES words lane_numbers() {
 
 // ---- what differs between instruction sets ----
 
-/// fma: a b + c and fnma: c - a b, rounded once. bits_of: one bit a lane. product_of_low_words: the 64-bit
-/// product of the low halves of two words. high_word: the upper half moved down; what is left above it is
-/// unspecified. joined: the low half of `high` above the low half of `low`.
+/// fma: a b + c and fnma: c - a b, rounded once. floor: |x| < 2^51. bits_of: one bit a lane.
+/// product_of_low_words: the 64-bit product of the low halves of two words. high_word: the upper half moved
+/// down; what is left above it is unspecified. joined: the low half of `high` above the low half of `low`.
 // The maskz forms with every lane chosen are the plain instructions; g++ 12 warns of an uninitialised operand
 // inside the plain forms.
 #if RABILINE_LANE_COUNT == 8
 RABILINE_LANES real fma(real a, real b, real c) { return _mm512_fmadd_pd(a, b, c); }
 RABILINE_LANES real fnma(real a, real b, real c) { return _mm512_fnmadd_pd(a, b, c); }
 RABILINE_LANES real sqrt(real x) { return _mm512_maskz_sqrt_pd(0xFF, x); }
+RABILINE_LANES real floor(real x) {
+  return _mm512_maskz_roundscale_pd(0xFF, x, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+}
 RABILINE_LANES unsigned bits_of(mask m) { return _mm512_movepi64_mask(reinterpret_cast<__m512i>(m)); }
 RABILINE_LANES words product_of_low_words(words a, words b) {
   return reinterpret_cast<words>(
@@ -94,6 +97,7 @@ RABILINE_LANES words joined(words high, words low) {
 RABILINE_LANES real fma(real a, real b, real c) { return _mm256_fmadd_pd(a, b, c); }
 RABILINE_LANES real fnma(real a, real b, real c) { return _mm256_fnmadd_pd(a, b, c); }
 RABILINE_LANES real sqrt(real x) { return _mm256_sqrt_pd(x); }
+RABILINE_LANES real floor(real x) { return _mm256_floor_pd(x); }
 RABILINE_LANES unsigned bits_of(mask m) {
   return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(m)));
 }
@@ -124,6 +128,10 @@ RABILINE_LANES real sqrt(real x) {
   for (int i = 0; i < lane_count; ++i) r[i] = __builtin_sqrt(x[i]);
   return r;
 #endif
+}
+RABILINE_LANES real floor(real x) {
+  const real nearest = (x + 0x1.8p52) - 0x1.8p52;
+  return nearest > x ? nearest - 1.0 : nearest;
 }
 RABILINE_LANES unsigned bits_of(mask m) {
 #if defined(__SSE2__)

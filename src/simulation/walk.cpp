@@ -27,11 +27,14 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
         static_cast<int>(std::min<std::uint64_t>(last - begin, static_cast<std::uint64_t>(batch_size_)));
     start.view().padded = (start.view().count + 7) / 8 * 8;
     kernels_.emit(tree.source, begin, start.view());
+    Moments emitted;
     for (int i = 0; i < start.view().count; ++i) {
       const std::uint64_t weight = start.view().weight[i];
-      sums[tree.sums] += weight;
-      sums[tree.sums + 1] += static_cast<Sum>(weight) * weight;
+      emitted.q += weight;
+      emitted.q2 += static_cast<Sum>(weight) * weight;
     }
+    sums[tree.sums] += emitted.q;
+    sums[tree.sums + 1] += emitted.q2;
     walk(tree.next, 0, tree.source.key, sums);
   }
 }

@@ -98,10 +98,11 @@ struct Projection {
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
 };
 inline constexpr int most_levels = 10;
-/// Sums over the particles that the detector caught: of q and of the pieces of q^2, q = high 2^20 + low.
+/// Sums over the particles that the detector caught: of q and of q^2 = high 2^40 + low.
 struct LevelSums {
   std::uint64_t q[most_levels] = {};
-  std::uint64_t high_high[most_levels] = {}, high_low[most_levels] = {}, low_low[most_levels] = {};
+  std::uint64_t squares_high[most_levels] = {};
+  std::int64_t squares_low[most_levels] = {};
 };
 
 enum class EdgeKind { open, plate, screen, align };

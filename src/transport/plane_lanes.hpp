@@ -22,9 +22,8 @@ RABILINE_LANES Aperture rim_of(const Screen& s) {
 
 /// Bin of a distance from the screen's low edge; the high edge belongs to the last bin.
 RABILINE_LANES real bin_of(real from_edge, double bins_per_metre, int bins) {
-  const real at = max(broadcast(0), min(broadcast(bins), from_edge * bins_per_metre)),
-             nearest = round_to_nearest(at);
-  return min(select(nearest > at, nearest - 1.0, nearest), broadcast(bins - 1));
+  const real at = max(broadcast(0), min(broadcast(bins), from_edge * bins_per_metre));
+  return min(floor(at), broadcast(bins - 1));
 }
 RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
   const real ix = bin_of(x - (s.x0 - s.half_x), s.bins_per_x, s.bins_x);

@@ -48,30 +48,23 @@ real final_sz(const Projection& p, const BatchView& batch, int i) {
   return s.z;
 }
 
-/// floor(w f) for 0 <= f <= 1 and whole weights up to 2^40.
-RABILINE_LANES real quanta_of(real weight, real fraction) {
-  const real exact = weight * fraction, nearest = round_to_nearest(exact);
-  return select(nearest > exact, nearest - 1.0, nearest);
-}
-
-/// Sums over lanes until the end of the batch, exact in floating point: q = high 2^20 + low, where low may be
-/// negative.
+/// Sums over lanes until the end of the batch, exact in floating point: q^2 <= 2^80 is a multiple of 2^40
+/// plus a rest of at most 2^39 either way.
 struct Accumulator {
-  static_assert(Batch::capacity <= 4096, "the sum of high^2 <= 2^40 has at most 53 bits");
-  real q = real{}, hh = real{}, hl = real{}, ll = real{};
+  static_assert(Batch::capacity <= 4096, "the sum of q^2 / 2^40 has at most 53 bits");
+  real q = real{}, multiple = real{}, rest = real{};
   RABILINE_LANES void add(real quanta) {
-    const real high = round_to_nearest(quanta * 0x1p-20), low = quanta - high * 0x1p20;
+    constexpr double shift = 0x1.8p92;  // the last bit of a number near it is 2^40
+    const real nearest = fma(quanta, quanta, broadcast(shift)) - shift;
     q = q + quanta;
-    hh = hh + high * high;
-    hl = hl + high * low;
-    ll = ll + low * low;
+    multiple = multiple + nearest;
+    rest = rest + fma(quanta, quanta, -nearest);
   }
   void flush(LevelSums& sums, int level) const {
     for (int k = 0; k < lane_count; ++k) {
       sums.q[level] += static_cast<std::uint64_t>(lane(q, k));
-      sums.high_high[level] += static_cast<std::uint64_t>(lane(hh, k));
-      sums.high_low[level] += static_cast<std::uint64_t>(static_cast<std::int64_t>(lane(hl, k)));
-      sums.low_low[level] += static_cast<std::uint64_t>(lane(ll, k));
+      sums.squares_high[level] += static_cast<std::uint64_t>(lane(multiple, k) * 0x1p-40);
+      sums.squares_low[level] += static_cast<std::int64_t>(lane(rest, k));
     }
   }
 };
@@ -81,7 +74,7 @@ struct Shares {
   real first, second;
 };
 RABILINE_LANES Shares share(real weight, real first_fraction) {
-  const real floored = quanta_of(weight, min(first_fraction, 1.0 - first_fraction)), rest = weight - floored;
+  const real floored = floor(weight * min(first_fraction, 1.0 - first_fraction)), rest = weight - floored;
   const mask minor = first_fraction <= broadcast(0.5);
   return {select(minor, floored, rest), select(minor, rest, floored)};
 }
@@ -159,7 +152,7 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
     real rest = weight, largest = real{};
     words largest_level = words{};
     for (int to = 0; to < p.levels; ++to) {
-      quanta[to] = quanta_of(weight, level_probability(p, load(batch.level + i), to, flip));
+      quanta[to] = floor(weight * level_probability(p, load(batch.level + i), to, flip));
       const mask larger = quanta[to] > largest;
       largest = select(larger, quanta[to], largest);
       largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);

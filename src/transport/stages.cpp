@@ -103,10 +103,9 @@ void pass(const TurningRegion& region, Flight& flight) {
     if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
 }
 
-/// Sum of q^2 from the sums of products of its halves, q = high 2^20 + low, where low may be negative.
+/// Sum of q^2 from its pieces; a negative lower one borrows, as unsigned numbers do.
 Sum joined_squares(const LevelSums& s, int level) {
-  const Sum high_low = static_cast<Sum>(static_cast<std::int64_t>(s.high_low[level]));
-  return (static_cast<Sum>(s.high_high[level]) << 40) + (high_low << 21) + s.low_low[level];
+  return (static_cast<Sum>(s.squares_high[level]) << 40) + static_cast<Sum>(s.squares_low[level]);
 }
 
 void pass(const SpinStretch& stretch, Flight& flight) {

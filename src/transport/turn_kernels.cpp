@@ -186,17 +186,19 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
     const mask stays = (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2);
     if (any(going & ~stays)) {
       const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
-      const mask wall = ~(from_axis2 <= wall2) & going, leaves = forward | backwards | wall;
+      const mask wall = (from_axis2 > wall2) & going & ~forward & ~backwards;
+      const mask leaves = going & ~stays;  // what met none of these is no number any more
       before = choose(leaves, old, before);
       last = choose(leaves, now, last);
       v.forward = v.forward | forward;
       v.backwards = v.backwards | backwards;
-      v.wall = v.wall | (wall & ~forward & ~backwards);
+      v.wall = v.wall | wall;
+      v.gave_up = v.gave_up | (leaves & ~forward & ~backwards & ~wall);
       going = going & ~leaves;
     }
     if (recorder != nullptr && lane((words)going, 0) != 0) record(*recorder, stepper.leave(now));
   }
-  v.gave_up = going;
+  v.gave_up = v.gave_up | going;
   const mask crossed = v.forward | v.backwards;
   v.state = stepper.leave(choose(going, now, last));
   if (any(crossed))
