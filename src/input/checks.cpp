@@ -333,22 +333,18 @@ bool is_reserved(std::string_view name) {
 }
 
 void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
-  for (const Beamline& point : points) {
-    const Beamline& first = points.front();
-    if (point.particles != first.particles || point.seed != first.seed)
-      return reading.error(
-          axis.place, fmt::format("`{}` is the same at every point of a scan", axis.parameter),
-          "for points with random numbers of their own write `particles: independent` in the scan");
-    for (std::size_t i = 0; i < point.parts.size() && i < first.parts.size(); ++i) {
-      const auto *now = std::get_if<Detector>(&point.parts[i].part),
-                 *then = std::get_if<Detector>(&first.parts[i].part);
-      if (now && then && point.parts[i].placement.name == first.parts[i].placement.name && *now != *then)
+  for (const Beamline& point : points)
+    for (const PlacedPart& part : point.parts) {
+      const auto* now = std::get_if<Detector>(&part.part);
+      for (const PlacedPart& other : points.front().parts) {
+        const auto* then = std::get_if<Detector>(&other.part);
+        if (!now || !then || part.placement.name != other.placement.name || now->bins == then->bins) continue;
         return reading.error(axis.place,
                              fmt::format("`{}` cannot be scanned: all points fill the same histogram of `{}`",
-                                         axis.parameter, point.parts[i].placement.name),
-                             "put a slit in front of a wide detector and scan the slit");
+                                         axis.parameter, part.placement.name),
+                             "make one run for each number of bins");
+      }
     }
-  }
 }
 
 void check_beamline(const Beamline& beamline, const Node& root, Reading& reading) {

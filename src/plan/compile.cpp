@@ -55,8 +55,9 @@ Sections sections_of(const Beamline& beamline) {
 /// Compiles one chain; each member function adds stages for one thing.
 class Compiler {
  public:
-  Compiler(const Beamline& beamline, const Species& species)
+  Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids)
       : beamline_(beamline),
+        grids_(grids),
         species_(species),
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
@@ -133,6 +134,11 @@ class Compiler {
 
   // ---- planes ----
 
+  Screen screen_at(const Plane& plane) const {
+    const std::string& name = beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name;
+    return screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term), grids_.at(name));
+  }
+
   /// Walls are asked about at planes: a straight flight that left the chamber never comes back into it.
   void stop_at_wall(double y, const Wall& wall) {
     if (std::isfinite(wall.radius))
@@ -151,7 +157,7 @@ class Compiler {
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
       chain_.push_back(Passage{aperture_of(plane.y, plate->opening, plate->offset), plane.part});
     else
-      chain_.push_back(Score{screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term))});
+      chain_.push_back(Score{screen_at(plane)});
   }
 
   // ---- from the source to the last part ----
@@ -238,7 +244,7 @@ class Compiler {
       edge.plate = aperture_of(plane.y, plate->opening, plate->offset);
     } else {
       edge.kind = EdgeKind::screen;
-      edge.screen = screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term));
+      edge.screen = screen_at(plane);
     }
     return edge;
   }
@@ -330,6 +336,7 @@ class Compiler {
   }
 
   const Beamline& beamline_;
+  const ScreenGrids& grids_;
   const Species& species_;
   const Sections sections_;
   const bool quantum_;
@@ -343,8 +350,8 @@ class Compiler {
 
 }  // namespace
 
-std::vector<Stage> compile(const Beamline& beamline, const Component& component) {
-  return Compiler(beamline, component.species).compile();
+std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids) {
+  return Compiler(beamline, component.species, grids).compile();
 }
 
 }  // namespace rabiline

@@ -1,5 +1,7 @@
 #include "plan/geometry.hpp"
 
+#include <algorithm>
+
 namespace rabiline {
 
 Aperture aperture_of(double y, const Opening& opening, const Offset& offset) {
@@ -16,7 +18,22 @@ Aperture aperture_of(double y, const Opening& opening, const Offset& offset) {
   return a;
 }
 
-Screen screen_of(double y, int part, const ScreenTerm& term) {
+ScreenGrids screen_grids(const std::vector<Beamline>& points) {
+  ScreenGrids grids;
+  for (const Beamline& beamline : points)
+    for (const PlacedPart& part : beamline.parts) {
+      const auto* d = std::get_if<Detector>(&part.part);
+      if (d == nullptr) continue;
+      const ScreenGrid own{d->offset.x - d->width / 2, d->offset.x + d->width / 2,
+                           d->offset.z - d->height / 2, d->offset.z + d->height / 2};
+      ScreenGrid& grid = grids.try_emplace(part.placement.name, own).first->second;
+      grid = {std::min(grid.low_x, own.low_x), std::max(grid.high_x, own.high_x),
+              std::min(grid.low_z, own.low_z), std::max(grid.high_z, own.high_z)};
+    }
+  return grids;
+}
+
+Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& grid) {
   Screen s;
   s.y = y;
   s.part = part;
@@ -26,8 +43,10 @@ Screen screen_of(double y, int part, const ScreenTerm& term) {
   s.half_z = term.size.height / 2;
   s.bins_x = term.bins_x;
   s.bins_z = term.bins_z;
-  s.bins_per_x = term.bins_x / term.size.width;
-  s.bins_per_z = term.bins_z / term.size.height;
+  s.low_x = grid.low_x;
+  s.low_z = grid.low_z;
+  s.bins_per_x = term.bins_x / (grid.high_x - grid.low_x);
+  s.bins_per_z = term.bins_z / (grid.high_z - grid.low_z);
   return s;
 }
 

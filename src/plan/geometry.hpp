@@ -1,6 +1,11 @@
 #pragma once
 // Openings and screens as kernels see them.
+#include <map>
+#include <string>
+#include <vector>
 #include "particle/source.hpp"
+
+#include "beamline/beamline.hpp"
 #include "parts/part.hpp"
 #include "section/section.hpp"
 #include "transport/kernels.hpp"
@@ -8,7 +13,15 @@
 namespace rabiline {
 
 Aperture aperture_of(double y, const Opening&, const Offset&);
-Screen screen_of(double y, int part, const ScreenTerm&);
+
+/// The rectangle [m] that a detector's histogram covers: all places that its screen takes in a scan.
+struct ScreenGrid {
+  double low_x, high_x, low_z, high_z;
+};
+using ScreenGrids = std::map<std::string, ScreenGrid>;  // by the detector's name
+ScreenGrids screen_grids(const std::vector<Beamline>& points);
+
+Screen screen_of(double y, int part, const ScreenTerm&, const ScreenGrid&);
 /// The mean of a law of speeds [m/s]: what steps, costs and derived numbers are reckoned with.
 double mean_speed(const SpeedLaw&);
 

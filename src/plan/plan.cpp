@@ -83,6 +83,7 @@ struct Group {
 };
 
 std::vector<Group> group_by_source(const Experiment& experiment) {
+  const ScreenGrids grids = screen_grids(experiment.points);
   std::vector<Group> groups;
   for (std::size_t p = 0; p < experiment.points.size(); ++p) {
     const Beamline& beamline = experiment.points[p];
@@ -96,7 +97,7 @@ std::vector<Group> group_by_source(const Experiment& experiment) {
                       emission_of(beamline, component, {beamline.seed, stream})};
       auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
       if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
-      group->chains.push_back({static_cast<int>(p), compile(beamline, component)});
+      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids)});
     }
   }
   return groups;

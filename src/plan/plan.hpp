@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "plan/geometry.hpp"
 #include "transport/stages.hpp"
 
 namespace rabiline {
@@ -34,7 +35,7 @@ struct Plan {
 };
 
 /// One scan point's chain of stages for one species.
-std::vector<Stage> compile(const Beamline&, const Component&);
+std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
 /// How the particles of a beamline start.
 Emission emission_of(const Beamline&, const Component&, RandomKey);
 /// Estimated time for one particle on one core [s]; only its order of magnitude matters.

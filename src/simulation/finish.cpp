@@ -185,13 +185,14 @@ class Finisher {
 
   void add_detectors() {
     const auto& parts = experiment_.points.front().parts;
+    const ScreenGrids grids = screen_grids(experiment_.points);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (!std::holds_alternative<Detector>(parts[i].part)) continue;
       DetectorResult detector;
       detector.name = parts[i].placement.name;
       detector.label = parts[i].placement.label.value_or(detector.name);
       detector.y = parts[i].placement.at;
-      add_axes(std::get<Detector>(parts[i].part), detector);
+      add_axes(grids.at(detector.name), std::get<Detector>(parts[i].part).bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(number_of(p, detector.name), p, detector);
       add_covariance(detector);
       add_levels(detector);
@@ -207,15 +208,15 @@ class Finisher {
     throw std::logic_error("a detector is missing at a scan point");
   }
 
-  static void add_axes(const Detector& d, DetectorResult& detector) {
-    const auto edges = [](double centre, double extent, std::int64_t bins) {
+  static void add_axes(const ScreenGrid& grid, const Bins& bins, DetectorResult& detector) {
+    const auto edges = [](double low, double high, std::int64_t count) {
       std::vector<double> e;
-      for (std::int64_t i = 0; i <= bins; ++i)
-        e.push_back(centre + extent * (static_cast<double>(i) / static_cast<double>(bins) - 0.5));
+      for (std::int64_t i = 0; i <= count; ++i)
+        e.push_back(std::lerp(low, high, static_cast<double>(i) / static_cast<double>(count)));
       return e;
     };
-    detector.x = {"x", edges(d.offset.x, d.width, d.bins.x)};
-    detector.z = {"z", edges(d.offset.z, d.height, d.bins.z)};
+    detector.x = {"x", edges(grid.low_x, grid.high_x, bins.x)};
+    detector.z = {"z", edges(grid.low_z, grid.high_z, bins.z)};
   }
 
   bool concerns(const std::vector<int>& points, std::size_t p) const {

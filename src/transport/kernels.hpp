@@ -49,6 +49,7 @@ struct Emission {
 struct Screen {
   double y = 0, x0 = 0, z0 = 0;           // [m] centre
   double half_x = 0, half_z = 0;          // [m]
+  double low_x = 0, low_z = 0;            // [m] where the histogram begins
   double bins_per_x = 0, bins_per_z = 0;  // [1/m]
   int bins_x = 1, bins_z = 1;
   int part = 0;

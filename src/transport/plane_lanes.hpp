@@ -26,8 +26,8 @@ RABILINE_LANES real bin_of(real from_edge, double bins_per_metre, int bins) {
   return min(floor(at), broadcast(bins - 1));
 }
 RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
-  const real ix = bin_of(x - (s.x0 - s.half_x), s.bins_per_x, s.bins_x);
-  const real iz = bin_of(z - (s.z0 - s.half_z), s.bins_per_z, s.bins_z);
+  const real ix = bin_of(x - s.low_x, s.bins_per_x, s.bins_x);
+  const real iz = bin_of(z - s.low_z, s.bins_per_z, s.bins_z);
   return bit_pattern(fma(ix, broadcast(s.bins_z), iz) + 0x1p52) & 0xfffffffffffffULL;
 }
 

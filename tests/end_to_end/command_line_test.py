@@ -40,7 +40,7 @@ parts:
   - {name: hole,    kind: slit,           at: 0.25 m, width: 1 mm, height: 2 mm}
   - {name: B,       kind: uniform_field,  at: 0.30 m, length: 0.25 m, field: 10 mT}
   - {name: H0,      kind: rotating_field, at: 0.35 m, length: 0.20 m, amplitude: 60 uT, frequency: 291.6 kHz,
-     sense: co, phase: random}
+     sense: positive, phase: random}
   - {name: screen,  kind: detector,       at: 1.2 m, width: 4 mm, height: 4 mm, bins: [20, 30]}
 particles: 1003
 seed: 7

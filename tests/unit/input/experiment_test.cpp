@@ -98,7 +98,6 @@ TEST(Scan, ReachesNumbersWordsCountsAndKeysThatTheFileLeavesOut) {
   }
   for (const char* scan :
        {"species=neutron,proton,H", "H0.sense=co,counter,positive", "H0.phase=random,locked,30 deg",
-        "screen.bins=[1, 1],[2, 2],[3, 3]",
         "source.direction=parallel,{kind: cone, half_angle: 1 mrad},{kind: aimed, target: screen}"}) {
     try {
       const Experiment e = load({}, {std::string(scan), "H0.frequency=1 kHz"}).experiment;

@@ -93,6 +93,18 @@ TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
   EXPECT_LT(4 * error, 0.03 * rate_a);
 }
 
+TEST(Finish, CoversWithOneHistogramEveryPlaceThatAScannedScreenTakes) {
+  Beamline left = divergent(1), right = left;
+  std::get<Detector>(left.parts.back().part) = {2e-3, 4e-3, {4, 1}, {-1e-3, 0}};
+  std::get<Detector>(right.parts.back().part) = {2e-3, 4e-3, {4, 1}, {1e-3, 0}};
+  const DetectorResult d = run_points({left, right}).detectors[0];
+  EXPECT_EQ(d.x.edges, (std::vector<double>{-2e-3, -1e-3, 0, 1e-3, 2e-3}));
+  for (std::size_t bin = 0; bin < 4; ++bin) {
+    EXPECT_EQ(d.counts_x[bin] > 0, bin < 2) << "the screen on the left, bin " << bin;
+    EXPECT_EQ(d.counts_x[4 + bin] > 0, bin >= 2) << "the screen on the right, bin " << bin;
+  }
+}
+
 TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {
   Beamline b = divergent(1);
   EXPECT_EQ(run_points({b}).detectors[0].level_labels, (std::vector<std::string>{"m = +1/2", "m = -1/2"}));
