@@ -101,6 +101,25 @@ void print_summary(const Result& result, const std::filesystem::path& output, do
   fmt::print("wrote {}\n", output.string());
 }
 
+/// The command that goes on with this run from any folder.
+std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::filesystem::path& output) {
+  const CommandLine& changes = a.experiment.changes;
+  std::vector<std::string> arguments{"run", std::filesystem::absolute(a.experiment.file).string(), "-o",
+                                     std::filesystem::absolute(output).string()};
+  const auto add = [&](const char* option, const std::string& value) {
+    arguments.insert(arguments.end(), {option, value});
+  };
+  for (const std::string& change : changes.set) add("--set", change);
+  for (const std::string& scan : changes.scan) add("--scan", scan);
+  if (changes.particles) add("--particles", std::to_string(*changes.particles));
+  if (changes.seed) add("--seed", std::to_string(*changes.seed));
+  if (a.machine.threads > 0) add("--threads", std::to_string(a.machine.threads));
+  if (!a.machine.isa.empty()) add("--isa", a.machine.isa);
+  add("--batch", std::to_string(a.batch));
+  add("--progress", a.progress);
+  return arguments;
+}
+
 /// Writes checkpoints; one that cannot be written is worth a warning, not the run.
 class Checkpoints {
  public:
@@ -134,7 +153,7 @@ class Checkpoints {
   std::filesystem::path path_;
   std::string fingerprint_;
   const LoadedExperiment& loaded_;
-  const std::vector<std::string>& arguments_;
+  std::vector<std::string> arguments_;
 };
 
 /// Sums of every thread and of the whole must fit into the machine.
@@ -166,7 +185,8 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
   require_memory(plan, a.machine.thread_count());
   if (start != nullptr && start->sums_low.size() != plan.sums)
     throw ArgumentError("the checkpoint does not fit the plan");
-  const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded, arguments);
+  const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,
+                                arguments_to_resume(a, output));
   ProgressLine progress(a.progress);
   RunOptions options;
   options.threads = a.machine.thread_count();
