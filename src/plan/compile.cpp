@@ -22,9 +22,10 @@ constexpr double steps_per_turn_of_spin = 24;
 
 /// Steps per turn in a region. The path's error over the length of the flight was measured against an
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
-/// spin and field; the steps keep it below 2e-7 (tests/physics/dorado_test.cpp: below 1e-6).
+/// spin and field; the steps are chosen to keep it, and that of the direction at the end, around 1e-7 to 1e-6
+/// (tests/physics/dorado_test.cpp holds the path to 1e-6).
 double steps_per_turn_of_path(double tip, double turns) {
-  return std::clamp(24 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
+  return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
 }
 
 /// What turns the velocity under a law: dv/dt = W x v with W = rate_per_tesla B.
@@ -89,9 +90,7 @@ class Compiler {
     for (const RotatingTerm& term : section.rotating)
       if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term);
     require_known_phases(zone);
-    if (zone.drives > 1)
-      zone.steps = static_cast<int>(std::ceil(steps_per_turn_of_spin * rate_of(zone) *
-                                              (section.end - section.begin) / (two_pi * speed())));
+    if (zone.drives > 1) zone.step = two_pi / (steps_per_turn_of_spin * rate_of(zone));
     return zone;
   }
   DriveTerm drive_of(const RotatingTerm& term) const {
@@ -225,7 +224,6 @@ class Compiler {
     zone.field = zone_of(section);
     zone.field.begin = begin;
     zone.field.end = end;
-    zone.field.steps = 1;
     zone.wall_radius = section.wall.radius;
     zone.wall_part = section.wall.part;
     const double stay = (section.end - section.begin) / speed(), turns = rate_of(zone.field) * stay / two_pi;
@@ -283,17 +281,10 @@ class Compiler {
     RegionInMaking making;
     for (const Section& section : touching) add_section(section, making);
     making.region.take_off_spin_component = turning_.take_off_spin_component;
-    making.region.most_steps = most_steps(making.region);
+    making.region.most_way =
+        200 * (touching.back().end - touching.front().begin);  // what circles for longer gives up
     chain_.push_back(std::move(making.region));
     may_reach_chamber_ = true;
-  }
-
-  /// Two hundred straight crossings of the longest zone: what circles for longer gives up.
-  int most_steps(const TurningRegion& region) const {
-    double most = 0;
-    for (const RegionZone& zone : region.zones)
-      most = std::max(most, (zone.field.end - zone.field.begin) / speed() / zone.step);
-    return static_cast<int>(std::min(200 * most + 1000, 1e9));
   }
 
   // ---- spins at a detector ----

@@ -11,11 +11,23 @@ namespace {
 constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4e-9, cost_of_zone = 5e-9,
                  cost_of_closed_form = 2e-9;
 
-double cost(const TurningRegion& region, double speed) {
+// Estimated time for one particle of that speed on one core [s]; only its order of magnitude matters.
+double cost_of(const TurningRegion& region, double speed) {
   double steps = 0;
   for (const RegionZone& zone : region.zones)
     steps += (zone.field.end - zone.field.begin) / speed / zone.step;
   return steps * cost_of_step;
+}
+double cost_of(const SpinStretch& stretch, double speed) {
+  if (stretch.from_level && stretch.zones.size() <= 1 && stretch.levels == 2) return cost_of_closed_form;
+  double sum = cost_of_closed_form * stretch.levels;
+  for (const SpinZone& zone : stretch.zones)
+    sum += zone.drives > 1 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
+  return sum;
+}
+template <class Plain>
+double cost_of(const Plain&, double) {
+  return cost_of_plane;
 }
 
 struct Chain {
@@ -50,10 +62,9 @@ std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t
   return nodes;
 }
 
-double cost_of(const PlanNode& node, double speed) {
-  const auto* region = std::get_if<TurningRegion>(&node.stage);
-  double sum = region != nullptr ? cost(*region, speed) : cost_of(node.stage);
-  for (const PlanNode& next : node.next) sum += cost_of(next, speed);
+double cost_of_branch(const PlanNode& node, double speed) {
+  double sum = std::visit([&](const auto& stage) { return cost_of(stage, speed); }, node.stage);
+  for (const PlanNode& next : node.next) sum += cost_of_branch(next, speed);
   return sum;
 }
 
@@ -114,22 +125,11 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
   sums += 2;
   tree.next = merge(chains, 0, sums);
   tree.cost = cost_of_emission;
-  for (const PlanNode& node : tree.next) tree.cost += cost_of(node, root.source.speed);
+  for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed);
   return tree;
 }
 
 }  // namespace
-
-double cost_of(const Stage& stage) {
-  if (const auto* stretch = std::get_if<SpinStretch>(&stage)) {
-    if (stretch->from_level && stretch->zones.size() <= 1 && stretch->levels == 2) return cost_of_closed_form;
-    double sum = cost_of_closed_form * stretch->levels;
-    for (const SpinZone& zone : stretch->zones)
-      sum += cost_of_zone + (zone.drives > 1 ? zone.steps * cost_of_step * 4 : 0);
-    return sum;
-  }
-  return cost_of_plane;
-}
 
 Plan make_plan(const Experiment& experiment, double most_cost) {
   Plan plan;

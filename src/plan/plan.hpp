@@ -38,8 +38,6 @@ struct Plan {
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
 /// How the particles of a beamline start.
 Emission emission_of(const Beamline&, const Component&, RandomKey);
-/// Estimated time for one particle on one core [s]; only its order of magnitude matters.
-double cost_of(const Stage&);
 
 /// `most_cost`: no tree costs more than that [s] for one batch pack of 64 particles; larger scans get
 /// several.

@@ -21,6 +21,7 @@ double particles(Sum q) { return static_cast<double>(q) / quanta; }
 /// Where in the sums one screen's tallies stand, and for which points.
 struct ScreenTally {
   int part;
+  const PlanTree* tree;
   ScreenSums layout;
   std::size_t at;
   const std::vector<int>* points;
@@ -48,13 +49,13 @@ struct Tallies {
 
   explicit Tallies(const Plan& plan) {
     for (const PlanTree& tree : plan.trees) {
-      component_ = tree.component;
+      tree_ = &tree;
       for (const PlanNode& node : tree.next) visit(node);
     }
   }
 
  private:
-  int component_ = 0;
+  const PlanTree* tree_ = nullptr;
 
   void visit(const PlanNode& node) {
     std::visit([&](const auto& stage) { add(stage, node); }, node.stage);
@@ -69,12 +70,12 @@ struct Tallies {
     fates.push_back({Fate::passed, no_part, node.sums, &node.points});
   }
   void add(const SpinStretch& stretch, const PlanNode& node) {
-    levels.push_back({stretch.part, component_, stretch.levels, node.sums, &node.points});
+    levels.push_back({stretch.part, tree_->component, stretch.levels, node.sums, &node.points});
   }
   void add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
   void add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
     const ScreenSums layout = sums_of(screen);
-    screens.push_back({screen.part, layout, at, &node.points});
+    screens.push_back({screen.part, tree_, layout, at, &node.points});
     fates.push_back({Fate::detected, screen.part, at + layout.total(), &node.points});
   }
   void add(const TurningRegion& region, const PlanNode& node) {
@@ -173,13 +174,28 @@ class Finisher {
     }
   }
 
-  /// Error of a count of particles: Wilson's where every particle weighs the same, else the standard error.
-  double error_of(const Moments& m, std::size_t point) const {
-    const double n = static_cast<double>(experiment_.points[point].particles);
-    if (m.q2 == m.q * quanta_per_particle) return n * wilson_error(particles(m.q), n);
-    const double q = particles(m.q), q2 = static_cast<double>(m.q2) / (quanta * quanta);
-    return std::sqrt(std::max(0.0, q2 - q * q / n));
+  /// Variance of what was counted of n particles of one species: Wilson's where every particle weighs the
+  /// same, else the standard one. Species are drawn in fixed shares, so their variances add up.
+  static double variance_of(const Moments& m, double n) {
+    if (m.q2 == m.q * quanta_per_particle) return std::pow(n * wilson_error(particles(m.q), n), 2);
+    const double q = particles(m.q);
+    return std::max(0.0, static_cast<double>(m.q2) / (quanta * quanta) - q * q / n);
   }
+  /// A histogram over all species: counts and their variances.
+  struct Counts {
+    explicit Counts(std::size_t bins) : counts(bins, 0.0), variances(bins, 0.0) {}
+    std::vector<double> counts, variances;
+    void add(const std::vector<Moments>& species, double n) {
+      for (std::size_t b = 0; b < species.size(); ++b) {
+        counts[b] += particles(species[b].q);
+        variances[b] += variance_of(species[b], n);
+      }
+    }
+    void put(std::vector<double>& to, std::vector<double>& errors) const {
+      to.insert(to.end(), counts.begin(), counts.end());
+      for (const double v : variances) errors.push_back(std::sqrt(v));
+    }
+  };
 
   // ---- detectors ----
 
@@ -225,50 +241,60 @@ class Finisher {
 
   void add_counts(int part, std::size_t p, DetectorResult& detector) {
     const std::size_t nx = detector.x.edges.size() - 1, nz = detector.z.edges.size() - 1;
-    std::vector<Moments> bins(nx * nz), along_x(nx), along_z(nz);
-    Moments total;
-    std::vector<double> groups(group_count, 0.0);
+    Counts bins(nx * nz), along_x(nx), along_z(nz), total(1);
+    Moments all;
+    std::vector<double> deviations(group_count, 0.0);
     for (const ScreenTally& screen : tallies_.screens) {
       if (screen.part != part || !concerns(*screen.points, p)) continue;
       const Sum* s = &sums_[screen.at];
-      for (std::size_t b = 0; b < bins.size(); ++b)
-        for (Moments* m : {&bins[b], &along_x[b / nz], &along_z[b % nz], &total}) {
+      std::vector<Moments> own(nx * nz), own_x(nx), own_z(nz), own_total(1);
+      for (std::size_t b = 0; b < own.size(); ++b)
+        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz], &own_total[0], &all}) {
           m->q += s[screen.layout.bin(b)];
           m->q2 += s[screen.layout.bin(b) + 1];
         }
-      for (std::size_t g = 0; g < group_count; ++g) groups[g] += particles(s[screen.layout.group(g)]);
+      const double n = static_cast<double>(screen.tree->last - screen.tree->first);
+      bins.add(own, n);
+      along_x.add(own_x, n);
+      along_z.add(own_z, n);
+      total.add(own_total, n);
+      for (std::size_t g = 0; g < group_count; ++g)
+        deviations[g] +=
+            particles(s[screen.layout.group(g)]) - particles(own_total[0].q) / n * members(*screen.tree, g);
     }
-    const auto put = [&](const std::vector<Moments>& from, std::vector<double>& counts,
-                         std::vector<double>& errors) {
-      for (const Moments& m : from) {
-        counts.push_back(particles(m.q));
-        errors.push_back(error_of(m, p));
-      }
-    };
-    put(bins, detector.counts, detector.counts_errors);
-    put(along_x, detector.counts_x, detector.counts_x_errors);
-    put(along_z, detector.counts_z, detector.counts_z_errors);
-    const double emitted = particles(emitted_[p].q);
-    detector.detected.push_back(particles(total.q) / emitted);
-    detector.detected_errors.push_back(error_of(total, p) / emitted);
-    groups_[detector.name].push_back(std::move(groups));
-    totals_[detector.name].push_back(total);
+    bins.put(detector.counts, detector.counts_errors);
+    along_x.put(detector.counts_x, detector.counts_x_errors);
+    along_z.put(detector.counts_z, detector.counts_z_errors);
+    const Moments& emitted = emitted_[p];
+    const double fraction = particles(all.q) / particles(emitted.q);
+    detector.detected.push_back(fraction);
+    detector.detected_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
+                                           ? std::sqrt(total.variances[0]) / particles(emitted.q)
+                                           : ratio_error(all, emitted, fraction));
+    for (double& d : deviations) d /= particles(emitted.q);
+    deviations_[detector.name].push_back(std::move(deviations));
+    totals_[detector.name].push_back(all);
   }
 
-  /// Between points that fly the same particles: from the spread of the groups around the mean. The groups
-  /// differ in size by one particle at most, and that is taken into account.
+  /// Where weights differ, what was emitted is random too: the error of a ratio of sums over the same
+  /// particles.
+  static double ratio_error(const Moments& part, const Moments& whole, double ratio) {
+    const double q2 = static_cast<double>(part.q2), all_q2 = static_cast<double>(whole.q2);
+    return std::sqrt(std::max(0.0, q2 * (1 - 2 * ratio) + ratio * ratio * all_q2)) /
+           static_cast<double>(whole.q);
+  }
+
+  /// How many particles of a tree are in a group.
+  static double members(const PlanTree& tree, std::uint64_t group) {
+    const auto below = [&](std::uint64_t n) { return n / group_count + (group < n % group_count ? 1 : 0); };
+    return static_cast<double>(below(tree.last) - below(tree.first));
+  }
+
+  /// Between points that fly the same particles: from how far each group is from what its size lets expect.
   void add_covariance(DetectorResult& detector) {
     constexpr std::size_t most_points = 2048;
     if (points_ < 2 || points_ > most_points || experiment_.particles != ScanParticles::shared) return;
-    std::vector<std::vector<double>> deviations = groups_[detector.name];
-    for (std::size_t p = 0; p < points_; ++p) {
-      const std::uint64_t n = experiment_.points[p].particles;
-      for (std::size_t g = 0; g < group_count; ++g) {
-        const std::uint64_t size = n / group_count + (g < n % group_count ? 1 : 0);
-        const double mean = particles(totals_[detector.name][p].q) / static_cast<double>(n);
-        deviations[p][g] = (deviations[p][g] - mean * static_cast<double>(size)) / particles(emitted_[p].q);
-      }
-    }
+    const std::vector<std::vector<double>>& deviations = deviations_[detector.name];
     detector.detected_covariance.resize(points_ * points_);
     for (std::size_t a = 0; a < points_; ++a)
       for (std::size_t b = 0; b <= a; ++b) {
@@ -365,9 +391,9 @@ class Finisher {
   const Sums& sums_;
   const Tallies tallies_;
   const std::size_t points_;
-  std::vector<Moments> emitted_;                                    // [points]
-  std::map<std::string, std::vector<std::vector<double>>> groups_;  // detector: [points][groups], particles
-  std::map<std::string, std::vector<Moments>> totals_;              // detector: [points]
+  std::vector<Moments> emitted_;                                        // [points]
+  std::map<std::string, std::vector<std::vector<double>>> deviations_;  // detector: [points][groups]
+  std::map<std::string, std::vector<Moments>> totals_;                  // detector: [points]
   Result result_;
 };
 

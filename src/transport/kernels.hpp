@@ -82,7 +82,7 @@ struct SpinZone {
   double turn_rate = 0;       // [rad/s] the velocity's turning about z, strength included
   int drives = 0;
   DriveTerm drive[most_drives];
-  int steps = 1;  // of a stretch where more than one field drives
+  double step = 0;  // [s] at most, of a stretch where more than one field drives
   bool operator==(const SpinZone&) const = default;
 };
 
@@ -132,8 +132,8 @@ struct Region {
   const RegionEdge* edges = nullptr;  // edges[i] is crossed between zones i and i+1; zone_count - 1 of them
   int zone_count = 0;
   bool take_off_spin_component = false;  // closure torque
-  int most_steps = 0;                    // in one zone at one visit
-  int most_visits = 0;
+  double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
+  std::uint64_t most_visits = 0;  // of zones
 };
 /// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + zone or
 /// edge.

@@ -17,10 +17,12 @@ Vector through_rotating(const SpinZone& zone, const real* phases, real t, real s
   return turn_about_z(phasor(stay * drive.omega), turn_about_z(in, r));
 }
 
-/// Several fields that turn at different rates: fourth-order steps.
+/// Several fields that turn at different rates: fourth-order steps, as many as each particle's stay asks for.
 Vector through_many(const SpinZone& zone, const real* phases, real t, real stay, Vector s) {
-  const real h = stay / broadcast(zone.steps);
-  for (int i = 0; i < zone.steps; ++i) s = step_spin(zone, phases, fma(h, broadcast(i), t), h, s);
+  const real steps = max(broadcast(1), -floor(stay * (-1 / zone.step)));
+  const real h = stay / steps;
+  for (real i = broadcast(0); any(i < steps); i = i + 1.0)
+    s = select(i < steps, step_spin(zone, phases, fma(h, i, t), h, s), s);
   return s;
 }
 

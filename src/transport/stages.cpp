@@ -143,8 +143,8 @@ Region region_view(const TurningRegion& region, const RandomKey& key) {
   view.edges = region.edges.data();
   view.zone_count = static_cast<int>(region.zones.size());
   view.take_off_spin_component = region.take_off_spin_component;
-  view.most_steps = region.most_steps;
-  view.most_visits = 64 + 4 * view.zone_count;
+  view.most_way = region.most_way;
+  view.most_visits = static_cast<std::uint64_t>(64 + 4 * view.zone_count);
   return view;
 }
 

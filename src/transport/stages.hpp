@@ -36,7 +36,7 @@ struct TurningRegion {
   std::vector<RegionZone> zones;
   std::vector<RegionEdge> edges;  // between neighbouring zones
   bool take_off_spin_component = false;
-  int most_steps = 0;
+  double most_way = 0;  // [m] in one zone at one visit
   bool operator==(const TurningRegion&) const = default;
 };
 /// What hits a screen is caught and histogrammed.

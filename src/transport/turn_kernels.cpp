@@ -169,25 +169,28 @@ struct Visit {
   mask forward, backwards, wall, gave_up;
 };
 
-/// Flies the chosen lanes through one zone until each has left it, hit its wall or taken too many steps.
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long.
 Visit visit(const Region& region, const RegionZone& zone, const real* phases, const State& start, mask chosen,
             const StepRecorder* recorder) {
   const Stepper stepper{zone.field, region.take_off_spin_component, phases};
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end), h = broadcast(zone.step);
   const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
   const Propagator whole_step = stepper.steps_of(h);
+  const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
   mask going = chosen;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
-  for (int i = 0; i < region.most_steps && any(going); ++i) {
+  while (any(going)) {
     const State old = now;
     now = stepper.step(whole_step, old);
     const real from_axis2 = fma(now.place.x, now.place.x, now.place.z * now.place.z);
-    const mask stays = (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2);
+    const mask stays =
+        (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
     if (any(going & ~stays)) {
       const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
       const mask wall = (from_axis2 > wall2) & going & ~forward & ~backwards;
-      const mask leaves = going & ~stays;  // what met none of these is no number any more
+      const mask leaves =
+          going & ~stays;  // what met none of these circles for ever, or is no number any more
       before = choose(leaves, old, before);
       last = choose(leaves, now, last);
       v.forward = v.forward | forward;
@@ -198,9 +201,8 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
     }
     if (recorder != nullptr && lane((words)going, 0) != 0) record(*recorder, stepper.leave(now));
   }
-  v.gave_up = v.gave_up | going;
   const mask crossed = v.forward | v.backwards;
-  v.state = stepper.leave(choose(going, now, last));
+  v.state = stepper.leave(last);
   if (any(crossed))
     v.state = choose(crossed, to_edge(stepper, before, h, select(v.forward, end, begin)), v.state);
   v.state = choose(chosen, v.state, start);
@@ -212,8 +214,9 @@ struct Pack {
   State state;
   words zone;  // index of the zone it is in
   words level;
-  words end;    // region_end, bin of a caught particle in the upper half
-  mask inside;  // still in the region
+  words visits;  // of zones, so far
+  words end;     // region_end, bin of a caught particle in the upper half
+  mask inside;   // still in the region
 };
 
 void finish(Pack& pack, mask lanes, words end) {
@@ -277,7 +280,7 @@ Pack load_pack(const BatchView& batch, int i) {
   pack.state.velocity = {load(batch.vx + i), load(batch.vy + i), load(batch.vz + i)};
   pack.state.spin = {load(batch.sx + i), load(batch.sy + i), load(batch.sz + i)};
   pack.level = load(batch.level + i);
-  pack.zone = pack.end = words{};
+  pack.zone = pack.visits = pack.end = words{};
   pack.inside = (mask)load(batch.flying + i);
   return pack;
 }
@@ -308,7 +311,7 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
   for (int i = 0; i < batch.padded; i += lane_count) {
     Pack pack = load_pack(batch, i);
     const words particle = load(batch.particle + i);
-    for (int visits = 0; visits < region.most_visits && any(pack.inside); ++visits) {
+    while (any(pack.inside)) {
       const int zone = first_zone(pack, region.zone_count);
       const mask chosen = pack.inside & (pack.zone == code(0, zone));
       real phases[most_drives];
@@ -318,9 +321,11 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
       const Visit v =
           visit(region, region.zones[zone], phases, pack.state, chosen, recorded ? recorder : nullptr);
       leave_zone(region, zone, chosen, v, particle, pack);
+      pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});
+      finish(pack, pack.inside & (pack.visits >= broadcast_word(region.most_visits)),
+             code(region_end::gave_up, 0));
       if (recorded) record(*recorder, pack.state);
     }
-    finish(pack, pack.inside, code(region_end::gave_up, 0));
     store_pack(region, pack, batch, i);
   }
   batch.y = region.zones[region.zone_count - 1].field.end;

@@ -71,6 +71,31 @@ TEST(Finish, GivesPointsThatShareParticlesTheirCovariance) {
   EXPECT_NEAR(d.detected_covariance.at(1), expected, 4 * variance / std::sqrt(255.0));
 }
 
+TEST(Finish, KnowsThatTheSharesOfAMixtureAreNotRandom) {
+  // One species is always caught, the other never: the count cannot scatter.
+  Beamline b = suggested(291.65e3);
+  Species dark = test::neutron();
+  dark.name = "dark";
+  dark.gyromagnetic_ratio = 0;
+  b.species = {{test::neutron(), 0.4}, {dark, 0.6}};
+  b.particles = 1000;
+  const DetectorResult d = run_points({b, b}).detectors[0];
+  EXPECT_EQ(d.detected[0], 0.6);
+  EXPECT_LT(d.detected_errors[0], 2 * wilson_error(0, 400));
+  EXPECT_NEAR(d.detected_covariance[0], 0, 1e-20);
+}
+
+TEST(Finish, HasNoErrorWhereAnAimedSourceLosesNothing) {
+  Beamline b = divergent(1);
+  b.parts.insert(b.parts.begin(), test::place("S", 0.01, Slit{Rectangle{1e-2, 1e-2}, {}}));
+  b.parts.back() = test::place("screen", 0.02, Detector{1, 1, {1, 1}, {}});
+  b.parts.erase(b.parts.begin() + 1, b.parts.end() - 1);
+  b.source.direction = AimedDirection{"S"};
+  const DetectorResult d = run_points({b}).detectors[0];
+  EXPECT_EQ(d.detected[0], 1);
+  EXPECT_LT(d.detected_errors[0], 1e-9);
+}
+
 TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
   // Emitted isotropically within 60 degrees, or aimed at the slit with its solid angle as a factor: the same
   // rate.
