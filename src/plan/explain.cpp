@@ -68,6 +68,7 @@ class Explainer {
          s.spin.twice, s.gyromagnetic_ratio / two_pi / 1e6, s.mass / 1.66053906892e-27,
          s.charge / 1.602176634e-19, tree.last - tree.first);
     speed_ = tree.source.speed;
+    tip_ = 0;
     line("{}  source, {} m/s{}", metres(0), speed_,
          tree.source.speed_sigma > 0 ? fmt::format(" +- {}", tree.source.speed_sigma) : "");
     walk(tree.next);
@@ -94,6 +95,7 @@ class Explainer {
          p.part < 0 ? "wall" : "opening", reuse());
   }
   void show(const Alignment& a) {
+    tip_ = 0;
     const double y = beamline_.parts[static_cast<std::size_t>(a.part)].placement.at;
     line("{}  {}: moments along the field with probability {:g}{}", metres(y), name_of(a.part), a.probability,
          reuse());
@@ -134,6 +136,11 @@ class Explainer {
       const DriveTerm& drive = zone.drive[i];
       const double detuning = drive.omega - zone.spin_rate, w1 = drive.spin_rate;
       const double rate = std::hypot(detuning, w1);
+      if (drive.omega * zone.spin_rate < 0)
+        warnings_.push_back(
+            fmt::format("the field that rotates from {:.4g} m on turns against the precession there and "
+                        "cannot be resonant",
+                        zone.begin));
       line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance",
            "", hertz(drive.omega), drive.omega < 0 ? '-' : '+',
            (drive.omega < 0 ? -1 : 1) * detuning / two_pi, std::abs(w1) * stay * 180 / std::numbers::pi);
@@ -143,29 +150,32 @@ class Explainer {
     }
   }
 
-  /// Under `torque` a tipped spin in a uniform field behind the drive keeps turning the velocity.
+  /// Under `torque` tipped spins keep turning the path in every field until something aligns them again, and
+  /// a large tip deflects nearly everything. `tip_` is what all drives since the last alignment can have
+  /// done.
   void warn_of_claim_one(const TurningRegion& region) {
     if (!region.take_off_spin_component) return;
-    bool driven = false;
-    for (const RegionZone& zone : region.zones) {
-      if (driven && zone.field.drives == 0 && zone.field.turn_rate != 0)
+    for (std::size_t i = 0; i < region.zones.size(); ++i) {
+      const SpinZone& zone = region.zones[i].field;
+      if (tip_ > 0 && zone.drives == 0 && zone.turn_rate != 0)
         warnings_.push_back(
-            fmt::format("behind the rotating field the uniform field goes on to {:.4g} m: under closure "
-                        "torque it keeps turning "
+            fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
+                        "it keeps turning "
                         "the path of tipped spins",
-                        zone.field.end));
-      driven = driven || zone.field.drives > 0;
-      for (int i = 0; i < zone.field.drives; ++i) {
-        const double tip =
-            std::abs(zone.field.drive[i].spin_rate) * (zone.field.end - zone.field.begin) / speed_;
-        if (tip > 0.05)
-          warnings_.push_back(
-              fmt::format("the tip angle {:.3g} deg is large: under closure torque nearly all frequencies "
-                          "then deflect, and the "
-                          "resonance is far wider than 1/T",
-                          tip * 180 / std::numbers::pi));
-      }
+                        zone.end));
+      const bool before = tip_ > large_tip;
+      for (int k = 0; k < zone.drives; ++k)
+        tip_ += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / speed_;
+      if (tip_ > large_tip && !before) tip_is_large_ = true;
+      if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) tip_ = 0;
     }
+    if (tip_is_large_)
+      warnings_.push_back(
+          fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
+                      "frequencies then "
+                      "deflect, and the resonance is far wider than 1/T",
+                      tip_ * 180 / std::numbers::pi));
+    tip_is_large_ = false;
   }
 
   void cost() {
@@ -181,7 +191,9 @@ class Explainer {
   const Beamline& beamline_;
   const Plan& plan_;
   const Species* species_ = nullptr;
-  double speed_ = 0;
+  static constexpr double large_tip = 0.05;  // [rad]
+  double speed_ = 0, tip_ = 0;
+  bool tip_is_large_ = false;
   std::size_t shared_ = 0;
   std::vector<bool> seen_component_;
   std::vector<std::string> warnings_;

@@ -284,6 +284,13 @@ class Finisher {
            static_cast<double>(whole.q);
   }
 
+  /// Error of the share of a level in what was detected: sum (q - f w)^2 over particles, with the mixed term
+  /// for weights that are all alike or nearly so.
+  static double share_error(const Moments& level, const Moments& all, double share) {
+    const double q2 = static_cast<double>(level.q2), all_q2 = static_cast<double>(all.q2);
+    return std::sqrt(std::max(0.0, q2 - share * share * all_q2)) / static_cast<double>(all.q);
+  }
+
   /// How many particles of a tree are in a group.
   static double members(const PlanTree& tree, std::uint64_t group) {
     const auto below = [&](std::uint64_t n) { return n / group_count + (group < n % group_count ? 1 : 0); };
@@ -342,13 +349,9 @@ class Finisher {
       for (const std::string& label : detector.level_labels) {
         const auto m = found[p].find(label);
         const bool there = m != found[p].end() && all.q > 0;
-        const double total = static_cast<double>(all.q),
-                     fraction = there ? static_cast<double>(m->second.q) / total : none;
-        const double spread =
-            there ? static_cast<double>(m->second.q2) - fraction * fraction * static_cast<double>(all.q2)
-                  : none;
+        const double fraction = there ? static_cast<double>(m->second.q) / static_cast<double>(all.q) : none;
         detector.levels.push_back(fraction);
-        detector.levels_errors.push_back(there ? std::sqrt(std::max(0.0, spread)) / total : none);
+        detector.levels_errors.push_back(there ? share_error(m->second, all, fraction) : none);
       }
     }
   }

@@ -165,6 +165,28 @@ TEST(FieldsThatOverlap, TurningAtTwoRatesActTogether) {
   EXPECT_NEAR(flip(halves), rabi(0.6 * std::numbers::pi / stay, two_pi * 900, stay), 1e-5);
 }
 
+TEST(FieldsThatOverlap, SharesOutEveryLevelOfParticlesOfAnySpeed) {
+  Beamline b = one_zone(neutron(), 80e-6, larmor);
+  RotatingField counter = drive(80e-6, larmor);
+  counter.sense = Sense::counter;
+  b.parts.insert(b.parts.end() - 1, place("counter", 0.35, counter));
+  b.source.speed = GaussianSpeed{1000, 500};
+  b.particles = 4000;
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}}) {
+    b.law = law;
+    const std::vector<double> found = levels(b);
+    EXPECT_NEAR(found[0] + found[1], 1, 1e-12);
+    // The counter-rotating field is far off resonance: Rabi's formula over the speeds, cut at zero.
+    double expected = 0, norm = 0;
+    for (double v = 1; v < 4000; v += 1) {
+      const double weight = std::exp(-0.5 * std::pow((v - 1000) / 500, 2));
+      expected += weight * rabi(std::abs(gamma_n) * 80e-6, 0, zone_length / v);
+      norm += weight;
+    }
+    EXPECT_NEAR(found[0], expected / norm, 4 * 0.4 / std::sqrt(4000) + 0.003);
+  }
+}
+
 /// S10: Majorana 1932, P(m -> m') = |d^I|^2 for flip probability p of a spin 1/2.
 TEST(SpinThreeHalves, SharesItsLevelsByMajoranasFormula) {
   const double gamma = two_pi * 16.54828e6, w1 = 2 * std::asin(0.5) / stay;  // p = 1/4 on resonance

@@ -132,9 +132,28 @@ TEST(Explain, WarnsWhereTheFieldGoesOnBehindTheDrive) {
   std::get<UniformField>(b.parts[1].part).length = 0.4;
   Experiment e = scan({b});
   EXPECT_NE(explain(e, make_plan(e)).find("goes on to 0.7 m"), std::string::npos);
-  b = suggested(291.6e3, 85e-6);
+  b = suggested(291.6e3);
+  b.parts.insert(b.parts.end() - 1, place("guide", 0.6, UniformField{0.2, 1e-3, {}}));
   e = scan({b});
-  EXPECT_NE(explain(e, make_plan(e)).find("tip angle 178 deg is large"), std::string::npos);
+  EXPECT_NE(explain(e, make_plan(e)).find("goes on to 0.8 m"), std::string::npos);
+}
+
+TEST(Explain, WarnsOfALargeTipEvenWhereASlitCutsTheField) {
+  for (const bool cut : {false, true}) {
+    Beamline b = suggested(291.6e3, 2e-6);
+    if (cut) b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
+    const Experiment e = scan({b});
+    EXPECT_NE(explain(e, make_plan(e)).find("4.2 deg, is large"), std::string::npos);
+  }
+  const Experiment e = scan({suggested(291.6e3)});
+  EXPECT_EQ(explain(e, make_plan(e)).find("warning"), std::string::npos);
+}
+
+TEST(Explain, WarnsOfAFieldThatTurnsAgainstThePrecession) {
+  Beamline b = suggested(291.6e3);
+  std::get<UniformField>(b.parts[1].part).field = -10e-3;
+  const Experiment e = scan({b});
+  EXPECT_NE(explain(e, make_plan(e)).find("against the precession"), std::string::npos);
 }
 
 }  // namespace

@@ -47,6 +47,40 @@ TEST(Run, GivesTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   }
 }
 
+TEST(Run, CountsVisitsOfZonesForEachParticleAlone) {
+  // Half circles through a field cut by many plates: particles turn back at different ones, nobody circles
+  // for ever.
+  Experiment e;
+  Beamline b = test::suggested(291e3);
+  b.law = DoradoLaw{Closure::larmor, 1};
+  b.chamber.reset();
+  b.source = {GaussianSpeed{900, 150}, Rectangle{0, 0}, ParallelDirection{}};
+  b.parts = {test::place("B", 0.30, UniformField{0.25, 1e-4, {}}),
+             test::place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+  for (int i = 0; i < 60; ++i)
+    b.parts.insert(b.parts.end() - 1,
+                   test::place("S" + std::to_string(i), 0.301 + 0.001 * i, Slit{Disc{1}, {}}));
+  b.particles = 400;
+  e.points = {b};
+  const Plan plan = make_plan(e);
+  RunOptions options;
+  options.isa = best_isa();
+  const Sums expected = sums_of(plan, options);
+  options.isa = Isa::baseline;
+  EXPECT_TRUE(sums_of(plan, options) == expected);
+  for (const FateResult& fate : finish(e, plan, expected).fates)
+    EXPECT_EQ(fate.particles[0], fate.fate == "left_backwards" ? 400 : 0) << fate.fate;
+}
+
+TEST(Run, GivesSlowParticlesTheTimeTheyNeed) {
+  Beamline b = test::suggested(10, 1e-12);
+  b.law = DoradoLaw{Closure::torque, 1e-12};
+  b.source.speed = GaussianSpeed{1000, 1000};
+  std::get<UniformField>(b.parts[1].part).field = 1e-9;
+  b.particles = 50000;
+  EXPECT_EQ(test::run_points({b}).detectors[0].detected[0], 1);
+}
+
 TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   const Plan plan = make_plan(everything());
   RunOptions options;
