@@ -11,92 +11,13 @@
 
 #include "particle/fate.hpp"
 #include "section/section.hpp"
+#include "simulation/tallies.hpp"
 
 namespace rabiline {
 namespace {
 
 constexpr double quanta = static_cast<double>(quanta_per_particle);
 double particles(Sum q) { return static_cast<double>(q) / quanta; }
-
-/// Where in the sums one screen's tallies stand, and for which points.
-struct ScreenTally {
-  int part;
-  const PlanTree* tree;
-  ScreenSums layout;
-  std::size_t at;
-  const std::vector<int>* points;
-};
-struct LevelTally {
-  int part;
-  int component;  // of the beam
-  int levels;
-  std::size_t at;
-  const std::vector<int>* points;
-};
-struct FateTally {
-  Fate fate;
-  int part;  // no_part where it does not apply
-  std::size_t at;
-  const std::vector<int>* points;
-};
-constexpr int no_part = -2;
-
-/// Every tally of a plan, found by walking its trees.
-struct Tallies {
-  std::vector<ScreenTally> screens;
-  std::vector<LevelTally> levels;
-  std::vector<FateTally> fates;
-
-  explicit Tallies(const Plan& plan) {
-    for (const PlanTree& tree : plan.trees) {
-      tree_ = &tree;
-      for (const PlanNode& node : tree.next) visit(node);
-    }
-  }
-
- private:
-  const PlanTree* tree_ = nullptr;
-
-  void visit(const PlanNode& node) {
-    std::visit([&](const auto& stage) { add(stage, node); }, node.stage);
-    for (const PlanNode& next : node.next) visit(next);
-  }
-  void add(const Drift&, const PlanNode&) {}
-  void add(const Alignment&, const PlanNode&) {}
-  void add(const Passage& passage, const PlanNode& node) {
-    fates.push_back({Fate::stopped, passage.part, node.sums, &node.points});
-  }
-  void add(const Exit&, const PlanNode& node) {
-    fates.push_back({Fate::passed, no_part, node.sums, &node.points});
-  }
-  void add(const SpinStretch& stretch, const PlanNode& node) {
-    levels.push_back({stretch.part, tree_->component, stretch.levels, node.sums, &node.points});
-  }
-  void add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
-  void add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
-    const ScreenSums layout = sums_of(screen);
-    screens.push_back({screen.part, tree_, layout, at, &node.points});
-    fates.push_back({Fate::detected, screen.part, at + layout.total(), &node.points});
-  }
-  void add(const TurningRegion& region, const PlanNode& node) {
-    const RegionSums layout{region.zones.size()};
-    fates.push_back({Fate::left_backwards, no_part, node.sums + RegionSums::backwards(), &node.points});
-    fates.push_back({Fate::gave_up, no_part, node.sums + RegionSums::gave_up(), &node.points});
-    for (std::size_t i = 0; i < region.zones.size(); ++i)
-      if (std::isfinite(region.zones[i].wall_radius))
-        fates.push_back({Fate::stopped, region.zones[i].wall_part, node.sums + layout.wall(i), &node.points});
-    std::size_t screen = node.sums + layout.screens();
-    for (std::size_t i = 0; i < region.edges.size(); ++i) {
-      const RegionEdge& edge = region.edges[i];
-      if (edge.kind == EdgeKind::plate)
-        fates.push_back({Fate::stopped, edge.part, node.sums + layout.edge(i), &node.points});
-      if (edge.kind == EdgeKind::screen) {
-        add_screen(edge.screen, screen, node);
-        screen += sums_of(edge.screen).size();
-      }
-    }
-  }
-};
 
 std::string_view name_of(Fate fate) {
   switch (fate) {

@@ -1,0 +1,58 @@
+#include "simulation/tallies.hpp"
+
+#include <cmath>
+
+namespace rabiline {
+
+Tallies::Tallies(const Plan& plan) {
+  for (const PlanTree& tree : plan.trees) {
+    tree_ = &tree;
+    for (const PlanNode& node : tree.next) visit(node);
+  }
+}
+
+void Tallies::visit(const PlanNode& node) {
+  std::visit([&](const auto& stage) { add(stage, node); }, node.stage);
+  for (const PlanNode& next : node.next) visit(next);
+}
+
+void Tallies::add(const Passage& passage, const PlanNode& node) {
+  fates.push_back({Fate::stopped, passage.part, node.sums, &node.points});
+}
+
+void Tallies::add(const Exit&, const PlanNode& node) {
+  fates.push_back({Fate::passed, no_part, node.sums, &node.points});
+}
+
+void Tallies::add(const SpinStretch& stretch, const PlanNode& node) {
+  levels.push_back({stretch.part, tree_->component, stretch.levels, node.sums, &node.points});
+}
+
+void Tallies::add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
+
+void Tallies::add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
+  const ScreenSums layout = sums_of(screen);
+  screens.push_back({screen.part, tree_, layout, at, &node.points});
+  fates.push_back({Fate::detected, screen.part, at + layout.total(), &node.points});
+}
+
+void Tallies::add(const TurningRegion& region, const PlanNode& node) {
+  const RegionSums layout{region.zones.size()};
+  fates.push_back({Fate::left_backwards, no_part, node.sums + RegionSums::backwards(), &node.points});
+  fates.push_back({Fate::gave_up, no_part, node.sums + RegionSums::gave_up(), &node.points});
+  for (std::size_t i = 0; i < region.zones.size(); ++i)
+    if (std::isfinite(region.zones[i].wall_radius))
+      fates.push_back({Fate::stopped, region.zones[i].wall_part, node.sums + layout.wall(i), &node.points});
+  std::size_t screen = node.sums + layout.screens();
+  for (std::size_t i = 0; i < region.edges.size(); ++i) {
+    const RegionEdge& edge = region.edges[i];
+    if (edge.kind == EdgeKind::plate)
+      fates.push_back({Fate::stopped, edge.part, node.sums + layout.edge(i), &node.points});
+    if (edge.kind == EdgeKind::screen) {
+      add_screen(edge.screen, screen, node);
+      screen += sums_of(edge.screen).size();
+    }
+  }
+}
+
+}  // namespace rabiline
