@@ -19,7 +19,8 @@ struct Chamber {
 };
 template <>
 inline constexpr auto parameters<Chamber> = std::tuple{
-    param("radius", &Chamber::radius, Dimension::length, range::positive, "radius of the wall around the axis"),
+    param("radius", &Chamber::radius, Dimension::length, range::positive,
+          "radius of the wall around the axis"),
 };
 
 struct Beamline {
@@ -27,9 +28,9 @@ struct Beamline {
   std::vector<Component> species;  // fractions add up to 1
   Law law;
   Source source;
-  std::optional<Chamber> chamber;   // no wall where it is missing
-  std::vector<PlacedPart> parts;    // in order of `at`
-  std::uint64_t particles = 0;      // per scan point
+  std::optional<Chamber> chamber;  // no wall where it is missing
+  std::vector<PlacedPart> parts;   // in order of `at`
+  std::uint64_t particles = 0;     // per scan point
   std::uint64_t seed = 0;
 };
 
@@ -37,21 +38,24 @@ struct Beamline {
 enum class ScanParticles { shared, independent };
 template <>
 inline constexpr auto choices<ScanParticles> = std::array{
-    Choice<ScanParticles>{"shared", ScanParticles::shared, "every scan point flies the same particles: smooth curves"},
-    Choice<ScanParticles>{"independent", ScanParticles::independent, "every scan point draws its own particles"},
+    Choice<ScanParticles>{"shared", ScanParticles::shared,
+                          "every scan point flies the same particles: smooth curves"},
+    Choice<ScanParticles>{"independent", ScanParticles::independent,
+                          "every scan point draws its own particles"},
 };
 
 /// One scanned parameter and its values, for axes of results.
 struct ScanAxis {
-  std::string parameter;                            // dotted name, e.g. "H0.frequency"
-  std::optional<Dimension> dimension;               // none for a categorical axis such as "law"
-  std::vector<double> values;                       // [SI]; the index 0, 1, ... for a categorical axis
-  std::vector<std::string> labels;                  // of a categorical axis, else empty
+  std::string parameter;               // dotted name, e.g. "H0.frequency"
+  std::optional<Dimension> dimension;  // none for a categorical axis such as "law"
+  std::vector<double> values;          // [SI]; the index 0, 1, ... for a categorical axis
+  std::vector<std::string> labels;     // of a categorical axis, else empty
 };
 
-/// The experiment over its scan: points[i0 * n1 + i1] for axes 0 and 1; a single point where nothing is scanned.
+/// The experiment over its scan: points[i0 * n1 + i1] for axes 0 and 1; a single point where nothing is
+/// scanned.
 struct Experiment {
-  std::vector<ScanAxis> axes;     // none, one or two
+  std::vector<ScanAxis> axes;  // none, one or two
   ScanParticles particles = ScanParticles::shared;
   std::vector<Beamline> points;
 };

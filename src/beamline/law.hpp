@@ -17,7 +17,8 @@ struct QuantumLaw {
 };
 
 struct ClassicalLaw {
-  static constexpr std::string_view kind = "classical", meaning = "standard physics, large-spin limit: a Bloch vector";
+  static constexpr std::string_view kind = "classical",
+                                    meaning = "standard physics, large-spin limit: a Bloch vector";
   bool operator==(const ClassicalLaw&) const = default;
 };
 
@@ -34,7 +35,8 @@ inline constexpr auto choices<Closure> = std::array{
 
 /// The hypothesis that the velocity turns jointly with the spin; it replaces the Lorentz force.
 struct DoradoLaw {
-  static constexpr std::string_view kind = "dorado", meaning = "a hypothesis: the velocity turns jointly with the spin";
+  static constexpr std::string_view kind = "dorado",
+                                    meaning = "a hypothesis: the velocity turns jointly with the spin";
   Closure closure = Closure::torque;
   double kappa = 1;  // strength; 0 is straight flight, 1 is the paper
   bool operator==(const DoradoLaw&) const = default;

@@ -9,16 +9,16 @@ namespace rabiline {
 
 /// What kind of quantity a number is. Each dimension has one SI unit that the program computes in.
 enum class Dimension {
-  number,         // a pure number
-  length,         // m
-  time,           // s
-  speed,          // m/s
-  mass,           // kg
-  charge,         // C
-  magnetic_field, // T
-  frequency,      // Hz: turns per second, never radians
-  angle,          // rad
-  gyromagnetic    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
+  number,          // a pure number
+  length,          // m
+  time,            // s
+  speed,           // m/s
+  mass,            // kg
+  charge,          // C
+  magnetic_field,  // T
+  frequency,       // Hz: turns per second, never radians
+  angle,           // rad
+  gyromagnetic     // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
 };
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.

@@ -17,7 +17,7 @@ struct CommandLine {
   std::vector<std::string> set;   // NAME=VALUE
   std::vector<std::string> scan;  // NAME=FROM:TO:POINTS or NAME=A,B,C
   std::optional<std::uint64_t> particles, seed;
-  bool without_scan = false;      // the file's scan is left out
+  bool without_scan = false;  // the file's scan is left out
 };
 
 struct LoadedExperiment {

@@ -52,8 +52,8 @@ class Loader {
     out_.sources.push_back(source);
     Node root = parse_document(source, text);
     if (root.is_null())
-      throw InputError(
-          {{Place{source, 0, 0, 1}, "the file is empty", "start from a copy of beamline/suggested-experiment.yaml"}});
+      throw InputError({{Place{source, 0, 0, 1}, "the file is empty",
+                         "start from a copy of beamline/suggested-experiment.yaml"}});
     include_geometry(root, path);
     return root;
   }

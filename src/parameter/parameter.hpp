@@ -28,7 +28,8 @@ inline constexpr Range any{-infinite, infinite, true, true, "finite"};
 inline constexpr Range positive{0, infinite, false, true, "greater than zero"};
 inline constexpr Range not_negative{0, infinite, true, true, "zero or greater"};
 inline constexpr Range fraction{0, 1, true, true, "between 0 and 1"};
-inline constexpr Range below_right_angle{0, 1.5707963267948966, true, false, "at least 0 and less than 90 deg"};
+inline constexpr Range below_right_angle{0, 1.5707963267948966, true, false,
+                                         "at least 0 and less than 90 deg"};
 inline constexpr Range at_least_one{1, infinite, true, true, "1 or greater"};
 }  // namespace range
 
@@ -49,7 +50,8 @@ struct Param {
 
 /// Rows for quantities and counts.
 template <class S, class M>
-constexpr Param<S, M> param(std::string_view key, M S::*member, Dimension d, Range r, std::string_view meaning) {
+constexpr Param<S, M> param(std::string_view key, M S::*member, Dimension d, Range r,
+                            std::string_view meaning) {
   return {key, member, d, r, meaning, {}};
 }
 template <class S, class M, class D>
@@ -84,7 +86,8 @@ template <class Enum>
 inline constexpr std::tuple<> choices{};
 
 /// How a std::variant is told apart in the file: by the value of a key ("kind", "name"), or, where the key is
-/// empty, by the keys that are present. Each alternative has `static constexpr std::string_view kind, meaning`.
+/// empty, by the keys that are present. Each alternative has `static constexpr std::string_view kind,
+/// meaning`.
 template <class Variant>
 inline constexpr std::string_view tag_key = "kind";
 

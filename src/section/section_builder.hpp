@@ -20,7 +20,8 @@ class SectionBuilder {
   void uniform(double begin, double end, UniformTerm);
   /// An oscillator: a RotatingTerm without amplitude, under the name that zones follow it by.
   void oscillator(const std::string& name, RotatingTerm clock);
-  /// A zone that follows that oscillator, `phase` [rad] added to its own; the oscillator may be declared later.
+  /// A zone that follows that oscillator, `phase` [rad] added to its own; the oscillator may be declared
+  /// later.
   void zone(double begin, double end, double amplitude, double phase, const std::string& oscillator);
   void bore(double begin, double end, double radius);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }

@@ -1,5 +1,6 @@
 #pragma once
-// Exact sums of quanta. Integers, so that their order, and with it threads, batches and resumes, cannot matter.
+// Exact sums of quanta. Integers, so that their order, and with it threads, batches and resumes, cannot
+// matter.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
