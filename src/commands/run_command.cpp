@@ -1,5 +1,6 @@
 // rabiline run: flies the experiment and writes one HDF5 file.
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 
@@ -34,7 +35,7 @@ std::string now() {
 }
 
 std::string duration(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
+  const long s = std::lround(seconds);
   if (s < 60) return fmt::format("{} s", s);
   if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
   return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);

@@ -95,9 +95,7 @@ std::string kind_of_value(const Row& row) {
 
 template <class M, class D>
 std::string need_of(const Row& row, const D& fallback) {
-  if constexpr (is_optional<M>)
-    return "may be missing";
-  else if constexpr (std::is_same_v<D, Required>)
+  if constexpr (std::is_same_v<D, Required> && !is_optional<M>)
     return "required";
   else if constexpr (std::is_arithmetic_v<D>)
     return "default " + pretty_quantity(static_cast<double>(fallback), row.dimension);

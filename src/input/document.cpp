@@ -28,9 +28,9 @@ int characters(std::string_view line, std::size_t from, std::size_t to) {
 std::size_t end_of_quoted(std::string_view line, std::size_t from) {
   const char quote = line[from];
   for (std::size_t i = from + 1; i < line.size(); ++i) {
-    if (quote == '"' && line[i] == '\\')
-      ++i;
-    else if (line[i] == quote && quote == '\'' && i + 1 < line.size() && line[i + 1] == quote)
+    const bool escapes = quote == '"' && line[i] == '\\';
+    const bool doubled = quote == '\'' && line.substr(i, 2) == "''";
+    if (escapes || doubled)
       ++i;
     else if (line[i] == quote)
       return i + 1;

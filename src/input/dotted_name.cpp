@@ -70,6 +70,7 @@ void unknown_name(const Node& root, const std::string& name, const Segment& firs
   if (help.empty()) {
     // Mend the first word alone, so that the rest of the name stays as it was meant.
     std::vector<std::string> heads;
+    heads.reserve(known.size());
     for (const std::string& candidate : known) heads.push_back(candidate.substr(0, candidate.find('.')));
     const std::string near = closest(first.word, heads);
     if (!near.empty()) help = fmt::format("did you mean `{}{}`?", near, name.substr(first.word.size()));

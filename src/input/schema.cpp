@@ -90,6 +90,7 @@ std::vector<std::string> schemas_of_rows(Mapping begin = {}) {
   std::vector<Mapping> mappings{std::move(begin)};
   add_rows<T>(mappings);
   std::vector<std::string> out;
+  out.reserve(mappings.size());
   for (const Mapping& m : mappings) out.push_back(m.schema());
   return out;
 }

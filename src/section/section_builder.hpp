@@ -24,7 +24,7 @@ class SectionBuilder {
   /// later.
   void zone(double begin, double end, double amplitude, double phase, const std::string& oscillator);
   void bore(double begin, double end, double radius);
-  void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
+  void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, term}); }
 
   /// The sections between neighbouring edges where anything stands, and the planes in order of y.
   Sections build() const;

@@ -1,5 +1,6 @@
 #pragma once
 // Transitions between the levels of a spin I in any field that acts on it like a rotation.
+#include <cstddef>
 #include <vector>
 
 namespace rabiline {
@@ -15,7 +16,7 @@ struct MajoranaTable {
 
   int levels() const { return twice_spin + 1; }
   const double* polynomial(int from, int to) const {
-    return &coefficients[static_cast<std::size_t>((from * levels() + to) * levels())];
+    return coefficients.data() + static_cast<std::ptrdiff_t>(from * levels() + to) * levels();
   }
   double probability(int from, int to, double p) const;
 };

@@ -87,7 +87,7 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
       if (region.edges[k].kind == EdgeKind::screen) at += sums_of(region.edges[k].screen).size();
     const Screen& screen = region.edges[edge].screen;
     catch_particle(sums_of(screen), at, batch.scratch[i] >> 32, weight, batch.particle[i]);
-    batch.caught_by[i] = static_cast<std::uint64_t>(screen.part + 1);
+    batch.caught_by[i] = static_cast<std::uint64_t>(screen.part) + 1;
   } else if ((end & region_end::stopped_at_edge) != 0) {
     sums[layout.edge(end & 0xffffULL)] += weight;
   } else {
@@ -120,9 +120,10 @@ void pass(const SpinStretch& stretch, Flight& flight) {
   projection.polynomials = stretch.polynomials.data();
   LevelSums sums;
   flight.kernels.project(projection, flight.batch.view(), sums);
+  Sum* at = flight.sums;
   for (int level = 0; level < stretch.levels; ++level) {
-    flight.sums[2 * level] += sums.q[level];
-    flight.sums[2 * level + 1] += joined_squares(sums, level);
+    *at++ += sums.q[level];
+    *at++ += joined_squares(sums, level);
   }
 }
 
@@ -144,7 +145,7 @@ Region region_view(const TurningRegion& region, const RandomKey& key) {
   view.zone_count = static_cast<int>(region.zones.size());
   view.take_off_spin_component = region.take_off_spin_component;
   view.most_way = region.most_way;
-  view.most_visits = static_cast<std::uint64_t>(64 + 4 * view.zone_count);
+  view.most_visits = 64 + 4 * region.zones.size();
   return view;
 }
 
