@@ -11,7 +11,12 @@ void add_describe(CLI::App& app) {
   auto topic = std::make_shared<std::string>();
   verb->add_option("KIND", *topic,
                    "a part, a law, source, species, scan or units; an overview where it is missing");
-  verb->callback([topic] { fmt::print("{}", topic->empty() ? describe_overview() : describe(*topic)); });
+  auto schema = std::make_shared<bool>(false);
+  verb->add_flag("--schema", *schema, "print the JSON Schema of beamline files, for editors");
+  verb->callback([topic, schema] {
+    if (*schema) return fmt::print("{}\n", json_schema());
+    fmt::print("{}", topic->empty() ? describe_overview() : describe(*topic));
+  });
 }
 
 }  // namespace rabiline
