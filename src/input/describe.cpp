@@ -75,12 +75,8 @@ std::string kind_of_value(const Row& row) {
     return fmt::format("whole number, {}", row.range.words);
   else if constexpr (std::is_same_v<M, std::string>)
     return "text";
-  else if constexpr (std::is_same_v<M, HalfInteger>)
-    return "1/2 to 9/2";
-  else if constexpr (std::is_same_v<M, Phase>)
-    return "random | locked | angle";
-  else if constexpr (std::is_same_v<M, Bins>)
-    return "[whole number, whole number]";
+  else if constexpr (has_value_type<M>)
+    return std::string(ValueType<M>::what);
   else if constexpr (std::is_same_v<M, Node>)
     return "value";
   else if constexpr (is_variant<M> || std::is_enum_v<M>)
@@ -89,6 +85,11 @@ std::string kind_of_value(const Row& row) {
     std::string keys;
     for_each_row<M>([&](const auto& p) { keys += fmt::format("{}{}", keys.empty() ? "" : ", ", p.key); });
     return "{" + keys + "}";
+  } else if constexpr (is_list<M>) {
+    if constexpr (std::is_same_v<M, std::vector<Component>> || std::is_same_v<M, std::vector<PlacedPart>>)
+      return "list";
+    else
+      return "list of " + kind_of_value<typename M::value_type>(row);
   } else
     return "list";
 }

@@ -25,6 +25,10 @@ inline constexpr bool is_variant = false;
 template <class... A>
 inline constexpr bool is_variant<std::variant<A...>> = true;
 template <class T>
+inline constexpr bool is_list = false;
+template <class T>
+inline constexpr bool is_list<std::vector<T>> = true;
+template <class T>
 inline constexpr bool has_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> > 0;
 
 template <class S, class M, class D>
@@ -119,12 +123,10 @@ std::string example_of_type(const Row& row) {
     return example_of_type<typename T::value_type>(row);
   else if constexpr (std::is_enum_v<T>)
     return std::string(choices<T>[0].word);
-  else if constexpr (std::is_same_v<T, HalfInteger>)
-    return "1/2";
-  else if constexpr (std::is_same_v<T, Phase>)
-    return "random";
-  else if constexpr (std::is_same_v<T, Bins>)
-    return "[80, 80]";
+  else if constexpr (has_value_type<T>)
+    return std::string(ValueType<T>::example);
+  else if constexpr (is_list<T>)
+    return fmt::format("[{}]", example_of_type<typename T::value_type>(row));
   else if constexpr (is_variant<T>) {
     using First = std::variant_alternative_t<0, T>;
     if constexpr (tag_key<T>.empty()) return fmt::format("{{{}}}", example_of_rows<First>());
@@ -281,6 +283,26 @@ bool read_struct(const Node& node, const Place& named_at, const Row& row, Readin
   return good;
 }
 
+/// A list of one or more values of the same type.
+template <class T>
+bool read_list(const Node& node, const Row& row, Reading& reading, std::vector<T>& out) {
+  out.clear();
+  if (!node.is_sequence() || node.items.empty()) {
+    reading.error(node.place,
+                  fmt::format("`{}` is a list, but {} stands here", row.key,
+                              node.is_sequence() ? "an empty one" : quote(node)),
+                  fmt::format("write it like `{}: {}`", row.key, example_of_type<std::vector<T>>(row)));
+    return false;
+  }
+  bool good = true;
+  for (const Node& item : node.items) {
+    T value{};
+    good = read_value(item, item.place, row, reading, value) && good;
+    out.push_back(std::move(value));
+  }
+  return good;
+}
+
 template <class T>
 bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out) {
   if constexpr (is_optional<T>)
@@ -294,12 +316,10 @@ bool read_value(const Node& node, const Place& named_at, const Row& row, Reading
     return read_count(node, row, reading, out);
   else if constexpr (std::is_same_v<T, std::string>)
     return read_text(node, row, reading, out);
-  else if constexpr (std::is_same_v<T, HalfInteger>)
-    return read_half_integer(node, row, reading, out);
-  else if constexpr (std::is_same_v<T, Phase>)
-    return read_phase(node, row, reading, out);
-  else if constexpr (std::is_same_v<T, Bins>)
-    return read_bins(node, row, reading, out);
+  else if constexpr (has_value_type<T>)
+    return ValueType<T>::read(node, row, reading, out);
+  else if constexpr (is_list<T>)
+    return read_list(node, row, reading, out);
   else if constexpr (std::is_enum_v<T>) {
     const std::optional<std::size_t> index = read_word(node, row, words_of<T>(), reading);
     if (index) out = choices<T>[*index].value;

@@ -60,6 +60,15 @@ std::string schema_of_words(std::span<const Word> words) {
   return any_of(out);
 }
 
+/// A ValueType's schema with the dimensions it names written out.
+std::string with_dimensions(std::string_view text) {
+  std::string out(text);
+  for (const auto& [word, dimension] : {std::pair{"@angle", Dimension::angle}})
+    if (const std::size_t at = out.find(word); at != out.npos)
+      out.replace(at, std::string_view(word).size(), schema_of_quantity(dimension));
+  return out;
+}
+
 template <class T>
 std::string schema_of(const Row& row);
 
@@ -152,12 +161,8 @@ std::string schema_of(const Row& row) {
     return fmt::format(R"({{"type": "integer", "minimum": {}}})", row.range.low);
   else if constexpr (std::is_same_v<T, std::string>)
     return R"({"type": ["string", "number"]})";
-  else if constexpr (std::is_same_v<T, HalfInteger>)
-    return R"({"enum": ["1/2", 1, "3/2", 2, "5/2", 3, "7/2", 4, "9/2"]})";
-  else if constexpr (std::is_same_v<T, Phase>)
-    return any_of({R"({"enum": ["random", "locked"]})", schema_of_quantity(Dimension::angle)});
-  else if constexpr (std::is_same_v<T, Bins>)
-    return R"({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer", "minimum": 1, "maximum": 10000}})";
+  else if constexpr (has_value_type<T>)
+    return with_dimensions(ValueType<T>::schema);
   else if constexpr (std::is_same_v<T, Node>)
     return "{\"not\": {\"type\": \"null\"}}";
   else if constexpr (std::is_enum_v<T>)
@@ -168,6 +173,9 @@ std::string schema_of(const Row& row) {
     return schema_of_species();
   else if constexpr (std::is_same_v<T, std::vector<PlacedPart>>)
     return schema_of_parts();
+  else if constexpr (is_list<T>)
+    return fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})",
+                       schema_of<typename T::value_type>(row));
   else
     return any_of(schemas_of_rows<T>());
 }

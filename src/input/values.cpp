@@ -202,7 +202,7 @@ std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span
   return std::nullopt;
 }
 
-bool read_half_integer(const Node& node, const Row& row, Reading& reading, HalfInteger& out) {
+bool ValueType<HalfInteger>::read(const Node& node, const Row& row, Reading& reading, HalfInteger& out) {
   static constexpr std::array<std::string_view, 10> written{"0",   "1/2", "1",   "3/2", "2",
                                                             "5/2", "3",   "7/2", "4",   "9/2"};
   for (std::size_t twice = 1; node.is_scalar() && twice < written.size(); ++twice)
@@ -222,7 +222,7 @@ bool read_half_integer(const Node& node, const Row& row, Reading& reading, HalfI
   return false;
 }
 
-bool read_phase(const Node& node, const Row& row, Reading& reading, Phase& out) {
+bool ValueType<Phase>::read(const Node& node, const Row& row, Reading& reading, Phase& out) {
   static constexpr std::array words{Word{"random", ""}, Word{"locked", ""}};
   if (node.is_scalar() && node.scalar == "random") {
     out = {Phase::Kind::random, 0};
@@ -246,7 +246,7 @@ bool read_phase(const Node& node, const Row& row, Reading& reading, Phase& out) 
   return read_quantity(node, {row.key, Dimension::angle, range::any, row.meaning}, reading, out.angle);
 }
 
-bool read_bins(const Node& node, const Row& row, Reading& reading, Bins& out) {
+bool ValueType<Bins>::read(const Node& node, const Row& row, Reading& reading, Bins& out) {
   static constexpr Range allowed{1, 10000, true, true, "from 1 to 10000"};
   if (!node.is_sequence() || node.items.size() != 2) {
     reading.error(
@@ -262,6 +262,42 @@ bool read_bins(const Node& node, const Row& row, Reading& reading, Bins& out) {
   const bool z_read = read_count(node.items[1], item, reading, z);
   out = {static_cast<std::int64_t>(x), static_cast<std::int64_t>(z)};
   return x_read && z_read;
+}
+
+bool ValueType<UnitVector>::read(const Node& node, const Row& row, Reading& reading, UnitVector& out) {
+  static constexpr std::array<std::pair<std::string_view, UnitVector>, 6> named{{{"x", {1, 0, 0}},
+                                                                                 {"y", {0, 1, 0}},
+                                                                                 {"z", {0, 0, 1}},
+                                                                                 {"-x", {-1, 0, 0}},
+                                                                                 {"-y", {0, -1, 0}},
+                                                                                 {"-z", {0, 0, -1}}}};
+  for (const auto& [word, vector] : named)
+    if (node.is_scalar() && node.scalar == word) {
+      out = vector;
+      return true;
+    }
+  if (!node.is_sequence() || node.items.size() != 3) {
+    reading.error(
+        node.place,
+        fmt::format("`{}` is an axis, but {} stands here", row.key,
+                    node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
+        "write `x`, `y` (along the beam), `z`, `-x`, `-y`, `-z`, or three components: `[0, 1, 1]`");
+    return false;
+  }
+  double c[3] = {};
+  bool good = true;
+  for (std::size_t i = 0; i < 3; ++i)
+    good =
+        read_quantity(node.items[i], {row.key, Dimension::number, range::any, row.meaning}, reading, c[i]) &&
+        good;
+  const double length = std::hypot(c[0], c[1], c[2]);
+  if (good && !(length > 0 && std::isfinite(length))) {
+    reading.error(node.place, fmt::format("`{}` has no direction", row.key),
+                  "one component must not be zero");
+    return false;
+  }
+  out = {c[0] / length, c[1] / length, c[2] / length};
+  return good;
 }
 
 }  // namespace rabiline

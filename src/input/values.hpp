@@ -10,6 +10,7 @@
 #include "parameter/parameter.hpp"
 #include "particle/species.hpp"
 #include "parts/part.hpp"
+#include "spin/unit_vector.hpp"
 
 namespace rabiline {
 
@@ -57,8 +58,46 @@ bool read_text(const Node&, const Row&, Reading&, std::string& out);
 /// The index of the word. `example` helps where no word is near.
 std::optional<std::size_t> read_word(const Node&, const Row&, std::span<const Word>, Reading&,
                                      std::string_view example = {});
-bool read_half_integer(const Node&, const Row&, Reading&, HalfInteger& out);
-bool read_phase(const Node&, const Row&, Reading&, Phase& out);
-bool read_bins(const Node&, const Row&, Reading&, Bins& out);
+
+/// A type with a way of writing of its own: how it is read, and how help and the JSON Schema show it.
+/// `schema` may hold @angle and the like, which stand for the schema of that dimension.
+template <class T>
+struct ValueType {};
+template <class T>
+concept has_value_type = requires {
+  ValueType<T>::example;
+};
+
+template <>
+struct ValueType<HalfInteger> {
+  static constexpr std::string_view example = "1/2", what = "1/2 to 9/2",
+                                    schema = R"({"enum": ["1/2", 1, "3/2", 2, "5/2", 3, "7/2", 4, "9/2"]})";
+  static bool read(const Node&, const Row&, Reading&, HalfInteger& out);
+};
+template <>
+struct ValueType<Phase> {
+  static constexpr std::string_view example = "random", what = "random | locked | angle",
+                                    schema = R"({"anyOf": [{"enum": ["random", "locked"]}, @angle]})";
+  static bool read(const Node&, const Row&, Reading&, Phase& out);
+};
+template <>
+struct ValueType<Bins> {
+  static constexpr std::string_view
+      example = "[80, 80]",
+      what = "[whole number, whole number]",
+      schema =
+          R"({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer", "minimum": 1, "maximum": 10000}})";
+  static bool read(const Node&, const Row&, Reading&, Bins& out);
+};
+/// `x`, `-z` or three components, which need not be normalised.
+template <>
+struct ValueType<UnitVector> {
+  static constexpr std::string_view
+      example = "z",
+      what = "x | y | z | -x | -y | -z | [x, y, z]",
+      schema =
+          R"({"anyOf": [{"enum": ["x", "y", "z", "-x", "-y", "-z"]}, {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}]})";
+  static bool read(const Node&, const Row&, Reading&, UnitVector& out);
+};
 
 }  // namespace rabiline

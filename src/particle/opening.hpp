@@ -1,5 +1,5 @@
 #pragma once
-// A hole that particles start from or pass: a rectangle or a disc in a plane of constant y.
+// A hole that particles start from or pass, in a plane of constant y, and how parts are displaced.
 #include <tuple>
 #include <variant>
 
@@ -29,7 +29,21 @@ inline constexpr auto parameters<Disc> = std::tuple{
     param("radius", &Disc::radius, Dimension::length, range::not_negative, "radius of the hole"),
 };
 
-using Opening = std::variant<Rectangle, Disc>;
+/// What is open between two circles.
+struct Ring {
+  static constexpr std::string_view kind = "ring", meaning = "open between two circles";
+  double inner_radius = 0;  // [m]
+  double outer_radius = 0;  // [m]
+  bool operator==(const Ring&) const = default;
+};
+template <>
+inline constexpr auto parameters<Ring> = std::tuple{
+    param("inner_radius", &Ring::inner_radius, Dimension::length, range::not_negative,
+          "where the ring begins"),
+    param("outer_radius", &Ring::outer_radius, Dimension::length, range::not_negative, "where it ends"),
+};
+
+using Opening = std::variant<Rectangle, Disc, Ring>;
 template <>
 inline constexpr std::string_view tag_key<Opening> = "";  // told apart by their keys
 
@@ -43,6 +57,30 @@ template <>
 inline constexpr auto parameters<Offset> = std::tuple{
     param("x", &Offset::x, Dimension::length, range::any, "displacement along x", 0.0),
     param("z", &Offset::z, Dimension::length, range::any, "displacement along z", 0.0),
+};
+
+/// How a plane part is turned: only within its plane, since edges stay planes of constant y.
+struct Roll {
+  double y = 0;  // [rad] right-handed about the beam: from +z towards +x
+  bool operator==(const Roll&) const = default;
+};
+template <>
+inline constexpr auto parameters<Roll> = std::tuple{
+    param("y", &Roll::y, Dimension::angle, range::any,
+          "turn about the beam, right-handed: from +z towards +x", 0.0),
+};
+
+/// How a field is turned inside its slab: about x, then about y, then about z, each right-handed.
+struct Tilt {
+  double x = 0, y = 0, z = 0;  // [rad]
+  bool operator==(const Tilt&) const = default;
+};
+template <>
+inline constexpr auto parameters<Tilt> = std::tuple{
+    param("x", &Tilt::x, Dimension::angle, range::any, "first turn, about x: from +y towards +z", 0.0),
+    param("y", &Tilt::y, Dimension::angle, range::any, "second turn, about the beam: from +z towards +x",
+          0.0),
+    param("z", &Tilt::z, Dimension::angle, range::any, "third turn, about z: from +x towards +y", 0.0),
 };
 
 }  // namespace rabiline

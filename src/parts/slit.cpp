@@ -5,7 +5,7 @@
 namespace rabiline {
 
 void contribute(const Slit& slit, const Placement& place, SectionBuilder& builder) {
-  builder.plane(place.at, PlateTerm{slit.opening, slit.offset});
+  builder.plane(place.at, PlateTerm{slit.opening, slit.offset, slit.tilt});
 }
 
 }  // namespace rabiline

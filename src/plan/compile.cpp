@@ -154,7 +154,7 @@ class Compiler {
     }
     stop_at_chamber(plane.y);
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      chain_.push_back(Passage{aperture_of(plane.y, plate->opening, plate->offset), plane.part});
+      chain_.push_back(Passage{aperture_of(plane.y, plate->opening, plate->offset, plate->tilt), plane.part});
     else
       chain_.push_back(Score{screen_at(plane)});
   }
@@ -239,7 +239,7 @@ class Compiler {
       edge.align = alignment_of(*align, plane.part);
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
-      edge.plate = aperture_of(plane.y, plate->opening, plate->offset);
+      edge.plate = aperture_of(plane.y, plate->opening, plate->offset, plate->tilt);
     } else {
       edge.kind = EdgeKind::screen;
       edge.screen = screen_at(plane);

@@ -17,7 +17,7 @@ const PlacedPart* find_part(const Beamline& beamline, const std::string& name) {
 Aperture target_of(const Beamline& beamline, const std::string& name) {
   const PlacedPart& target = *find_part(beamline, name);
   if (const auto* slit = std::get_if<Slit>(&target.part))
-    return aperture_of(target.placement.at, slit->opening, slit->offset);
+    return aperture_of(target.placement.at, slit->opening, slit->offset, slit->tilt);
   const auto& detector = std::get<Detector>(target.part);
   return aperture_of(target.placement.at, Rectangle{detector.width, detector.height}, detector.offset);
 }

@@ -1,21 +1,35 @@
 #include "plan/geometry.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace rabiline {
 
-Aperture aperture_of(double y, const Opening& opening, const Offset& offset) {
+Aperture aperture_of(double y, const Opening& opening, const Offset& offset, const Roll& roll) {
   Aperture a;
   a.y = y;
   a.x0 = offset.x;
   a.z0 = offset.z;
   if (const auto* disc = std::get_if<Disc>(&opening)) {
     a.radius = disc->radius;
+  } else if (const auto* ring = std::get_if<Ring>(&opening)) {
+    a.radius = ring->outer_radius;
+    a.inner = ring->inner_radius;
   } else {
     a.half_x = std::get<Rectangle>(opening).width / 2;
     a.half_z = std::get<Rectangle>(opening).height / 2;
+    if (roll.y != 0) {
+      a.cosine = std::cos(roll.y);
+      a.sine = std::sin(roll.y);
+    }
   }
   return a;
+}
+
+double area_of(const Aperture& a) {
+  return a.radius >= 0 ? std::numbers::pi * (a.radius * a.radius - a.inner * a.inner)
+                       : 4 * a.half_x * a.half_z;
 }
 
 ScreenGrids screen_grids(const std::vector<Beamline>& points) {

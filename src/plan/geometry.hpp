@@ -12,7 +12,9 @@
 
 namespace rabiline {
 
-Aperture aperture_of(double y, const Opening&, const Offset&);
+Aperture aperture_of(double y, const Opening&, const Offset&, const Roll& = {});
+/// Area of an opening [m^2].
+double area_of(const Aperture&);
 
 /// The rectangle [m] that a detector's histogram covers: all places that its screen takes in a scan.
 struct ScreenGrid {

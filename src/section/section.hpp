@@ -32,6 +32,7 @@ struct Section {
 struct PlateTerm {
   Opening opening;
   Offset offset;
+  Roll tilt{};
   bool operator==(const PlateTerm&) const = default;
 };
 /// Moments are aligned with a field along +z: S gets a definite sign with the given probability.

@@ -89,9 +89,7 @@ class Finisher {
     }
     const Aperture& target = plan_.trees.front().source.target;
     if (plan_.trees.front().source.direction == DirectionKind::aimed) {
-      const double area = target.radius >= 0 ? std::numbers::pi * target.radius * target.radius
-                                             : 4 * target.half_x * target.half_z;
-      result_.solid_angle = area / (target.y * target.y);
+      result_.solid_angle = area_of(target) / (target.y * target.y);
     }
   }
 

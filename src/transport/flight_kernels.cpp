@@ -25,13 +25,22 @@ RABILINE_LANES void normal_pair(real u0, real u1, real& a, real& b) {
 /// A point uniform in the opening.
 RABILINE_LANES void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
   if (a.radius >= 0) {
-    const real r = sqrt(u0) * a.radius;
+    const double inner2 = a.inner * a.inner;
+    const real r = inner2 == 0 ? sqrt(u0) * a.radius
+                               : sqrt(fma(u0, broadcast(a.radius * a.radius - inner2), broadcast(inner2)));
     const Phasor p = phasor(u1 * two_pi);
     x = fma(r, p.c, broadcast(a.x0));
     z = fma(r, p.s, broadcast(a.z0));
+    return;
+  }
+  const real across = fma(u0, broadcast(2), broadcast(-1)) * a.half_x,
+             up = fma(u1, broadcast(2), broadcast(-1)) * a.half_z;
+  if (a.sine == 0) {
+    x = across + a.x0;
+    z = up + a.z0;
   } else {
-    x = fma(fma(u0, broadcast(2), broadcast(-1)), broadcast(a.half_x), broadcast(a.x0));
-    z = fma(fma(u1, broadcast(2), broadcast(-1)), broadcast(a.half_z), broadcast(a.z0));
+    x = fma(across, broadcast(a.cosine), fma(up, broadcast(a.sine), broadcast(a.x0)));
+    z = fma(up, broadcast(a.cosine), fma(across, broadcast(-a.sine), broadcast(a.z0)));
   }
 }
 

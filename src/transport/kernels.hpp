@@ -25,7 +25,9 @@ struct Aperture {
   double y = 0;                   // [m]
   double x0 = 0, z0 = 0;          // [m] centre
   double half_x = 0, half_z = 0;  // [m] of a rectangle
-  double radius = -1;             // [m] of a disc; negative: a rectangle
+  double radius = -1;             // [m] of a disc or ring; negative: a rectangle
+  double inner = 0;               // [m] where a ring begins
+  double cosine = 1, sine = 0;    // of the turn about the beam, from +z towards +x
   bool operator==(const Aperture&) const = default;
 };
 

@@ -6,8 +6,14 @@ namespace rabiline::RABILINE_ISA {
 
 RABILINE_LANES mask inside(const Aperture& a, real x, real z) {
   const real dx = x - a.x0, dz = z - a.z0;
-  if (a.radius >= 0) return fma(dx, dx, dz * dz) <= broadcast(a.radius * a.radius);
-  return (abs(dx) <= broadcast(a.half_x)) & (abs(dz) <= broadcast(a.half_z));
+  if (a.radius >= 0) {
+    const real r2 = fma(dx, dx, dz * dz);
+    return (r2 <= broadcast(a.radius * a.radius)) & (r2 >= broadcast(a.inner * a.inner));
+  }
+  if (a.sine == 0) return (abs(dx) <= broadcast(a.half_x)) & (abs(dz) <= broadcast(a.half_z));
+  const real across = fma(dx, broadcast(a.cosine), -(dz * a.sine)),
+             up = fma(dx, broadcast(a.sine), dz * a.cosine);
+  return (abs(across) <= broadcast(a.half_x)) & (abs(up) <= broadcast(a.half_z));
 }
 
 RABILINE_LANES Aperture rim_of(const Screen& s) {

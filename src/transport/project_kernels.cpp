@@ -1,54 +1,12 @@
 // Spins through the fields of a straight flight, and the levels that a detector finds. Moves nobody.
 #include "transport/kernel_functions.hpp"
-#include "transport/vector_lanes.hpp"
+#include "transport/spin_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {
 
-/// The spin after a zone that it enters at time t and leaves after `stay`, turned exactly: in the frame that
-/// turns with the field at omega, the spin turns about (w1, 0, w0 - omega).
-Vector through_rotating(const SpinZone& zone, const real* phases, real t, real stay, const Vector& s) {
-  const DriveTerm& drive = zone.drive[0];
-  const double detuned = zone.spin_rate - drive.omega;
-  const double rate = __builtin_sqrt(detuned * detuned + drive.spin_rate * drive.spin_rate);
-  const Phasor in = phasor(fma(broadcast(drive.omega), t, phases[0]));
-  Vector r = turn_back_about_z(in, s);
-  if (rate > 0) r = rotation_in_xz_axis(drive.spin_rate / rate, detuned / rate, stay * rate) * r;
-  return turn_about_z(phasor(stay * drive.omega), turn_about_z(in, r));
-}
-
-/// Several fields that turn at different rates: fourth-order steps, as many as each particle's stay asks for.
-Vector through_many(const SpinZone& zone, const real* phases, real t, real stay, Vector s) {
-  const real steps = max(broadcast(1), -floor(stay * (-1 / zone.step)));
-  const real h = stay / steps;
-  for (real i = broadcast(0); any(i < steps); i = i + 1.0)
-    s = select(i < steps, step_spin(zone, phases, fma(h, i, t), h, s), s);
-  return s;
-}
-
-Vector through_zone(const SpinZone& zone, const RandomKey& key, words particle, real t, real stay,
-                    const Vector& s) {
-  if (zone.drives == 0) return turn_about_z(phasor(stay * zone.spin_rate), s);
-  real phases[most_drives];
-  for (int i = 0; i < zone.drives; ++i) phases[i] = oscillator_phase(zone.drive[i], key, particle);
-  return zone.drives == 1 ? through_rotating(zone, phases, t, stay, s)
-                          : through_many(zone, phases, t, stay, s);
-}
-
 /// Flip probability of a spin 1/2 from S_z of its image of z.
 real flip_probability(real sz) { return fma(sz, broadcast(-0.5), broadcast(0.5)); }
-
-/// S_z after all zones, of the image of z (quantum) or of the spin itself.
-real final_sz(const Projection& p, const BatchView& batch, int i) {
-  Vector s{load(batch.sx + i), load(batch.sy + i), load(batch.sz + i)};
-  const real slowness = load(batch.slowness + i), t0 = load(batch.t + i);
-  for (int k = 0; k < p.zone_count; ++k) {
-    const SpinZone& zone = p.zones[k];
-    const real t = fma(broadcast(zone.begin - batch.y), slowness, t0);
-    s = through_zone(zone, p.key, load(batch.particle + i), t, slowness * (zone.end - zone.begin), s);
-  }
-  return s.z;
-}
 
 /// Sums over lanes until the end of the batch, exact in floating point: q^2 <= 2^80 is a multiple of 2^40
 /// plus a rest of at most 2^39 either way.
@@ -99,7 +57,7 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real sz = final_sz(p, batch, i);
+    const real sz = spin_after(p.zones, p.zone_count, p.key, batch, i, load(batch.slowness + i)).z;
     const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
     const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
     upper.add(shares.first);
@@ -149,7 +107,11 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
   Accumulator levels[most_levels];
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real flip = max(broadcast(0), min(broadcast(1), flip_probability(final_sz(p, batch, i))));
+    const real flip =
+        max(broadcast(0),
+            min(broadcast(1),
+                flip_probability(
+                    spin_after(p.zones, p.zone_count, p.key, batch, i, load(batch.slowness + i)).z)));
     real quanta[most_levels];
     real rest = weight, largest = real{};
     words largest_level = words{};
