@@ -85,12 +85,9 @@ std::string kind_of_value(const Row& row) {
     std::string keys;
     for_each_row<M>([&](const auto& p) { keys += fmt::format("{}{}", keys.empty() ? "" : ", ", p.key); });
     return "{" + keys + "}";
-  } else if constexpr (is_list<M>) {
-    if constexpr (std::is_same_v<M, std::vector<Component>> || std::is_same_v<M, std::vector<PlacedPart>>)
-      return "list";
-    else
-      return "list of " + kind_of_value<typename M::value_type>(row);
-  } else
+  } else if constexpr (is_list<M>)
+    return "list of " + kind_of_value<typename M::value_type>(row);
+  else
     return "list";
 }
 

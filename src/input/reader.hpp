@@ -28,6 +28,10 @@ template <class T>
 inline constexpr bool is_list = false;
 template <class T>
 inline constexpr bool is_list<std::vector<T>> = true;
+template <>
+inline constexpr bool is_list<std::vector<Component>> = false;  // these two have readers of their own
+template <>
+inline constexpr bool is_list<std::vector<PlacedPart>> = false;
 template <class T>
 inline constexpr bool has_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> > 0;
 
