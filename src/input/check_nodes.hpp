@@ -63,7 +63,8 @@ inline const Place& place_in(const PartNodes& nodes, const PlacedPart& part, std
 inline bool is_field(const Part& part) {
   return std::visit(
       [](const auto& p) {
-        return requires { p.length; };
+        return requires { p.length; }
+        &&!std::is_same_v<std::decay_t<decltype(p)>, Collimator>;
       },
       part);
 }

@@ -6,23 +6,24 @@
 namespace rabiline {
 namespace {
 
-void check_follower(const PlacedPart& part, const RotatingField& zone, const PartNodes& nodes,
-                    Reading& reading) {
+template <class Zone>
+void check_follower(const PlacedPart& part, const Zone& zone, const PartNodes& nodes, Reading& reading) {
   const std::string& clock = *zone.oscillator;
   const Place& place = place_in(nodes, part, "oscillator");
   const Node* target = nodes.find(clock);
-  std::vector<std::string> clocks = nodes.names({RotatingField::kind});
+  std::vector<std::string> clocks = nodes.names({Zone::kind});
   std::erase(clocks, part.placement.name);
   if (clock == part.placement.name)
     reading.error(place, fmt::format("`{}` cannot follow its own clock", clock), "leave `oscillator` away");
   else if (!target)
     reading.error(place,
-                  fmt::format("there is no rotating_field `{}` whose clock `{}` could follow", clock,
+                  fmt::format("there is no {} `{}` whose clock `{}` could follow", Zone::kind, clock,
                               part.placement.name),
                   suggest_name(clock, clocks));
-  else if (PartNodes::kind_of(*target) != RotatingField::kind)
+  else if (PartNodes::kind_of(*target) != Zone::kind)
     reading.error(place,
-                  fmt::format("`{}` is a {} and has no clock to follow", clock, PartNodes::kind_of(*target)),
+                  fmt::format("`{}` is a {}, whose clock a {} cannot follow", clock,
+                              PartNodes::kind_of(*target), Zone::kind),
                   suggest_name(clock, clocks));
   else if (const Entry* next = target->find("oscillator"))
     reading.error(place, fmt::format("`{}` follows a clock itself, that of `{}`", clock, next->value.scalar),
@@ -41,22 +42,26 @@ void check_follower(const PlacedPart& part, const RotatingField& zone, const Par
                   "write `locked`, or the angle by which it runs ahead");
 }
 
+template <class Zone>
+void check_clock(const PlacedPart& part, const Zone& zone, const PartNodes& nodes, Reading& reading) {
+  if (zone.oscillator) return check_follower(part, zone, nodes, reading);
+  const auto need = [&](std::string_view key, std::string_view example) {
+    reading.error(place_in(nodes, part, "kind"),
+                  fmt::format("the {} `{}` needs `{}`", Zone::kind, part.placement.name, key),
+                  fmt::format("add `{}: {}`, or `oscillator` and the name of a zone whose clock it follows",
+                              key, example));
+  };
+  if (!zone.frequency) need("frequency", "291.6 kHz");
+  if constexpr (requires { zone.sense; })
+    if (!zone.sense) need("sense", "co");
+}
+
 void check_oscillators(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   for (const PlacedPart& part : beamline.parts) {
-    const auto* zone = std::get_if<RotatingField>(&part.part);
-    if (!zone || !nodes.find(part.placement.name)) continue;
-    if (zone->oscillator) {
-      check_follower(part, *zone, nodes, reading);
-      continue;
-    }
-    const auto need = [&](std::string_view key, std::string_view example) {
-      reading.error(place_in(nodes, part, "kind"),
-                    fmt::format("the rotating_field `{}` needs `{}`", part.placement.name, key),
-                    fmt::format("add `{}: {}`, or `oscillator` and the name of a zone whose clock it follows",
-                                key, example));
-    };
-    if (!zone->frequency) need("frequency", "291.6 kHz");
-    if (!zone->sense) need("sense", "co");
+    if (!nodes.find(part.placement.name)) continue;
+    if (const auto* zone = std::get_if<RotatingField>(&part.part)) check_clock(part, *zone, nodes, reading);
+    if (const auto* zone = std::get_if<OscillatingField>(&part.part))
+      check_clock(part, *zone, nodes, reading);
   }
 }
 
@@ -97,12 +102,76 @@ void check_polarizers(const Beamline& beamline, const PartNodes& nodes, Reading&
     }
 }
 
+/// A half turn could go either way round.
+void check_guides(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  for (const PlacedPart& part : beamline.parts) {
+    const auto* guide = std::get_if<GuideField>(&part.part);
+    if (guide && dot(guide->from, guide->to) < -1 + 1e-9)
+      reading.error(
+          place_in(nodes, part, "to"),
+          fmt::format("`{}` would turn its field by half a turn: which way round?", part.placement.name),
+          "make two guide fields of a quarter turn each");
+  }
+}
+
+void check_coils(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  if (beamline.species.empty() || beamline.species.front().species.gyromagnetic_ratio != 0) return;
+  for (const PlacedPart& part : beamline.parts)
+    if (std::holds_alternative<Coil>(part.part))
+      reading.error(place_in(nodes, part, "kind"),
+                    fmt::format("`{}` cannot turn the spin of {}, which has no magnetic moment",
+                                part.placement.name, beamline.species.front().species.name),
+                    "a uniform_field has a field of its own");
+}
+
+/// The wall at one place is the narrowest; two of them with different centres would need both.
+void check_bores(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  struct Tube {
+    const PlacedPart* part;
+    double begin, end, radius;
+    Offset offset;
+  };
+  std::vector<Tube> tubes;
+  for (const PlacedPart& part : beamline.parts)
+    std::visit(
+        [&](const auto& p) {
+          const double begin = part.placement.at;
+          if constexpr (requires { p.bore; })
+            if (p.bore) tubes.push_back({&part, begin, begin + p.length, p.bore->radius, p.offset});
+          if constexpr (std::is_same_v<std::decay_t<decltype(p)>, Collimator>)
+            if (const auto* disc = std::get_if<Disc>(&p.opening))
+              tubes.push_back({&part, begin, begin + p.length, disc->radius, p.offset});
+        },
+        part.part);
+  for (std::size_t i = 0; i < tubes.size(); ++i) {
+    const Tube& b = tubes[i];
+    for (std::size_t k = 0; k < i; ++k) {
+      const Tube& a = tubes[k];
+      if (a.begin < b.end && b.begin < a.end && a.offset != b.offset)
+        reading.error(
+            place_in(nodes, *b.part, "offset"),
+            fmt::format("the walls of `{}` and `{}` overlap along the beam and have different centres",
+                        a.part->placement.name, b.part->placement.name),
+            "give both the same `offset`, or move one of them");
+    }
+    if (beamline.chamber && b.offset != Offset{} &&
+        std::hypot(b.offset.x, b.offset.z) + b.radius > beamline.chamber->radius)
+      reading.error(place_in(nodes, *b.part, "offset"),
+                    fmt::format("the wall of `{}` reaches out of the chamber, whose radius is {}",
+                                b.part->placement.name, metres(beamline.chamber->radius)),
+                    "make its bore narrower, or its offset smaller");
+  }
+}
+
 }  // namespace
 
 void check_fields(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   check_oscillators(beamline, nodes, reading);
   check_senses(beamline, nodes, reading);
   check_polarizers(beamline, nodes, reading);
+  check_guides(beamline, nodes, reading);
+  check_coils(beamline, nodes, reading);
+  check_bores(beamline, nodes, reading);
 }
 
 }  // namespace rabiline

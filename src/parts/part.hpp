@@ -2,18 +2,30 @@
 // The registry of parts: one line per kind.
 #include <variant>
 
+#include "parts/beam_stop.hpp"
+#include "parts/coil.hpp"
+#include "parts/collimator.hpp"
 #include "parts/detector.hpp"
+#include "parts/guide_field.hpp"
+#include "parts/oscillating_field.hpp"
 #include "parts/polarizer.hpp"
 #include "parts/rotating_field.hpp"
 #include "parts/slit.hpp"
+#include "parts/spin_filter.hpp"
 #include "parts/uniform_field.hpp"
 
 namespace rabiline {
 
-using Part = std::variant<Polarizer,      //
-                          UniformField,   //
-                          RotatingField,  //
-                          Slit,           //
+using Part = std::variant<Polarizer,         //
+                          SpinFilter,        //
+                          UniformField,      //
+                          GuideField,        //
+                          RotatingField,     //
+                          OscillatingField,  //
+                          Coil,              //
+                          Slit,              //
+                          Collimator,        //
+                          BeamStop,          //
                           Detector>;
 
 struct PlacedPart {

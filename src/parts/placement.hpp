@@ -4,6 +4,7 @@
 #include <string>
 #include <tuple>
 
+#include "field/vector3.hpp"
 #include "particle/opening.hpp"
 
 namespace rabiline {
@@ -32,5 +33,7 @@ inline constexpr auto parameters<Bore> = std::tuple{
     param("radius", &Bore::radius, Dimension::length, range::positive,
           "radius of the free bore around the axis"),
 };
+
+inline Vector3 turned(const Vector3& v, const Tilt& tilt) { return turned(v, tilt.x, tilt.y, tilt.z); }
 
 }  // namespace rabiline

@@ -6,9 +6,10 @@ namespace rabiline {
 
 void contribute(const Polarizer& polarizer, const Placement& place, SectionBuilder& builder) {
   const double end = place.at + polarizer.length;
-  builder.plane(place.at, AlignTerm{(1 + polarizer.alignment) / 2, polarizer.field < 0 ? -1.0 : 1.0});
-  builder.uniform(place.at, end, {polarizer.field});
-  if (polarizer.bore) builder.bore(place.at, end, polarizer.bore->radius);
+  const Vector3 axis = turned(Vector3{0, 0, 1}, polarizer.tilt);
+  builder.plane(place.at, AlignTerm{(1 + polarizer.alignment) / 2, polarizer.field < 0 ? -1.0 : 1.0, axis});
+  builder.uniform(place.at, end, {polarizer.field * axis});
+  if (polarizer.bore) builder.bore(place.at, end, polarizer.bore->radius, polarizer.offset);
 }
 
 }  // namespace rabiline

@@ -16,6 +16,8 @@ struct Polarizer {
   double field = 0;      // [T] along +z
   double alignment = 1;  // mean moment along B', in units of the full moment
   std::optional<Bore> bore;
+  Offset offset{};
+  Tilt tilt{};
   bool operator==(const Polarizer&) const = default;
 };
 template <>
@@ -26,6 +28,8 @@ inline constexpr auto parameters<Polarizer> = std::tuple{
           "mean moment along the field over the full moment: (1 + alignment)/2 of the particles get it along "
           "the field, the others against it"),
     param("bore", &Polarizer::bore, "wall around the field; none where it is missing"),
+    param("offset", &Polarizer::offset, "displacement of the bore's centre from the axis", Offset{}),
+    param("tilt", &Polarizer::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 
 void contribute(const Polarizer&, const Placement&, SectionBuilder&);

@@ -23,8 +23,14 @@ Turn turn_of(Sense sense) {
 
 void contribute(const RotatingField& part, const Placement& place, SectionBuilder& builder) {
   const double end = place.at + part.length;
+  RotatingTerm term;
+  term.amplitude = part.amplitude;
+  term.first = turned(Vector3{1, 0, 0}, part.tilt);
+  term.second = turned(Vector3{0, 1, 0}, part.tilt);
+  term.twist = part.twist / part.length;
+  term.profile = profile_of(part.profile, place.at, part.length);
   if (part.oscillator) {
-    builder.zone(place.at, end, part.amplitude, part.phase.angle, *part.oscillator);
+    term.phase = part.phase.angle;
   } else {
     RotatingTerm clock;
     clock.frequency = part.frequency.value();
@@ -32,9 +38,9 @@ void contribute(const RotatingField& part, const Placement& place, SectionBuilde
     clock.phase = part.phase.angle;
     clock.random_phase = part.phase.kind == Phase::Kind::random;
     builder.oscillator(place.name, clock);
-    builder.zone(place.at, end, part.amplitude, 0, place.name);
   }
-  if (part.bore) builder.bore(place.at, end, part.bore->radius);
+  builder.zone(place.at, end, term, part.oscillator.value_or(place.name));
+  if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
 }
 
 }  // namespace rabiline

@@ -1,7 +1,9 @@
 #pragma once
 #include <array>
 
+#include "parts/phase.hpp"
 #include "parts/placement.hpp"
+#include "parts/profile.hpp"
 
 namespace rabiline {
 
@@ -18,14 +20,6 @@ inline constexpr auto choices<Sense> = std::array{
     Choice<Sense>{"negative", Sense::negative, "turns left-handed about +z, from +x towards -y"},
 };
 
-/// The phase of a turning field at the moment a particle is emitted: drawn uniformly for each particle
-/// (emission at any time of the period), zero for all (`locked`), or an angle from +x towards +y.
-struct Phase {
-  enum class Kind { random, locked, angle } kind = Kind::locked;
-  double angle = 0;  // [rad]; 0 unless kind is angle
-  bool operator==(const Phase&) const = default;
-};
-
 /// A field of constant size that turns in the xy plane, with hard edges. A zone may follow the clock of
 /// another one (`oscillator`): then it takes that one's frequency, sense and start phase, and its own
 /// `phase`, `locked` or an angle, is added: Ramsey's separated zones.
@@ -39,6 +33,10 @@ struct RotatingField {
   Phase phase;                            // at emission
   std::optional<std::string> oscillator;  // name of the rotating_field whose clock this zone follows
   std::optional<Bore> bore;
+  AmplitudeProfile profile{};
+  double twist = 0;  // [rad]
+  Offset offset{};
+  Tilt tilt{};
   bool operator==(const RotatingField&) const = default;
 };
 template <>
@@ -53,6 +51,12 @@ inline constexpr auto parameters<RotatingField> = std::tuple{
     param("oscillator", &RotatingField::oscillator,
           "name of the rotating_field whose clock this zone follows; its own where it is missing"),
     param("bore", &RotatingField::bore, "wall around the field; none where it is missing"),
+    param("profile", &RotatingField::profile,
+          "how its size runs along its length; rectangular where it is missing", AmplitudeProfile{}),
+    param("twist", &RotatingField::twist, Dimension::angle, range::any,
+          "angle by which the field's direction also turns over its length, right-handed about +z", 0.0),
+    param("offset", &RotatingField::offset, "displacement of the bore's centre from the axis", Offset{}),
+    param("tilt", &RotatingField::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 
 void contribute(const RotatingField&, const Placement&, SectionBuilder&);

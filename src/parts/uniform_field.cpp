@@ -6,8 +6,8 @@ namespace rabiline {
 
 void contribute(const UniformField& part, const Placement& place, SectionBuilder& builder) {
   const double end = place.at + part.length;
-  builder.uniform(place.at, end, {part.field});
-  if (part.bore) builder.bore(place.at, end, part.bore->radius);
+  builder.uniform(place.at, end, {part.field * turned(part.direction, part.tilt)});
+  if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
 }
 
 }  // namespace rabiline

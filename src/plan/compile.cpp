@@ -9,6 +9,7 @@
 
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
+#include "plan/zones.hpp"
 #include "section/section_builder.hpp"
 #include "spin/majorana.hpp"
 
@@ -17,28 +18,12 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Steps per turn of the fastest rotation where several fields drive a spin at once.
-constexpr double steps_per_turn_of_spin = 24;
-
 /// Steps per turn in a region. The path's error over the length of the flight was measured against an
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
 /// spin and field; the steps are chosen to keep it, and that of the direction at the end, around 1e-7 to 1e-6
 /// (tests/physics/dorado_test.cpp holds the path to 1e-6).
 double steps_per_turn_of_path(double tip, double turns) {
   return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
-}
-
-/// What turns the velocity under a law: dv/dt = W x v with W = rate_per_tesla B.
-struct Turning {
-  double rate_per_tesla = 0;  // [rad/(s T)]
-  bool take_off_spin_component = false;
-};
-
-Turning turning_of(const Law& law, const Species& species) {
-  // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
-  const auto* dorado = std::get_if<DoradoLaw>(&law);
-  if (dorado == nullptr) return {-species.charge / species.mass, false};
-  return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque};
 }
 
 Sections sections_of(const Beamline& beamline) {
@@ -63,6 +48,7 @@ class Compiler {
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
         turning_(turning_of(beamline.law, species)),
+        zones_(species, beamline.species.front().species, turning_, mean_speed(beamline.source.speed)),
         straight_(turning_.rate_per_tesla == 0),
         may_reach_chamber_(!std::holds_alternative<ParallelDirection>(beamline.source.direction)) {}
 
@@ -79,56 +65,14 @@ class Compiler {
 
   // ---- fields as the species sees them ----
 
-  SpinZone zone_of(const Section& section) const {
-    SpinZone zone;
-    zone.begin = section.begin;
-    zone.end = section.end;
-    zone.spin_rate = -species_.gyromagnetic_ratio * section.field;
-    zone.turn_rate = turning_.rate_per_tesla * section.field;
-    if (section.rotating.size() > static_cast<std::size_t>(most_drives))
-      throw std::invalid_argument("more than 8 rotating fields overlap at one place");
-    for (const RotatingTerm& term : section.rotating)
-      if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term);
-    require_known_phases(zone);
-    if (zone.drives > 1) zone.step = two_pi / (steps_per_turn_of_spin * rate_of(zone));
-    return zone;
-  }
-  DriveTerm drive_of(const RotatingTerm& term) const {
-    DriveTerm drive;
-    drive.spin_rate = -species_.gyromagnetic_ratio * term.amplitude;
-    drive.turn_rate = turning_.rate_per_tesla * term.amplitude;
-    drive.omega = term.omega(species_.gyromagnetic_ratio);
-    drive.phase = term.phase;
-    drive.oscillator = term.random_phase ? term.oscillator : -1;
-    return drive;
-  }
-  /// The fastest turning in a zone [rad/s], of field, spin or velocity.
-  static double rate_of(const SpinZone& zone) {
-    double spin = std::abs(zone.spin_rate), turn = std::abs(zone.turn_rate), fastest = 0;
-    for (int i = 0; i < zone.drives; ++i) {
-      spin += std::abs(zone.drive[i].spin_rate);
-      turn += std::abs(zone.drive[i].turn_rate);
-      fastest = std::max(fastest, std::abs(zone.drive[i].omega));
-    }
-    return std::max({spin, turn, fastest});
-  }
-  /// Beyond this a phase omega t is not known well enough, and the kernels' sine has no digits left
-  /// (core/lanes.hpp).
-  void require_known_phases(const SpinZone& zone) const {
-    constexpr double most = 1e8;  // [rad]: ten times slower particles still stay within 1e9
-    const double phase = rate_of(zone) * zone.end / speed();
-    if (!(phase <= most))
-      throw std::invalid_argument(
-          fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {:.4g} m: more "
-                      "than {:.0e}, where its "
-                      "phase is no longer known\n  help: make the field or the frequency smaller, or the "
-                      "particles faster",
-                      species_.name, phase, zone.end, most));
-  }
   double speed() const { return mean_speed(beamline_.source.speed); }
   Alignment alignment_of(const AlignTerm& term, int part) const {
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
-    return {term.probability, spin_along_field * term.field_sign, levels(), part};
+    return {term.probability,
+            spin_along_field * term.field_sign,
+            {term.axis.x, term.axis.y, term.axis.z},
+            levels(),
+            part};
   }
 
   // ---- planes ----
@@ -141,20 +85,50 @@ class Compiler {
   /// Walls are asked about at planes: a straight flight that left the chamber never comes back into it.
   void stop_at_wall(double y, const Wall& wall) {
     if (std::isfinite(wall.radius))
-      chain_.push_back(Passage{aperture_of(y, Disc{wall.radius}, {}), wall.part});
+      chain_.push_back(Passage{aperture_of(y, Disc{wall.radius}, wall.offset), wall.part});
   }
   void stop_at_chamber(double y) {
     if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
   }
+  static Aperture plate_at(double y, const PlateTerm& plate) {
+    Aperture aperture = aperture_of(y, plate.opening, plate.offset, plate.tilt);
+    aperture.stops_inside = plate.stops_inside;
+    return aperture;
+  }
+  void aligned_along(const Vector3& axis) {
+    tip_ = 0;
+    aligned_ = axis;
+  }
+  /// The spin must be known where it is filtered: fields that a straight flight passed before act now.
+  void add_filter(const FilterTerm& filter, const Plane& plane) {
+    std::vector<SpinZone> zones = straight_ ? zones_before(plane) : std::vector<SpinZone>{};
+    if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
+    chain_.push_back(filter_of(filter, plane.part));
+    tip_ = 1;
+  }
+  Filter filter_of(const FilterTerm& term, int part) const {
+    if (quantum_ && species_.spin.twice != 1)
+      throw std::invalid_argument(
+          fmt::format("`{}` filters spins 1/2 only, and {} has spin {}/2 under the law `quantum`\n  help: a "
+                      "polarizer prepares a beam of any spin",
+                      beamline_.parts[static_cast<std::size_t>(part)].placement.name, species_.name,
+                      species_.spin.twice));
+    return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, part};
+  }
   void add_plane(const Plane& plane) {
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
       chain_.push_back(alignment_of(*align, plane.part));
-      tip_ = 0;
+      aligned_along(align->axis);
+      return;
+    }
+    if (const auto* filter = std::get_if<FilterTerm>(&plane.term)) {
+      stop_at_chamber(plane.y);
+      add_filter(*filter, plane);
       return;
     }
     stop_at_chamber(plane.y);
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      chain_.push_back(Passage{aperture_of(plane.y, plate->opening, plate->offset, plate->tilt), plane.part});
+      chain_.push_back(Passage{plate_at(plane.y, *plate), plane.part});
     else
       chain_.push_back(Score{screen_at(plane)});
   }
@@ -184,15 +158,17 @@ class Compiler {
 
   /// Under closure `torque` fields without a drive do nothing to spins along them.
   bool turns_velocity(std::span<const Section> touching) const {
-    const auto driven = [](const Section& s) {
-      return std::any_of(s.rotating.begin(), s.rotating.end(),
-                         [](const RotatingTerm& t) { return t.amplitude != 0; });
-    };
-    const bool any_driven = std::any_of(touching.begin(), touching.end(), driven);
-    const bool any_field =
-        std::any_of(touching.begin(), touching.end(), [](const Section& s) { return s.field != 0; });
-    const bool spins_along_field = turning_.take_off_spin_component && tip_ == 0;
-    return turning_.rate_per_tesla != 0 && (any_driven || (any_field && !spins_along_field));
+    if (turning_.rate_per_tesla == 0) return false;
+    const bool spins_aligned = turning_.take_off_spin_component && tip_ == 0;
+    return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
+      if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
+        return true;
+      const Vector3 field = zones_.static_field(s);
+      return field != Vector3{} && !(spins_aligned && is_parallel(field, aligned_));
+    });
+  }
+  static bool is_parallel(const Vector3& a, const Vector3& b) {
+    return length_of(cross(a, b)) <= 1e-12 * length_of(a) * length_of(b);
   }
 
   void fly_straight_through(const Section& section) {
@@ -221,14 +197,21 @@ class Compiler {
 
   RegionZone region_zone(const Section& section, double begin, double end) {
     RegionZone zone;
-    zone.field = zone_of(section);
+    zone.field = zones_.zone_of(section);
     zone.field.begin = begin;
     zone.field.end = end;
     zone.wall_radius = section.wall.radius;
     zone.wall_part = section.wall.part;
-    const double stay = (section.end - section.begin) / speed(), turns = rate_of(zone.field) * stay / two_pi;
+    zone.wall_x = section.wall.offset.x;
+    zone.wall_z = section.wall.offset.z;
+    if (const Vector3 field = zones_.static_field(section);
+        field != Vector3{} && !is_parallel(field, aligned_))
+      tip_ = 1;
+    const double stay = (section.end - section.begin) / speed(),
+                 turns = zones_.rate_of(zone.field) * stay / two_pi;
     tip_ = std::min(1.0, tip_ + tip_in(zone.field, stay));
     zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(tip_, turns));
+    if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
     return zone;
   }
   RegionEdge region_edge(const Plane& plane) const {
@@ -239,7 +222,13 @@ class Compiler {
       edge.align = alignment_of(*align, plane.part);
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
-      edge.plate = aperture_of(plane.y, plate->opening, plate->offset, plate->tilt);
+      edge.plate = plate_at(plane.y, *plate);
+    } else if (std::holds_alternative<FilterTerm>(plane.term)) {
+      throw std::invalid_argument(fmt::format(
+          "`{}` stands where fields turn the path under the law {}, and can only be passed in one "
+          "direction\n  "
+          "help: move it out of the fields, or leave it away under this law",
+          beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, describe(beamline_.law)));
     } else {
       edge.kind = EdgeKind::screen;
       edge.screen = screen_at(plane);
@@ -289,27 +278,44 @@ class Compiler {
 
   // ---- spins at a detector ----
 
-  /// The fields between the last alignment before the detector, or the source, and the detector.
-  std::vector<SpinZone> zones_before(const Plane& detector) const {
-    double from = 0;
-    for (const Plane& plane : sections_.planes)
-      if (std::holds_alternative<AlignTerm>(plane.term) && plane.y <= detector.y) from = plane.y;
+  /// The last plane before this one where spins were set anew or brought up to date, or the source.
+  const Plane* last_known_spin(const Plane& before) const {
+    const Plane* last = nullptr;
+    for (const Plane& plane : sections_.planes) {
+      if (&plane == &before) break;
+      if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term))
+        last = &plane;
+    }
+    return last;
+  }
+  /// The fields between there and a plane.
+  std::vector<SpinZone> zones_before(const Plane& plane) const {
+    const Plane* last = last_known_spin(plane);
+    const double from = last != nullptr ? last->y : 0;
     std::vector<SpinZone> zones;
     for (const Section& section : sections_.sections) {
-      SpinZone zone = zone_of(section);
+      SpinZone zone = zones_.zone_of(section);
       zone.begin = std::max(zone.begin, from);
-      zone.end = std::min(zone.end, detector.y);
+      zone.end = std::min(zone.end, plane.y);
       if (zone.begin < zone.end && (zone.spin_rate != 0 || zone.drives > 0)) zones.push_back(zone);
     }
     return zones;
   }
 
-  /// Levels along z and S_z do not see precession about z before the first and after the last drive.
-  static std::vector<SpinZone> driven_part(const std::vector<SpinZone>& zones) {
-    const auto driven = [](const SpinZone& zone) { return zone.drives > 0; };
-    const auto first = std::find_if(zones.begin(), zones.end(), driven);
-    const auto last = std::find_if(zones.rbegin(), zones.rend(), driven).base();
+  /// Spins that start along z do not see precession about it, nor do levels along z care for it at the end.
+  static std::vector<SpinZone> without_precession_about_z(const std::vector<SpinZone>& zones,
+                                                          bool starts_along_z) {
+    const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
+    const auto first =
+        starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
     return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
+  }
+  /// Whether the image of z is known to stand along z after the last known spin.
+  bool starts_along_z(const Plane& detector) const {
+    const Plane* last = last_known_spin(detector);
+    if (last == nullptr) return true;
+    const auto* align = std::get_if<AlignTerm>(&last->term);
+    return align != nullptr && align->axis == Vector3{0, 0, 1};
   }
 
   SpinStretch stretch_to(const Plane& detector) const {
@@ -319,8 +325,8 @@ class Compiler {
     stretch.levels = quantum_ ? levels() : 2;
     if (straight_) stretch.zones = zones_before(detector);
     if (straight_ && quantum_) {
-      stretch.zones = driven_part(stretch.zones);
-      stretch.from_level = true;
+      stretch.from_level = starts_along_z(detector);
+      stretch.zones = without_precession_about_z(stretch.zones, stretch.from_level);
     }
     if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
     return stretch;
@@ -332,9 +338,11 @@ class Compiler {
   const Sections sections_;
   const bool quantum_;
   const Turning turning_;
+  const ZoneMaker zones_;
   const bool straight_;     // nothing in the whole beam turns the velocity
   bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
   std::size_t next_plane_ = 0;
+  Vector3 aligned_{0, 0, 1};  // what spins stand along where tip_ is 0
   double tip_ = 1;  // how far spins may stand from the field so far; 1 for a beam that nothing has aligned
   std::vector<Stage> chain_;
 };

@@ -91,14 +91,26 @@ class Explainer {
 
   void show(const Drift& drift) { line("{}  straight to here{}", metres(drift.y), reuse()); }
   void show(const Passage& p) {
-    line("{}  {}: stops what misses its {}{}", metres(p.aperture.y), name_of(p.part),
-         p.part < 0 ? "wall" : "opening", reuse());
+    line("{}  {}: stops what {}{}", metres(p.aperture.y), name_of(p.part),
+         p.part < 0                ? "meets its wall"
+         : p.aperture.stops_inside ? "hits it"
+                                   : "misses its opening",
+         reuse());
   }
   void show(const Alignment& a) {
     tip_ = 0;
     const double y = beamline_.parts[static_cast<std::size_t>(a.part)].placement.at;
     line("{}  {}: moments along the field with probability {:g}{}", metres(y), name_of(a.part), a.probability,
          reuse());
+  }
+  void show(const Precession& precession) {
+    line("            spins are carried to the next plane{}", reuse());
+    for (const SpinZone& zone : precession.zones) show_zone(zone);
+  }
+  void show(const Filter& f) {
+    const double y = beamline_.parts[static_cast<std::size_t>(f.part)].placement.at;
+    line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}", metres(y),
+         name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
   void show(const Score& s) {
     line("{}  {}: catches and histograms, {} x {} bins{}", metres(s.screen.y), name_of(s.screen.part),

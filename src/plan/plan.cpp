@@ -18,12 +18,16 @@ double cost_of(const TurningRegion& region, double speed) {
     steps += (zone.field.end - zone.field.begin) / speed / zone.step;
   return steps * cost_of_step;
 }
+double cost_of(const std::vector<SpinZone>& zones, double speed) {
+  double sum = 0;
+  for (const SpinZone& zone : zones)
+    sum += zone.step > 0 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
+  return sum;
+}
+double cost_of(const Precession& precession, double speed) { return cost_of(precession.zones, speed); }
 double cost_of(const SpinStretch& stretch, double speed) {
   if (stretch.from_level && stretch.zones.size() <= 1 && stretch.levels == 2) return cost_of_closed_form;
-  double sum = cost_of_closed_form * stretch.levels;
-  for (const SpinZone& zone : stretch.zones)
-    sum += zone.drives > 1 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
-  return sum;
+  return cost_of_closed_form * stretch.levels + cost_of(stretch.zones, speed);
 }
 template <class Plain>
 double cost_of(const Plain&, double) {

@@ -12,34 +12,44 @@ namespace rabiline {
 /// Numbers a part: its index in the beamline's list. The chamber counts as a part of its own.
 inline constexpr int chamber_number = -1;
 
-/// A round wall around the axis.
+/// A round wall along the beam.
 struct Wall {
   double radius = std::numeric_limits<double>::infinity();  // [m]
   int part = chamber_number;                                // whose wall it is
+  Offset offset{};                                          // of its centre from the axis
   bool operator==(const Wall&) const = default;
 };
 
 /// A stretch of the beam with all the fields that overlap there.
 struct Section {
   double begin = 0, end = 0;  // [m]
-  double field = 0;           // [T] sum of the uniform fields, along +z
+  Vector3 field;              // [T] sum of the uniform fields
   std::vector<RotatingTerm> rotating;
+  std::vector<CoilTerm> coils;
   Wall wall;  // the narrowest
   bool operator==(const Section&) const = default;
 };
 
-/// What misses the opening stops.
+/// What misses the opening stops; of a beam stop, what hits the shape.
 struct PlateTerm {
   Opening opening;
   Offset offset;
   Roll tilt{};
+  bool stops_inside = false;
   bool operator==(const PlateTerm&) const = default;
 };
-/// Moments are aligned with a field along +z: S gets a definite sign with the given probability.
+/// Moments are aligned with a field: S gets a definite sign along it with the given probability.
 struct AlignTerm {
   double probability = 1;  // that the moment comes out along the field
-  double field_sign = 1;   // of B' along z
+  double field_sign = 1;   // of B' along the axis
+  Vector3 axis{0, 0, 1};
   bool operator==(const AlignTerm&) const = default;
+};
+/// Spins along the axis pass with one probability, spins against it with another one.
+struct FilterTerm {
+  Vector3 axis{0, 0, 1};
+  double up = 1, down = 0;  // transmissions of the spin S along and against the axis
+  bool operator==(const FilterTerm&) const = default;
 };
 /// What hits the screen is caught and histogrammed.
 struct ScreenTerm {
@@ -52,7 +62,7 @@ struct ScreenTerm {
 struct Plane {
   double y = 0;  // [m]
   int part = 0;
-  std::variant<PlateTerm, AlignTerm, ScreenTerm> term;
+  std::variant<PlateTerm, AlignTerm, FilterTerm, ScreenTerm> term;
   bool operator==(const Plane&) const = default;
 };
 

@@ -11,18 +11,28 @@ void SectionBuilder::oscillator(const std::string& name, RotatingTerm clock) {
   clock.oscillator = part_;
   oscillators_[name] = clock;
 }
-void SectionBuilder::zone(double begin, double end, double amplitude, double phase,
-                          const std::string& oscillator) {
-  zones_.push_back({{begin, end, part_}, {amplitude, phase, oscillator}});
+void SectionBuilder::zone(double begin, double end, const RotatingTerm& term, const std::string& oscillator) {
+  zones_.push_back({{begin, end, part_}, {term, oscillator}});
 }
-void SectionBuilder::bore(double begin, double end, double radius) {
-  bores_.push_back({{begin, end, part_}, radius});
+void SectionBuilder::twisted(double begin, double end, const RotatingTerm& term) {
+  zones_.push_back({{begin, end, part_}, {term, {}}});
+}
+void SectionBuilder::coil(double begin, double end, const CoilTerm& term) {
+  coils_.push_back({{begin, end, part_}, term});
+}
+void SectionBuilder::bore(double begin, double end, double radius, Offset offset) {
+  bores_.push_back({{begin, end, part_}, {radius, part_, offset}});
 }
 
 RotatingTerm SectionBuilder::follow(const Zone& zone) const {
-  RotatingTerm term = oscillators_.at(zone.oscillator);
-  term.amplitude = zone.amplitude;
-  term.phase += zone.phase;
+  RotatingTerm term = zone.term;
+  if (zone.oscillator.empty()) return term;
+  const RotatingTerm& clock = oscillators_.at(zone.oscillator);
+  term.frequency = clock.frequency;
+  term.turn = clock.turn;
+  term.oscillator = clock.oscillator;
+  term.random_phase = clock.random_phase;
+  term.phase += clock.phase;
   return term;
 }
 
@@ -33,22 +43,24 @@ Sections SectionBuilder::build() const {
   };
   add_edges(uniform_);
   add_edges(zones_);
+  add_edges(coils_);
   add_edges(bores_);
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
 
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    Section section{edges[i], edges[i + 1], 0, {}, chamber_};
+    Section section{edges[i], edges[i + 1], {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) { return e.begin <= section.begin && e.end >= section.end; };
     bool anything = false;
     for (const auto& [extent, term] : uniform_)
-      if (covers(extent)) section.field += term.field, anything = true;
+      if (covers(extent)) section.field = section.field + term.field, anything = true;
     for (const auto& [extent, zone] : zones_)
       if (covers(extent)) section.rotating.push_back(follow(zone)), anything = true;
-    for (const auto& [extent, radius] : bores_)
-      if (covers(extent) && radius < section.wall.radius)
-        section.wall = {radius, extent.part}, anything = true;
+    for (const auto& [extent, term] : coils_)
+      if (covers(extent)) section.coils.push_back(term), anything = true;
+    for (const auto& [extent, wall] : bores_)
+      if (covers(extent) && wall.radius < section.wall.radius) section.wall = wall, anything = true;
     if (anything) result.sections.push_back(section);
   }
   result.planes = planes_;

@@ -20,10 +20,12 @@ class SectionBuilder {
   void uniform(double begin, double end, UniformTerm);
   /// An oscillator: a RotatingTerm without amplitude, under the name that zones follow it by.
   void oscillator(const std::string& name, RotatingTerm clock);
-  /// A zone that follows that oscillator, `phase` [rad] added to its own; the oscillator may be declared
-  /// later.
-  void zone(double begin, double end, double amplitude, double phase, const std::string& oscillator);
-  void bore(double begin, double end, double radius);
+  /// A zone that follows that oscillator, its own phase added; the oscillator may be declared later.
+  void zone(double begin, double end, const RotatingTerm&, const std::string& oscillator);
+  /// A field that turns along the beam only.
+  void twisted(double begin, double end, const RotatingTerm&);
+  void coil(double begin, double end, const CoilTerm&);
+  void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, term}); }
 
   /// The sections between neighbouring edges where anything stands, and the planes in order of y.
@@ -38,14 +40,15 @@ class SectionBuilder {
   int part_ = 0;
   std::vector<std::pair<Extent, UniformTerm>> uniform_;
   struct Zone {
-    double amplitude, phase;
-    std::string oscillator;
+    RotatingTerm term;
+    std::string oscillator;  // empty: no clock
   };
   RotatingTerm follow(const Zone&) const;
 
   std::map<std::string, RotatingTerm> oscillators_;
   std::vector<std::pair<Extent, Zone>> zones_;
-  std::vector<std::pair<Extent, double>> bores_;
+  std::vector<std::pair<Extent, CoilTerm>> coils_;
+  std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
 };
 

@@ -20,6 +20,10 @@ void Tallies::add(const Passage& passage, const PlanNode& node) {
   fates.push_back({Fate::stopped, passage.part, node.sums, &node.points});
 }
 
+void Tallies::add(const Filter& filter, const PlanNode& node) {
+  fates.push_back({Fate::stopped, filter.part, node.sums, &node.points});
+}
+
 void Tallies::add(const Exit&, const PlanNode& node) {
   fates.push_back({Fate::passed, no_part, node.sums, &node.points});
 }

@@ -42,6 +42,8 @@ struct Tallies {
   void visit(const PlanNode&);
   void add(const Drift&, const PlanNode&) {}
   void add(const Alignment&, const PlanNode&) {}
+  void add(const Precession&, const PlanNode&) {}
+  void add(const Filter&, const PlanNode&);
   void add(const Passage&, const PlanNode&);
   void add(const Exit&, const PlanNode&);
   void add(const SpinStretch&, const PlanNode&);

@@ -229,16 +229,14 @@ void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real sign = drawn_sign(alignment, key, load(batch.particle + i));
     const mask flying = (mask)load(batch.flying + i);
-    const real zero = broadcast(0);
-    store(batch.sx + i, select(flying, zero, load(batch.sx + i)));
-    store(batch.sy + i, select(flying, zero, load(batch.sy + i)));
-    if (alignment.levels > 0) {
-      const words bottom = broadcast_word(static_cast<unsigned long long>(alignment.levels - 1));
-      store(batch.level + i, select(flying, select(sign > zero, words{}, bottom), load(batch.level + i)));
-      store(batch.sz + i, select(flying, broadcast(1), load(batch.sz + i)));
-    } else {
-      store(batch.sz + i, select(flying, sign, load(batch.sz + i)));
-    }
+    const Vector spin = aligned_spin(alignment, sign);
+    store(batch.sx + i, select(flying, spin.x, load(batch.sx + i)));
+    store(batch.sy + i, select(flying, spin.y, load(batch.sy + i)));
+    store(batch.sz + i, select(flying, spin.z, load(batch.sz + i)));
+    if (alignment.levels == 0) continue;
+    const words bottom = broadcast_word(static_cast<unsigned long long>(alignment.levels - 1));
+    store(batch.level + i,
+          select(flying, select(sign > broadcast(0), words{}, bottom), load(batch.level + i)));
   }
 }
 

@@ -10,6 +10,8 @@ void drift(double y, BatchView&);
 std::uint64_t pass(const Aperture&, BatchView&);
 std::uint64_t screen(const Screen&, BatchView&);
 void align(const Alignment&, const RandomKey&, BatchView&);
+void precess(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
+std::uint64_t filter(const Filter&, BatchView&);
 void project(const Projection&, const BatchView&, LevelSums&);
 void turn(const Region&, BatchView&, const StepRecorder*);
 

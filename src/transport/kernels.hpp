@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/isa.hpp"
+#include "field/shape.hpp"
 #include "particle/batch.hpp"
 
 namespace rabiline {
@@ -28,6 +29,7 @@ struct Aperture {
   double radius = -1;             // [m] of a disc or ring; negative: a rectangle
   double inner = 0;               // [m] where a ring begins
   double cosine = 1, sine = 0;    // of the turn about the beam, from +z towards +x
+  bool stops_inside = false;      // a beam stop
   bool operator==(const Aperture&) const = default;
 };
 
@@ -59,32 +61,59 @@ struct Screen {
 };
 
 struct Alignment {
-  double probability = 1;  // that S comes out along `spin_sign`
-  double spin_sign = 1;    // +1 or -1: S_z that puts the moment along the field
-  int levels = 0;          // quantum: how many levels; 0: a vector law
+  double probability = 1;      // that S comes out along `spin_sign` times the axis
+  double spin_sign = 1;        // +1 or -1: S along the axis that puts the moment along the field
+  double axis[3] = {0, 0, 1};  // unit vector
+  int levels = 0;              // quantum: how many levels; 0: a vector law
   int part = 0;
   bool operator==(const Alignment&) const = default;
 };
 
-/// A rotating field as one species sees it.
+/// Spins S along the axis pass with one probability, spins against it with another one.
+struct Filter {
+  double axis[3] = {0, 0, 1};
+  double up = 1, down = 0;
+  bool quantum = false;  // the state is the level's, along the spin's image: spin 1/2
+  int part = 0;
+  bool operator==(const Filter&) const = default;
+};
+
+/// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
+/// angle = omega t + twist (y - begin) + phase.
 struct DriveTerm {
-  double spin_rate = 0;  // [rad/s] -gamma H0: turns the spin
-  double turn_rate = 0;  // [rad/s] turns the velocity, strength included
-  double omega = 0;      // [rad/s] signed, about +z
-  double phase = 0;      // [rad] at emission
-  int oscillator = -1;   // part number that a random phase is drawn for; -1: none is drawn
+  double spin_rate = 0;                    // [rad/s] -gamma H0: turns the spin
+  double turn_rate = 0;                    // [rad/s] turns the velocity, strength included
+  double omega = 0;                        // [rad/s] signed, from the first axis towards the second
+  double phase = 0;                        // [rad] at emission
+  int oscillator = -1;                     // part number that a random phase is drawn for; -1: none is drawn
+  double random_turn = 6.283185307179586;  // [rad] that a random number in (0, 1) adds, times it
+  double twist = 0;                        // [rad/m]
+  Shape shape = Shape::rectangular;
+  double begin = 0, length = 0, sigma = 0;             // [m] of the whole field, not only of this zone
+  bool in_xy = true;                                   // first and second are x and y
+  double first[3] = {1, 0, 0}, second[3] = {0, 1, 0};  // in the laboratory
   bool operator==(const DriveTerm&) const = default;
 };
 inline constexpr int most_drives = 8;  // rotating fields that may overlap at one place
 
+/// How spins are carried through a zone.
+enum class ZoneKind {
+  precession,  // one turn about the static field
+  rotating,    // one field turns across the static one: closed form in the frame that turns with it
+  profiled,    // the same with a size that runs along the beam: steps in that frame
+  general      // steps in the laboratory
+};
 /// The fields of one section as one species sees them. w = -gamma B turns the spin (dS/dt = w x S).
 struct SpinZone {
   double begin = 0, end = 0;  // [m]
-  double spin_rate = 0;       // [rad/s] w_z of the uniform field
-  double turn_rate = 0;       // [rad/s] the velocity's turning about z, strength included
+  double spin_rate = 0;       // [rad/s] of the static field, about the third axis of the frame
+  double turn_rate = 0;       // [rad/s] the velocity's turning about it, strength included
+  ZoneKind kind = ZoneKind::precession;
+  bool turned = false;                            // the frame is not that of the laboratory
+  double frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // its axes, one after the other; the drive's plane first
   int drives = 0;
   DriveTerm drive[most_drives];
-  double step = 0;  // [s] at most, of a stretch where more than one field drives
+  double step = 0;  // [s] at most, of what is carried by steps
   bool operator==(const SpinZone&) const = default;
 };
 
@@ -121,7 +150,8 @@ struct RegionEdge {
 /// One zone of a region with its wall and step.
 struct RegionZone {
   SpinZone field;
-  double wall_radius = 0;  // [m]
+  double wall_radius = 0;         // [m]
+  double wall_x = 0, wall_z = 0;  // [m] its centre
   int wall_part = 0;
   double step = 0;  // [s]
   bool operator==(const RegionZone&) const = default;
@@ -158,6 +188,9 @@ struct Kernels {
   std::uint64_t (*screen)(const Screen&,
                           BatchView&);  // returns the weight caught; bins in scratch, ~0: not caught
   void (*align)(const Alignment&, const RandomKey&, BatchView&);
+  /// Carries the spins of what flies through the zones.
+  void (*precess)(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
+  std::uint64_t (*filter)(const Filter&, BatchView&);  // returns the weight that stopped [quanta]
   void (*project)(const Projection&, const BatchView&, LevelSums&);
   void (*turn)(const Region&, BatchView&, const StepRecorder*);
 };

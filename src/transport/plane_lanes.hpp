@@ -4,7 +4,7 @@
 
 namespace rabiline::RABILINE_ISA {
 
-RABILINE_LANES mask inside(const Aperture& a, real x, real z) {
+RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {
   const real dx = x - a.x0, dz = z - a.z0;
   if (a.radius >= 0) {
     const real r2 = fma(dx, dx, dz * dz);
@@ -14,6 +14,12 @@ RABILINE_LANES mask inside(const Aperture& a, real x, real z) {
   const real across = fma(dx, broadcast(a.cosine), -(dz * a.sine)),
              up = fma(dx, broadcast(a.sine), dz * a.cosine);
   return (abs(across) <= broadcast(a.half_x)) & (abs(up) <= broadcast(a.half_z));
+}
+
+/// Whether a particle at (x, z) flies on.
+RABILINE_LANES mask inside(const Aperture& a, real x, real z) {
+  const mask in = inside_shape(a, x, z);
+  return a.stops_inside ? ~in : in;
 }
 
 RABILINE_LANES Aperture rim_of(const Screen& s) {
@@ -37,7 +43,14 @@ RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
   return bit_pattern(fma(ix, broadcast(s.bins_z), iz) + 0x1p52) & 0xfffffffffffffULL;
 }
 
-/// The sign of S_z that alignment gives each particle.
+/// The spin that alignment gives where S comes out with that sign: the image of z under `quantum`.
+RABILINE_LANES Vector aligned_spin(const Alignment& a, real sign) {
+  const real size = a.levels > 0 ? broadcast(1) : sign;
+  return {a.axis[0] == 0 ? broadcast(0) : size * a.axis[0], a.axis[1] == 0 ? broadcast(0) : size * a.axis[1],
+          size * a.axis[2]};
+}
+
+/// The sign of S along the axis that alignment gives each particle.
 RABILINE_LANES real drawn_sign(const Alignment& a, const RandomKey& key, words particle) {
   real u, unused;
   uniforms(particle, key.seed, purpose::align, static_cast<unsigned>(a.part), key.stream, u, unused);

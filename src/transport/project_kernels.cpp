@@ -130,12 +130,17 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
   for (int to = 0; to < p.levels; ++to) levels[to].flush(sums, to);
 }
 
+/// From a level along z: the flip probability needs no vector.
+bool has_closed_form(const SpinZone& zone) {
+  return zone.kind == ZoneKind::rotating && !zone.turned && zone.drive[0].twist == 0;
+}
+
 }  // namespace
 
 void project(const Projection& p, const BatchView& batch, LevelSums& sums) {
   if (p.levels > 2)
     project_many(p, batch, sums);
-  else if (p.from_level && p.zone_count == 1 && p.zones[0].drives == 1)
+  else if (p.from_level && p.zone_count == 1 && has_closed_form(p.zones[0]))
     project_two_through_one_zone(p, batch, sums);
   else
     project_two(p, batch, sums);

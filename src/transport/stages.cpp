@@ -8,6 +8,8 @@ namespace {
 std::size_t needed(const Drift&) { return 0; }
 std::size_t needed(const Passage&) { return 1; }
 std::size_t needed(const Alignment&) { return 0; }
+std::size_t needed(const Precession&) { return 0; }
+std::size_t needed(const Filter&) { return 1; }
 std::size_t needed(const TurningRegion& region) {
   std::size_t sums = RegionSums{region.zones.size()}.screens();
   for (const RegionEdge& edge : region.edges)
@@ -42,6 +44,15 @@ void pass(const Passage& passage, Flight& flight) {
 
 void pass(const Alignment& alignment, Flight& flight) {
   flight.kernels.align(alignment, flight.key, flight.batch.view());
+}
+
+void pass(const Precession& precession, Flight& flight) {
+  flight.kernels.precess(precession.zones.data(), static_cast<int>(precession.zones.size()), flight.key,
+                         flight.batch.view());
+}
+
+void pass(const Filter& filter, Flight& flight) {
+  flight.sums[0] += flight.kernels.filter(filter, flight.batch.view());
 }
 
 void pass(const Score& score, Flight& flight) {

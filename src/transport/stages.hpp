@@ -31,6 +31,11 @@ struct Passage {
   bool operator==(const Passage&) const = default;
 };
 
+/// Carries spins through the fields of a straight flight, for what comes next to ask about them.
+struct Precession {
+  std::vector<SpinZone> zones;
+  bool operator==(const Precession&) const = default;
+};
 /// Touching fields that turn the velocity; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
@@ -60,7 +65,8 @@ struct SpinStretch {
   bool operator==(const SpinStretch&) const = default;
 };
 
-using Stage = std::variant<Drift, Passage, Alignment, TurningRegion, Score, Exit, SpinStretch>;
+using Stage =
+    std::variant<Drift, Passage, Alignment, Precession, Filter, TurningRegion, Score, Exit, SpinStretch>;
 
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
 /// particles.

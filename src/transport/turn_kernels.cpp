@@ -95,15 +95,17 @@ RABILINE_LANES State step_in_frame(const SpinZone& zone, bool take_off, const Pr
 
 /// One step under any sum of rotating fields; everything in the laboratory frame.
 State step_in_laboratory(const SpinZone& zone, bool take_off, const real* phases, real h, State s) {
-  const real t1 = fma(broadcast(gauss_first), h, s.t), t2 = fma(broadcast(gauss_second), h, s.t),
-             end = s.t + h;
-  const Vector s1 = step_spin(zone, phases, s.t, t1 - s.t, s.spin),
-               s2 = step_spin(zone, phases, t1, t2 - t1, s1);
-  const Vector w1 = turning(rates_at(zone, phases, t1).turn, s1, take_off);
-  const Vector w2 = turning(rates_at(zone, phases, t2).turn, s2, take_off);
+  const real dt1 = broadcast(gauss_first) * h, dt2 = broadcast(gauss_second) * h, t = s.t;
+  // Where fields depend on the place, it must be known to second order within the step.
+  const Vector w0 = turning(rates_at(zone, phases, t, s.place.y).turn, s.spin, take_off);
+  const Way way{s.place.y, s.velocity.y, 0.5 * cross(w0, s.velocity).y};
+  const Vector s1 = step_spin(zone, phases, t, way, broadcast(0), dt1, s.spin),
+               s2 = step_spin(zone, phases, t, way, dt1, dt2 - dt1, s1);
+  const Vector w1 = turning(rates_at(zone, phases, t + dt1, way.at(dt1)).turn, s1, take_off);
+  const Vector w2 = turning(rates_at(zone, phases, t + dt2, way.at(dt2)).turn, s2, take_off);
   move(s, w1, w2, h);
-  s.spin = step_spin(zone, phases, t2, end - t2, s2);
-  s.t = end;
+  s.spin = step_spin(zone, phases, t, way, dt2, h - dt2, s2);
+  s.t = t + h;
   return s;
 }
 
@@ -113,7 +115,10 @@ struct Stepper {
   bool take_off;
   const real* phases;
 
-  bool in_frame() const { return zone.drives <= 1; }
+  bool in_frame() const {
+    return !zone.turned && (zone.kind == ZoneKind::precession ||
+                            (zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0));
+  }
   RABILINE_LANES Phasor frame_at(real t) const {
     return phasor(fma(broadcast(frame_rate(zone)), t, zone.drives == 1 ? phases[0] : broadcast(0)));
   }
@@ -183,7 +188,8 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   while (any(going)) {
     const State old = now;
     now = stepper.step(whole_step, old);
-    const real from_axis2 = fma(now.place.x, now.place.x, now.place.z * now.place.z);
+    const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
+    const real from_axis2 = fma(from_x, from_x, from_z * from_z);
     const mask stays =
         (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
     if (any(going & ~stays)) {
@@ -239,11 +245,10 @@ void cross_edge(const Region& region, int number, mask lanes, mask forward, word
            code(region_end::caught_at_edge, number) | bin_on(edge.screen, x, z) << 32);
   } else if (edge.kind == EdgeKind::align) {
     const real sign = drawn_sign(edge.align, region.key, particle);
-    const real zero = broadcast(0), one = broadcast(1);
-    const bool quantum = edge.align.levels > 0;
     const words bottom = code(0, edge.align.levels - 1);
-    pack.state.spin = select(forward, Vector{zero, zero, quantum ? one : sign}, pack.state.spin);
-    if (quantum) pack.level = select(forward, select(sign > zero, words{}, bottom), pack.level);
+    pack.state.spin = select(forward, aligned_spin(edge.align, sign), pack.state.spin);
+    if (edge.align.levels > 0)
+      pack.level = select(forward, select(sign > broadcast(0), words{}, bottom), pack.level);
   }
 }
 

@@ -70,29 +70,83 @@ RABILINE_LANES Vector rotate(const Vector& o, const Vector& v) {
   return add(add(v, S, u), C, cross(o, u));
 }
 
-/// Random phase of an oscillator at each particle's emission, in [0, 2 pi).
+/// Random phase of an oscillator at each particle's emission.
 RABILINE_LANES real oscillator_phase(const DriveTerm& drive, const RandomKey& key, words particle) {
   if (drive.oscillator < 0) return broadcast(drive.phase);
   real u, unused;
   uniforms(particle, key.seed, purpose::oscillator, static_cast<unsigned>(drive.oscillator), key.stream, u,
            unused);
-  return fma(u, broadcast(6.283185307179586), broadcast(drive.phase));
+  return fma(u, broadcast(drive.random_turn), broadcast(drive.phase));
+}
+
+/// Angle of a drive at time t and place y, from its phase at emission.
+RABILINE_LANES real angle_at(const DriveTerm& drive, real phase, real t, real y) {
+  const real angle = fma(broadcast(drive.omega), t, phase);
+  return drive.twist == 0 ? angle : fma(broadcast(drive.twist), y - drive.begin, angle);
+}
+/// Size of a drive at place y as a part of its highest.
+RABILINE_LANES real envelope(const DriveTerm& drive, real y) {
+  if (drive.shape == Shape::rectangular) return broadcast(1);
+  if (drive.shape == Shape::half_sine) {
+    real s, c;
+    sincos((y - drive.begin) * (3.141592653589793 / drive.length), s, c);
+    return s;
+  }
+  const real off = (y - (drive.begin + 0.5 * drive.length)) * (1 / drive.sigma);
+  return exp(off * off * -0.5);
+}
+
+RABILINE_LANES Vector third_axis(const SpinZone& zone) {
+  return {broadcast(zone.frame[6]), broadcast(zone.frame[7]), broadcast(zone.frame[8])};
+}
+RABILINE_LANES Vector to_frame(const SpinZone& zone, const Vector& v) {
+  if (!zone.turned) return v;
+  const double* f = zone.frame;
+  return {fma(v.x, broadcast(f[0]), fma(v.y, broadcast(f[1]), v.z * f[2])),
+          fma(v.x, broadcast(f[3]), fma(v.y, broadcast(f[4]), v.z * f[5])),
+          fma(v.x, broadcast(f[6]), fma(v.y, broadcast(f[7]), v.z * f[8]))};
+}
+RABILINE_LANES Vector from_frame(const SpinZone& zone, const Vector& v) {
+  if (!zone.turned) return v;
+  const double* f = zone.frame;
+  return {fma(v.x, broadcast(f[0]), fma(v.y, broadcast(f[3]), v.z * f[6])),
+          fma(v.x, broadcast(f[1]), fma(v.y, broadcast(f[4]), v.z * f[7])),
+          fma(v.x, broadcast(f[2]), fma(v.y, broadcast(f[5]), v.z * f[8]))};
 }
 
 /// The fields of a zone as angular velocities, summed over drives whose phases at emission are given.
 struct Rates {
   Vector spin, turn;
 };
-RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t) {
-  const real zero = broadcast(0);
-  Rates r{{zero, zero, broadcast(zone.spin_rate)}, {zero, zero, broadcast(zone.turn_rate)}};
+RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, real y) {
+  const real zero = broadcast(0), spin_rate = broadcast(zone.spin_rate),
+             turn_rate = broadcast(zone.turn_rate);
+  Rates r{{zero, zero, spin_rate}, {zero, zero, turn_rate}};
+  if (zone.turned) {
+    const Vector axis = third_axis(zone);
+    r = {{spin_rate * axis.x, spin_rate * axis.y, spin_rate * axis.z},
+         {turn_rate * axis.x, turn_rate * axis.y, turn_rate * axis.z}};
+  }
   for (int i = 0; i < zone.drives; ++i) {
-    const Phasor p = phasor(fma(broadcast(zone.drive[i].omega), t, phases[i]));
-    const real spin = broadcast(zone.drive[i].spin_rate), turn = broadcast(zone.drive[i].turn_rate);
-    r.spin.x = fma(spin, p.c, r.spin.x);
-    r.spin.y = fma(spin, p.s, r.spin.y);
-    r.turn.x = fma(turn, p.c, r.turn.x);
-    r.turn.y = fma(turn, p.s, r.turn.y);
+    const DriveTerm& drive = zone.drive[i];
+    Phasor p = phasor(angle_at(drive, phases[i], t, y));
+    if (drive.shape != Shape::rectangular) {
+      const real size = envelope(drive, y);
+      p = {p.c * size, p.s * size};
+    }
+    const real spin = broadcast(drive.spin_rate), turn = broadcast(drive.turn_rate);
+    if (drive.in_xy) {
+      r.spin.x = fma(spin, p.c, r.spin.x);
+      r.spin.y = fma(spin, p.s, r.spin.y);
+      r.turn.x = fma(turn, p.c, r.turn.x);
+      r.turn.y = fma(turn, p.s, r.turn.y);
+      continue;
+    }
+    const double *a = drive.first, *b = drive.second;
+    const Vector along{fma(p.c, broadcast(a[0]), p.s * b[0]), fma(p.c, broadcast(a[1]), p.s * b[1]),
+                       fma(p.c, broadcast(a[2]), p.s * b[2])};
+    r.spin = add(r.spin, spin, along);
+    r.turn = add(r.turn, turn, along);
   }
   return r;
 }
@@ -110,10 +164,18 @@ RABILINE_LANES Vector magnus(const Vector& w1, const Vector& w2, real h) {
   return {fma(k, c.x, half * (w1.x + w2.x)), fma(k, c.y, half * (w1.y + w2.y)),
           fma(k, c.z, half * (w1.z + w2.z))};
 }
-/// The spin one Magnus step later, for any sum of rotating fields.
-RABILINE_LANES Vector step_spin(const SpinZone& zone, const real* phases, real t, real h, const Vector& s) {
-  const Vector w1 = rates_at(zone, phases, fma(broadcast(gauss_first), h, t)).spin;
-  const Vector w2 = rates_at(zone, phases, fma(broadcast(gauss_second), h, t)).spin;
+/// Where a particle is along the beam, dt after a moment: y + v dt + a dt^2/2.
+struct Way {
+  real y, v, half_a;
+  RABILINE_LANES real at(real dt) const { return fma(fma(half_a, dt, v), dt, y); }
+};
+/// The spin one Magnus step later, for any sum of fields; the step begins `from` after the time t0 of the
+/// way.
+RABILINE_LANES Vector step_spin(const SpinZone& zone, const real* phases, real t0, const Way& way, real from,
+                                real h, const Vector& s) {
+  const real dt1 = fma(broadcast(gauss_first), h, from), dt2 = fma(broadcast(gauss_second), h, from);
+  const Vector w1 = rates_at(zone, phases, t0 + dt1, way.at(dt1)).spin;
+  const Vector w2 = rates_at(zone, phases, t0 + dt2, way.at(dt2)).spin;
   return rotate(magnus(w1, w2, h), s);
 }
 

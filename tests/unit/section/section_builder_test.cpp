@@ -28,9 +28,9 @@ TEST(SectionBuilder, CutsAtEveryEdgeAndAddsUpFieldsThatOverlap) {
   contribute(UniformField{0.4, 2e-3, {}}, {"B", 0.3, {}}, builder);
   const Sections s = builder.build();
   ASSERT_EQ(s.sections.size(), 3U);
-  EXPECT_EQ(s.sections[0].field, 1e-3);
-  EXPECT_DOUBLE_EQ(s.sections[1].field, 3e-3);
-  EXPECT_EQ(s.sections[2].field, 2e-3);
+  EXPECT_EQ(s.sections[0].field.z, 1e-3);
+  EXPECT_DOUBLE_EQ(s.sections[1].field.z, 3e-3);
+  EXPECT_EQ(s.sections[2].field.z, 2e-3);
   EXPECT_EQ(s.sections[1].begin, 0.3);
   EXPECT_EQ(s.sections[1].end, 0.4);
 }

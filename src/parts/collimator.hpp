@@ -1,0 +1,31 @@
+#pragma once
+#include "parts/placement.hpp"
+
+namespace rabiline {
+
+class SectionBuilder;
+
+/// A straight channel with absorbing walls. A straight flight that is inside a convex opening at both ends
+/// never touches it between; in fields that turn the path a round one is a wall all along, a rectangular one
+/// is asked about at its ends.
+struct Collimator {
+  static constexpr std::string_view kind = "collimator",
+                                    meaning = "a straight channel of some length with absorbing walls";
+  double length = 0;  // [m]
+  Opening opening;
+  Offset offset{};
+  Roll tilt{};
+  bool operator==(const Collimator&) const = default;
+};
+template <>
+inline constexpr auto parameters<Collimator> = std::tuple{
+    param("length", &Collimator::length, Dimension::length, range::positive, "extent along the beam"),
+    param("", &Collimator::opening,
+          "the channel: width and height, or radius"),  // its keys stand beside `at`
+    param("offset", &Collimator::offset, "displacement of the channel's centre from the axis", Offset{}),
+    param("tilt", &Collimator::tilt, "how the opening is turned in its plane", Roll{}),
+};
+
+void contribute(const Collimator&, const Placement&, SectionBuilder&);
+
+}  // namespace rabiline

@@ -1,0 +1,64 @@
+#pragma once
+#include <array>
+
+#include "parts/phase.hpp"
+#include "parts/placement.hpp"
+#include "parts/profile.hpp"
+
+namespace rabiline {
+
+class SectionBuilder;
+
+/// What of an oscillating field acts on the spins.
+enum class Approximation { rotating_wave, none };
+template <>
+inline constexpr auto choices<Approximation> = std::array{
+    Choice<Approximation>{"rotating_wave", Approximation::rotating_wave,
+                          "only the half that turns with the precession: a closed form"},
+    Choice<Approximation>{"none", Approximation::none, "the whole field, integrated step by step"},
+};
+
+/// A field A cos(2 pi f t + phase) along one axis: two counter-rotating fields of A/2 each. In the
+/// rotating-wave approximation only the one is kept that turns with the precession of a species about the
+/// static field; what is left out shifts the resonance by the Bloch-Siegert shift, about f0 (w1/w0)^2 / 4
+/// with w1 = |gamma| A/2 (Bloch and Siegert 1940). A zone may follow the clock of another oscillating_field.
+struct OscillatingField {
+  static constexpr std::string_view
+      kind = "oscillating_field",
+      meaning = "a field A cos(2 pi f t) along one axis, as a radio-frequency coil makes it";
+  double length = 0;                // [m]
+  double amplitude = 0;             // [T] peak
+  std::optional<double> frequency;  // [Hz]; from the oscillator where one is named
+  Approximation approximation = Approximation::rotating_wave;
+  Phase phase;                            // at emission
+  std::optional<std::string> oscillator;  // name of the oscillating_field whose clock this zone follows
+  UnitVector direction{1, 0, 0};
+  AmplitudeProfile profile{};
+  std::optional<Bore> bore;
+  Offset offset{};
+  Tilt tilt{};
+  bool operator==(const OscillatingField&) const = default;
+};
+template <>
+inline constexpr auto parameters<OscillatingField> = std::tuple{
+    param("length", &OscillatingField::length, Dimension::length, range::positive, "extent along the beam"),
+    param("amplitude", &OscillatingField::amplitude, Dimension::magnetic_field, range::not_negative,
+          "peak of the field: twice the size of each of its turning halves"),
+    param("frequency", &OscillatingField::frequency, Dimension::frequency, range::not_negative,
+          "periods per second; omitted where an oscillator is named"),
+    param("approximation", &OscillatingField::approximation, "which part of the field acts"),
+    param("phase", &OscillatingField::phase, "phase at emission: random, locked (zero) or an angle"),
+    param("oscillator", &OscillatingField::oscillator,
+          "name of the oscillating_field whose clock this zone follows; its own where it is missing"),
+    param("direction", &OscillatingField::direction, "axis along which it oscillates; x where it is missing",
+          UnitVector{1, 0, 0}),
+    param("profile", &OscillatingField::profile,
+          "how its amplitude runs along its length; rectangular where it is missing", AmplitudeProfile{}),
+    param("bore", &OscillatingField::bore, "wall around the field; none where it is missing"),
+    param("offset", &OscillatingField::offset, "displacement of the bore's centre from the axis", Offset{}),
+    param("tilt", &OscillatingField::tilt, "how the field is turned inside its slab", Tilt{}),
+};
+
+void contribute(const OscillatingField&, const Placement&, SectionBuilder&);
+
+}  // namespace rabiline

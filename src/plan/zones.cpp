@@ -1,0 +1,182 @@
+#include "plan/zones.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace rabiline {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+/// Steps per turn of the fastest rotation where fields are integrated step by step, and at least, over the
+/// length of a field whose size or direction runs along the beam.
+constexpr double steps_per_turn = 48, steps_per_profile = 64;
+
+constexpr double square_to = 1e-12;  // cosine below which two axes count as square to each other
+
+void put(const Vector3& v, double* to) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
+Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+Turning turning_of(const Law& law, const Species& species) {
+  // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
+  const auto* dorado = std::get_if<DoradoLaw>(&law);
+  if (dorado == nullptr) return {-species.charge / species.mass, false};
+  return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque};
+}
+
+Vector3 ZoneMaker::static_field(const Section& section) const {
+  Vector3 field = section.field;
+  for (const CoilTerm& coil : section.coils) {
+    if (coil.angle_rate == 0) continue;
+    // The spin turns with -gamma B.
+    if (coil_species_.gyromagnetic_ratio == 0)
+      throw std::invalid_argument(
+          fmt::format("a coil cannot turn the spin of {}, which has no magnetic moment", coil_species_.name));
+    field = field + (-coil.angle_rate / coil_species_.gyromagnetic_ratio) * coil.axis;
+  }
+  return field;
+}
+
+SpinZone ZoneMaker::zone_of(const Section& section) const {
+  SpinZone zone;
+  zone.begin = section.begin;
+  zone.end = section.end;
+  const Vector3 field = static_field(section);
+  const bool along_z = field.x == 0 && field.y == 0;
+  const double size = along_z ? field.z : length_of(field);
+  const Vector3 axis = along_z ? Vector3{0, 0, 1} : (1 / size) * field;
+  zone.spin_rate = -species_.gyromagnetic_ratio * size;
+  zone.turn_rate = turning_.rate_per_tesla * size;
+  if (section.rotating.size() > static_cast<std::size_t>(most_drives))
+    throw std::invalid_argument(
+        fmt::format("more than {} alternating fields overlap at one place", most_drives));
+  for (const RotatingTerm& term : section.rotating)
+    if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term, axis, size);
+  choose_frame(zone, axis, size != 0);
+  require_known_phases(zone);
+  if (zone.kind == ZoneKind::general || zone.kind == ZoneKind::profiled) {
+    double rate = rate_of(zone), shortest = std::numeric_limits<double>::infinity();
+    if (zone.kind == ZoneKind::profiled) {
+      const DriveTerm& drive = zone.drive[0];
+      rate =
+          std::max(std::abs(zone.spin_rate - drive.omega - drive.twist * speed_), std::abs(drive.spin_rate));
+    }
+    for (int i = 0; i < zone.drives; ++i) {
+      const DriveTerm& drive = zone.drive[i];
+      if (drive.shape == Shape::gaussian) shortest = std::min(shortest, 6 * drive.sigma);
+      if (drive.shape == Shape::half_sine) shortest = std::min(shortest, drive.length);
+    }
+    zone.step = std::min(two_pi / (steps_per_turn * rate), shortest / speed_ / steps_per_profile);
+  }
+  return zone;
+}
+
+/// A drive about the static field's axis, whose signed size along it is given [T].
+DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, double static_field) const {
+  DriveTerm drive;
+  double amplitude = term.amplitude;
+  drive.omega = term.omega(species_.gyromagnetic_ratio);
+  drive.phase = term.phase;
+  drive.oscillator = term.random_phase ? term.oscillator : -1;
+  drive.twist = term.twist;
+  drive.shape = term.profile.shape;
+  drive.begin = term.profile.begin;
+  drive.length = term.profile.length;
+  drive.sigma = term.profile.sigma;
+  Vector3 first = term.first, second = term.second;
+  if (term.motion == Motion::swings) {
+    drive.omega = two_pi * term.frequency;
+    second = {};
+  }
+  if (term.motion == Motion::swings_in_rotating_wave) {
+    // A cos(angle) a = A/2 [turning with +angle] + A/2 [turning with -angle], both from a across the axis.
+    const Vector3 across = first - dot(first, axis) * axis;
+    const double part = length_of(across);
+    const double sense =
+        species_.gyromagnetic_ratio * static_field > 0 ? -1 : 1;  // of the precession -gamma B
+    amplitude *= part / 2;
+    first = part > square_to ? (1 / part) * across : some_normal(axis);
+    second = cross(axis, first);
+    drive.omega = sense * two_pi * term.frequency;
+    drive.phase *= sense;
+    drive.random_turn *= sense;
+  }
+  drive.spin_rate = -species_.gyromagnetic_ratio * amplitude;
+  drive.turn_rate = turning_.rate_per_tesla * amplitude;
+  put(first, drive.first);
+  put(second, drive.second);
+  drive.in_xy = first == Vector3{1, 0, 0} && second == Vector3{0, 1, 0};
+  return drive;
+}
+
+/// A single field that turns square to the static one has a closed form, in a frame of these axes.
+void ZoneMaker::choose_frame(SpinZone& zone, const Vector3& axis, bool is_static) const {
+  put(axis, zone.frame + 6);
+  zone.turned = !(axis == Vector3{0, 0, 1});
+  if (zone.drives == 0) {
+    const Vector3 first = zone.turned ? some_normal(axis) : Vector3{1, 0, 0};
+    put(first, zone.frame);
+    put(zone.turned ? cross(axis, first) : Vector3{0, 1, 0}, zone.frame + 3);
+    return;
+  }
+  DriveTerm& drive = zone.drive[0];
+  const Vector3 first = vector_at(drive.first), second = vector_at(drive.second),
+                normal = cross(first, second);
+  const bool turns = length_of(normal) > 0.5;
+  const double cosine = dot(normal, axis);
+  if (zone.drives > 1 || !turns || (is_static && std::abs(cosine) < 1 - square_to)) {
+    zone.kind = ZoneKind::general;
+    return;
+  }
+  zone.kind = drive.shape == Shape::rectangular ? ZoneKind::rotating : ZoneKind::profiled;
+  if (drive.in_xy && !zone.turned) return;
+  // The frame's third axis is the plane's normal; a field against it turns every rate about it round.
+  if (cosine < 0 && is_static) {
+    zone.spin_rate = -zone.spin_rate;
+    zone.turn_rate = -zone.turn_rate;
+  }
+  put(first, zone.frame);
+  put(second, zone.frame + 3);
+  put(normal, zone.frame + 6);
+  zone.turned = true;
+}
+
+double ZoneMaker::rate_of(const SpinZone& zone) const {
+  double spin = std::abs(zone.spin_rate), turn = std::abs(zone.turn_rate), fastest = 0;
+  for (int i = 0; i < zone.drives; ++i) {
+    const DriveTerm& drive = zone.drive[i];
+    spin += std::abs(drive.spin_rate);
+    turn += std::abs(drive.turn_rate);
+    fastest = std::max(fastest, std::abs(drive.omega) + std::abs(drive.twist) * speed_);
+  }
+  return std::max({spin, turn, fastest});
+}
+
+/// Beyond this a phase omega t is not known well enough, and the kernels' sine has no digits left
+/// (core/lanes.hpp).
+void ZoneMaker::require_known_phases(const SpinZone& zone) const {
+  constexpr double most = 1e8;  // [rad]: ten times slower particles still stay within 1e9
+  const double phase = rate_of(zone) * zone.end / speed_;
+  if (!(phase <= most))
+    throw std::invalid_argument(fmt::format(
+        "{} would turn by {:.2g} radians before a particle leaves the field at {:.4g} m: more than "
+        "{:.0e}, where its phase is no longer known\n  help: make the field or the frequency "
+        "smaller, or the particles faster",
+        species_.name, phase, zone.end, most));
+}
+
+bool moves_spin_along_z(const SpinZone& zone) {
+  return zone.drives > 0 || (zone.spin_rate != 0 && zone.turned);
+}
+
+}  // namespace rabiline

@@ -1,0 +1,46 @@
+#pragma once
+// The fields of a section as one species sees them under one law: rates of turning instead of teslas.
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "section/section.hpp"
+#include "transport/kernels.hpp"
+
+namespace rabiline {
+
+/// What turns the velocity under a law: dv/dt = W x v with W = rate_per_tesla B.
+struct Turning {
+  double rate_per_tesla = 0;  // [rad/(s T)]
+  bool take_off_spin_component = false;
+};
+Turning turning_of(const Law&, const Species&);
+
+/// Turns sections into zones for one species.
+class ZoneMaker {
+ public:
+  /// `coil_species` is the one that coils are wound for; `speed` [m/s] is what steps are reckoned with.
+  ZoneMaker(const Species& species, const Species& coil_species, Turning turning, double speed)
+      : species_(species), coil_species_(coil_species), turning_(turning), speed_(speed) {}
+
+  /// Throws std::invalid_argument where too many fields overlap or phases would be lost.
+  SpinZone zone_of(const Section&) const;
+  /// Sum of everything static in a section [T].
+  Vector3 static_field(const Section&) const;
+  /// The fastest turning in a zone [rad/s], of field, spin or velocity.
+  double rate_of(const SpinZone&) const;
+
+ private:
+  DriveTerm drive_of(const RotatingTerm&, const Vector3& axis, double static_field) const;
+  void choose_frame(SpinZone&, const Vector3& axis, bool is_static) const;
+  void require_known_phases(const SpinZone&) const;
+
+  const Species& species_;
+  const Species& coil_species_;
+  Turning turning_;
+  double speed_;
+};
+
+/// Whether anything but a static field along z acts on spins there.
+bool moves_spin_along_z(const SpinZone&);
+
+}  // namespace rabiline
