@@ -57,6 +57,7 @@ const Unary cosine = [](const LanesKernels& k, const Column& x, Column& y) {
   k.sincos(x, unused, y);
 };
 const Unary square_of_sine = [](const LanesKernels& k, const Column& x, Column& y) { k.sin_squared(x, y); };
+const Unary exponential = [](const LanesKernels& k, const Column& x, Column& y) { k.exp(x, y); };
 const Unary logarithm = [](const LanesKernels& k, const Column& x, Column& y) { k.log(x, y); };
 
 /// Both signs, evenly spread in x up to the limit and evenly spread in log x from 1e-300.
@@ -134,6 +135,19 @@ TEST(Log, is_within_a_relative_2p2e_16_of_the_truth_for_every_normal_number) {
   }
   const Reference size = [](long double y) { return std::abs(y); };
   EXPECT_LT(worst_error(x, logarithm, logl, size), 2.2e-16);
+}
+
+TEST(Exp, is_within_a_relative_4e_16_of_the_truth_between_its_limits) {
+  std::mt19937_64 generator(12);
+  std::uniform_real_distribution<double> wide(-700, 700), narrow(-1, 1);
+  std::vector<double> x = {0.0, -0.0, 1.0, -700.0, 700.0, 1e-300};
+  for (int i = 0; i < 40 * Column::length; ++i) {
+    x.push_back(wide(generator));
+    x.push_back(narrow(generator));
+  }
+  const Reference size = [](long double y) { return std::abs(y); };
+  EXPECT_LT(worst_error(x, exponential, expl, size), 4e-16);
+  EXPECT_EQ(worst_error({0.0}, exponential, expl, one), 0);
 }
 
 TEST(Log, keeps_its_relative_accuracy_near_one) {
