@@ -141,24 +141,89 @@ class Explainer {
   /// The derived numbers of one zone.
   void show_zone(const SpinZone& zone) {
     const double stay = (zone.end - zone.begin) / speed_;
-    line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns", "", zone.begin, zone.end,
+    const double* axis = zone.frame + 6;
+    line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
          pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
-         std::abs(zone.spin_rate) * stay / two_pi);
-    for (int i = 0; i < zone.drives; ++i) {
-      const DriveTerm& drive = zone.drive[i];
-      const double detuning = drive.omega - zone.spin_rate, w1 = drive.spin_rate;
-      const double rate = std::hypot(detuning, w1);
-      if (drive.omega * zone.spin_rate < 0)
-        warnings_.push_back(
-            fmt::format("the field that rotates from {:.4g} m on turns against the precession there and "
-                        "cannot be resonant",
-                        zone.begin));
-      line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance",
-           "", hertz(drive.omega), drive.omega < 0 ? '-' : '+',
-           (drive.omega < 0 ? -1 : 1) * detuning / two_pi, std::abs(w1) * stay * 180 / std::numbers::pi);
+         std::abs(zone.spin_rate) * stay / two_pi,
+         zone.turned && zone.spin_rate != 0
+             ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
+             : "");
+    for (int i = 0; i < zone.drives; ++i) show_drive(zone, zone.drive[i], stay);
+    if (zone.step > 0)
+      line("{:>16}{}: about {:.0f} steps", "",
+           zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
+           stay / zone.step);
+    show_neglected(zone);
+  }
+  void show_drive(const SpinZone& zone, const DriveTerm& drive, double stay) {
+    const double omega = drive.omega + drive.twist * speed_, detuning = omega - zone.spin_rate;
+    const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
+    const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
+    if (closed && omega * zone.spin_rate < 0)
+      warnings_.push_back(
+          fmt::format("the field that rotates from {:.4g} m on turns against the precession there and cannot "
+                      "be resonant",
+                      zone.begin));
+    if (drive.twist != 0)
+      line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
+           drive.twist * 180 / std::numbers::pi, hertz(drive.twist * speed_),
+           std::abs(drive.twist * speed_ / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
+    if (drive.omega == 0) return;
+    if (!closed) {
+      line("{:>16}{} at {}, {:.4g} deg of precession in its full size", "",
+           length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
+           std::abs(w1) * stay * 180 / std::numbers::pi);
+      return;
+    }
+    line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance", "",
+         hertz(drive.omega), drive.omega < 0 ? '-' : '+', (omega < 0 ? -1 : 1) * detuning / two_pi,
+         std::abs(w1) * mean_size(drive) * stay * 180 / std::numbers::pi);
+    if (zone.kind == ZoneKind::rotating)
       line("{:>16}resonance width 1/T = {}, flip probability of spin 1/2 here {:.4g}", "",
            pretty_quantity(1 / stay, Dimension::frequency),
            rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+  }
+  static double length_of_second(const DriveTerm& drive) {
+    return std::hypot(drive.second[0], drive.second[1], drive.second[2]);
+  }
+  /// Mean of a drive's size over its length.
+  static double mean_size(const DriveTerm& drive) {
+    if (drive.shape == Shape::half_sine) return 2 / std::numbers::pi;
+    if (drive.shape == Shape::gaussian) {
+      const double ends = drive.length / (2 * drive.sigma);
+      return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
+    }
+    return 1;
+  }
+  /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
+  /// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).
+  void show_neglected(const SpinZone& zone) {
+    for (const PlacedPart& part : beamline_.parts) {
+      const auto* field = std::get_if<OscillatingField>(&part.part);
+      const double begin = part.placement.at;
+      if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
+          begin > zone.begin || begin + field->length < zone.end)
+        continue;
+      if (zone.spin_rate == 0) {
+        warnings_.push_back(
+            fmt::format("`{}` is used in the rotating-wave approximation where there is no "
+                        "static field for spins to precess in: `approximation: none`",
+                        part.placement.name));
+        continue;
+      }
+      const double w0 = std::abs(zone.spin_rate),
+                   w1 = std::abs(species_->gyromagnetic_ratio) * field->amplitude / 2;
+      const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4, width = speed_ / (zone.end - zone.begin);
+      line(
+          "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
+          "of "
+          "1/T)",
+          "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
+      if (w1 > 0.1 * w0)
+        warnings_.push_back(
+            fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is {:.2g} "
+                        "of the static field; `approximation: none` integrates the whole field",
+                        part.placement.name, w1 / w0));
     }
   }
 
