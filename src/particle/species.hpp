@@ -26,7 +26,7 @@ struct Species {
   HalfInteger spin;                           // I, in units of hbar
   double gyromagnetic_ratio = 0;              // [rad/(s T)] signed: mu = gamma S
   std::string source;                         // where the constants come from
-  std::string left_out;                       // what the moment does not have in it
+  std::string left_out{};                     // what the moment does not have in it
   double mass_uncertainty = 0;                // [kg]
   double gyromagnetic_ratio_uncertainty = 0;  // [rad/(s T)]
   bool operator==(const Species&) const = default;
