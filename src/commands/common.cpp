@@ -71,8 +71,11 @@ void watch_signals() {
 void ExperimentOptions::add_to(CLI::App& app) {
   add_without_scan_to(app);
   changes.without_scan = false;
-  app.add_option("--scan", changes.scan, "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'")
-      ->type_name("NAME=FROM:TO:POINTS|NAME=A,B,C")
+  app.add_option(
+         "--scan", changes.scan,
+         "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'; `:log` behind it spreads the "
+         "points in equal ratios")
+      ->type_name("NAME=FROM:TO:POINTS[:log]|NAME=A,B,C")
       ->allow_extra_args(false);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -259,6 +260,14 @@ std::string pretty_quantity(double si_value, Dimension d) {
     if (std::abs(si_value) >= 0.99995 * unit->factor) break;
   }
   return fmt::format("{:.4g} {}", si_value / unit->factor, unit->symbol);
+}
+
+std::string write_measured(double value, double uncertainty) {
+  if (!(uncertainty > 0)) return fmt::format("{:.9g}", value);
+  // 0.0995 has the two digits 10: the exponent is that of the rounded number.
+  const std::string rounded = fmt::format("{:.1e}", uncertainty);
+  const int decimals = std::max(0, 1 - std::stoi(rounded.substr(rounded.find('e') + 1)));
+  return fmt::format("{:.{}f}({:.0f})", value, decimals, uncertainty * std::pow(10, decimals));
 }
 
 }  // namespace rabiline

@@ -51,5 +51,8 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
 std::string write_quantity(double value, Dimension);
 /// Writes a value for people: four digits and a fitting prefix, "291.6 kHz".
 std::string pretty_quantity(double value, Dimension);
+/// Writes a measured number with two digits of its standard uncertainty: "42.577478461(18)"; nine digits of
+/// one without.
+std::string write_measured(double value, double uncertainty);
 
 }  // namespace rabiline

@@ -14,13 +14,20 @@ constexpr Row fraction_row{"fraction",
                            {0, 1, false, true, "greater than 0 and at most 1"},
                            "share of all particles"};
 
-const std::vector<Word>& library_words() {
-  static const std::vector<Word> words = [] {
-    std::vector<Word> out;
-    for (const Species& species : species_library()) out.push_back({species.name, species.source});
-    return out;
-  }();
-  return words;
+/// "did you mean `Rb-87`?"; for an element, its isotopes.
+std::string suggest_species(std::string_view name) {
+  std::vector<std::string> names;
+  std::vector<Word> isotopes;
+  for (const Species& species : species_library()) {
+    names.push_back(species.name);
+    if (!name.empty() && species.name.starts_with(fmt::format("{}-", name)))
+      isotopes.push_back({species.name, species.source});
+  }
+  const std::string near = closest(name, names);
+  if (!isotopes.empty()) return fmt::format("write which isotope: {}", list_of(isotopes));
+  if (!near.empty())
+    return fmt::format("did you mean `{}`? `rabiline describe species` lists them all", near);
+  return "`rabiline describe species` lists them, and says how to define one of your own";
 }
 
 bool find_in_library(const Node& name, Reading& reading, Species& out) {
@@ -28,19 +35,8 @@ bool find_in_library(const Node& name, Reading& reading, Species& out) {
   if (found)
     out = *found;
   else
-    reading.error(
-        name.place,
-        fmt::format("{} is no species of the library, which has {}", quote(name), list_of(library_words())),
-        closest(name.scalar,
-                [] {
-                  std::vector<std::string> names;
-                  for (const Word& w : library_words()) names.emplace_back(w.word);
-                  return names;
-                }())
-                .empty()
-            ? "or define it: `species: {name: ..., mass: ..., charge: ..., spin: ..., gyromagnetic_ratio: "
-              "...}`"
-            : suggest(name.scalar, library_words()));
+    reading.error(name.place, fmt::format("{} is no species of the library", quote(name)),
+                  suggest_species(name.scalar));
   return found != nullptr;
 }
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "input/beamline_reader.hpp"
+#include "input/describe_species.hpp"
 #include "input/reader.hpp"
 #include "input/scan.hpp"
 
@@ -181,14 +182,10 @@ std::string describe_source() {
 }
 
 std::string describe_species() {
-  Page page("species: what flies\n\nLibrary");
-  for (const Species& s : species_library()) {
-    const std::string spin =
-        s.spin.twice % 2 ? fmt::format("{}/2", s.spin.twice) : fmt::format("{}", s.spin.twice / 2);
-    page.row(s.name, fmt::format("mass {:.9g} kg, charge {:+.9g} C, spin {}", s.mass, s.charge, spin),
-             fmt::format("gamma/2pi {:.9g} MHz/T", s.gyromagnetic_ratio / (2e6 * 3.14159265358979323846)),
-             s.source);
-  }
+  Page page("species: what flies");
+  page.line(
+      fmt::format("\nLibrary, standard uncertainties of the last digits in brackets\n{}", species_table()));
+  page.line("`rabiline describe Rb-87` tells more of one.");
   page.line("\nOr a definition of your own");
   add_rows<Species>(page);
   page.line(
@@ -204,11 +201,13 @@ std::string describe_scan() {
       "\nExamples\n"
       "  scan: {parameter: H0.frequency, from: 280 kHz, to: 300 kHz, points: 21}\n"
       "  scan: {parameter: law, values: [quantum, {name: dorado, closure: larmor}]}\n"
-      "  --scan 'H0.frequency=280 kHz:300 kHz:21'   --scan law=quantum,dorado   --set "
+      "  scan: {parameter: H0.amplitude, from: 1 nT, to: 1 uT, points: 31, spacing: logarithmic}\n"
+      "  --scan 'H0.frequency=280 kHz:300 kHz:21'   --scan 'H0.amplitude=1 nT:1 uT:31:log'\n"
+      "  --scan law=quantum,dorado   --set "
       "scan.particles=independent\n"
-      "A range has both ends and at least two points. --scan replaces the file's scan of the same parameter; "
-      "else it is the\n"
-      "outer axis of a grid.");
+      "A range has both ends and at least two points. A logarithmic one has both ends on the same side of "
+      "zero. --scan\n"
+      "replaces the file's scan of the same parameter; else it is the outer axis of a grid.");
   return page.finish();
 }
 
@@ -292,7 +291,7 @@ std::string describe_overview() {
   for_each_alternative<Law>([&]<class A>(std::type_identity<A>) {
     page.row(std::string(A::kind), std::string(A::meaning), "", "");
   });
-  page.line("\n`rabiline describe TOPIC` tells more of a part, a law, or");
+  page.line("\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87, or");
   std::string others;
   for (const std::string_view topic :
        {"source", "speed", "direction", "opening", "species", "chamber", "scan", "units"})
@@ -308,11 +307,16 @@ std::string describe(std::string_view topic) {
     names.push_back(known.name);
     if (known.name == topic) out += (out.empty() ? "" : "\n") + known.text();
   }
+  for (const Species& species : species_library()) {
+    names.push_back(species.name);
+    if (species.name == topic) out = describe_species_of_library(species);
+  }
   if (out.empty()) {
     const std::string near = closest(topic, names);
-    throw InputError({{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
-                       near.empty() ? "`rabiline describe` lists what there is"
-                                    : fmt::format("did you mean `{}`?", near)}});
+    throw InputError(
+        {{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
+          near.empty() ? "`rabiline describe` lists what there is, `rabiline describe species` what flies"
+                       : fmt::format("did you mean `{}`?", near)}});
   }
   return out;
 }

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "input/dotted_name.hpp"
 #include "input/reader.hpp"
@@ -22,8 +24,35 @@ std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view ke
   return std::nullopt;
 }
 
+/// The value at `part` of the way, in equal ratios, to 15 digits: so that decades are whole numbers, and on
+/// every
+
+double between_logarithmic(double first, double last, double part) {
+  const auto ratio = static_cast<long double>(last) / first;
+  const std::string text =
+      fmt::format("{:.14e}", static_cast<double>(first * std::pow(ratio, static_cast<long double>(part))));
+  double out = 0;
+  std::from_chars(text.data(), text.data() + text.size(), out);
+  return out;
+}
+
+/// A range in equal ratios has both ends on the same side of zero.
+bool has_ratio(const Node& from, const Node& to, double first, double last, Reading& reading) {
+  if (first != 0 && last != 0 && (first > 0) == (last > 0)) return true;
+  const Node& wrong = first == 0 ? from : to;
+  reading.error(wrong.place,
+                first == 0 || last == 0
+                    ? fmt::format("a logarithmic range cannot {} at zero, but {} stands here",
+                                  first == 0 ? "begin" : "end", quote(wrong))
+                    : fmt::format("a logarithmic range cannot cross zero, but it goes from {} to {}",
+                                  quote(from), quote(to)),
+                "both ends are on the same side of zero, or the spacing is linear");
+  return false;
+}
+
 /// Both ends keep their text, so they are exact; the values between are written in SI, which loses no bit.
-std::vector<Node> range_values(const Node& from, const Node& to, std::uint64_t points, Reading& reading) {
+std::vector<Node> range_values(const Node& from, const Node& to, std::uint64_t points, ScanSpacing spacing,
+                               Reading& reading) {
   const auto first = end_of_range(from, "from", reading);
   const auto last = end_of_range(to, "to", reading);
   if (!first || !last) return {};
@@ -40,11 +69,14 @@ std::vector<Node> range_values(const Node& from, const Node& to, std::uint64_t p
                   "a single value is set with --set");
     return {};
   }
+  const bool logarithmic = spacing == ScanSpacing::logarithmic;
+  if (logarithmic && !has_ratio(from, to, first->value, last->value, reading)) return {};
   std::vector<Node> values(points, from);
   const auto steps = static_cast<double>(points - 1);
   for (std::uint64_t i = 1; i + 1 < points; ++i) {
     const auto step = static_cast<double>(i);
-    const double between = (first->value * (steps - step) + last->value * step) / steps;
+    const double between = logarithmic ? between_logarithmic(first->value, last->value, step / steps)
+                                       : (first->value * (steps - step) + last->value * step) / steps;
     values[i].scalar = write_quantity(between, first->dimension);
   }
   values.back() = to;
@@ -84,6 +116,10 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
   if (entry.values && (entry.from || entry.to || entry.points))
     reading.error(node.find("values")->key_place, "a scan has either `values`, or `from`, `to` and `points`",
                   "keep one of the two");
+  else if (entry.values && entry.spacing)
+    reading.error(node.find("spacing")->key_place,
+                  "`spacing` spreads the values of a range, but here they are written one by one",
+                  "leave it away, or give `from`, `to` and `points`");
   else if (entry.values)
     axis.values = listed_values(*entry.values, reading);
   else if (!entry.from && !entry.to && !entry.points)
@@ -98,7 +134,8 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
                   "a range has `from`, `to` and `points`");
   else {
     axis.is_range = true;
-    axis.values = range_values(*entry.from, *entry.to, *entry.points, reading);
+    axis.values = range_values(*entry.from, *entry.to, *entry.points,
+                               entry.spacing.value_or(ScanSpacing::linear), reading);
   }
   return axis;
 }
@@ -124,14 +161,14 @@ std::vector<std::size_t> separators(std::string_view text, std::size_t from, cha
   return out;
 }
 
-/// NAME=FROM:TO:POINTS or NAME=A,B,C.
+/// NAME=FROM:TO:POINTS, NAME=FROM:TO:POINTS:log or NAME=A,B,C.
 Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& reading) {
   Axis axis;
   const std::string& text = source->lines.front();
   const std::size_t equals = text.find('=');
   const Place whole{source, 1, 1, std::max(1, static_cast<int>(text.size()))};
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
-    reading.error(whole, "a scan on the command line is NAME=FROM:TO:POINTS or NAME=A,B,C",
+    reading.error(whole, "a scan on the command line is NAME=FROM:TO:POINTS[:log] or NAME=A,B,C",
                   "such as `H0.frequency=280 kHz:300 kHz:21` or `law=quantum,dorado`");
     return axis;
   }
@@ -140,9 +177,10 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
   const std::vector<std::size_t> colons = separators(text, equals + 1, ':');
   std::vector<std::size_t> cuts = separators(text, equals + 1, ',');
   const bool range = cuts.empty() && !colons.empty();
-  if (range && colons.size() != 2) {
+  if (range && colons.size() != 2 && colons.size() != 3) {
     reading.error({source, 1, static_cast<int>(equals) + 2, static_cast<int>(text.size() - equals - 1)},
-                  "a range is FROM:TO:POINTS", "such as `280 kHz:300 kHz:21`");
+                  "a range is FROM:TO:POINTS, or FROM:TO:POINTS:log",
+                  "such as `280 kHz:300 kHz:21` or `1 nT:1 mT:31:log`");
     return axis;
   }
   if (range) cuts = colons;
@@ -160,8 +198,14 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
   axis.is_range = range;
   if (!range)
     axis.values = std::move(nodes);
+  else if (nodes.size() == 4 && nodes[3].scalar != "log")
+    reading.error(nodes[3].place,
+                  fmt::format("after the points of a range stands `log` or nothing, but {} stands here",
+                              quote(nodes[3])),
+                  "write `FROM:TO:POINTS:log` for equal ratios, `FROM:TO:POINTS` for equal steps");
   else if (read_count(nodes[2], {"points", Dimension::number, scan_points, ""}, reading, points))
-    axis.values = range_values(nodes[0], nodes[1], points, reading);
+    axis.values = range_values(nodes[0], nodes[1], points,
+                               nodes.size() == 4 ? ScanSpacing::logarithmic : ScanSpacing::linear, reading);
   return axis;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // What is scanned: `scan` in the file and --scan on the command line, as lists of values in the file's own
 // form.
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,11 +12,21 @@
 
 namespace rabiline {
 
+/// How the values of a range are spread between its ends.
+enum class ScanSpacing { linear, logarithmic };
+template <>
+inline constexpr std::array choices<ScanSpacing>{
+    Choice<ScanSpacing>{"linear", ScanSpacing::linear, "equal steps"},
+    Choice<ScanSpacing>{"logarithmic", ScanSpacing::logarithmic,
+                        "equal ratios; both ends on the same side of zero"},
+};
+
 /// One entry of `scan`, as it stands in the file.
 struct ScanEntry {
   std::string parameter;
   std::optional<Node> from, to;
   std::optional<std::uint64_t> points;
+  std::optional<ScanSpacing> spacing;
   std::optional<Node> values;
   std::optional<ScanParticles> particles;
 };
@@ -29,6 +40,7 @@ inline constexpr auto parameters<ScanEntry> = std::tuple{
     param("to", &ScanEntry::to, "last value of a range"),
     param("points", &ScanEntry::points, Dimension::number, scan_points,
           "how many values, both ends included"),
+    param("spacing", &ScanEntry::spacing, "how the values of a range are spread; linear where it is missing"),
     param("values", &ScanEntry::values, "instead of a range: the values one by one, in brackets"),
     param("particles", &ScanEntry::particles,
           "whether scan points share their particles; shared where it is missing"),

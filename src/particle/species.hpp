@@ -17,14 +17,18 @@ struct HalfInteger {
   bool operator==(const HalfInteger&) const = default;
 };
 
-/// A species with one moment, mu = gamma S, with signed gamma.
+/// A species with one moment, mu = gamma S, with signed gamma. Uncertainties are standard ones; 0 is none
+/// stated.
 struct Species {
   std::string name;
-  double mass = 0;                // [kg]
-  double charge = 0;              // [C]
-  HalfInteger spin;               // I, in units of hbar
-  double gyromagnetic_ratio = 0;  // [rad/(s T)] signed: mu = gamma S
-  std::string source;             // where the constants come from
+  double mass = 0;                            // [kg]
+  double charge = 0;                          // [C]
+  HalfInteger spin;                           // I, in units of hbar
+  double gyromagnetic_ratio = 0;              // [rad/(s T)] signed: mu = gamma S
+  std::string source;                         // where the constants come from
+  std::string left_out{};                     // what the moment does not have in it
+  double mass_uncertainty = 0;                // [kg]
+  double gyromagnetic_ratio_uncertainty = 0;  // [rad/(s T)]
   bool operator==(const Species&) const = default;
 };
 
@@ -47,7 +51,7 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
-/// The built-in species: neutron, proton, electron, H, Li-7.
+/// The built-in species: free particles, then atoms with the moment of their nucleus.
 std::span<const Species> species_library();
 /// The built-in species of that name, or nullptr.
 const Species* find_species(std::string_view name);

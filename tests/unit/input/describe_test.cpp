@@ -45,6 +45,43 @@ TEST(Describe, SuggestsTheTopicThatWasMeant) {
   }
 }
 
+TEST(Describe, ListsTheSpeciesWithTheirUncertaintiesUnderEachOther) {
+  const std::string text = describe("species");
+  EXPECT_THAT(
+      text, HasSubstr("  Rb-87     3/2    86.9091805290(60)       0             13.98141(61)      AME2020"));
+  EXPECT_THAT(text, HasSubstr("42.577478461(18)  CODATA 2022\n"));
+  EXPECT_THAT(text, HasSubstr("\nStone 2014: N. Stone"));
+  EXPECT_THAT(describe_overview(), HasSubstr("a species such as Rb-87"));
+}
+
+TEST(Describe, TellsWhatFollowsFromTheConstantsOfOneSpecies) {
+  const std::string rubidium = describe("Rb-87");
+  for (const char* line : {"86.9091805290(60) u = 1.4431609e-25 kg", "3/2, 4 levels", "= 13.98141(61) MHz/T",
+                           "= 87.8478(38)e6 rad/s/T", "2.75131(12) nuclear magnetons", "13.98 kHz at 1 mT",
+                           "the electrons' moment", "Stone 2014: N. Stone", "species: Rb-87\n"})
+    EXPECT_THAT(rubidium, HasSubstr(line));
+  EXPECT_THAT(rubidium, testing::Not(HasSubstr("P. Mohr")));
+  EXPECT_THAT(describe("proton"), HasSubstr("turns left-handed"));
+  EXPECT_THAT(describe("neutron"), HasSubstr("turns right-handed"));
+  for (const Species& s : species_library())
+    EXPECT_THAT(describe(s.name), testing::StartsWith(s.name + ": a species"));
+}
+
+TEST(Describe, SuggestsSpeciesAsWellAsKinds) {
+  const auto help = [](const char* topic) {
+    try {
+      describe(topic);
+    } catch (const InputError& e) {
+      return e.diagnostics().front().suggestion;
+    }
+    return std::string{};
+  };
+  EXPECT_EQ(help("rb87"), "did you mean `Rb-87`?");
+  EXPECT_EQ(help("nuetron"), "did you mean `neutron`?");
+  EXPECT_EQ(help("detektor"), "did you mean `detector`?");
+  EXPECT_EQ(help("quark"), "`rabiline describe` lists what there is, `rabiline describe species` what flies");
+}
+
 /// The lines after "Example", without their indentation.
 std::string snippet_of(std::string_view topic) {
   const std::string text = describe(topic);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
+#include <fstream>
 
 namespace rabiline {
 namespace {
@@ -69,6 +71,40 @@ TEST(Scan, HasBothEndsToTheBitAndOnePointForEachValue) {
   for (std::size_t i = 0; i < 101; ++i)
     EXPECT_EQ(part<RotatingField>(e.points[i], "H0").frequency, e.axes[0].values[i]);
   EXPECT_EQ(e.particles, ScanParticles::shared);
+}
+
+TEST(Scan, SpreadsALogarithmicRangeInEqualRatiosBetweenExactEnds) {
+  const ScanAxis axis = load({}, {"H0.amplitude=3 nT:0.7 uT:6:log"}).experiment.axes[0];
+  ASSERT_EQ(axis.values.size(), 6U);
+  EXPECT_EQ(axis.values.front(), 3e-9);
+  EXPECT_EQ(axis.values.back(), 0.7e-6);
+  for (std::size_t i = 1; i < axis.values.size(); ++i)
+    EXPECT_NEAR(axis.values[i] / axis.values[i - 1], std::pow(700.0 / 3, 0.2), 1e-13);
+}
+
+TEST(Scan, GoesLogarithmicallyThroughDecadesToTheBit) {
+  const auto values = [](const char* scan) { return load({}, {scan}).experiment.axes[0].values; };
+  EXPECT_THAT(values("H0.amplitude=1 nT:1 mT:7:log"), ElementsAre(1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3));
+  EXPECT_THAT(values("particles=1e6:1000:4:log"), ElementsAre(1e6, 1e5, 1e4, 1e3));
+  EXPECT_THAT(values("B.field=-1 mT:-4 mT:3:log"), ElementsAre(-1e-3, -2e-3, -4e-3));
+  EXPECT_THAT(values("H0.amplitude=2 nT:3 nT:2:log"), ElementsAre(2e-9, 3e-9));
+}
+
+TEST(Scan, ReadsItsSpacingFromTheFile) {
+  const auto path = std::filesystem::temp_directory_path() / "rabiline_logarithmic_scan_test.yaml";
+  const auto values = [&](const std::string& spacing) {
+    std::ifstream in(sample);
+    std::ofstream out(path);
+    for (std::string line; std::getline(in, line);)
+      if (!line.starts_with("scan:")) out << line << '\n';
+    out << "scan: {parameter: H0.amplitude, from: 1 nT, to: 100 nT, points: 3" << spacing << "}\n"
+        << std::flush;
+    return load_experiment(path, {}).experiment.axes[0].values;
+  };
+  EXPECT_THAT(values(", spacing: logarithmic"), ElementsAre(1e-9, 1e-8, 1e-7));
+  EXPECT_THAT(values(", spacing: linear"), ElementsAre(1e-9, testing::DoubleEq(50.5e-9), 1e-7));
+  EXPECT_EQ(values(", spacing: linear"), values(""));
+  std::filesystem::remove(path);
 }
 
 TEST(Scan, OfTheCommandLineReplacesTheSameOneAndElseGoesOutside) {
