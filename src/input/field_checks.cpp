@@ -22,8 +22,8 @@ void check_follower(const PlacedPart& part, const Zone& zone, const PartNodes& n
                   suggest_name(clock, clocks));
   else if (PartNodes::kind_of(*target) != Zone::kind)
     reading.error(place,
-                  fmt::format("`{}` is a {}, whose clock a {} cannot follow", clock,
-                              PartNodes::kind_of(*target), Zone::kind),
+                  fmt::format("`{}` is a {}, whose clock {} cannot follow", clock,
+                              PartNodes::kind_of(*target), with_article(Zone::kind)),
                   suggest_name(clock, clocks));
   else if (const Entry* next = target->find("oscillator"))
     reading.error(place, fmt::format("`{}` follows a clock itself, that of `{}`", clock, next->value.scalar),
@@ -124,6 +124,42 @@ void check_coils(const Beamline& beamline, const PartNodes& nodes, Reading& read
                     "a uniform_field has a field of its own");
 }
 
+bool turns_paths(const Beamline& beamline) {
+  if (const auto* dorado = std::get_if<DoradoLaw>(&beamline.law)) return dorado->kappa != 0;
+  return std::any_of(beamline.species.begin(), beamline.species.end(),
+                     [](const Component& c) { return c.species.charge != 0; });
+}
+
+void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  for (const PlacedPart& part : beamline.parts) {
+    if (!std::holds_alternative<SpinFilter>(part.part)) continue;
+    for (const Component& c : beamline.species)
+      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice != 1)
+        reading.error(place_in(nodes, part, "kind"),
+                      fmt::format("`{}` filters spins 1/2, but {} has another spin", part.placement.name,
+                                  c.species.name),
+                      "a polarizer prepares a beam of any spin");
+    if (!turns_paths(beamline)) continue;
+    const double y = part.placement.at;
+    const auto field = std::find_if(beamline.parts.begin(), beamline.parts.end(), [&](const PlacedPart& p) {
+      return is_field(p.part) && p.placement.at < y &&
+             y < std::visit(
+                     [&](const auto& any) {
+                       if constexpr (requires { any.length; }) return p.placement.at + any.length;
+                       return p.placement.at;
+                     },
+                     p.part);
+    });
+    if (field != beamline.parts.end())
+      reading.error(
+          place_in(nodes, part, "at"),
+          fmt::format("`{}` stands in the field `{}`, which turns the path under this law, and a filter can "
+                      "only be passed in one direction",
+                      part.placement.name, field->placement.name),
+          "move it out of the field, or leave it away under this law");
+  }
+}
+
 /// The wall at one place is the narrowest; two of them with different centres would need both.
 void check_bores(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   struct Tube {
@@ -171,6 +207,7 @@ void check_fields(const Beamline& beamline, const PartNodes& nodes, Reading& rea
   check_polarizers(beamline, nodes, reading);
   check_guides(beamline, nodes, reading);
   check_coils(beamline, nodes, reading);
+  check_filters(beamline, nodes, reading);
   check_bores(beamline, nodes, reading);
 }
 

@@ -120,6 +120,15 @@ std::string example_of_rows() {
   return out;
 }
 
+/// The same, and the first key of a table where none must be given.
+template <class T>
+std::string example_of_table() {
+  std::string rows = example_of_rows<T>();
+  if (!rows.empty()) return rows;
+  const auto& first = std::get<0>(parameters<T>);
+  return fmt::format("{}: {}", first.key, example_for(row_of(first)));
+}
+
 /// One way to write a value of that type, as it would stand in the file.
 template <class T>
 std::string example_of_type(const Row& row) {
@@ -138,7 +147,7 @@ std::string example_of_type(const Row& row) {
     return rows.empty() ? std::string(First::kind)
                         : fmt::format("{{{}: {}, {}}}", tag_key<T>, First::kind, rows);
   } else if constexpr (has_table<T>)
-    return fmt::format("{{{}}}", example_of_rows<T>());
+    return fmt::format("{{{}}}", example_of_table<T>());
   else
     return example_for(row);
 }

@@ -113,7 +113,9 @@ std::string example_for(const Row& row) {
       {"species", "neutron"},  {"parts", "[...]"},       {"seed", "1"},
       {"particles", "10000"},  {"points", "21"},         {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
-    if (row.key == key) return std::string(example);
+    if (row.key == key &&
+        (row.dimension == Dimension::number || parse_quantity(example).dimension == row.dimension))
+      return std::string(example);
   return std::string(example_of(row.dimension));
 }
 
@@ -279,7 +281,7 @@ bool ValueType<UnitVector>::read(const Node& node, const Row& row, Reading& read
   if (!node.is_sequence() || node.items.size() != 3) {
     reading.error(
         node.place,
-        fmt::format("`{}` is an axis, but {} stands here", row.key,
+        fmt::format("`{}` is a direction, but {} stands here", row.key,
                     node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
         "write `x`, `y` (along the beam), `z`, `-x`, `-y`, `-z`, or three components: `[0, 1, 1]`");
     return false;

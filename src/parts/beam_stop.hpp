@@ -16,7 +16,9 @@ struct BeamStop {
 };
 template <>
 inline constexpr auto parameters<BeamStop> = std::tuple{
-    param("", &BeamStop::shape, "what stops: width and height, or radius"),  // its keys stand beside `at`
+    param(
+        "", &BeamStop::shape,
+        "what stops: width and height, or radius, or inner and outer radius"),  // its keys stand beside `at`
     param("offset", &BeamStop::offset, "displacement of its centre from the axis", Offset{}),
     param("tilt", &BeamStop::tilt, "how it is turned in its plane", Roll{}),
 };

@@ -10,7 +10,8 @@ void contribute(const Collimator& part, const Placement& place, SectionBuilder& 
     builder.bore(place.at, end, disc->radius, part.offset);
     return;
   }
-  for (const double y : {place.at, end}) builder.plane(y, PlateTerm{part.opening, part.offset, part.tilt});
+  for (const double y : {place.at, end})
+    builder.plane(y, PlateTerm{opening_of(part.opening), part.offset, part.tilt});
 }
 
 }  // namespace rabiline

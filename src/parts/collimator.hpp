@@ -12,7 +12,7 @@ struct Collimator {
   static constexpr std::string_view kind = "collimator",
                                     meaning = "a straight channel of some length with absorbing walls";
   double length = 0;  // [m]
-  Opening opening;
+  Face opening;
   Offset offset{};
   Roll tilt{};
   bool operator==(const Collimator&) const = default;
