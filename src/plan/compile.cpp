@@ -353,4 +353,12 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
   return Compiler(beamline, component.species, grids).compile();
 }
 
+std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
+  const ZoneMaker maker(component.species, beamline.species.front().species,
+                        turning_of(beamline.law, component.species), mean_speed(beamline.source.speed));
+  std::vector<SpinZone> zones;
+  for (const Section& section : sections_of(beamline).sections) zones.push_back(maker.zone_of(section));
+  return zones;
+}
+
 }  // namespace rabiline

@@ -36,6 +36,8 @@ struct Plan {
 
 /// One scan point's chain of stages for one species.
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
+/// The fields along the whole beam as one species sees them.
+std::vector<SpinZone> zones_along(const Beamline&, const Component&);
 /// How the particles of a beamline start.
 Emission emission_of(const Beamline&, const Component&, RandomKey);
 

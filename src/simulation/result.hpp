@@ -81,7 +81,7 @@ struct Track {
   std::vector<double> t;           // [s]
   std::vector<double> x, y, z;     // [m]
   std::vector<double> vx, vy, vz;  // [m/s]
-  std::vector<double> sx, sy, sz;  // spin direction, |S| = 1; NaN where a straight flight does not follow it
+  std::vector<double> sx, sy, sz;  // the spin's expectation over its size, <S>/(hbar I)
 };
 
 }  // namespace rabiline

@@ -1,7 +1,8 @@
 #include "simulation/trace.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -9,7 +10,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
+constexpr double points_per_turn = 16, most_points = 2000;  // recorded where a straight flight passes a field
 
 /// Follows one particle through a chain of stages.
 class Tracer {
@@ -22,11 +23,12 @@ class Tracer {
     batch_.view().count = 1;
     batch_.view().padded = 8;
     kernels_.emit(tree.source, particle, batch_.view());
-    spin_known_ = tree.source.levels == 0;
+    const Component& component = beamline.species[static_cast<std::size_t>(tree.component)];
+    zones_ = zones_along(beamline, component);
+    spin_ = component.species.spin.value();
   }
 
   Track fly() {
-    look_ahead(tree_.next);
     record_straight(0);
     for (const std::vector<PlanNode>* nodes = &tree_.next; !nodes->empty(); nodes = &nodes->front().next)
       pass(nodes->front());
@@ -47,24 +49,12 @@ class Tracer {
     const StepRecorder recorder{forward, this};
     Flight flight{kernels_, tree_.source.key, batch_, sums.data(), &recorder};
     advance(node.stage, flight);
-    if (std::holds_alternative<Alignment>(node.stage)) {
-      look_ahead(node.next);
+    if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage)) {
+      spin_at_ = track_.y.back();
       show_plane(node.stage);  // the same place, another spin
     }
+    if (std::holds_alternative<TurningRegion>(node.stage)) spin_at_ = batch_.view().y;
     if (!flying()) end(node.stage);
-  }
-
-  /// Finds where the fields of a straight flight begin, up to the next alignment: what they do to the spin is
-  /// worked out at the detector only, so from there on it is not known here.
-  void look_ahead(const std::vector<PlanNode>& from) {
-    spin_known_until_ = std::numeric_limits<double>::infinity();
-    for (const std::vector<PlanNode>* nodes = &from; !nodes->empty(); nodes = &nodes->front().next) {
-      if (std::holds_alternative<Alignment>(nodes->front().stage)) return;
-      const auto* stretch = std::get_if<SpinStretch>(&nodes->front().stage);
-      if (stretch == nullptr || stretch->zones.empty()) continue;
-      spin_known_until_ = stretch->zones.front().begin;
-      return;
-    }
   }
 
   /// Straight flights are recorded where they meet something.
@@ -72,9 +62,11 @@ class Tracer {
     if (const auto* passage = std::get_if<Passage>(&stage)) record_straight(passage->aperture.y);
     if (const auto* score = std::get_if<Score>(&stage)) record_straight(score->screen.y);
     if (const auto* drift = std::get_if<Drift>(&stage)) record_straight(drift->y);
-    if (const auto* align = std::get_if<Alignment>(&stage))
-      record_straight(beamline_.parts[static_cast<std::size_t>(align->part)].placement.at);
+    if (const auto* align = std::get_if<Alignment>(&stage)) record_straight(place_of(align->part));
+    if (const auto* filter = std::get_if<Filter>(&stage)) record_straight(place_of(filter->part));
   }
+
+  double place_of(int part) const { return beamline_.parts[static_cast<std::size_t>(part)].placement.at; }
 
   void end(const Stage& stage) {
     const auto name = [&](int part) {
@@ -82,6 +74,7 @@ class Tracer {
                       : beamline_.parts[static_cast<std::size_t>(part)].placement.name;
     };
     if (const auto* passage = std::get_if<Passage>(&stage)) set_fate("stopped", name(passage->part));
+    if (const auto* filter = std::get_if<Filter>(&stage)) set_fate("stopped", name(filter->part));
     if (const auto* score = std::get_if<Score>(&stage)) set_fate("detected", name(score->screen.part));
     if (std::holds_alternative<Exit>(stage)) set_fate("passed", "");
     if (const auto* region = std::get_if<TurningRegion>(&stage)) {
@@ -100,15 +93,46 @@ class Tracer {
     track_.where = where;
   }
 
+  /// A straight flight up to a plane, with the turning of the spin on the way.
   void record_straight(double y) {
+    const double last = track_.y.empty() ? y : track_.y.back();
+    for (const SpinZone& zone : zones_) {
+      const double begin = std::max(zone.begin, last), end = std::min(zone.end, y);
+      if (begin >= end) continue;
+      double rate = std::abs(zone.spin_rate);
+      for (int i = 0; i < zone.drives; ++i) rate += std::abs(zone.drive[i].spin_rate);
+      const double turns = rate * (end - begin) / batch_.view().vy[0] / (2 * std::numbers::pi);
+      const double points = std::clamp(std::ceil(points_per_turn * turns), 1.0, most_points);
+      for (double i = 0; i < points; ++i) record_at(std::lerp(begin, end, i / points));
+    }
+    record_at(y);
+  }
+  void record_at(double y) {
     const BatchView& b = batch_.view();
     const double dt = (y - b.y) / b.vy[0];
     const double place[3] = {std::fma(b.vx[0], dt, b.x[0]), y, std::fma(b.vz[0], dt, b.z[0])};
-    const double velocity[3] = {b.vx[0], b.vy[0], b.vz[0]}, spin[3] = {b.sx[0], b.sy[0], b.sz[0]};
+    const double velocity[3] = {b.vx[0], b.vy[0], b.vz[0]};
+    Batch there;
+    there.copy_from(batch_);
+    there.view().flying[0] = ~std::uint64_t{0};
+    std::vector<SpinZone> passed;
+    for (SpinZone zone : zones_) {
+      zone.begin = std::max(zone.begin, spin_at_);
+      zone.end = std::min(zone.end, y);
+      if (zone.begin < zone.end) passed.push_back(zone);
+    }
+    kernels_.precess(passed.data(), static_cast<int>(passed.size()), tree_.source.key, there.view());
+    const double spin[3] = {there.view().sx[0], there.view().sy[0], there.view().sz[0]};
     record(b.t[0] + dt, place, velocity, spin);
   }
+  /// `spin` is the vector itself, or under `quantum` the image of the axis that the level m belongs to.
   void record(double t, const double* place, const double* velocity, const double* spin) {
-    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && is_last_spin(spin))
+    const int levels = tree_.source.levels;
+    const double part =
+        levels > 0 ? (spin_ - static_cast<double>(batch_.view().level[0])) / spin_ : 1;  // m/I
+    const double sx = part * spin[0], sy = part * spin[1], sz = part * spin[2];
+    if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && track_.sx.back() == sx &&
+        track_.sy.back() == sy && track_.sz.back() == sz)
       return;
     track_.t.push_back(t);
     track_.x.push_back(place[0]);
@@ -117,23 +141,18 @@ class Tracer {
     track_.vx.push_back(velocity[0]);
     track_.vy.push_back(velocity[1]);
     track_.vz.push_back(velocity[2]);
-    const bool known = spin_known_ && place[1] <= spin_known_until_;
-    track_.sx.push_back(known ? spin[0] : not_known);
-    track_.sy.push_back(known ? spin[1] : not_known);
-    track_.sz.push_back(known ? spin[2] : not_known);
-  }
-
-  bool is_last_spin(const double* spin) const {
-    return !spin_known_ ||
-           (track_.sx.back() == spin[0] && track_.sy.back() == spin[1] && track_.sz.back() == spin[2]);
+    track_.sx.push_back(sx);
+    track_.sy.push_back(sy);
+    track_.sz.push_back(sz);
   }
 
   const Beamline& beamline_;
   const PlanTree& tree_;
   const Kernels& kernels_;
   Batch batch_;
-  bool spin_known_ = false;
-  double spin_known_until_ = 0;  // [m] place along the beam
+  std::vector<SpinZone> zones_;  // along the whole beam
+  double spin_ = 0.5;            // I
+  double spin_at_ = 0;           // [m] where the batch's spin is the particle's
   Track track_;
 };
 
