@@ -59,7 +59,8 @@ def plot_scan(options: argparse.Namespace) -> None:
             raise InputError(f"{file.path}: its scan runs over {curve.axis.parameter}, the first one over "
                              f"{first.parameter}")
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
-    title = options.title or _title(files)
+    chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
+    title = options.title or _title(files, chosen)
     marks = dict(_mark(text) for text in options.mark)
     lines = [curve for _, curve in found]
     across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
@@ -174,11 +175,11 @@ def _curves(file: results.Results, detector: str | None) -> list[Curve]:
         raise FileError(file.path, str(problem)) from None
 
 
-def _title(files: list[results.Results]) -> str:
-    """The first file's title; and what the beam consists of, where that is a mixture."""
+def _title(files: list[results.Results], chosen: str = "") -> str:
+    """The first file's title, with what was chosen; and what the beam consists of, where that is a mixture."""
     species = dict.fromkeys(name for file in files for name in file.species)
-    return "\n".join([files[0].title, *species] if len(species) == 1 and " + " in next(iter(species)) else
-                     [files[0].title])
+    mixture = list(species) if len(species) == 1 and " + " in next(iter(species)) else []
+    return "\n".join([files[0].title + chosen, *mixture])
 
 
 def _distinct(labels: list[str], stems: list[str]) -> list[str]:
