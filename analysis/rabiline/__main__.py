@@ -1,4 +1,5 @@
-"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tracks | summary`.
+"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tracks | summary |
+compare-scans`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -12,6 +13,7 @@ from typing import NoReturn, Sequence
 from matplotlib.figure import Figure
 
 from . import image_plots, level_plots, results, scan_plots, style, track_plots, tracks
+from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
 from .report import summary
@@ -38,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         options.command(options)
-    except (FileError, InputError, NoResonance) as problem:
+    except (FileError, InputError, NoResonance, NotComparable) as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 2
     except OSError as problem:
@@ -57,23 +59,26 @@ def plot_scan(options: argparse.Namespace) -> None:
             raise InputError(f"{file.path}: its scan runs over {curve.axis.parameter}, the first one over "
                              f"{first.parameter}")
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
-    title = options.title or _title(files)
+    chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
+    title = options.title or _title(files, chosen)
     marks = dict(_mark(text) for text in options.mark)
     lines = [curve for _, curve in found]
     across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
     if len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks)
-    elif across and len(files) == 1:
+    elif across and len(files) == len({curve.detector for curve in lines}) == 1:
         figure = scan_plots.draw_map(lines, across[0], title, marks)
     else:
-        raise InputError(f"{len(lines)} curves are too many for one picture")
+        several = any(len(file.scan.detectors) > 1 for file in files) and options.detector is None
+        choose = "; choose one detector with --detector" if several else ""
+        raise InputError(f"{len(lines)} curves are too many for one picture{choose}")
     _save(figure, options.output)
 
 
 def plot_levels(options: argparse.Namespace) -> None:
     """Populations of the spin levels at a detector, over the scan."""
     file = results.read(options.file)
-    rows = _curves(file, options.detector)
+    rows = _curves(file, _detector(file, options.detector))
     if len(rows) > MOST_PANELS:
         raise InputError(f"{len(rows)} curves are too many for one picture")
     detector = file.detectors[_detector(file, options.detector)]
@@ -105,7 +110,21 @@ def plot_tracks(options: argparse.Namespace) -> None:
 
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
-    print(summary(results.read(options.file)))
+    file = results.read(options.file)
+    print(summary(file, [_detector(file, options.detector)] if options.detector else file.scan.detectors))
+
+
+def compare_scans(options: argparse.Namespace) -> None:
+    """chi² of the difference between two results of one scan that differ in their seed, with the covariance."""
+    one, other = (results.read(path) for path in (options.file, options.other))
+    name = options.detector
+    wanted = [_detector(file, name) for file in (one, other)] if name else one.scan.detectors
+    agreements = compare(one, other)
+    if same_particles(one, other):
+        print(f"rabiline: warning: both files have the seed {one.simulation['seed']} and may share their particles; "
+              "their difference then varies less than the errors say, and chi² and p mean nothing", file=sys.stderr)
+    for detector in dict.fromkeys(wanted):
+        print(f"{detector}: {agreements[detector]}")
 
 
 def _parser() -> Parser:
@@ -131,11 +150,15 @@ def _parser() -> Parser:
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')
-    for plot in (scan, levels, image):
-        plot.add_argument("--detector", metavar="NAME", help="the first one by default")
+    report = command("summary", print_summary, many=False, draws=False)
+    pair = command("compare-scans", compare_scans, many=False, draws=False)
+    pair.add_argument("other", metavar="OTHER", type=Path)
+    for one in (levels, image):
+        one.add_argument("--detector", metavar="NAME", help="the first one by default")
+    for each in (scan, report, pair):
+        each.add_argument("--detector", metavar="NAME", help="all by default")
     for plot in (scan, levels, flights):
         plot.add_argument("--title", help="instead of the file's own")
-    command("summary", print_summary, many=False, draws=False)
     return parser
 
 
@@ -147,16 +170,16 @@ def _detector(file: results.Results, name: str | None) -> str:
 
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:
     try:
-        return curves(file, _detector(file, detector))
+        return curves(file, detector and _detector(file, detector))
     except NoResonance as problem:
         raise FileError(file.path, str(problem)) from None
 
 
-def _title(files: list[results.Results]) -> str:
-    """The first file's title; and what the beam consists of, where that is a mixture."""
+def _title(files: list[results.Results], chosen: str = "") -> str:
+    """The first file's title, with what was chosen; and what the beam consists of, where that is a mixture."""
     species = dict.fromkeys(name for file in files for name in file.species)
-    return "\n".join([files[0].title, *species] if len(species) == 1 and " + " in next(iter(species)) else
-                     [files[0].title])
+    mixture = list(species) if len(species) == 1 and " + " in next(iter(species)) else []
+    return "\n".join([files[0].title + chosen, *mixture])
 
 
 def _distinct(labels: list[str], stems: list[str]) -> list[str]:

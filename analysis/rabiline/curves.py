@@ -1,10 +1,11 @@
 """Curves of a scan, one per law, species or value of the second axis, and the dip or peak in them."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .covariance import Spread
 from .results import Axis, Results
 from .units import format_value, law_name
 
@@ -27,12 +28,19 @@ class Curve:
     points: np.ndarray  # [n] flat numbers of its scan points
     y: np.ndarray  # [n] detected fraction of emitted
     errors: np.ndarray  # [n] one standard error
-    covariance: np.ndarray  # [n, n] of y; diagonal where the file has none
+    spread: Spread  # errors and correlation, fit for use
+    detector: str = ""
+    covariance_missing: bool = False  # its points share particles, and the file does not say how they correlate
 
     @property
     def x(self) -> np.ndarray:
         """[n] The scanned values, SI."""
         return self.axis.values
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """[n, n] of y."""
+        return self.spread.covariance
 
 
 @dataclass(frozen=True)
@@ -63,17 +71,19 @@ class Resonance:
 
 
 def curves(results: Results, detector: str | None = None) -> list[Curve]:
-    """The rows of the scan for one detector, the first by default. A row runs along the numeric axis with the most
+    """The rows of the scan for one detector, or for each in turn. A row runs along the numeric axis with the most
     points; the other axis, if any, tells the rows apart. Raises NoResonance where nothing is scanned."""
     scan = results.scan
     if not scan.axes:
         raise NoResonance("nothing is scanned in this file")
+    if detector is None and len(scan.detectors) > 1:
+        every = [curve for name in scan.detectors for curve in curves(results, name)]
+        return [replace(curve, label=": ".join(filter(None, (curve.detector, curve.label)))) for curve in every]
     number = scan.detectors.index(detector) if detector is not None else 0
     along = max(range(len(scan.axes)), key=lambda i: (not scan.axes[i].labels, scan.axes[i].values.size))
     flat = np.moveaxis(np.arange(np.prod(scan.shape)).reshape(scan.shape), along, -1)
     rows = flat.reshape(-1, flat.shape[-1])
     others = [axis for i, axis in enumerate(scan.axes) if i != along]
-    covariance = np.diag(scan.errors[number] ** 2) if scan.covariance is None else scan.covariance[number]
     return [
         Curve(
             label=_label(results, rows, row, others),
@@ -83,10 +93,20 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
             points=points,
             y=scan.detected[number, points],
             errors=scan.errors[number, points],
-            covariance=_at_least(covariance[np.ix_(points, points)], scan.errors[number, points]),
+            spread=spread_of(results, number, points),
+            detector=scan.detectors[number],
+            covariance_missing=results.covariance_missing,
         )
         for row, points in enumerate(rows)
     ]
+
+
+def spread_of(results: Results, detector: int, points: np.ndarray) -> Spread:
+    """How the fractions that a detector, by its number, caught at these scan points scatter."""
+    covariance = results.scan.covariance
+    return Spread.of(results.scan.detected[detector, points], results.scan.errors[detector, points],
+                     None if covariance is None else covariance[detector][np.ix_(points, points)],
+                     results.particles[points])
 
 
 def half_maxima(curve: Curve) -> list[Resonance]:
@@ -224,12 +244,6 @@ def _edge(curve: Curve, start: int, step: int, along_level: np.ndarray) -> Edge:
         climb=float(abs(y[i] - y[before]) / depth),
         bend=float(part * (1 - part) / 2 * curvature / abs(slope)),
     )
-
-
-def _at_least(covariance: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """The covariance with no variance below errors². A covariance from groups of particles is zero where all
-    particles agree; the binomial error there is not."""
-    return covariance + np.diag(np.maximum(0, errors**2 - np.diag(covariance)))
 
 
 def _common(values: tuple[str, ...], points: np.ndarray) -> str:

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 import lmfit
 import numpy as np
 
+from .agreement import with_model
+from .covariance import ChiSquared, Weights
 from .curves import Curve, NoResonance, Resonance, Value, half_maxima
 
+LEAST_P = 1e-3  # of chi², for the covariance to be used in the weights
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
 
 
@@ -30,16 +33,22 @@ class Fit:
     resonances: tuple[Resonance, ...]
     steepnesses: tuple[Value, ...]
     misfit: float  # rms residual over rms error: about 1 or below where the model describes the curve
+    chi_squared: ChiSquared  # of the curve and the model
+    weighted: bool  # by the covariance; else equally
 
 
 def fit(curve: Curve) -> Fit:
-    """Fits all dips or peaks of a curve at once, as `bells` on a common baseline, by least squares, and takes the
-    errors from the curve's covariance.
+    """Fits all dips or peaks of a curve at once, as `bells` on a common baseline: first with equal weights, and where
+    chi² then says that the model may be right, by generalised least squares with `covariance.Weights`, for errors as
+    they are where the first fit goes. Where the model is wrong, such weights would follow its faults: points that share
+    particles hardly differ by chance, so that each difference the model cannot have would count for much.
 
-    Every point weighs the same, and the covariance C enters through the estimate p = A y, A = (JᵀJ)⁻¹Jᵀ, as A C Aᵀ.
-    That holds for any C, also for one that is singular or estimated from few groups of particles, where C⁻¹ as a
-    weight would be wrong or would not exist. Where the model misses the points by more than their errors
-    (misfit > 1), all errors are multiplied by the misfit, as the Particle Data Group does.
+    The covariance C of the points, not of the weights W, gives the errors, through the estimate p = A y with
+    A = (JᵀWJ)⁻¹JᵀW, as A C Aᵀ. That holds for any W. What W has learnt from the noise of an estimated C makes them too
+    small by the share of its groups that this took, and they are divided by what is left. Where the model misses the
+    points by more than their errors (misfit > 1), all errors are multiplied by the misfit, as the Particle Data Group
+    does with the root of chi² per degree of freedom. That would multiply too much here: chi² sees what sets the curve
+    and the model apart, however little it has to do with the centre.
 
     A model says nothing about what happens between points, so the resolution of the half-maximum edges
     (`curves.Edge.resolution`) is added in quadrature: the whole of it to the width, half of it to the centre. It
@@ -49,19 +58,33 @@ def fit(curve: Curve) -> Fit:
     starts = half_maxima(curve)
     unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
-    outcome = lmfit.minimize(lambda p: bells(x, _numbers(p)) - curve.y, _start(starts, unit, origin))
-    best = _numbers(outcome.params)
-    if not (outcome.success and np.isfinite(best).all()):
-        raise NoResonance("the fit does not converge")
+    first = _least_squares(x, curve.y, np.eye(x.size), _start(starts, unit, origin))
+    expected = bells(x, _numbers(first))
+    agreement = with_model(curve, expected, _jacobian(x, _numbers(first)))
+    weighted = agreement.p > LEAST_P  # not where there is no chi²
+    spread = curve.spread.at(expected, curve.y) if weighted else curve.spread
+    weights = Weights.of(spread) if weighted else Weights.equal(x.size)
+    best = _numbers(_least_squares(x, curve.y, weights.root, first)) if weighted else _numbers(first)
 
-    misfit = float(np.sqrt(np.mean(outcome.residual**2) / np.mean(np.diag(curve.covariance))))
-    linear = np.linalg.pinv(_jacobian(x, best), rcond=1e-8)
-    errors = np.sqrt(np.diag(linear @ curve.covariance @ linear.T).clip(0)) * max(1.0, misfit)
+    jacobian = _jacobian(x, best)
+    residual = curve.y - bells(x, best)
+    misfit = float(np.sqrt(np.mean(residual**2) / np.mean(spread.errors**2)))
+    linear = np.linalg.pinv(weights.root @ jacobian, rcond=1e-8) @ weights.root
+    learnt = weights.directions / spread.freedom
+    errors = np.sqrt(np.diag(linear @ spread.covariance @ linear.T).clip(0)) / (1 - learnt) * max(1.0, misfit)
     baseline, *own = map(Value, best.tolist(), errors.tolist())
     resonances = tuple(
         _resonance(start, baseline, *own[i:i + OWN - 1], unit=unit, origin=origin)
         for start, i in zip(starts, range(0, len(own), OWN)))
-    return Fit(resonances, tuple(own[OWN - 1::OWN]), misfit)
+    return Fit(resonances, tuple(own[OWN - 1::OWN]), misfit, agreement, weighted)
+
+
+def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: lmfit.Parameters) -> lmfit.Parameters:
+    """The parameters at which |root (model - y)|² is least."""
+    outcome = lmfit.minimize(lambda p: root @ (bells(x, _numbers(p)) - y), start)
+    if not (outcome.success and np.isfinite(_numbers(outcome.params)).all()):
+        raise NoResonance("the fit does not converge")
+    return outcome.params
 
 
 def _start(starts: list[Resonance], unit: float, origin: float) -> lmfit.Parameters:

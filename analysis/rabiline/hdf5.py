@@ -57,6 +57,13 @@ class Group:
             raise self.error(f"`{name}` has the shape {values.shape} where {shape} belongs")
         return values.astype(float).reshape(shape)
 
+    def whole_number(self, name: str) -> int:
+        """The first number of the dataset `name`, of up to 64 bits."""
+        values = self._read(name)
+        if values.dtype.kind not in "iu" or values.size == 0:
+            raise self.error(f"`{name}` holds no whole number")
+        return int(values.ravel()[0])
+
     def texts(self, name: str) -> tuple[str, ...]:
         """The dataset `name` as texts; a single text counts as one of them."""
         values = self._read(name)

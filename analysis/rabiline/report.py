@@ -1,19 +1,20 @@
 """What a results file holds, in words."""
 from __future__ import annotations
 
-from typing import Iterable
+from typing import Iterable, Sequence
 
 import numpy as np
 
+from .agreement import with_constant
 from .curves import Curve, NoResonance, Resonance, curves, half_maxima
 from .fit import fit
 from .results import Axis, Results
 from .units import format_value, law_name
 
 
-def summary(results: Results) -> str:
-    """Lines about the run, its scan, the resonances in it, the ledger and the provenance."""
-    return "\n".join([*_run(results), *_resonances(results), *_ledger(results), *_provenance(results)])
+def summary(results: Results, detectors: Sequence[str]) -> str:
+    """Lines about the run, its scan, the resonances that these detectors saw, the ledger and the provenance."""
+    return "\n".join([*_run(results), *_resonances(results, detectors), *_ledger(results), *_provenance(results)])
 
 
 def _run(results: Results) -> Iterable[str]:
@@ -35,9 +36,10 @@ def _extent(axis: Axis) -> str:
     return f"{first} to {last}, {axis.values.size} points"
 
 
-def _resonances(results: Results) -> Iterable[str]:
+def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
     scan = results.scan
-    for number, detector in enumerate(scan.detectors):
+    for detector in detectors:
+        number = scan.detectors.index(detector)
         yield f"detector {detector}"
         if not scan.axes:
             fraction = format_value(scan.detected[number, 0], "", scan.errors[number, 0])
@@ -45,7 +47,14 @@ def _resonances(results: Results) -> Iterable[str]:
             continue
         for curve in curves(results, detector):
             yield f"  {curve.label}: {curve.y.min():.6g} to {curve.y.max():.6g} of emitted"
+            yield f"    flat line     {_flat(curve)}"
             yield from (f"    {line}" for line in _resonance(curve))
+
+
+def _flat(curve: Curve) -> str:
+    if np.ptp(curve.y) == 0 and not np.isinf(curve.spread.freedom):
+        return "the same to the bit, as its points share their particles; that proves nothing statistically"
+    return str(with_constant(curve))
 
 
 def _resonance(curve: Curve) -> Iterable[str]:
@@ -56,7 +65,8 @@ def _resonance(curve: Curve) -> Iterable[str]:
         for resonance, steepness in zip(fitted.resonances, fitted.steepnesses):
             yield f"fit           {_measured(resonance, curve.axis.units)}, " \
                   f"steepness {format_value(steepness.value, '', steepness.error)}"
-        yield f"              misfit {fitted.misfit:.2f}"
+        weights = "weights from the covariance" if fitted.weighted else "equal weights"
+        yield f"              {fitted.chi_squared}; {weights}; misfit {fitted.misfit:.2f}"
     except NoResonance as problem:
         yield f"no resonance: {problem}"
 

@@ -90,6 +90,12 @@ class Results:
     emitted: np.ndarray  # [points] particles
     simulation: dict[str, str]  # provenance: seed, version, threads, ...
 
+    @property
+    def covariance_missing(self) -> bool:
+        """Whether scan points share particles and the file does not say how they correlate, as with very many
+        points."""
+        return self.scan.covariance is None and len(self.laws) > 1 and self.simulation.get("particles") == "shared"
+
 
 def read(path: Path | str) -> Results:
     """Reads a file of `rabiline run`; raises FileError with the file and the reason."""
@@ -199,10 +205,12 @@ def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
 def _read_simulation(entry: Group) -> dict[str, str]:
     group = entry.group("simulation")
     provenance = {}
-    for name in ("seed", "threads", "seconds"):
+    for name in ("seed", "threads"):
         if name in group:
-            provenance[name] = f"{group.numbers(name).ravel()[0]:.12g}"
-    for name in ("version", "instruction_set"):
+            provenance[name] = str(group.whole_number(name))
+    if "seconds" in group:
+        provenance["seconds"] = f"{group.numbers('seconds').ravel()[0]:.12g}"
+    for name in ("particles", "version", "instruction_set"):
         if name in group:
             provenance[name] = group.text(name)
     if "arguments" in group:

@@ -41,6 +41,21 @@ def binomial_errors(fraction: np.ndarray, particles: int) -> np.ndarray:
     return np.sqrt(fraction * (1 - fraction) * particles + 0.25) / (particles + 1)
 
 
+def fly_shared(generator: np.random.Generator, x: np.ndarray, particles: int, centre: float, width: float,
+               missing: float, caught: float) -> tuple[np.ndarray, np.ndarray]:
+    """[n] and [n, n] The fraction caught at each point, and its covariance from 256 groups, of particles that all
+    points share. Each is lost from somewhere below the centre to somewhere above, drawn so that the mean is exactly
+    `caught` (1 - `missing` 2^-(2 (x - centre)/width)²): neighbouring points mostly lose the same particles."""
+    below, above = width / 2 * np.sqrt(-np.log2(generator.random((2, particles, 1))))
+    lost = (x > centre - below) & (x < centre + above) & (generator.random((particles, 1)) < missing)
+    hits = (~lost & (generator.random((particles, 1)) < caught)).astype(float)
+    groups = np.arange(particles) % 256
+    sums = np.zeros((256, x.size))
+    np.add.at(sums, groups, hits)
+    deviations = (sums - np.bincount(groups, minlength=256)[:, None] * hits.mean(axis=0)) / particles
+    return hits.mean(axis=0), deviations.T @ deviations * 256 / 255
+
+
 def write_data(parent: h5py.Group, name: str, signal: str, values: np.ndarray, errors: np.ndarray,
                axes: list[Axis], title: str = "") -> h5py.Group:
     """An NXdata group: a signal with its errors over axes."""
@@ -72,7 +87,7 @@ def beam_image(detected: np.ndarray, particles: int, bins: int) -> np.ndarray:
 
 def write_results(path: Path, axes: list[Axis], detected: np.ndarray, *, law: list[str], particles: int = 10000,
                   detectors: tuple[str, ...] = ("screen",), covariance: np.ndarray | None = None,
-                  bins: int = 80) -> Path:
+                  bins: int = 80, seed: int = 1938) -> Path:
     """A file of `rabiline run`; `detected` is [points] for one detector, [detectors, points] for several."""
     shape = tuple(axis.values.size for axis in axes)
     points = int(np.prod(shape, dtype=int))
@@ -108,7 +123,7 @@ def write_results(path: Path, axes: list[Axis], detected: np.ndarray, *, law: li
             write_data(entry, f"{name}_levels", "levels", fractions, np.zeros_like(fractions), axes + [level])
         _write_fates(entry, rows, particles)
         simulation = entry.create_group("simulation")
-        simulation["seed"], simulation["threads"], simulation["version"] = np.uint64(1938), np.uint64(2), "0.1.0"
+        simulation["seed"], simulation["threads"], simulation["version"] = np.uint64(seed), np.uint64(2), "0.1.0"
         simulation["arguments"] = np.array(["rabiline", "run", "paper.yaml"], dtype="S")
     return path
 

@@ -27,12 +27,17 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
                   bins=16)
     amplitudes = Axis("H0.amplitude", np.linspace(1e-7, 9e-7, 9), "T")
     write_results(folder / "grid.h5", [amplitudes, axis], np.tile(y, 9), law=[DORADO], bins=4)
+    write_results(folder / "grid_of_two.h5", [amplitudes, axis], np.tile([np.tile(y, 9)], (2, 1)) / 2, law=[DORADO],
+                  detectors=("near", "far"), bins=4)
+    write_results(folder / "other_seed.h5", [axis], y, law=[DORADO], bins=16, seed=7)
+    write_results(folder / "shifted.h5", [axis], dip(axis.values, 292e3, steepness=4), law=[DORADO], bins=16, seed=7)
     write_tracks(folder / "straight.h5", [fly("quantum", 291.65e3)], law="quantum")
     y = np.linspace(0, 1, 50)
     tip = {"sx": np.sin(y), "sy": 0 * y, "sz": -np.cos(y)}
     write_tracks(folder / "turned.h5", [{n: y for n in "t x y z vx vy vz".split()} | tip])
     both = np.minimum(dip(axis.values, 275e3), dip(axis.values, 308e3)) / 2 + 0.5
     write_results(folder / "mixture.h5", [axis], both, law=[DORADO], bins=4)
+    write_results(folder / "finer.h5", [frequencies(42)], np.ones(42), law=["quantum"], bins=4)
     (folder / "text.h5").write_text("counts: 7")
     return folder
 
@@ -41,6 +46,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     "plot-scan laws.h5",
     "plot-scan dorado.h5 quantum.h5 --mark Larmor=291.65e3",
     "plot-scan dorado.h5 dorado.h5",
+    "plot-scan two.h5",
     "plot-scan two.h5 --detector far",
     "plot-scan grid.h5 --mark Larmor=291.65e3",
     "plot-scan only_laws.h5",
@@ -69,8 +75,49 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
     text = capsys.readouterr().out
     assert "dorado (hypothesis), torque, κ = 1: " in text
     assert "fit           dip at 291.6" in text and "FWHM 7.3" in text
-    assert "quantum: 1 to 1 of emitted\n    no resonance" in text
+    assert "quantum: 1 to 1 of emitted\n    flat line     no chi²: no point tells 10 or more particles apart\n" \
+           "    no resonance" in text
+    assert "weights from the covariance; misfit 0.0" in text
     assert "the ledger closes" in text
+
+
+def test_the_summary_of_one_detector_leaves_the_others_out(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["summary", str(folder / "two.h5")]) == 0
+    both = capsys.readouterr().out
+    assert "detector near\n" in both and "fit           dip" in both
+    assert "detector far\n" in both and "fit           peak" in both
+    assert main(["summary", str(folder / "two.h5"), "--detector", "far"]) == 0
+    far = capsys.readouterr().out
+    assert "detector far\n" in far and "detector near\n" not in far
+
+
+def test_scans_are_compared_by_chi_squared(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["compare-scans", str(folder / "dorado.h5"), str(folder / "other_seed.h5")]) == 0
+    told = capsys.readouterr()
+    assert told.out == "screen: chi² 0.0 for 10 degrees of freedom, p = 1\n" and told.err == ""
+    assert main(["compare-scans", str(folder / "dorado.h5"), str(folder / "shifted.h5")]) == 0
+    assert capsys.readouterr().out.endswith(", p < 1e-6\n")
+
+
+def test_a_comparison_of_one_seed_is_warned_of(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["compare-scans", str(folder / "two.h5"), str(folder / "two.h5"), "--detector", "far"]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("far: chi² 0.0") and "near" not in told.out
+    assert told.err.startswith("rabiline: warning: both files have the seed 1938 and may share their particles;")
+
+
+@pytest.mark.parametrize(("pair", "message"), [
+    ("dorado.h5 laws.h5", "rabiline: laws.h5: its scan runs over law and H0.frequency, that of dorado.h5 over "
+                          "H0.frequency"),
+    ("dorado.h5 two.h5", "rabiline: two.h5: it has the detectors near, far, dorado.h5 has screen"),
+    ("dorado.h5 finer.h5", "rabiline: finer.h5: the points of its scan over H0.frequency are not those of dorado.h5"),
+    ("dorado.h5 quantum.h5 --detector far", "rabiline: dorado.h5: no detector `far` (there is screen)"),
+])
+def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                                    capsys: pytest.CaptureFixture, pair: str, message: str) -> None:
+    monkeypatch.chdir(folder)
+    assert main(["compare-scans", *pair.split()]) == 2
+    assert capsys.readouterr().err == message + "\n"
 
 
 @pytest.mark.parametrize(("command", "message"), [
@@ -85,6 +132,8 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
     ("plot-scan dorado.h5 --mark Larmor", 'rabiline: --mark "Larmor" is not LABEL=VALUE, such as "Larmor '
                                           'frequency=291.647 kHz"'),
     ("plot-scan grid.h5 dorado.h5", "rabiline: 10 curves are too many for one picture"),
+    ("plot-scan grid_of_two.h5", "rabiline: 18 curves are too many for one picture; choose one detector with "
+                                 "--detector"),
     ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
     ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rabiline import results
+from rabiline.covariance import Spread
 from rabiline.curves import Curve, NoResonance, Resonance, curves, half_maxima
 from rabiline.fit import fit
 from synthetic import DORADO, Axis, binomial_errors, dip, frequencies, laws, write_results
@@ -14,9 +15,11 @@ from synthetic import DORADO, Axis, binomial_errors, dip, frequencies, laws, wri
 CENTRE, WIDTH = 291.65e3, 7.3e3
 
 
-def curve_of(y: np.ndarray, covariance: np.ndarray, x: np.ndarray) -> Curve:
-    return Curve("a curve", DORADO, "neutron", results.Axis("H0.frequency", "Hz", x), np.arange(x.size), y,
-                 np.sqrt(np.diag(covariance)), covariance)
+def curve_of(y: np.ndarray, covariance: np.ndarray, x: np.ndarray, particles: int = 10**9) -> Curve:
+    """A curve whose covariance is known."""
+    errors = np.sqrt(np.diag(covariance))
+    return Curve("a curve", DORADO, "neutron", results.Axis("H0.frequency", "Hz", x), np.arange(x.size), y, errors,
+                 Spread.of(y, errors, covariance, particles, known=True))
 
 
 def fitted(curve: Curve) -> Resonance:
@@ -63,9 +66,11 @@ def test_a_peak_is_measured_like_a_dip() -> None:
 
 def test_the_errors_of_independent_points_are_the_scatter_of_repeated_fits() -> None:
     fits = [fitted(independent_points(seed=seed)) for seed in range(80)]
-    for measured in ("centre", "width", "depth"):
+    for measured in ("centre", "width"):
         values = [getattr(found, measured).value for found in fits]
-        error = np.mean([getattr(found, measured).error for found in fits])
+        spacing = {"centre": 0.5, "width": 1.0}[measured]  # of the points, which does not scatter
+        both = [(getattr(found, measured).error, spacing * found.resolution) for found in fits]
+        error = np.mean([np.sqrt(whole**2 - resolution**2) for whole, resolution in both])
         assert np.std(values) == pytest.approx(error, rel=0.3)  # 80 repeats: 8 % standard error
 
 
@@ -193,14 +198,14 @@ def test_a_dip_that_the_scan_cuts_off_is_refused() -> None:
 def test_a_scan_over_laws_has_one_curve_per_law(tmp_path: Path) -> None:
     axis = frequencies(21)
     detected = np.concatenate([np.ones(21), dip(axis.values)])
-    covariance = np.diag(np.arange(42.0))
+    covariance = np.add.outer(np.arange(42.0), np.arange(42.0)) + 100 * np.eye(42)
     path = write_results(tmp_path / "a.h5", [laws("quantum", DORADO), axis], detected,
                          law=["quantum"] * 21 + [DORADO] * 21, covariance=covariance, bins=4)
     quantum, dorado = curves(results.read(path))
     assert quantum.label == "quantum" and dorado.label == "dorado (hypothesis), torque, κ = 1"
     assert dorado.points.tolist() == list(range(21, 42))
     np.testing.assert_allclose(dorado.y, dip(axis.values))
-    np.testing.assert_allclose(np.diag(dorado.covariance), np.arange(21, 42))
+    np.testing.assert_allclose(dorado.spread.correlation[3, 4], 49 / np.sqrt(148 * 150))
 
 
 def test_the_first_axis_may_be_the_one_that_the_curve_runs_along(tmp_path: Path) -> None:
@@ -213,7 +218,7 @@ def test_the_first_axis_may_be_the_one_that_the_curve_runs_along(tmp_path: Path)
     assert weak.points.tolist() == list(range(0, 42, 2))
 
 
-def test_no_variance_is_smaller_than_the_binomial_one(tmp_path: Path) -> None:
+def test_the_variances_are_the_binomial_ones_and_nowhere_zero(tmp_path: Path) -> None:
     axis = frequencies(21)
     path = write_results(tmp_path / "a.h5", [axis], dip(axis.values), law=[DORADO], bins=4,
                          covariance=np.zeros((21, 21)))
