@@ -41,6 +41,24 @@ Turning turning_of(const Law& law, const Species& species) {
   return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque};
 }
 
+/// A parallel beam from inside the chamber.
+bool stays_where_it_starts(const Source& source) {
+  return std::holds_alternative<ParallelDirection>(source.direction) && source.tilt == SourceTilt{} &&
+         !std::holds_alternative<GaussianSpot>(source.opening);
+}
+
+/// Where the source's levels have their axis.
+UnitVector axis_of(const StartSpin& spin) {
+  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return polarised->axis;
+  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
+  return {};
+}
+/// Whether every spin of a vector law starts along the static field or against it.
+bool spins_along_z(const StartSpin& spin, bool quantum) {
+  const auto* polarised = std::get_if<PolarisedSpin>(&spin);
+  return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
+}
+
 Sections sections_of(const Beamline& beamline) {
   Wall chamber;
   if (beamline.chamber) chamber.radius = beamline.chamber->radius;
@@ -64,7 +82,9 @@ class Compiler {
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
         turning_(turning_of(beamline.law, species)),
         straight_(turning_.rate_per_tesla == 0),
-        may_reach_chamber_(!std::holds_alternative<ParallelDirection>(beamline.source.direction)) {}
+        may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
+    if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
+  }
 
   std::vector<Stage> compile() {
     fly();
@@ -125,7 +145,7 @@ class Compiler {
                       "particles faster",
                       species_.name, phase, zone.end, most));
   }
-  double speed() const { return mean_speed(beamline_.source.speed); }
+  double speed() const { return mean_speed(beamline_.source.speed, species_.mass); }
   Alignment alignment_of(const AlignTerm& term, int part) const {
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
     return {term.probability, spin_along_field * term.field_sign, levels(), part};
@@ -305,11 +325,20 @@ class Compiler {
   }
 
   /// Levels along z and S_z do not see precession about z before the first and after the last drive.
-  static std::vector<SpinZone> driven_part(const std::vector<SpinZone>& zones) {
+  /// Levels that start along another axis do see it before the first.
+  static std::vector<SpinZone> driven_part(const std::vector<SpinZone>& zones, const UnitVector& start) {
     const auto driven = [](const SpinZone& zone) { return zone.drives > 0; };
-    const auto first = std::find_if(zones.begin(), zones.end(), driven);
+    const bool along_z = start.x == 0 && start.y == 0;
+    const auto first = along_z ? std::find_if(zones.begin(), zones.end(), driven) : zones.begin();
     const auto last = std::find_if(zones.rbegin(), zones.rend(), driven).base();
     return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
+  }
+
+  /// The axis of the levels behind the last alignment before the detector, or behind the source.
+  UnitVector start_before(const Plane& detector) const {
+    for (const Plane& plane : sections_.planes)
+      if (std::holds_alternative<AlignTerm>(plane.term) && plane.y <= detector.y) return {};
+    return axis_of(beamline_.source.spin);
   }
 
   SpinStretch stretch_to(const Plane& detector) const {
@@ -319,8 +348,9 @@ class Compiler {
     stretch.levels = quantum_ ? levels() : 2;
     if (straight_) stretch.zones = zones_before(detector);
     if (straight_ && quantum_) {
-      stretch.zones = driven_part(stretch.zones);
-      stretch.from_level = true;
+      const UnitVector start = start_before(detector);
+      stretch.zones = driven_part(stretch.zones, start);
+      stretch.from_level = start == UnitVector{};
     }
     if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
     return stretch;
