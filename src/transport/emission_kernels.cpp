@@ -124,7 +124,6 @@ RABILINE_LANES void draw_speeds(const Emission& e, BatchView& batch) {
     for (int i = 0; i < batch.padded; i += lane_count) store(batch.vy + i, broadcast(e.speed));
     return;
   }
-  if (e.speed_kind != SpeedKind::gaussian) return draw_other_speeds(e, batch);
   alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count) {
     real second;
@@ -139,7 +138,8 @@ RABILINE_LANES void draw_speeds(const Emission& e, BatchView& batch) {
 }
 
 /// Slopes dx/dy and dz/dy, from the place of emission.
-void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_x, real& slope_z) {
+RABILINE_LANES void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_x,
+                                real& slope_z) {
   slope_x = slope_z = broadcast(0);
   if (e.direction == DirectionKind::parallel) return;
   if (e.direction == DirectionKind::gaussian) {
@@ -359,7 +359,8 @@ real relative_density(const Emission& e, const Vector& d) {
 }  // namespace
 
 // One short loop for each thing that is drawn: a processor holds several rounds of each at a time. The copies
-// show the compiler that parameters do not change while columns are written.
+// show the compiler that parameters do not change while columns are written; they are not handed on, or it
+// could not keep them in registers.
 void emit(const Emission& emission, std::uint64_t first_particle, BatchView& view) {
   view.y = 0;
   const Emission e = emission;
@@ -377,17 +378,20 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
     store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
     store(batch.caught_by + i, words{});
   }
-  if (e.gaussian_spot) draw_spot(e, batch);
-  if (e.pulse != PulseKind::none) draw_times(e, batch);
-  draw_speeds(e, batch);
-  if (is_common(e))
+  if (e.gaussian_spot) draw_spot(emission, view);
+  if (e.pulse != PulseKind::none) draw_times(emission, view);
+  if (e.speed_kind == SpeedKind::single || e.speed_kind == SpeedKind::gaussian)
+    draw_speeds(e, batch);
+  else
+    draw_other_speeds(emission, view);
+  if (is_common(emission))
     for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);
   else
-    direct_otherwise(e, batch);
+    direct_otherwise(emission, view);
   if (e.spin_kind == SpinKind::unpolarised)
     for (int i = 0; i < batch.padded; i += lane_count) draw_spin(e, load(batch.particle + i), i, batch);
   else
-    draw_prepared_spins(e, batch);
+    draw_prepared_spins(emission, view);
 }
 
 }  // namespace rabiline::RABILINE_ISA
