@@ -61,14 +61,18 @@ double distance_from_axis(const Opening& opening, const Offset& offset) {
                     std::max(0.0, std::abs(offset.z) - r.height / 2));
 }
 
-double farthest_point(const Opening& opening) {
-  if (const auto* disc = std::get_if<Disc>(&opening)) return disc->radius;
-  if (const auto* ring = std::get_if<Ring>(&opening)) return ring->outer_radius;
-  const auto& r = std::get<Rectangle>(opening);
-  return std::hypot(r.width, r.height) / 2;
+/// Of a spot without edge: its centre.
+double farthest_point(const Source& source) {
+  const double x = std::abs(source.offset.x), z = std::abs(source.offset.z);
+  if (const auto* r = std::get_if<Rectangle>(&source.opening))
+    return std::hypot(x + r->width / 2, z + r->height / 2);
+  const auto* disc = std::get_if<Disc>(&source.opening);
+  const auto* ring = std::get_if<Ring>(&source.opening);
+  return std::hypot(x, z) + (disc ? disc->radius : ring ? ring->outer_radius : 0);
 }
 
-void check_ring(const Opening& opening, const Place& place, Reading& reading) {
+template <class Hole>
+void check_ring(const Hole& opening, const Place& place, Reading& reading) {
   const auto* ring = std::get_if<Ring>(&opening);
   if (ring && ring->inner_radius > ring->outer_radius)
     reading.error(place,
@@ -89,12 +93,13 @@ void check_openings(const Beamline& beamline, const Node& root, const PartNodes&
 void check_chamber(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
   if (!beamline.chamber || beamline.chamber->radius == 0) return;
   const double radius = beamline.chamber->radius;
-  if (farthest_point(beamline.source.opening) >= radius)
+  const double reach = farthest_point(beamline.source);
+  if (reach >= radius)
     reading.error(
         root.find("source")->value.find("opening") ? root.find("source")->value.find("opening")->key_place
                                                    : root.find("source")->key_place,
         fmt::format("the source's opening reaches {} from the axis, into the wall of the chamber at {}",
-                    metres(farthest_point(beamline.source.opening)), metres(radius)),
+                    metres(reach), metres(radius)),
         "make the opening smaller or the chamber wider");
   for (const PlacedPart& part : beamline.parts) {
     double nearest = 0;
@@ -125,6 +130,13 @@ bool is_reserved(std::string_view name) {
 }
 
 void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  for (const Beamline& point : points)
+    if (point.source.rate != points.front().source.rate)
+      return reading.error(
+          axis.place,
+          fmt::format("`{}` cannot be scanned: the source's `rate` is a factor of all results",
+                      axis.parameter),
+          "keep it in the file, and multiply");
   for (const Beamline& point : points)
     for (const PlacedPart& part : point.parts) {
       const auto* now = std::get_if<Detector>(&part.part);

@@ -96,8 +96,15 @@ template <class M, class D>
 std::string need_of(const Row& row, const D& fallback) {
   if constexpr (std::is_same_v<D, Required> && !is_optional<M>)
     return "required";
+  else if constexpr (std::is_same_v<D, UnitVector>)
+    return "default z";
+  else if constexpr (requires { D::kind; })
+    return fmt::format("default {}", D::kind);
   else if constexpr (std::is_arithmetic_v<D>)
-    return "default " + pretty_quantity(static_cast<double>(fallback), row.dimension);
+    return row.dimension == Dimension::angle && fallback != 0
+               ? fmt::format("default {:.4g} deg",
+                             static_cast<double>(fallback) * 180 / 3.14159265358979323846)
+               : "default " + pretty_quantity(static_cast<double>(fallback), row.dimension);
   else if constexpr (std::is_enum_v<D>) {
     for (const Choice<D>& choice : choices<D>)
       if (choice.value == fallback) return fmt::format("default {}", choice.word);
@@ -177,8 +184,11 @@ std::string describe_source() {
   Page page("source: where particles start");
   add_rows<Source>(page);
   return page.finish() + "\n" + describe_variant<SpeedLaw>("speed", "law of speeds") + "\n" +
-         describe_variant<Opening>("opening", "the hole that particles start from") + "\n" +
-         describe_variant<DirectionLaw>("direction", "law of directions");
+         describe_variant<SourceOpening>("opening", "the hole that particles start from") + "\n" +
+         describe_variant<DirectionLaw>("direction", "law of directions") + "\n" +
+         describe_variant<EmissionLaw>("emission", "of which an aimed source is a part") + "\n" +
+         describe_variant<StartSpin>("spin", "the spin that particles start with") + "\n" +
+         describe_variant<Pulse>("pulse", "when particles start");
 }
 
 std::string describe_species() {
@@ -213,7 +223,7 @@ std::string describe_scan() {
 
 std::string describe_units() {
   Page page("Every quantity is written with its unit, as in `0.25 m` or `1e-3 m`.");
-  for (int d = 1; d <= static_cast<int>(Dimension::gyromagnetic); ++d) {
+  for (int d = 1; d <= static_cast<int>(last_dimension); ++d) {
     std::string symbols;
     for (const UnitSymbol& unit : unit_table())
       if (unit.dimension == static_cast<Dimension>(d))
@@ -269,7 +279,16 @@ const std::vector<Topic>& topics() {
     out.push_back({"opening", "a hole", [] {
                      return describe_variant<Opening>("opening", "a hole that particles start from or pass");
                    }});
-    add_alternatives<Opening>(out, "opening");
+    add_alternatives<SourceOpening>(out, "opening");
+    out.push_back({"emission", "law of directions of an aimed source", [] {
+                     return describe_variant<EmissionLaw>("emission", "of which an aimed source is a part");
+                   }});
+    out.push_back({"spin", "the spin that particles start with",
+                   [] { return describe_variant<StartSpin>("spin", "the spin that particles start with"); }});
+    add_alternatives<StartSpin>(out, "spin");
+    out.push_back({"pulse", "when particles start",
+                   [] { return describe_variant<Pulse>("pulse", "when particles start"); }});
+    add_alternatives<Pulse>(out, "pulse");
     return out;
   }();
   return all;
@@ -294,7 +313,7 @@ std::string describe_overview() {
   page.line("\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87, or");
   std::string others;
   for (const std::string_view topic :
-       {"source", "speed", "direction", "opening", "species", "chamber", "scan", "units"})
+       {"source", "speed", "direction", "opening", "spin", "pulse", "species", "chamber", "scan", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

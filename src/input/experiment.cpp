@@ -35,6 +35,15 @@ void throw_if_wrong(Reading& reading, const Sources& sources) {
   throw InputError(std::move(reading.errors));
 }
 
+/// What the beamline files name beside themselves belongs to the inputs.
+void add_files(const Reading& reading, std::vector<InputText>& inputs, Sources& sources) {
+  for (const auto& [path, file] : reading.files) {
+    if (std::find(sources.begin(), sources.end(), file.source) != sources.end()) continue;
+    inputs.push_back({path, file.text});
+    sources.push_back(file.source);
+  }
+}
+
 /// One NAME=VALUE of the command line.
 struct Setting {
   std::string name;
@@ -122,6 +131,12 @@ class ScanReader {
       name_point(errors, {{&axis, &axis.values[i]}});
       if (reading_.errors.size() > errors) ++failures;
       numeric = numeric && reading_.watched.front().dimension.has_value();
+      if (numeric && i > 0 && out.dimension != reading_.watched.front().dimension)
+        reading_.error(axis.values[i].place,
+                       fmt::format("the scan of `{}` begins with {} and goes on with {}", axis.parameter,
+                                   with_article(name_of(*out.dimension)),
+                                   with_article(name_of(*reading_.watched.front().dimension))),
+                       "write all its values in units of the same kind");
       out.dimension = reading_.watched.front().dimension;
       out.values.push_back(reading_.watched.front().value);
       out.labels.push_back(label_of(axis, point, i));
@@ -204,6 +219,7 @@ LoadedExperiment load_experiment(const std::filesystem::path& path, const Comman
   LoadedExperiment out;
   out.inputs = std::move(file.inputs);
   Reading reading;
+  reading.folder = path.parent_path().string();
   Sources& sources = file.sources;
 
   // The file with what the command line sets, without its scan.
@@ -218,6 +234,7 @@ LoadedExperiment load_experiment(const std::filesystem::path& path, const Comman
   sources.insert(sources.end(), arguments.begin(), arguments.end());
   const ScanPlan plan = line.without_scan ? ScanPlan{} : read_scan(file.root, arguments, reading);
   refuse_settings_of_scanned(settings, plan, reading);
+  add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
 
   // Every point of the scan.
@@ -227,6 +244,7 @@ LoadedExperiment load_experiment(const std::filesystem::path& path, const Comman
     out.experiment.points.clear();
     out.experiment.axes.push_back(scan.read_axis(axis, out.experiment.points));
   }
+  add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
   if (plan.axes.size() == 2) out.experiment.points = scan.read_grid();
   if (plan.axes.empty()) out.experiment.points = {out.base};

@@ -63,7 +63,9 @@ std::string schema_of_words(std::span<const Word> words) {
 /// A ValueType's schema with the dimensions it names written out.
 std::string with_dimensions(std::string_view text) {
   std::string out(text);
-  for (const auto& [word, dimension] : {std::pair{"@angle", Dimension::angle}})
+  for (const auto& [word, dimension] :
+       {std::pair{"@angle", Dimension::angle}, std::pair{"@speed", Dimension::speed},
+        std::pair{"@length", Dimension::length}, std::pair{"@energy", Dimension::energy}})
     if (const std::size_t at = out.find(word); at != out.npos)
       out.replace(at, std::string_view(word).size(), schema_of_quantity(dimension));
   return out;

@@ -1,5 +1,7 @@
 // A source that cannot be as it is written.
 #include <cmath>
+#include <numbers>
+#include <numeric>
 
 #include "input/check_nodes.hpp"
 
@@ -52,10 +54,183 @@ void check_aim(const Beamline& beamline, const Node& root, const PartNodes& node
   }
 }
 
+/// The node below `source` that a path of keys leads to, as far as it is there.
+const Node& node_below_source(const Node& root, std::initializer_list<std::string_view> keys) {
+  const Entry* entry = root.find("source");
+  const Node* node = entry ? &entry->value : &root;
+  for (const std::string_view key : keys)
+    if (const Entry* next = node->find(key)) node = &next->value;
+  return *node;
+}
+
+// ---- speeds ----
+
+/// Something that says how fast particles are, and where it stands.
+struct Written {
+  SpeedQuantity quantity;
+  const Place* place;
+};
+
+void check_speed(const Written& written, const std::vector<Component>& beam, Reading& reading) {
+  if (!(written.quantity.value > 0)) return;
+  for (const Component& component : beam) {
+    const Species& species = component.species;
+    if (!(species.mass > 0)) continue;
+    const double speed = speed_of(written.quantity, species.mass);
+    if (speed <= fastest_speed) continue;
+    const bool converted = written.quantity.dimension != Dimension::speed;
+    return reading.error(
+        *written.place,
+        fmt::format("{} at {:.4g} m/s, faster than 0.05 c = {:.4g} m/s: this program knows no relativity",
+                    converted
+                        ? fmt::format("at {} the species `{}` flies",
+                                      pretty_quantity(written.quantity.value, written.quantity.dimension),
+                                      species.name)
+                        : fmt::format("the species `{}` flies", species.name),
+                    speed, fastest_speed),
+        written.quantity.dimension == Dimension::length ? "make the wavelength longer" : "make it slower");
+  }
+}
+
+void check_speeds(const SingleSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
+  check_speed({law.value, &node_below_source(root, {"speed", "value"}).place}, beamline.species, reading);
+}
+void check_speeds(const GaussianSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
+  const Node& sigma = node_below_source(root, {"speed", "sigma"});
+  if (law.mean.value > 0 && law.mean.dimension != law.sigma.dimension && sigma.is_scalar())
+    reading.error(
+        sigma.place,
+        fmt::format("the mean is {} and sigma is {}: the law is normal in one of them",
+                    law.mean.dimension == Dimension::length ? "a wavelength"
+                                                            : with_article(name_of(law.mean.dimension)),
+                    law.sigma.dimension == Dimension::length ? "a wavelength"
+                                                             : with_article(name_of(law.sigma.dimension))),
+        fmt::format("write sigma like the mean, in a unit such as `{}`",
+                    law.mean.dimension == Dimension::length   ? "angstrom"
+                    : law.mean.dimension == Dimension::energy ? "meV"
+                                                              : "m/s"));
+  check_speed({law.mean, &node_below_source(root, {"speed", "mean"}).place}, beamline.species, reading);
+}
+/// The fastest thermal speed of a law, for each species.
+void check_thermal(double (*speed)(const SpeedLaw&, double mass), const Beamline& beamline, const Node& root,
+                   Reading& reading) {
+  const Place& place = node_below_source(root, {"speed", "temperature"}).place;
+  for (const Component& component : beamline.species)
+    if (const double v = speed(beamline.source.speed, component.species.mass);
+        component.species.mass > 0 && v > fastest_speed)
+      return reading.error(
+          place,
+          fmt::format("at that temperature the species `{}` flies at {:.4g} m/s on average, faster than "
+                      "0.05 c = {:.4g} m/s: this program knows no relativity",
+                      component.species.name, v, fastest_speed),
+          "make it colder");
+}
+void check_speeds(const EffusiveSpeed&, const Beamline& beamline, const Node& root, Reading& reading) {
+  check_thermal(&mean_speed, beamline, root, reading);
+}
+void check_speeds(const MaxwellSpeed&, const Beamline& beamline, const Node& root, Reading& reading) {
+  check_thermal(&mean_speed, beamline, root, reading);
+}
+void check_speeds(const SupersonicSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
+  if (law.adiabatic_exponent > 1 && law.speed_ratio > 0) check_thermal(&mean_speed, beamline, root, reading);
+}
+void check_speeds(const TabulatedSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
+  if (!law.file.spectrum) return;
+  const Spectrum& s = *law.file.spectrum;
+  const double fastest = s.dimension == Dimension::length ? s.at.front() : s.at.back();
+  check_speed({{fastest, s.dimension}, &node_below_source(root, {"speed", "file"}).place}, beamline.species,
+              reading);
+}
+void check_speeds(const LineSpeeds& law, const Beamline& beamline, const Node& root, Reading& reading) {
+  const Node& lines = node_below_source(root, {"speed", "lines"});
+  for (std::size_t i = 0; i < law.lines.size() && i < lines.items.size(); ++i)
+    check_speed({law.lines[i].value, &place_of(lines.items[i], "value")}, beamline.species, reading);
+}
+
+// ---- directions ----
+
+constexpr double right_angle = std::numbers::pi / 2;
+constexpr double farthest_normal = 8.6;  // [sigma] the kernels draw none beyond: sqrt(-2 ln 2^-53) = 8.57
+
+/// The largest angle to the axis that a law gives [rad].
+double widest(const ParallelDirection&) { return 0; }
+double widest(const GaussianDirection& law) { return std::atan(farthest_normal * std::hypot(law.x, law.z)); }
+double widest(const BoxDirection& law) { return std::atan(std::hypot(law.x, law.z)); }
+double widest(const ConeDirection& law) { return law.half_angle; }
+double widest(const CosineDirection& law) { return law.half_angle; }
+double widest(const ChannelDirection&) { return right_angle; }
+double widest(const AimedDirection&) { return 0; }
+
+std::string degrees(double angle) { return fmt::format("{:.4g} deg", angle / right_angle * 90); }
+
+/// Nothing may start backwards.
+void check_tilt(const Source& source, const Node& root, Reading& reading) {
+  if (source.tilt == SourceTilt{}) return;
+  const Node& node = node_below_source(root, {"tilt"});
+  const double forward = std::cos(source.tilt.x) * std::cos(source.tilt.z);  // y of the axis
+  const double tilt = std::acos(std::clamp(forward, -1.0, 1.0));
+  if (tilt >= right_angle - 1e-9)
+    return reading.error(node.place,
+                         fmt::format("the tilt turns the source's axis by {}, off the beam", degrees(tilt)),
+                         "tilt it by less than 90 deg");
+  const double angle = std::visit([](const auto& law) { return widest(law); }, source.direction);
+  if (tilt + angle < right_angle) return;
+  const bool limited = std::holds_alternative<CosineDirection>(source.direction) ||
+                       std::holds_alternative<ConeDirection>(source.direction);
+  reading.error(
+      node.place,
+      fmt::format("tilted by {}, the source sends particles backwards: its directions reach {} from the axis",
+                  degrees(tilt), degrees(angle)),
+      limited ? fmt::format("write `half_angle: {}` or less",
+                            degrees(std::floor((right_angle - tilt) * 1e3) / 1e3))
+              : "tilt it less, or aim it: `direction: {kind: aimed, target: ..., emission: ...}`");
+}
+
+void check_channel(const DirectionLaw& direction, const Node& root, Reading& reading) {
+  const auto* channel = std::get_if<ChannelDirection>(&direction);
+  const auto* aimed = std::get_if<AimedDirection>(&direction);
+  if (aimed) channel = std::get_if<ChannelDirection>(&aimed->emission);
+  if (channel == nullptr || !(channel->radius > 0)) return;
+  constexpr double longest = 1000;  // [radii]
+  if (channel->length <= longest * channel->radius) return;
+  const Node& node =
+      aimed ? node_below_source(root, {"direction", "emission"}) : node_below_source(root, {"direction"});
+  reading.error(place_of(node, "length"),
+                fmt::format("the channel is {:.4g} times as long as its radius, more than {}",
+                            channel->length / channel->radius, longest),
+                "such a tube hardly lets anything through; is one of the units wrong?");
+}
+
+// ---- spins ----
+
+void check_populations(const Beamline& beamline, const Node& root, Reading& reading) {
+  const auto* populated = std::get_if<PopulatedSpin>(&beamline.source.spin);
+  if (!populated || populated->values.empty()) return;
+  const Node& values = node_below_source(root, {"spin", "values"});
+  if (!values.is_sequence() || values.items.size() != populated->values.size()) return;
+  for (const Component& component : beamline.species) {
+    const Species& species = component.species;
+    const auto levels = static_cast<std::size_t>(species.spin.twice) + 1;
+    if (species.spin.twice < 1 || levels == populated->values.size()) continue;
+    return reading.error(values.place,
+                         fmt::format("`values` has {} entries, but the species `{}` has {} levels",
+                                     populated->values.size(), species.name, levels),
+                         "give one share for each m, from m = I down to m = -I");
+  }
+  const double sum = std::accumulate(populated->values.begin(), populated->values.end(), 0.0);
+  if (std::abs(sum - 1) > 1e-9)
+    reading.error(values.place, fmt::format("the populations add up to {:.10g}, not to 1", sum),
+                  "they are shares of all particles");
+}
+
 }  // namespace
 
 void check_source(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
   check_aim(beamline, root, nodes, reading);
+  std::visit([&](const auto& law) { check_speeds(law, beamline, root, reading); }, beamline.source.speed);
+  check_tilt(beamline.source, root, reading);
+  check_channel(beamline.source.direction, root, reading);
+  check_populations(beamline, root, reading);
 }
 
 }  // namespace rabiline

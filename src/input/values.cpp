@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "input/spectrum_file.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -106,12 +108,32 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
 std::string example_for(const Row& row) {
   // Sizes that a bench has, where the type alone would give an odd one or none.
   static constexpr std::pair<std::string_view, std::string_view> familiar[] = {
-      {"at", "0.25 m"},        {"length", "0.25 m"},     {"radius", "20 mm"},
-      {"amplitude", "0.3 uT"}, {"alignment", "1"},       {"sigma", "10 m/s"},
-      {"charge", "0 e"},       {"half_angle", "5 mrad"}, {"name", "my_name"},
-      {"target", "my_slit"},   {"kappa", "1"},           {"gyromagnetic_ratio", "16.5 MHz/T"},
-      {"species", "neutron"},  {"parts", "[...]"},       {"seed", "1"},
-      {"particles", "10000"},  {"points", "21"},         {"parameter", "H0.frequency"}};
+      {"at", "0.25 m"},
+      {"length", "0.25 m"},
+      {"radius", "20 mm"},
+      {"amplitude", "0.3 uT"},
+      {"alignment", "1"},
+      {"sigma", "10 m/s"},
+      {"charge", "0 e"},
+      {"half_angle", "5 mrad"},
+      {"name", "my_name"},
+      {"target", "my_slit"},
+      {"kappa", "1"},
+      {"gyromagnetic_ratio", "16.5 MHz/T"},
+      {"weight", "1"},
+      {"temperature", "300 K"},
+      {"adiabatic_exponent", "1.6667"},
+      {"speed_ratio", "10"},
+      {"axis", "z"},
+      {"degree", "0.9"},
+      {"rate", "1e6 1/s"},
+      {"values", "0.5"},
+      {"species", "neutron"},
+      {"parts", "[...]"},
+      {"seed", "1"},
+      {"particles", "10000"},
+      {"points", "21"},
+      {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
     if (row.key == key &&
         (row.dimension == Dimension::number || parse_quantity(example).dimension == row.dimension))
@@ -264,6 +286,32 @@ bool ValueType<Bins>::read(const Node& node, const Row& row, Reading& reading, B
   const bool z_read = read_count(node.items[1], item, reading, z);
   out = {static_cast<std::int64_t>(x), static_cast<std::int64_t>(z)};
   return x_read && z_read;
+}
+
+bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& reading, SpeedQuantity& out) {
+  Row as_written = row;
+  if (node.is_scalar()) {
+    const ParsedQuantity parsed = parse_quantity(node.scalar, Dimension::speed);
+    if (parsed.dimension == Dimension::length || parsed.dimension == Dimension::energy)
+      as_written.dimension = parsed.dimension;
+    else if (parsed.error.empty() && parsed.dimension != Dimension::speed) {
+      const bool number = parsed.dimension == Dimension::number;
+      reading.error(
+          node.place,
+          fmt::format("`{}` is a speed, a wavelength or an energy, but {} {}", row.key, quote(node),
+                      number ? "has no unit" : fmt::format("is {}", with_article(name_of(parsed.dimension)))),
+          number ? fmt::format("write `{0} m/s` if m/s is meant", node.scalar)
+                 : "write it like `1000 m/s`, `4 angstrom` or `25 meV`");
+      return false;
+    }
+  }
+  out.dimension = as_written.dimension;
+  return read_quantity(node, as_written, reading, out.value);
+}
+
+bool ValueType<SpectrumFile>::read(const Node& node, const Row& row, Reading& reading, SpectrumFile& out) {
+  out.spectrum = read_spectrum(node, row, reading);
+  return out.spectrum != nullptr;
 }
 
 bool ValueType<UnitVector>::read(const Node& node, const Row& row, Reading& reading, UnitVector& out) {

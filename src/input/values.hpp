@@ -1,5 +1,7 @@
 #pragma once
 // Single values: numbers with their unit, counts, words. Each reader either fills `out` or reports why not.
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,6 +10,7 @@
 
 #include "input/document.hpp"
 #include "parameter/parameter.hpp"
+#include "particle/source.hpp"
 #include "particle/species.hpp"
 #include "parts/part.hpp"
 #include "spin/unit_vector.hpp"
@@ -29,8 +32,16 @@ struct Reading {
     std::optional<Dimension> dimension;  // set when the node was read as a number
     double value = 0;                    // [SI]
   };
+  /// A file that the beamline names beside itself.
+  struct File {
+    std::shared_ptr<const SourceText> source;
+    std::string text;
+    std::shared_ptr<const Spectrum> spectrum;  // none where something is wrong with it
+  };
   std::vector<Diagnostic> errors;
   std::vector<Watched> watched;
+  std::string folder;                 // of the beamline file, where paths begin
+  std::map<std::string, File> files;  // by path, each read once
 
   void error(const Place&, std::string message, std::string suggestion = {});
   void saw_number(const Node&, Dimension, double value);
@@ -88,6 +99,19 @@ struct ValueType<Bins> {
       schema =
           R"({"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "integer", "minimum": 1, "maximum": 10000}})";
   static bool read(const Node&, const Row&, Reading&, Bins& out);
+};
+/// As itself, as a wavelength or as an energy; a scan over it keeps the unit that it is written in.
+template <>
+struct ValueType<SpeedQuantity> {
+  static constexpr std::string_view example = "1000 m/s", what = "speed, wavelength or energy",
+                                    schema = R"({"anyOf": [@speed, @length, @energy]})";
+  static bool read(const Node&, const Row&, Reading&, SpeedQuantity& out);
+};
+template <>
+struct ValueType<SpectrumFile> {
+  static constexpr std::string_view example = "spectrum.csv", what = "path of a CSV file",
+                                    schema = R"({"type": "string"})";
+  static bool read(const Node&, const Row&, Reading&, SpectrumFile& out);
 };
 /// `x`, `-z` or three components, which need not be normalised.
 template <>

@@ -19,7 +19,7 @@ struct BatchView {
   double y = 0;                                        // [m] the common plane
   double *x = nullptr, *z = nullptr;                   // [m]
   double *vx = nullptr, *vy = nullptr, *vz = nullptr;  // [m/s]
-  double* t = nullptr;                                 // [s] since emission
+  double* t = nullptr;                                 // [s] since emission, or since the pulse began
   double *sx = nullptr, *sy = nullptr, *sz = nullptr;  // spin direction (vector laws); image of z (quantum)
   double* slowness = nullptr;                          // [s/m] 1/vy of a caught particle
   std::uint64_t* level = nullptr;                      // 0 for m = I, 1 for m = I-1, ... (quantum)

@@ -1,94 +1,70 @@
 #pragma once
-// Where particles start: an opening in the plane y = 0, a law of speeds and a law of directions.
-#include <string>
+// Where particles start: an opening in the plane y = 0, laws of speeds and directions, spins and times.
+#include <optional>
 #include <variant>
 
+#include "particle/direction.hpp"
 #include "particle/opening.hpp"
+#include "particle/speed.hpp"
+#include "particle/start.hpp"
 
 namespace rabiline {
 
-struct SingleSpeed {
-  static constexpr std::string_view kind = "single", meaning = "every particle has the same speed";
-  double value = 0;  // [m/s]
-  bool operator==(const SingleSpeed&) const = default;
+/// Places are independent normal variables about the centre.
+struct GaussianSpot {
+  static constexpr std::string_view kind = "gaussian_spot",
+                                    meaning = "a spot without edge, normal in x and in z";
+  double sigma_x = 0;  // [m]
+  double sigma_z = 0;  // [m]
+  bool operator==(const GaussianSpot&) const = default;
 };
 template <>
-inline constexpr auto parameters<SingleSpeed> = std::tuple{
-    param("value", &SingleSpeed::value, Dimension::speed, range::positive, "the speed"),
+inline constexpr auto parameters<GaussianSpot> = std::tuple{
+    param("sigma_x", &GaussianSpot::sigma_x, Dimension::length, range::not_negative,
+          "standard deviation along x"),
+    param("sigma_z", &GaussianSpot::sigma_z, Dimension::length, range::not_negative,
+          "standard deviation along z"),
 };
+using SourceOpening = std::variant<Rectangle, Disc, Ring, GaussianSpot>;
+template <>
+inline constexpr std::string_view tag_key<SourceOpening> = "";  // told apart by their keys
 
-/// A normal law cut at zero: speeds that are not positive are drawn again.
-struct GaussianSpeed {
-  static constexpr std::string_view kind = "gaussian", meaning = "a normal law, cut at zero";
-  double mean = 0;   // [m/s]
-  double sigma = 0;  // [m/s] standard deviation
-  bool operator==(const GaussianSpeed&) const = default;
+/// How the axis of the directions is turned; the opening stays in the plane y = 0.
+struct SourceTilt {
+  double x = 0, z = 0;  // [rad] about x, then about z, each right-handed
+  bool operator==(const SourceTilt&) const = default;
 };
 template <>
-inline constexpr auto parameters<GaussianSpeed> = std::tuple{
-    param("mean", &GaussianSpeed::mean, Dimension::speed, range::positive, "mean speed"),
-    param("sigma", &GaussianSpeed::sigma, Dimension::speed, range::not_negative, "standard deviation"),
+inline constexpr auto parameters<SourceTilt> = std::tuple{
+    param("x", &SourceTilt::x, Dimension::angle, range::any,
+          "first turn, about x: the beam from +y towards +z", 0.0),
+    param("z", &SourceTilt::z, Dimension::angle, range::any,
+          "second turn, about z: from +x towards +y, so the beam from +y towards -x", 0.0),
 };
-using SpeedLaw = std::variant<SingleSpeed, GaussianSpeed>;
-
-struct ParallelDirection {
-  static constexpr std::string_view kind = "parallel", meaning = "every particle starts along +y";
-  bool operator==(const ParallelDirection&) const = default;
-};
-
-/// Slopes dx/dy and dz/dy are independent normal variables.
-struct GaussianDirection {
-  static constexpr std::string_view kind = "gaussian", meaning = "normally distributed slopes";
-  double x = 0;  // [rad] standard deviation of the slope dx/dy
-  double z = 0;  // [rad] of dz/dy
-  bool operator==(const GaussianDirection&) const = default;
-};
-template <>
-inline constexpr auto parameters<GaussianDirection> = std::tuple{
-    param("x", &GaussianDirection::x, Dimension::angle, range::not_negative,
-          "standard deviation of the slope dx/dy"),
-    param("z", &GaussianDirection::z, Dimension::angle, range::not_negative,
-          "standard deviation of the slope dz/dy"),
-};
-
-/// Uniform in solid angle inside a cone around +y.
-struct ConeDirection {
-  static constexpr std::string_view kind = "cone",
-                                    meaning = "uniform in solid angle inside a cone around the beam";
-  double half_angle = 0;  // [rad]
-  bool operator==(const ConeDirection&) const = default;
-};
-template <>
-inline constexpr auto parameters<ConeDirection> = std::tuple{
-    param("half_angle", &ConeDirection::half_angle, Dimension::angle, range::below_right_angle,
-          "angle between the axis and the rim of the cone"),
-};
-
-/// An isotropic source of which only the particles towards one opening are drawn. Each carries the weight
-/// cos^3(theta); the solid angle area/distance^2 of that opening stays a factor in the result.
-struct AimedDirection {
-  static constexpr std::string_view kind = "aimed",
-                                    meaning = "isotropic, but only towards one opening downstream";
-  std::string target;  // name of a slit or detector
-  bool operator==(const AimedDirection&) const = default;
-};
-template <>
-inline constexpr auto parameters<AimedDirection> = std::tuple{
-    param("target", &AimedDirection::target, "name of the slit or detector that the source is aimed at"),
-};
-using DirectionLaw = std::variant<ParallelDirection, GaussianDirection, ConeDirection, AimedDirection>;
 
 struct Source {
   SpeedLaw speed;
-  Opening opening;
+  SourceOpening opening;
   DirectionLaw direction;
+  Offset offset{};
+  SourceTilt tilt{};
+  StartSpin spin = UnpolarisedSpin{};
+  std::optional<Pulse> pulse{};
+  std::optional<double> rate{};  // [1/s] particles that leave the opening
   bool operator==(const Source&) const = default;
 };
 template <>
 inline constexpr auto parameters<Source> = std::tuple{
     param("speed", &Source::speed, "law of speeds"),
-    param("opening", &Source::opening, "the hole that particles start from, centred on the axis at y = 0"),
+    param("opening", &Source::opening, "the hole that particles start from, at y = 0"),
     param("direction", &Source::direction, "law of directions"),
+    param("offset", &Source::offset, "displacement of the opening's centre from the axis", Offset{}),
+    param("tilt", &Source::tilt, "how the axis of the directions is turned", SourceTilt{}),
+    param("spin", &Source::spin, "the spin that particles start with", UnpolarisedSpin{}),
+    param("pulse", &Source::pulse,
+          "when particles start, and with it the time that locked phases count; missing: each at t = 0"),
+    param("rate", &Source::rate, Dimension::rate, range::positive,
+          "particles that leave the opening in all, per second: turns counts into counts per second"),
 };
 
 }  // namespace rabiline

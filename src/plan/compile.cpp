@@ -26,6 +26,24 @@ double steps_per_turn_of_path(double tip, double turns) {
   return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
 }
 
+/// A parallel beam from inside the chamber.
+bool stays_where_it_starts(const Source& source) {
+  return std::holds_alternative<ParallelDirection>(source.direction) && source.tilt == SourceTilt{} &&
+         !std::holds_alternative<GaussianSpot>(source.opening);
+}
+
+/// Where the source's levels have their axis.
+UnitVector axis_of(const StartSpin& spin) {
+  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return polarised->axis;
+  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
+  return {};
+}
+/// Whether every spin of a vector law starts along the static field or against it.
+bool spins_along_z(const StartSpin& spin, bool quantum) {
+  const auto* polarised = std::get_if<PolarisedSpin>(&spin);
+  return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
+}
+
 Sections sections_of(const Beamline& beamline) {
   Wall chamber;
   if (beamline.chamber) chamber.radius = beamline.chamber->radius;
@@ -48,9 +66,11 @@ class Compiler {
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
         turning_(turning_of(beamline.law, species)),
-        zones_(species, beamline.species.front().species, turning_, mean_speed(beamline.source.speed)),
+        zones_(species, beamline.species.front().species, turning_, mean_speed(beamline.source.speed, species.mass)),
         straight_(turning_.rate_per_tesla == 0),
-        may_reach_chamber_(!std::holds_alternative<ParallelDirection>(beamline.source.direction)) {}
+        may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
+    if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
+  }
 
   std::vector<Stage> compile() {
     fly();
@@ -65,7 +85,7 @@ class Compiler {
 
   // ---- fields as the species sees them ----
 
-  double speed() const { return mean_speed(beamline_.source.speed); }
+  double speed() const { return mean_speed(beamline_.source.speed, species_.mass); }
   Alignment alignment_of(const AlignTerm& term, int part) const {
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
     return {term.probability,
@@ -310,12 +330,13 @@ class Compiler {
         starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
     return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
   }
-  /// Whether the image of z is known to stand along z after the last known spin.
-  bool starts_along_z(const Plane& detector) const {
+  /// The axis of the levels behind the source, an alignment or a filter, whichever came last before the
+  /// detector; behind a filter it differs from particle to particle, and counts as one across z.
+  UnitVector start_before(const Plane& detector) const {
     const Plane* last = last_known_spin(detector);
-    if (last == nullptr) return true;
+    if (last == nullptr) return axis_of(beamline_.source.spin);
     const auto* align = std::get_if<AlignTerm>(&last->term);
-    return align != nullptr && align->axis == Vector3{0, 0, 1};
+    return align != nullptr ? UnitVector{align->axis.x, align->axis.y, align->axis.z} : UnitVector{1, 0, 0};
   }
 
   SpinStretch stretch_to(const Plane& detector) const {
@@ -325,8 +346,9 @@ class Compiler {
     stretch.levels = quantum_ ? levels() : 2;
     if (straight_) stretch.zones = zones_before(detector);
     if (straight_ && quantum_) {
-      stretch.from_level = starts_along_z(detector);
-      stretch.zones = without_precession_about_z(stretch.zones, stretch.from_level);
+      const UnitVector start = start_before(detector);
+      stretch.from_level = start == UnitVector{};
+      stretch.zones = without_precession_about_z(stretch.zones, start.x == 0 && start.y == 0);
     }
     if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
     return stretch;
@@ -355,7 +377,8 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
   const ZoneMaker maker(component.species, beamline.species.front().species,
-                        turning_of(beamline.law, component.species), mean_speed(beamline.source.speed));
+                        turning_of(beamline.law, component.species),
+                        mean_speed(beamline.source.speed, component.species.mass));
   std::vector<SpinZone> zones;
   for (const Section& section : sections_of(beamline).sections) zones.push_back(maker.zone_of(section));
   return zones;

@@ -69,8 +69,13 @@ class Explainer {
          s.charge / 1.602176634e-19, tree.last - tree.first);
     speed_ = tree.source.speed;
     tip_ = 0;
-    line("{}  source, {} m/s{}", metres(0), speed_,
-         tree.source.speed_sigma > 0 ? fmt::format(" +- {}", tree.source.speed_sigma) : "");
+    const std::size_t law = beamline_.source.speed.index();
+    line("{}  source, {}", metres(0),
+         law < 2 && tree.source.speed_kind != SpeedKind::converted_gaussian
+             ? fmt::format("{} m/s{}", speed_,
+                           tree.source.speed_sigma > 0 ? fmt::format(" +- {}", tree.source.speed_sigma) : "")
+             : fmt::format("{}, {:.6g} m/s on average",
+                           std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), speed_));
     walk(tree.next);
   }
 

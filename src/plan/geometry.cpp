@@ -64,9 +64,4 @@ Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& g
   return s;
 }
 
-double mean_speed(const SpeedLaw& law) {
-  if (const auto* single = std::get_if<SingleSpeed>(&law)) return single->value;
-  return std::get<GaussianSpeed>(law).mean;
-}
-
 }  // namespace rabiline

@@ -24,7 +24,5 @@ using ScreenGrids = std::map<std::string, ScreenGrid>;  // by the detector's nam
 ScreenGrids screen_grids(const std::vector<Beamline>& points);
 
 Screen screen_of(double y, int part, const ScreenTerm&, const ScreenGrid&);
-/// The mean of a law of speeds [m/s]: what steps, costs and derived numbers are reckoned with.
-double mean_speed(const SpeedLaw&);
 
 }  // namespace rabiline

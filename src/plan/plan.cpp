@@ -97,7 +97,7 @@ struct Group {
   std::vector<Chain> chains;
 };
 
-std::vector<Group> group_by_source(const Experiment& experiment) {
+std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& tables) {
   const ScreenGrids grids = screen_grids(experiment.points);
   std::vector<Group> groups;
   for (std::size_t p = 0; p < experiment.points.size(); ++p) {
@@ -109,7 +109,7 @@ std::vector<Group> group_by_source(const Experiment& experiment) {
       if (first[k] == first[k + 1]) continue;
       const Component& component = beamline.species[k];
       const Root root{static_cast<int>(k), first[k], first[k + 1],
-                      emission_of(beamline, component, {beamline.seed, stream})};
+                      emission_of(beamline, component, {beamline.seed, stream}, tables)};
       auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
       if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
       group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids)});
@@ -138,7 +138,9 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
 Plan make_plan(const Experiment& experiment, double most_cost) {
   Plan plan;
   plan.points = static_cast<int>(experiment.points.size());
-  for (const Group& group : group_by_source(experiment)) {
+  const auto tables = std::make_shared<SampledTables>();
+  plan.tables = tables;
+  for (const Group& group : group_by_source(experiment, *tables)) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
     std::size_t unused = 0;

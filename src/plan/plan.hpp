@@ -1,10 +1,13 @@
 #pragma once
 // The plan of a scan: every point compiles to a source and a chain of stages; equal beginnings are shared.
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "beamline/beamline.hpp"
 #include "plan/geometry.hpp"
+#include "plan/sampled_tables.hpp"
 #include "transport/stages.hpp"
 
 namespace rabiline {
@@ -30,7 +33,8 @@ struct PlanTree {
 
 struct Plan {
   std::vector<PlanTree> trees;
-  std::size_t sums = 0;  // how many in all
+  std::shared_ptr<const SampledTables> tables;  // what the trees' sources draw from
+  std::size_t sums = 0;                         // how many in all
   int points = 0;
 };
 
@@ -38,8 +42,13 @@ struct Plan {
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
 /// The fields along the whole beam as one species sees them.
 std::vector<SpinZone> zones_along(const Beamline&, const Component&);
-/// How the particles of a beamline start.
-Emission emission_of(const Beamline&, const Component&, RandomKey);
+/// How the particles of a beamline start. What it draws from stays in the tables, which must outlive it.
+Emission emission_of(const Beamline&, const Component&, RandomKey, SampledTables&);
+/// Transmissions of channels that were worked out already, by length over radius.
+using Transmissions = std::map<double, double>;
+/// The share of all particles leaving the source that weight 1 of an aimed one stands for; 1 where it is not
+/// aimed. The detected weight per particle times it is the detected share of all that leave.
+double aimed_fraction(const Beamline&, Transmissions&);
 
 /// `most_cost`: no tree costs more than that [s] for one batch pack of 64 particles; larger scans get
 /// several.

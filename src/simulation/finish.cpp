@@ -91,6 +91,17 @@ class Finisher {
     if (plan_.trees.front().source.direction == DirectionKind::aimed) {
       result_.solid_angle = area_of(target) / (target.y * target.y);
     }
+    add_absolute_numbers();
+  }
+
+  void add_absolute_numbers() {
+    result_.rate = experiment_.points.front().source.rate.value_or(0);
+    const auto is_aimed = [](const Beamline& b) {
+      return std::holds_alternative<AimedDirection>(b.source.direction);
+    };
+    if (std::none_of(experiment_.points.begin(), experiment_.points.end(), is_aimed)) return;
+    Transmissions known;
+    for (const Beamline& b : experiment_.points) result_.aimed_fraction.push_back(aimed_fraction(b, known));
   }
 
   /// Variance of what was counted of n particles of one species: Wilson's where every particle weighs the

@@ -65,7 +65,10 @@ struct Result {
   std::vector<std::string> species;  // [points] "neutron", or "0.5 Li-7 + 0.5 H"
   std::uint64_t particles = 0;       // per point
   std::uint64_t seed = 0;
-  double solid_angle = 0;       // [sr] of an aimed source; 0 where the source is not aimed
+  double solid_angle = 0;              // [sr] of an aimed source; 0 where the source is not aimed
+  std::vector<double> aimed_fraction;  // [points] of all particles leaving an aimed source, what weight 1
+                                       // stands for; empty where no source is aimed
+  double rate = 0;              // [1/s] particles leaving the source; 0 where it is not stated
   std::vector<double> emitted;  // [points] in particles
   std::vector<std::uint64_t> emitted_quanta_high, emitted_quanta_low;  // [points]
   std::vector<DetectorResult> detectors;

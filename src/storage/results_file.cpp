@@ -54,8 +54,8 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 
 /// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
 std::vector<std::string> group_names(const Result& result) {
-  nexus::Names names({"title", "program_name", "law", "species", "particles", "solid_angle", "scan",
-                      "instrument", "fates", "simulation"});
+  nexus::Names names({"title", "program_name", "law", "species", "particles", "solid_angle", "aimed_fraction",
+                      "rate", "scan", "instrument", "fates", "simulation"});
   std::vector<std::string> claimed;
   for (const DetectorResult& detector : result.detectors) {
     claimed.push_back(names.claim(detector.name, {"", "_x", "_z", "_levels"}));
@@ -77,6 +77,18 @@ void write_summary(const GroupWriter& entry, const Result& result) {
   if (result.solid_angle > 0) {
     entry.number("solid_angle", result.solid_angle,
                  {{"units", "sr"}, {"long_name", "solid angle that the source is aimed at (sr)"}});
+  }
+  if (!result.aimed_fraction.empty()) {
+    entry.dataset("aimed_fraction", {points}, result.aimed_fraction,
+                  {{"units", "1"},
+                   {"long_name",
+                    "share of all particles leaving the source that one aimed particle of weight 1 "
+                    "stands for" +
+                        per_point}});
+  }
+  if (result.rate > 0) {
+    entry.number("rate", result.rate,
+                 {{"units", "1/s"}, {"long_name", "particles leaving the source (1/s)"}});
   }
 }
 

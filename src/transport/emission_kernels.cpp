@@ -1,0 +1,397 @@
+// How particles start: places, speeds, directions, weights, spins, times.
+#include "transport/kernel_functions.hpp"
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+namespace {
+
+constexpr double two_pi = 6.283185307179586;
+
+RABILINE_LANES real uniform_pair(words particle, const RandomKey& key, unsigned use, unsigned draw,
+                                 real& second) {
+  real first;
+  uniforms(particle, key.seed, use, draw, key.stream, first, second);
+  return first;
+}
+
+/// Two independent standard normal variables from two uniform ones (Box and Muller 1958).
+RABILINE_LANES void normal_pair(real u0, real u1, real& a, real& b) {
+  const real r = sqrt(-2.0 * log(u0));
+  const Phasor p = phasor(u1 * two_pi);
+  a = r * p.c;
+  b = r * p.s;
+}
+
+/// A point uniform in the opening.
+RABILINE_LANES void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
+  if (a.radius >= 0) {
+    const double inner2 = a.inner * a.inner;
+    const real r = inner2 == 0 ? sqrt(u0) * a.radius
+                               : sqrt(fma(u0, broadcast(a.radius * a.radius - inner2), broadcast(inner2)));
+    const Phasor p = phasor(u1 * two_pi);
+    x = fma(r, p.c, broadcast(a.x0));
+    z = fma(r, p.s, broadcast(a.z0));
+    return;
+  }
+  const real across = fma(u0, broadcast(2), broadcast(-1)) * a.half_x,
+             up = fma(u1, broadcast(2), broadcast(-1)) * a.half_z;
+  if (a.sine == 0) {
+    x = across + a.x0;
+    z = up + a.z0;
+  } else {
+    x = fma(across, broadcast(a.cosine), fma(up, broadcast(a.sine), broadcast(a.x0)));
+    z = fma(up, broadcast(a.cosine), fma(across, broadcast(-a.sine), broadcast(a.z0)));
+  }
+}
+
+RABILINE_LANES real normal_speed(const Emission& e, real u0, real u1) {
+  real normal, unused;
+  normal_pair(u0, u1, normal, unused);
+  return fma(normal, broadcast(e.speed_sigma), broadcast(e.speed));
+}
+/// The parameters by value: a pointer to them would keep emit from holding them in registers.
+[[gnu::noinline]] real redrawn(Emission e, words particle, real speed) {
+  for (unsigned draw = 1; any(speed <= broadcast(0)); ++draw) {
+    real u1;
+    const real u0 = uniform_pair(particle, e.key, purpose::speed, draw, u1);
+    speed = select(speed <= broadcast(0), normal_speed(e, u0, u1), speed);
+  }
+  return speed;
+}
+double drawn_from(const SampledLaw& law, double u) {
+  int cell = law.guide[static_cast<int>(u * SampledLaw::guides)];
+  while (law.cumulative[cell + 1] < u) ++cell;
+  if (law.density == nullptr) return law.at[cell];
+  // With f0 and f1 at the ends, the share t of the cell's width below which a share s of it lies:
+  // (f0 + (f1 - f0) t/2) t = s (f0 + f1)/2.
+  const double f0 = law.density[cell], f1 = law.density[cell + 1];
+  const double s = (u - law.cumulative[cell]) / (law.cumulative[cell + 1] - law.cumulative[cell]);
+  const double t = s * (f0 + f1) / (f0 + __builtin_sqrt(f0 * f0 + s * (f1 * f1 - f0 * f0)));
+  return law.at[cell] + t * (law.at[cell + 1] - law.at[cell]);
+}
+/// One particle after the other, with plain arithmetic: the same bits on every instruction set.
+real drawn_from(const SampledLaw& law, real u) {
+  real out{};
+  for (int k = 0; k < lane_count; ++k) set_lane(out, k, drawn_from(law, lane(u, k)));
+  return out;
+}
+
+real converted(const Emission& e, real q) {
+  if (e.speed_scale == SpeedScale::proportional) return q * e.speed_factor;
+  if (e.speed_scale == SpeedScale::inverse) return e.speed_factor / q;
+  return sqrt(q * e.speed_factor);
+}
+/// A normal law in the wavelength or the energy; what is not above the least is drawn again.
+real converted_normal(const Emission& e, words particle, real u0, real u1) {
+  real normal, unused;
+  normal_pair(u0, u1, normal, unused);
+  const real least = broadcast(e.normal_least);
+  real q = fma(normal, broadcast(e.normal_sigma), broadcast(e.normal_mean));
+  for (unsigned draw = 1; any(q <= least); ++draw) {
+    u0 = uniform_pair(particle, e.key, purpose::speed, draw, u1);
+    normal_pair(u0, u1, normal, unused);
+    q = select(q <= least, fma(normal, broadcast(e.normal_sigma), broadcast(e.normal_mean)), q);
+  }
+  return converted(e, q);
+}
+/// Thermal laws, y = v/alpha. Flux 2 y^3 exp(-y^2): y^2 is the sum of two exponential variables. Density
+/// (4/sqrt(pi)) y^2 exp(-y^2): of one and half the square of a normal one, since y^2 has three degrees of
+/// freedom.
+[[gnu::noinline]] void draw_other_speeds(const Emission& e, BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words particle = load(batch.particle + i);
+    real u1, speed;
+    const real u0 = uniform_pair(particle, e.key, purpose::speed, 0, u1);
+    if (e.speed_kind == SpeedKind::effusive) {
+      speed = sqrt(-log(u0 * u1)) * e.speed_factor;
+    } else if (e.speed_kind == SpeedKind::maxwell) {
+      real v1, normal, unused;
+      const real v0 = uniform_pair(particle, e.key, purpose::speed, 1, v1);
+      normal_pair(v0, v1, normal, unused);
+      speed = sqrt(fma(normal * 0.5, normal, -log(u0))) * e.speed_factor;
+    } else if (e.speed_kind == SpeedKind::sampled) {
+      speed = converted(e, drawn_from(e.speed_law, u0));
+    } else {
+      speed = converted_normal(e, particle, u0, u1);
+    }
+    store(batch.vy + i, speed);
+  }
+}
+
+/// A normal law; speeds that are not positive are drawn again.
+RABILINE_LANES void draw_speeds(const Emission& e, BatchView& batch) {
+  if (e.speed_kind == SpeedKind::single) {
+    for (int i = 0; i < batch.padded; i += lane_count) store(batch.vy + i, broadcast(e.speed));
+    return;
+  }
+  alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real second;
+    store(u0 + i, uniform_pair(load(batch.particle + i), e.key, purpose::speed, 0, second));
+    store(u1 + i, second);
+  }
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real speed = normal_speed(e, load(u0 + i), load(u1 + i));
+    const bool again = any(speed <= broadcast(0));
+    store(batch.vy + i, again ? redrawn(e, load(batch.particle + i), speed) : speed);
+  }
+}
+
+/// Slopes dx/dy and dz/dy, from the place of emission.
+RABILINE_LANES void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_x,
+                                real& slope_z) {
+  slope_x = slope_z = broadcast(0);
+  if (e.direction == DirectionKind::parallel) return;
+  if (e.direction == DirectionKind::gaussian) {
+    real u1;
+    const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+    normal_pair(u0, u1, slope_x, slope_z);
+    slope_x = slope_x * e.spread_x;
+    slope_z = slope_z * e.spread_z;
+    return;
+  }
+  real u1;
+  const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+  if (e.direction == DirectionKind::cone) {
+    const real below = u0 * e.spread_x, cosine = 1.0 - below;  // below = 1 - cos(theta)
+    const real tangent = sqrt(below * (1.0 + cosine)) / cosine;
+    const Phasor p = phasor(u1 * two_pi);
+    slope_x = tangent * p.c;
+    slope_z = tangent * p.s;
+    return;
+  }
+  real target_x, target_z;
+  draw_point(e.target, u0, u1, target_x, target_z);
+  slope_x = (target_x - x) / broadcast(e.target.y);
+  slope_z = (target_z - z) / broadcast(e.target.y);
+}
+
+/// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
+RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
+  real u1;
+  const real u0 = uniform_pair(particle, e.key, purpose::spin, 0, u1);
+  const real zero = broadcast(0);
+  Vector s{zero, zero, broadcast(1)};
+  words level = words{};
+  if (e.levels > 0) {
+    for (int k = 1; k < e.levels; ++k)
+      level = level + select(u0 >= broadcast(static_cast<double>(k) / e.levels), broadcast_word(1), words{});
+  } else {
+    s.z = fma(u0, broadcast(2), broadcast(-1));
+    const real transverse = sqrt(max(fma(-s.z, s.z, broadcast(1)), zero));
+    const Phasor p = phasor(u1 * two_pi);
+    s.x = transverse * p.c;
+    s.y = transverse * p.s;
+  }
+  store(batch.sx + i, s.x);
+  store(batch.sy + i, s.y);
+  store(batch.sz + i, s.z);
+  store(batch.level + i, level);
+}
+
+/// A weight from 0 to 1: the integer stands in the low bits.
+RABILINE_LANES words quanta_of(real weight) {
+  const real quanta = weight * static_cast<double>(quanta_per_particle);
+  return (words)(round_to_nearest(quanta) + 0x1p52) & 0xfffffffffffffULL;
+}
+
+/// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
+/// value.
+RABILINE_LANES words weight_of(const Emission& e, real cosine) {
+  if (e.direction != DirectionKind::aimed) return broadcast_word(quanta_per_particle);
+  return quanta_of(cosine * cosine * cosine);
+}
+
+/// Gives a speed, which stands in vy, its direction, and the particle its weight.
+RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
+  real slope_x, slope_z, cosine = broadcast(1);
+  draw_slopes(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i), slope_x, slope_z);
+  if (e.direction != DirectionKind::parallel)
+    cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
+  const real vy = load(batch.vy + i) * cosine;
+  store(batch.vx + i, vy * slope_x);
+  store(batch.vy + i, vy);
+  store(batch.vz + i, vy * slope_z);
+  store(batch.weight + i, weight_of(e, cosine) & load(batch.flying + i));
+}
+
+/// Directions that `direct` knows.
+bool is_common(const Emission& e) {
+  const bool known = e.direction == DirectionKind::parallel || e.direction == DirectionKind::gaussian ||
+                     e.direction == DirectionKind::cone;
+  return (known && !e.tilted) || (e.direction == DirectionKind::aimed && e.aimed_law == AimedLaw::isotropic);
+}
+
+// ---- what few sources ask for ----
+
+/// Places without an edge.
+[[gnu::noinline]] void draw_spot(const Emission& e, BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real u1, x, z;
+    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::place, 0, u1);
+    normal_pair(u0, u1, x, z);
+    store(batch.x + i, fma(x, broadcast(e.spot_x), broadcast(e.opening.x0)));
+    store(batch.z + i, fma(z, broadcast(e.spot_z), broadcast(e.opening.z0)));
+  }
+}
+
+/// A direction of length 1 about +y.
+Vector draw_direction(const Emission& e, words particle, real x, real z) {
+  real slope_x, slope_z;
+  real u1;
+  const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+  if (e.direction == DirectionKind::channel) {
+    real sine, cosine;
+    sincos(drawn_from(e.angle_law, u0), sine, cosine);
+    const Phasor p = phasor(u1 * two_pi);
+    return {sine * p.c, max(cosine, broadcast(1e-9)), sine * p.s};
+  }
+  if (e.direction == DirectionKind::cosine) {  // sin^2(theta) is uniform
+    const real square = u0 * e.spread_x, sine = sqrt(square);
+    const Phasor p = phasor(u1 * two_pi);
+    return {sine * p.c, sqrt(1.0 - square), sine * p.s};
+  }
+  if (e.direction == DirectionKind::box) {
+    slope_x = fma(u0, broadcast(2), broadcast(-1)) * e.spread_x;
+    slope_z = fma(u1, broadcast(2), broadcast(-1)) * e.spread_z;
+  } else {
+    draw_slopes(e, particle, x, z, slope_x, slope_z);
+  }
+  const real cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
+  return {slope_x * cosine, cosine, slope_z * cosine};
+}
+
+/// Turned right-handed about x, from +y towards +z, then about z, from +x towards +y.
+Vector tilted(const Emission& e, const Vector& d) {
+  const real y = fma(d.y, broadcast(e.tilt_cos_x), -(d.z * e.tilt_sin_x)),
+             z = fma(d.y, broadcast(e.tilt_sin_x), d.z * e.tilt_cos_x);
+  return {fma(d.x, broadcast(e.tilt_cos_z), -(y * e.tilt_sin_z)),
+          fma(d.x, broadcast(e.tilt_sin_z), y * e.tilt_cos_z), z};
+}
+
+double shape_at(const ChannelShape& s, double tangent) {
+  const double p = tangent / s.edge;
+  const double* j = p < 1 ? s.inside : s.outside;
+  const double at = (p < 1 ? p : 1 / p) * s.cells;
+  const int cell = at < s.cells - 1 ? static_cast<int>(at) : s.cells - 1;
+  return j[cell] + (at - cell) * (j[cell + 1] - j[cell]);
+}
+real shape_at(const ChannelShape& s, real tangent) {
+  real out{};
+  for (int k = 0; k < lane_count; ++k) set_lane(out, k, shape_at(s, lane(tangent, k)));
+  return out;
+}
+
+/// Density per solid angle of an aimed source in the direction d, relative to that along its axis n:
+/// cos(theta), or j(theta) cos(theta). Nothing starts backwards.
+real relative_density(const Emission& e, const Vector& d) {
+  if (e.aimed_law == AimedLaw::isotropic) return broadcast(1);
+  const real zero = broadcast(0);
+  const Vector n = tilted(e, {zero, broadcast(1), zero});
+  const real along = fma(d.x, n.x, fma(d.y, n.y, d.z * n.z));
+  const real cosine = min(broadcast(1), max(zero, along));
+  if (e.aimed_law == AimedLaw::cosine) return cosine;
+  const real ax = fma(d.y, n.z, -(d.z * n.y)), ay = fma(d.z, n.x, -(d.x * n.z)),
+             az = fma(d.x, n.y, -(d.y * n.x));
+  const real sine = sqrt(fma(ax, ax, fma(ay, ay, az * az)));
+  return select(along > zero, shape_at(e.channel_shape, sine / max(along, broadcast(1e-300))) * cosine, zero);
+}
+
+/// Directions and weights of all the sources that `direct` does not know.
+[[gnu::noinline]] void direct_otherwise(const Emission& e, BatchView& batch) {
+  const bool aimed = e.direction == DirectionKind::aimed;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real speed = load(batch.vy + i);
+    Vector d = draw_direction(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i));
+    words weight = broadcast_word(quanta_per_particle);
+    if (aimed)
+      weight = quanta_of(min(broadcast(1), relative_density(e, d)) * d.y * d.y * d.y);
+    else if (e.tilted)
+      d = tilted(e, d);
+    store(batch.vx + i, speed * d.x);
+    store(batch.vy + i, speed * d.y);
+    store(batch.vz + i, speed * d.z);
+    store(batch.weight + i, weight & load(batch.flying + i));
+  }
+}
+
+/// Spins along an axis: |m> along it for levels, whose image of the axis the batch then holds; else S with
+/// the component m/I along it.
+[[gnu::noinline]] void draw_prepared_spins(const Emission& e, BatchView& batch) {
+  // Two directions across the axis a: b = a x (the unit vector least along it), c = a x b.
+  const double least_x = __builtin_fabs(e.axis_x) < 0.6 ? 1 : 0, least_y = 1 - least_x;
+  double bx = -e.axis_z * least_y, by = e.axis_z * least_x, bz = e.axis_x * least_y - e.axis_y * least_x;
+  const double length = __builtin_sqrt(bx * bx + by * by + bz * bz);
+  bx /= length, by /= length, bz /= length;
+  const double cx = e.axis_y * bz - e.axis_z * by, cy = e.axis_z * bx - e.axis_x * bz,
+               cz = e.axis_x * by - e.axis_y * bx;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real u1;
+    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::spin, 0, u1);
+    words level = words{};
+    real along = broadcast(e.spin_along[0]);
+    for (int k = 1; k < e.spin_steps; ++k) {
+      const mask beyond = u0 >= broadcast(e.spin_cumulative[k - 1]);
+      level = level + select(beyond, broadcast_word(1), words{});
+      along = select(beyond, broadcast(e.spin_along[k]), along);
+    }
+    const bool levels = e.spin_kind == SpinKind::levels;
+    if (levels) along = broadcast(1);
+    const real across = sqrt(max(fma(-along, along, broadcast(1)), broadcast(0)));
+    const Phasor p = phasor(u1 * two_pi);
+    const real b = across * p.c, c = across * p.s;
+    store(batch.sx + i, fma(along, broadcast(e.axis_x), fma(b, broadcast(bx), c * cx)));
+    store(batch.sy + i, fma(along, broadcast(e.axis_y), fma(b, broadcast(by), c * cy)));
+    store(batch.sz + i, fma(along, broadcast(e.axis_z), fma(b, broadcast(bz), c * cz)));
+    store(batch.level + i, levels ? level : words{});
+  }
+}
+
+[[gnu::noinline]] void draw_times(const Emission& e, BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real u1, normal, unused;
+    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::emission_time, 0, u1);
+    normal_pair(u0, u1, normal, unused);
+    store(batch.t + i, (e.pulse == PulseKind::rectangle ? u0 : normal) * e.pulse_width);
+  }
+}
+
+}  // namespace
+
+// One short loop for each thing that is drawn: a processor holds several rounds of each at a time. The copies
+// show the compiler that parameters do not change while columns are written; they are not handed on, or it
+// could not keep them in registers.
+void emit(const Emission& emission, std::uint64_t first_particle, BatchView& view) {
+  view.y = 0;
+  const Emission e = emission;
+  BatchView batch = view;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words index = lane_numbers() + static_cast<unsigned long long>(i);
+    const words particle = index + static_cast<unsigned long long>(first_particle);
+    store(batch.particle + i, particle);
+    real u1, x, z;
+    const real u0 = uniform_pair(particle, e.key, purpose::place, 0, u1);
+    draw_point(e.opening, u0, u1, x, z);
+    store(batch.x + i, x);
+    store(batch.z + i, z);
+    store(batch.t + i, broadcast(0));
+    store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
+    store(batch.caught_by + i, words{});
+  }
+  if (e.gaussian_spot) draw_spot(emission, view);
+  if (e.pulse != PulseKind::none) draw_times(emission, view);
+  if (e.speed_kind == SpeedKind::single || e.speed_kind == SpeedKind::gaussian)
+    draw_speeds(e, batch);
+  else
+    draw_other_speeds(emission, view);
+  if (is_common(emission))
+    for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);
+  else
+    direct_otherwise(emission, view);
+  if (e.spin_kind == SpinKind::unpolarised)
+    for (int i = 0; i < batch.padded; i += lane_count) draw_spin(e, load(batch.particle + i), i, batch);
+  else
+    draw_prepared_spins(emission, view);
+}
+
+}  // namespace rabiline::RABILINE_ISA
