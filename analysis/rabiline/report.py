@@ -25,6 +25,8 @@ def _run(results: Results) -> Iterable[str]:
     yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} points"
     if results.solid_angle is not None:
         yield f"  solid angle  {results.solid_angle:.6g} sr"
+    if results.rate is not None:
+        yield f"  rate         {results.rate:.6g} 1/s leave the source"
     for axis in results.scan.axes:
         yield f"  scan         {axis.parameter}: {_extent(axis)}"
 

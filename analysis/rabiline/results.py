@@ -84,6 +84,8 @@ class Results:
     species: tuple[str, ...]  # [points]
     particles: np.ndarray  # [points] asked for
     solid_angle: float | None  # sr, of an aimed source
+    aimed_fraction: np.ndarray | None  # [points] share of all that leave an aimed source that weight 1 stands for
+    rate: float | None  # 1/s, particles that leave the source
     scan: Scan
     detectors: dict[str, Detector]
     fates: tuple[Fate, ...]
@@ -113,6 +115,8 @@ def read(path: Path | str) -> Results:
             species=_per_point(entry, "species", points),
             particles=np.broadcast_to(entry.numbers("particles").ravel(), points),
             solid_angle=float(entry.numbers("solid_angle", (1,))[0]) if "solid_angle" in entry else None,
+            aimed_fraction=entry.numbers("aimed_fraction", (points,)) if "aimed_fraction" in entry else None,
+            rate=float(entry.numbers("rate").ravel()[0]) if "rate" in entry else None,
             scan=scan,
             detectors={name: _read_detector(entry, name, points) for name in scan.detectors},
             fates=_read_fates(fates, points),

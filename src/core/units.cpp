@@ -248,7 +248,9 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
     const bool number_goes_on = rest.find_first_of("0123456789._,+-") != rest.npos;
     if (number_goes_on || rest.size() > 16)
       return failure("is not a number",
-                     "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
+                     wanted == Dimension::number
+                         ? "write digits with a point, such as `0.5`"
+                         : "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
     return failure(fmt::format("has the unknown unit `{}`", rest), suggest_unit(rest, wanted));
   }
 

@@ -100,7 +100,9 @@ void check_chamber(const Beamline& beamline, const Node& root, const PartNodes& 
                                                    : root.find("source")->key_place,
         fmt::format("the source's opening reaches {} from the axis, into the wall of the chamber at {}",
                     metres(reach), metres(radius)),
-        "make the opening smaller or the chamber wider");
+        beamline.source.offset == Offset{}
+            ? "make the opening smaller or the chamber wider"
+            : "move the opening nearer to the axis, or make the chamber wider");
   for (const PlacedPart& part : beamline.parts) {
     double nearest = 0;
     if (const auto* slit = std::get_if<Slit>(&part.part))

@@ -137,7 +137,7 @@ class ScanReader {
                                    with_article(name_of(*out.dimension)),
                                    with_article(name_of(*reading_.watched.front().dimension))),
                        "write all its values in units of the same kind");
-      out.dimension = reading_.watched.front().dimension;
+      if (i == 0) out.dimension = reading_.watched.front().dimension;
       out.values.push_back(reading_.watched.front().value);
       out.labels.push_back(label_of(axis, point, i));
       points.push_back(std::move(point));

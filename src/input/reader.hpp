@@ -298,6 +298,22 @@ bool read_struct(const Node& node, const Place& named_at, const Row& row, Readin
   return good;
 }
 
+/// A mapping in a list.
+template <class T>
+bool read_entry(const Node& node, const Row& row, Reading& reading, T& out) {
+  if (!node.is_mapping()) {
+    reading.error(
+        node.place,
+        fmt::format("each entry of `{}` is a mapping of keys, but {} stands here", row.key, quote(node)),
+        fmt::format("write it like `{}: [{}]`", row.key, example_of_type<T>(row)));
+    return false;
+  }
+  Keys keys(node, fmt::format("this entry of `{}`", row.key), node.place, reading);
+  const bool good = read_rows(keys, out);
+  keys.finish();
+  return good;
+}
+
 /// A list of one or more values of the same type.
 template <class T>
 bool read_list(const Node& node, const Row& row, Reading& reading, std::vector<T>& out) {
@@ -312,7 +328,10 @@ bool read_list(const Node& node, const Row& row, Reading& reading, std::vector<T
   bool good = true;
   for (const Node& item : node.items) {
     T value{};
-    good = read_value(item, item.place, row, reading, value) && good;
+    if constexpr (has_table<T>)
+      good = read_entry(item, row, reading, value) && good;
+    else
+      good = read_value(item, item.place, row, reading, value) && good;
     out.push_back(std::move(value));
   }
   return good;

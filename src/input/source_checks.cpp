@@ -88,7 +88,9 @@ void check_speed(const Written& written, const std::vector<Component>& beam, Rea
                                       species.name)
                         : fmt::format("the species `{}` flies", species.name),
                     speed, fastest_speed),
-        written.quantity.dimension == Dimension::length ? "make the wavelength longer" : "make it slower");
+        written.quantity.dimension == Dimension::length   ? "make the wavelength longer"
+        : written.quantity.dimension == Dimension::energy ? "make the energy smaller"
+                                                          : "make it slower");
   }
 }
 
@@ -217,6 +219,7 @@ void check_populations(const Beamline& beamline, const Node& root, Reading& read
                                      populated->values.size(), species.name, levels),
                          "give one share for each m, from m = I down to m = -I");
   }
+  if (!reading.errors.empty()) return;  // a share that could not be read counts as none
   const double sum = std::accumulate(populated->values.begin(), populated->values.end(), 0.0);
   if (std::abs(sum - 1) > 1e-9)
     reading.error(values.place, fmt::format("the populations add up to {:.10g}, not to 1", sum),

@@ -292,6 +292,17 @@ bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& r
   Row as_written = row;
   if (node.is_scalar()) {
     const ParsedQuantity parsed = parse_quantity(node.scalar, Dimension::speed);
+    if (parsed.error.starts_with("has the unknown unit")) {
+      std::string help = parsed.suggestion;
+      for (const Dimension d : {Dimension::length, Dimension::energy})
+        if (help.starts_with("write it like")) help = parse_quantity(node.scalar, d).suggestion;
+      if (help.starts_with("write it like")) help = "write it like `1000 m/s`, `4 angstrom` or `25 meV`";
+      reading.error(node.place,
+                    fmt::format("{} {}, but `{}` is a speed, a wavelength or an energy", quote(node),
+                                parsed.error, row.key),
+                    help);
+      return false;
+    }
     if (parsed.dimension == Dimension::length || parsed.dimension == Dimension::energy)
       as_written.dimension = parsed.dimension;
     else if (parsed.error.empty() && parsed.dimension != Dimension::speed) {

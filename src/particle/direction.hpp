@@ -80,7 +80,7 @@ struct ChannelDirection {
 template <>
 inline constexpr auto parameters<ChannelDirection> = std::tuple{
     param("length", &ChannelDirection::length, Dimension::length, range::positive,
-          "of the tube, which ends at y = 0"),
+          "length of the tube, which ends at y = 0"),
     param("radius", &ChannelDirection::radius, Dimension::length, range::positive,
           "inner radius of the tube"),
 };

@@ -59,7 +59,8 @@ struct EffusiveSpeed {
 };
 template <>
 inline constexpr auto parameters<EffusiveSpeed> = std::tuple{
-    param("temperature", &EffusiveSpeed::temperature, Dimension::temperature, range::positive, "of the oven"),
+    param("temperature", &EffusiveSpeed::temperature, Dimension::temperature, range::positive,
+          "temperature of the oven"),
 };
 
 /// Speeds in a box: density f ~ v^2 exp(-v^2/alpha^2).
@@ -71,7 +72,8 @@ struct MaxwellSpeed {
 };
 template <>
 inline constexpr auto parameters<MaxwellSpeed> = std::tuple{
-    param("temperature", &MaxwellSpeed::temperature, Dimension::temperature, range::positive, "of the gas"),
+    param("temperature", &MaxwellSpeed::temperature, Dimension::temperature, range::positive,
+          "temperature of the gas"),
 };
 
 /// A nozzle beam: flux f ~ v^3 exp(-S^2 (v/u - 1)^2), u = sqrt(2g/(g-1) kT0/m).
@@ -86,7 +88,7 @@ struct SupersonicSpeed {
 template <>
 inline constexpr auto parameters<SupersonicSpeed> = std::tuple{
     param("temperature", &SupersonicSpeed::temperature, Dimension::temperature, range::positive,
-          "of the gas before the nozzle, T0"),
+          "temperature T0 of the gas before the nozzle"),
     param("adiabatic_exponent", &SupersonicSpeed::adiabatic_exponent, Dimension::number,
           Range{1, 3, false, true, "greater than 1 and at most 3"},
           "g in u = sqrt(2g/(g-1) kT0/m): 5/3 = 1.66667 of a gas of atoms"),

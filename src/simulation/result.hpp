@@ -68,8 +68,8 @@ struct Result {
   double solid_angle = 0;              // [sr] of an aimed source; 0 where the source is not aimed
   std::vector<double> aimed_fraction;  // [points] of all particles leaving an aimed source, what weight 1
                                        // stands for; empty where no source is aimed
-  double rate = 0;              // [1/s] particles leaving the source; 0 where it is not stated
-  std::vector<double> emitted;  // [points] in particles
+  double rate = 0;                     // [1/s] particles leaving the source; 0 where it is not stated
+  std::vector<double> emitted;         // [points] in particles
   std::vector<std::uint64_t> emitted_quanta_high, emitted_quanta_low;  // [points]
   std::vector<DetectorResult> detectors;
   std::vector<FateResult> fates;

@@ -85,9 +85,36 @@ TEST(Rate, ComesOutAsItWentIn) {
   EXPECT_EQ(run_points({b}).rate, 1e6);
 }
 
+// On resonance an effusive beam flips best at w1 l/alpha = 1.2001 pi; there its line is 1.0730 alpha/l wide.
+TEST(EffusiveSpeed, FlipsInARotatingFieldAsItsSpeedsAllow) {
+  Beamline b = suggested(291.6469e3);
+  b.law = QuantumLaw{};
+  b.source.speed = EffusiveSpeed{300};
+  b.particles = 400000;
+  std::get<Detector>(b.parts.back().part) = {4e-3, 4e-3, {1, 1}, {}};
+  const Species& species = b.species[0].species;
+  const double alpha = thermal_speed(300, species.mass),
+               larmor = std::abs(species.gyromagnetic_ratio) * 10e-3;
+  const auto flipped = [&](double detuning, double scale) {
+    Beamline point = b;
+    auto& h0 = std::get<RotatingField>(point.parts[2].part);
+    h0.frequency = (larmor / (2 * pi) + detuning);
+    h0.amplitude = scale * 1.2001 * pi * alpha / h0.length / std::abs(species.gyromagnetic_ratio);
+    return run_points({point}).detectors[0].levels.at(0);  // the polarizer leaves S = -z
+  };
+  const double error = std::sqrt(0.25 / 400000);
+  const double peak = flipped(0, 1), half_width = 0.5 * 1.0730 * alpha / 0.2;
+  EXPECT_NEAR(peak, 0.76576, 4 * error);
+  EXPECT_LT(flipped(0, 1.1), peak);
+  EXPECT_LT(flipped(0, 0.9), peak);
+  EXPECT_NEAR(flipped(half_width, 1), 0.76576 / 2, 4 * error);
+  EXPECT_NEAR(flipped(-half_width, 1), 0.76576 / 2, 4 * error);
+  EXPECT_GT(std::abs(flipped(1.02 * half_width, 1) - 0.76576 / 2), 4 * error);
+}
+
 /// A parallel beam through B and a rotating field in it, to a detector that sees all.
 Beamline flipper(const Law& law, const StartSpin& spin, int twice_spin = 1) {
-  Beamline b = suggested(291.6469e3, 2.5e-6);
+  Beamline b = suggested(291.6469e3, 30e-6);
   b.law = law;
   b.species[0].species.spin = {twice_spin};
   b.source = {SingleSpeed{1000}, Rectangle{1e-4, 1e-4}, ParallelDirection{}};
@@ -173,7 +200,7 @@ TEST(StartSpin, AlongTheFieldFliesStraightUnderClosureTorqueAndAcrossItDoesNot) 
 // A spin across the field that meets a locked rotating field comes out by the phase between both, which a
 // pulse of one period averages away, and a short one does not.
 TEST(Pulse, MovesTheStartAgainstLockedPhases) {
-  Beamline still = flipper(QuantumLaw{}, PolarisedSpin{{1, 0, 0}, 1});
+  Beamline still = flipper(QuantumLaw{}, PolarisedSpin{{0, 1, 0}, 1});
   const double period = 1 / 291.6469e3;
   Beamline shortest = still, whole = still;
   shortest.source.pulse = RectanglePulse{1e-3 * period};

@@ -65,6 +65,14 @@ TEST(ResultsFile, KeepsAGridInOrder) {
   EXPECT_EQ(read(folder / "a.h5", "/entry/scan/B_field").values, result.axes[1].values);
 }
 
+TEST(ResultsFile, StatesWhatAnAimedSourceStandsForAndHowMuchItGives) {
+  const Folder folder;
+  const Result result = samples::result({samples::frequency_axis(5)}, {"screen"});
+  write_results(result, folder / "a.h5");
+  EXPECT_EQ(read(folder / "a.h5", "/entry/aimed_fraction").values, result.aimed_fraction);
+  EXPECT_THAT(read(folder / "a.h5", "/entry/rate").values, ElementsAre(1e6));
+}
+
 TEST(ResultsFile, LeavesScanDimensionsOutWhereNothingIsScanned) {
   const Folder folder;
   write_results(samples::result({}, {"screen"}), folder / "a.h5");

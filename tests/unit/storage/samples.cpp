@@ -113,6 +113,8 @@ Result result(std::vector<ScanAxis> axes, std::vector<std::string> detectors) {
   made.particles = 10000;
   made.seed = 0xffffffffffffffff;
   made.solid_angle = 1.5e-6;
+  made.aimed_fraction.assign(points, 2.5e-7);
+  made.rate = 1e6;
   made.emitted.assign(points, 10000);
   made.emitted_quanta_high.assign(points, 0);
   made.emitted_quanta_low.assign(points, 10000ull << 40);
