@@ -30,6 +30,9 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::frequency, "frequency", "291.6 kHz", "Hz"},
     DimensionRow{Dimension::angle, "angle", "30 deg", "rad"},
     DimensionRow{Dimension::gyromagnetic, "gyromagnetic ratio", "16.5 MHz/T", "rad/s/T"},
+    DimensionRow{Dimension::temperature, "temperature", "300 K", "K"},
+    DimensionRow{Dimension::energy, "energy", "25 meV", "J"},
+    DimensionRow{Dimension::rate, "rate", "1e6 1/s", "1/s"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -95,6 +98,8 @@ std::string lower(std::string_view s) {
 
 std::string suggest_unit(std::string_view symbol, std::optional<Dimension> wanted) {
   const bool dimension_known = wanted && *wanted != Dimension::number;
+  if (symbol.starts_with("\u00b0C") || symbol.starts_with("\u00b0F") || symbol == "degC" || symbol == "degF")
+    return "temperatures are absolute: write them in kelvin, like `300 K`";
   std::string same_letters;
   std::vector<std::string> candidates;
   for (const UnitSymbol& unit : unit_table()) {
@@ -150,6 +155,10 @@ const std::vector<UnitSymbol>& unit_table() {
       {"\u00b5m", length, 1e-6},
       {"\u03bcm", length, 1e-6},
       {"nm", length, 1e-9},
+      {"pm", length, 1e-12},
+      {"angstrom", length, 1e-10},
+      {"\u00c5", length, 1e-10},  // the letter
+      {"\u212b", length, 1e-10},  // the sign of the unit
       {"s", time, 1},
       {"ms", time, 1e-3},
       {"us", time, 1e-6},
@@ -199,6 +208,27 @@ const std::vector<UnitSymbol>& unit_table() {
       {"Hz/G", gyromagnetic, two_pi * 1e4},
       {"kHz/G", gyromagnetic, two_pi * 1e7},
       {"MHz/G", gyromagnetic, two_pi * 1e10},
+      {"K", temperature, 1},
+      {"mK", temperature, 1e-3},
+      {"uK", temperature, 1e-6},
+      {"\u00b5K", temperature, 1e-6},
+      {"\u03bcK", temperature, 1e-6},
+      {"kK", temperature, 1e3},
+      {"J", energy, 1},
+      {"eV", energy, constants::elementary_charge},
+      {"meV", energy, constants::elementary_charge * 1e-3},
+      {"ueV", energy, constants::elementary_charge * 1e-6},
+      {"\u00b5eV", energy, constants::elementary_charge * 1e-6},
+      {"\u03bceV", energy, constants::elementary_charge * 1e-6},
+      {"neV", energy, constants::elementary_charge * 1e-9},
+      {"keV", energy, constants::elementary_charge * 1e3},
+      {"MeV", energy, constants::elementary_charge * 1e6},
+      {"1/s", rate, 1},
+      {"/s", rate, 1},
+      {"1/min", rate, 1.0 / 60},
+      {"/min", rate, 1.0 / 60},
+      {"1/h", rate, 1.0 / 3600},
+      {"/h", rate, 1.0 / 3600},
   };
   return table;
 }
@@ -246,7 +276,10 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "T mT uT nT pT",
                                                     "THz GHz MHz kHz Hz mHz",
                                                     "rad mrad urad nrad",
-                                                    "GHz/T MHz/T kHz/T Hz/T"};
+                                                    "GHz/T MHz/T kHz/T Hz/T",
+                                                    "K mK uK",
+                                                    "MeV keV eV meV ueV neV",
+                                                    "1/s"};
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));

@@ -18,8 +18,12 @@ enum class Dimension {
   magnetic_field,  // T
   frequency,       // Hz: turns per second, never radians
   angle,           // rad
-  gyromagnetic     // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
+  gyromagnetic,    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
+  temperature,     // K, absolute
+  energy,          // J
+  rate             // 1/s: what happens so many times a second; never a frequency
 };
+inline constexpr Dimension last_dimension = Dimension::rate;
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);

@@ -59,6 +59,26 @@ TEST(Units, TurnAGyromagneticRatioInTurnsIntoRadians) {
   EXPECT_EQ(value_of("5 rad/s/T"), 5.0);
 }
 
+TEST(Units, KnowTemperaturesEnergiesRatesAndAtomicLengths) {
+  EXPECT_EQ(value_of("20 mK"), 0.02);
+  EXPECT_EQ(value_of("1.2 kK"), 1200.0);
+  EXPECT_DOUBLE_EQ(value_of("25 meV"), 25e-3 * 1.602176634e-19);
+  EXPECT_DOUBLE_EQ(value_of("3 \u00b5eV"), value_of("3e-6 eV"));
+  EXPECT_EQ(value_of("4 \u00c5"), 4e-10);
+  EXPECT_EQ(value_of("4 \u212b"), value_of("4 angstrom"));
+  EXPECT_EQ(value_of("400 pm"), value_of("0.4 nm"));
+  EXPECT_EQ(value_of("1e6/s"), 1e6);
+  EXPECT_EQ(value_of("5 1/s"), 5.0);
+  EXPECT_DOUBLE_EQ(value_of("120 1/min"), 2.0);
+  EXPECT_DOUBLE_EQ(value_of("7200 /h"), 2.0);
+  EXPECT_EQ(parse_quantity("5 1/s").dimension, Dimension::rate);
+}
+
+TEST(Units, AreAbsoluteForTemperatures) {
+  EXPECT_THAT(parse_quantity("20 \u00b0C", Dimension::temperature).suggestion, HasSubstr("kelvin"));
+  EXPECT_THAT(parse_quantity("20 degC", Dimension::temperature).suggestion, HasSubstr("kelvin"));
+}
+
 TEST(Units, HaveEachSymbolOnceAndReadItBack) {
   for (const UnitSymbol& unit : unit_table()) {
     const ParsedQuantity parsed = parse_quantity("1 " + std::string(unit.symbol));
@@ -101,7 +121,7 @@ TEST(Units, ReadTheSameUnderALocaleWithDecimalCommas) {
 }
 
 TEST(Units, WriteQuantitiesThatReadBackToTheSameBits) {
-  for (int d = 0; d <= static_cast<int>(Dimension::gyromagnetic); ++d)
+  for (int d = 0; d <= static_cast<int>(last_dimension); ++d)
     for (double x = 1.1e-30; x < 1e30; x *= 37.21) {
       const std::string text = write_quantity(-x, static_cast<Dimension>(d));
       EXPECT_EQ(value_of(text), -x) << text;
@@ -117,6 +137,9 @@ TEST(Units, ArePrettyForPeople) {
   EXPECT_EQ(pretty_quantity(0, Dimension::speed), "0 m/s");
   EXPECT_EQ(pretty_quantity(0.25, Dimension::number), "0.25");
   EXPECT_EQ(pretty_quantity(1e-12, Dimension::length), "0.001 nm");
+  EXPECT_EQ(pretty_quantity(4.005441585e-21, Dimension::energy), "25 meV");
+  EXPECT_EQ(pretty_quantity(0.002, Dimension::temperature), "2 mK");
+  EXPECT_EQ(pretty_quantity(1e6, Dimension::rate), "1e+06 1/s");
 }
 
 TEST(Constants, ObeyTheIdentitiesThatConnectThem) {
