@@ -47,6 +47,14 @@ using Opening = std::variant<Rectangle, Disc, Ring>;
 template <>
 inline constexpr std::string_view tag_key<Opening> = "";  // told apart by their keys
 
+/// What a detector or a monitor turns to the beam.
+using Face = std::variant<Rectangle, Disc>;
+template <>
+inline constexpr std::string_view tag_key<Face> = "";
+inline Opening opening_of(const Face& face) {
+  return std::visit([](const auto& shape) { return Opening(shape); }, face);
+}
+
 /// A displacement across the beam.
 struct Offset {
   double x = 0;  // [m]

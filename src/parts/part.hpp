@@ -3,6 +3,7 @@
 #include <variant>
 
 #include "parts/detector.hpp"
+#include "parts/monitor.hpp"
 #include "parts/polarizer.hpp"
 #include "parts/rotating_field.hpp"
 #include "parts/slit.hpp"
@@ -14,7 +15,8 @@ using Part = std::variant<Polarizer,      //
                           UniformField,   //
                           RotatingField,  //
                           Slit,           //
-                          Detector>;
+                          Detector,       //
+                          Monitor>;
 
 struct PlacedPart {
   Placement placement;

@@ -19,7 +19,7 @@ Experiment everything() {
       b.source.direction = GaussianDirection{1e-3, 1e-3};
       b.parts.insert(b.parts.begin(), test::place("S", 0.05, Slit{Disc{0.4e-3}, {}}));
       b.parts.insert(b.parts.end() - 1,
-                     test::place("small", 0.9, Detector{0.5e-3, 0.5e-3, {3, 3}, {1e-4, 0}}));
+                     test::place("small", 0.9, Detector{Rectangle{0.5e-3, 0.5e-3}, {3, 3}, {1e-4, 0}}));
       b.particles = 600;
       e.points.push_back(b);
     }
@@ -56,7 +56,7 @@ TEST(Run, CountsVisitsOfZonesForEachParticleAlone) {
   b.chamber.reset();
   b.source = {GaussianSpeed{900, 150}, Rectangle{0, 0}, ParallelDirection{}};
   b.parts = {test::place("B", 0.30, UniformField{0.25, 1e-4, {}}),
-             test::place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+             test::place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
   for (int i = 0; i < 60; ++i)
     b.parts.insert(b.parts.end() - 1,
                    test::place("S" + std::to_string(i), 0.301 + 0.001 * i, Slit{Disc{1}, {}}));
