@@ -77,7 +77,10 @@ void check_coverage(const Beamline& beamline, const Node& root, const PartNodes&
   if (std::none_of(items.begin(), items.end(),
                    [](const Node& n) { return PartNodes::kind_of(n) == Detector::kind; }))
     reading.error(
-        parts->key_place, "there is no detector among the parts, so the experiment would measure nothing",
+        parts->key_place,
+        nodes.names({Monitor::kind}).empty()
+            ? "there is no detector among the parts, so the experiment would measure nothing"
+            : "there is no detector among the parts: monitors count beside one, and do not stand for it",
         "add `- {name: screen, kind: detector, at: 1.2 m, width: 4 mm, height: 4 mm, bins: [80, 80]}`");
   for (std::size_t i = 0; i < beamline.parts.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {

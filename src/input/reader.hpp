@@ -198,7 +198,7 @@ bool read_by_keys(Keys& keys, V& out) {
     ways += (index++ == 0 ? "" : ", or ") + way;
   });
   if (given.empty()) {
-    keys.reading().error(keys.blame(), fmt::format("{} needs the size of its opening: {}", keys.what(), ways),
+    keys.reading().error(keys.blame(), fmt::format("{} needs its size: {}", keys.what(), ways),
                          fmt::format("add `{}`", example_of_rows<std::variant_alternative_t<0, V>>()));
     return false;
   }

@@ -157,6 +157,13 @@ bool ValueType<TallyAxis>::read(const Node& node, const Row&, Reading& reading, 
   const std::optional<std::size_t> index = read_word(word, quantity, words_of<Quantity>(), reading);
   if (!index) return false;
   out.quantity = choices<Quantity>[*index].value;
+  if (node.is_scalar() && !is_categorical(out.quantity)) {
+    reading.error(node.place, fmt::format("the axis `{}` needs `from`, `to` and `bins`", node.scalar),
+                  fmt::format("write `{{quantity: {}, {}from: {}, to: {}, bins: 100}}`", node.scalar,
+                              out.quantity == Quantity::spin ? "axis: z, " : "",
+                              example_of_end(out.quantity, true), example_of_end(out.quantity, false)));
+    return false;
+  }
   keys.rename(fmt::format("the axis `{}`", word.scalar), word.place);
   const bool good =
       is_categorical(out.quantity) ? read_levels(keys, word.scalar) : read_range(keys, word.scalar, out);

@@ -110,7 +110,7 @@ std::string example_for(const Row& row) {
       {"amplitude", "0.3 uT"}, {"alignment", "1"},       {"sigma", "10 m/s"},
       {"charge", "0 e"},       {"half_angle", "5 mrad"}, {"name", "my_name"},
       {"target", "my_slit"},   {"kappa", "1"},           {"gyromagnetic_ratio", "16.5 MHz/T"},
-      {"species", "neutron"},  {"parts", "[...]"},       {"seed", "1"},
+      {"background", "10 1/s"}, {"species", "neutron"},  {"parts", "[...]"},       {"seed", "1"},
       {"particles", "10000"},  {"points", "21"},         {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
     if (row.key == key) return std::string(example);
@@ -139,8 +139,11 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
     return false;
   }
   if (!row.range.contains(parsed.value)) {
+    const bool percent = row.range.words == range::fraction.words && parsed.value > 1 && parsed.value <= 100;
     reading.error(node.place,
-                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
+                  percent ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
+                          : std::string{});
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.

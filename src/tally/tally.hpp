@@ -95,7 +95,7 @@ struct Tally {
 };
 template <>
 inline constexpr auto parameters<Tally> = std::tuple{
-    param("name", &Tally::name, "results call it PART_NAME"),
+    param("name", &Tally::name, "results call it by the part's name, `_` and this name"),
     param("axes", &Tally::axes, "one to three axes"),
 };
 /// The default of a list of tallies.

@@ -20,6 +20,7 @@ struct LanesKernels {
   void (*sincos)(const Column& x, Column& s, Column& c);
   void (*sin_squared)(const Column& x, Column& y);
   void (*log)(const Column& x, Column& y);
+  void (*atan)(const Column& x, Column& y);
   void (*sqrt)(const Column& x, Column& y);
   void (*abs)(const Column& x, Column& y);
   void (*round_to_nearest)(const Column& x, Column& y);
