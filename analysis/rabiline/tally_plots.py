@@ -56,13 +56,14 @@ def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: 
     figure, panel = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
     scale = _scale(axis)
     edges = np.asarray(scale.apply(axis.edges))
-    for colour, point in zip(COLOURS * (len(points) // len(COLOURS) + 1), points):
-        panel.stairs(counts[point], edges, color=colour, linewidth=1.1, label=_heading(results, point),
+    for number, (colour, point) in enumerate(zip(COLOURS * (len(points) // len(COLOURS) + 1), points)):
+        panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
+                     label=_heading(results, point),
                      fill=len(points) == 1 and bool(axis.labels), alpha=0.6 if axis.labels else None)
         panel.errorbar((edges[:-1] + edges[1:]) / 2, counts[point], errors[point], fmt="none", ecolor=colour,
                        elinewidth=0.9, capsize=2 if edges.size < 60 else 0)
     if axis.labels:
-        panel.set_xticks((edges[:-1] + edges[1:]) / 2, axis.labels)
+        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panel.set_xlim(edges[0], edges[-1])
     panel.set_ylim(bottom=0)
     panel.set_xlabel(_label(axis, scale))
@@ -88,7 +89,7 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
         panel.set_xlabel(_label(axes[0], scales[0]))
         for axis, own, ticks in ((axes[0], edges[0], panel.set_xticks), (axes[1], edges[1], panel.set_yticks)):
             if axis.labels:
-                ticks((own[:-1] + own[1:]) / 2, axis.labels)
+                ticks((own[:-1] + own[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panels[0][0].set_ylabel(_label(axes[1], scales[1]))
     figure.colorbar(mesh, ax=list(panels[0]), label="particles per bin")
     return figure

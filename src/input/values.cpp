@@ -106,12 +106,25 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
 std::string example_for(const Row& row) {
   // Sizes that a bench has, where the type alone would give an odd one or none.
   static constexpr std::pair<std::string_view, std::string_view> familiar[] = {
-      {"at", "0.25 m"},        {"length", "0.25 m"},     {"radius", "20 mm"},
-      {"amplitude", "0.3 uT"}, {"alignment", "1"},       {"sigma", "10 m/s"},
-      {"charge", "0 e"},       {"half_angle", "5 mrad"}, {"name", "my_name"},
-      {"target", "my_slit"},   {"kappa", "1"},           {"gyromagnetic_ratio", "16.5 MHz/T"},
-      {"background", "10 1/s"}, {"species", "neutron"},  {"parts", "[...]"},       {"seed", "1"},
-      {"particles", "10000"},  {"points", "21"},         {"parameter", "H0.frequency"}};
+      {"at", "0.25 m"},
+      {"length", "0.25 m"},
+      {"radius", "20 mm"},
+      {"amplitude", "0.3 uT"},
+      {"alignment", "1"},
+      {"sigma", "10 m/s"},
+      {"charge", "0 e"},
+      {"half_angle", "5 mrad"},
+      {"name", "my_name"},
+      {"target", "my_slit"},
+      {"kappa", "1"},
+      {"gyromagnetic_ratio", "16.5 MHz/T"},
+      {"background", "10 1/s"},
+      {"species", "neutron"},
+      {"parts", "[...]"},
+      {"seed", "1"},
+      {"particles", "10000"},
+      {"points", "21"},
+      {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
     if (row.key == key) return std::string(example);
   return std::string(example_of(row.dimension));

@@ -42,9 +42,7 @@ double rabi(double detuning, double amplitude, double gamma_error = 1) {
                rate = std::hypot(w1, 2 * std::numbers::pi * detuning);
   return std::pow(w1 / rate * std::sin(rate * length / speed / 2), 2);
 }
-Tally spin_along(UnitVector along) {
-  return {"s", {{Quantity::spin, AxisEnd{-1}, AxisEnd{1}, 2, along}}};
-}
+Tally spin_along(UnitVector along) { return {"s", {{Quantity::spin, AxisEnd{-1}, AxisEnd{1}, 2, along}}}; }
 
 TEST(SpinTally, FlipsAsRabisFormulaSays) {
   for (const double detuning : {0.0, 1e3, 2.5e3, 6e3}) {
@@ -81,8 +79,8 @@ TEST(SpinTally, IsTheProjectionItselfUnderAVectorLaw) {
 /// |d^I_{m'm}(beta)|^2 by Wigner's sum, p = sin^2(beta/2), all arguments twice their value.
 double majorana(int twice_i, int twice_m, int twice_to, double p) {
   const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
-  const int plus = (twice_i + twice_m) / 2, minus = (twice_i - twice_m) / 2, to_plus = (twice_i + twice_to) / 2,
-            to_minus = (twice_i - twice_to) / 2;
+  const int plus = (twice_i + twice_m) / 2, minus = (twice_i - twice_m) / 2,
+            to_plus = (twice_i + twice_to) / 2, to_minus = (twice_i - twice_to) / 2;
   double d = 0;
   for (int k = 0; k <= twice_i; ++k) {
     if (plus - k < 0 || to_minus - k < 0 || to_plus - plus + k < 0) continue;

@@ -16,8 +16,8 @@ using testing::HasSubstr;
 
 TEST(Describe, ListsEveryPartAndLaw) {
   const std::string text = describe_overview();
-  for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor", "quantum",
-                           "classical", "dorado", "seed"})
+  for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor",
+                           "quantum", "classical", "dorado", "seed"})
     EXPECT_THAT(text, HasSubstr(word));
 }
 
@@ -72,7 +72,8 @@ TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
 TEST(Describe, TellsHowTalliesAreWrittenAndWhatTheyCount) {
   EXPECT_THAT(describe("monitor"), HasSubstr("list of {name, axes}"));
   EXPECT_THAT(describe("detector"), HasSubstr("{width and height | radius, offset}"));
-  for (const char* word : {"time_of_flight", "prepared_level", "state-to-state matrix", "outside", "expectation"})
+  for (const char* word :
+       {"time_of_flight", "prepared_level", "state-to-state matrix", "outside", "expectation"})
     EXPECT_THAT(describe("tallies"), HasSubstr(word));
 }
 

@@ -93,7 +93,8 @@ TEST(Tally, AgreesWithAHistogramOfTracksMadeWithoutIt) {
                                    axis(Quantity::angle_z, -3e-3, 1e-3, 10),
                                    axis(Quantity::angle, 0, 3e-3, 12),
                                    axis(Quantity::weight, 0.5, 1.5, 3)};
-  for (std::size_t i = 0; i < all.size(); ++i) screen(b).tallies.push_back({"t" + std::to_string(i), {all[i]}});
+  for (std::size_t i = 0; i < all.size(); ++i)
+    screen(b).tallies.push_back({"t" + std::to_string(i), {all[i]}});
   const Result r = run_points({b});
   std::vector<Track> tracks;
   for (std::uint64_t p = 0; p < b.particles; ++p) tracks.push_back(trace(b, p, best_isa()));
@@ -145,9 +146,8 @@ TEST(Monitor, ChangesNothingBehindIt) {
   monitor.tallies = {{"a", {spin({1, 0, 0}, 3)}}};
   for (const double at : {0.05, 0.32, 0.4, 0.8}) {
     with.parts.push_back(place("M" + std::to_string(static_cast<int>(100 * at)), at, monitor));
-    std::stable_sort(with.parts.begin(), with.parts.end(), [](const auto& a, const auto& b) {
-      return a.placement.at < b.placement.at;
-    });
+    std::stable_sort(with.parts.begin(), with.parts.end(),
+                     [](const auto& a, const auto& b) { return a.placement.at < b.placement.at; });
   }
   const DetectorResult a = run_points({with}).detectors[0], b = run_points({without}).detectors[0];
   EXPECT_EQ(a.counts, b.counts);
