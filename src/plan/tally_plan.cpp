@@ -15,6 +15,8 @@ bool asks_for_spin(const Tally& tally) {
 }
 
 Histogram histogram_of(const Tally& tally, int number, const Species& species, int levels) {
+  if (tally.axes.empty() || tally.axes.size() > most_tally_axes)
+    throw std::invalid_argument(fmt::format("the tally {} has {} axes", tally.name, tally.axes.size()));
   Histogram histogram;
   histogram.tally = number;
   histogram.mass = species.mass;

@@ -1,7 +1,6 @@
 #include "transport/histogram.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "tally/tally.hpp"
 #include "transport/stages.hpp"
@@ -13,6 +12,7 @@ Sum square(std::uint64_t q) { return static_cast<Sum>(q) * q; }
 
 constexpr std::size_t most_axes = most_tally_axes;
 constexpr int outside_axis = -1;
+constexpr auto last_step = static_cast<std::int64_t>(moment_steps) - 1;
 
 /// Where a value is on an axis.
 struct Mark {
@@ -34,9 +34,11 @@ class Ruler {
   Mark mark(double value) const {
     if (of_levels_) return {bins_ - 1 - static_cast<int>(value), 0};  // levels count down from m = I
     if (!(value >= low_ && value <= high_)) return {outside_axis, 0};
+    // Conversion to an integer rounds down, since nothing is negative.
     const double from_low = value - low_;
-    return {static_cast<int>(std::min(std::floor(from_low * bins_per_unit_), bins_ - 1.0)),
-            static_cast<std::uint64_t>(std::min(std::floor(from_low * steps_per_unit_), moment_steps - 1))};
+    return {std::min(static_cast<int>(from_low * bins_per_unit_), bins_ - 1),
+            static_cast<std::uint64_t>(
+                std::min(static_cast<std::int64_t>(from_low * steps_per_unit_), last_step))};
   }
   bool of_levels() const { return of_levels_; }
   int bins() const { return bins_; }
@@ -132,7 +134,7 @@ class Filler {
     auto rest = static_cast<std::int64_t>(weights_[i]);
     int largest = 0;
     for (int k = 0; k < histogram_.levels; ++k) {
-      shares[k] = static_cast<std::int64_t>(std::floor(weight * probabilities_[k * batch_.padded + i]));
+      shares[k] = static_cast<std::int64_t>(weight * probabilities_[k * batch_.padded + i]);
       if (shares[k] > shares[largest]) largest = k;
       rest -= shares[k];
     }
