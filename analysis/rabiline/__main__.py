@@ -1,4 +1,4 @@
-"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tracks | summary |
+"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tally | plot-tracks | summary |
 compare-scans`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
@@ -12,7 +12,7 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import image_plots, level_plots, results, scan_plots, style, track_plots, tracks
+from . import image_plots, level_plots, results, scan_plots, style, tally_plots, track_plots, tracks
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -99,6 +99,23 @@ def plot_image(options: argparse.Namespace) -> None:
     _save(image_plots.draw_images(file, file.detectors[name], shots), options.output)
 
 
+def plot_tally(options: argparse.Namespace) -> None:
+    """A tally of a monitor or a detector, over one or two of its axes."""
+    file = results.read(options.file)
+    if options.name not in file.tallies:
+        there = f"there is {', '.join(file.tallies)}" if file.tallies else "it has none"
+        raise InputError(f"{file.path}: no tally `{options.name}` ({there})")
+    tally = file.tallies[options.name]
+    names = [axis.name for axis in tally.axes]
+    chosen = options.axes.split(",") if options.axes else names[:2]
+    if not set(chosen) <= set(names) or len(chosen) not in (1, 2) or len(set(chosen)) != len(chosen):
+        raise InputError(f"--axes {options.axes}: name one or two of {', '.join(names)}")
+    points = _points(options.points, len(file.laws)) if options.points else [0]
+    if len(points) > MOST_PANELS:
+        raise InputError(f"{len(points)} scan points are too many for one picture")
+    _save(tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points), options.output)
+
+
 def plot_tracks(options: argparse.Namespace) -> None:
     """Paths of single particles."""
     files = [tracks.read(path) for path in options.files]
@@ -147,6 +164,11 @@ def _parser() -> Parser:
     image = command("plot-image", plot_image, many=False)
     image.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
                                                         "and the middle of its deepest dip or peak")
+    tally = command("plot-tally", plot_tally, many=False)
+    tally.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
+    tally.add_argument("--axes", metavar="A,B", help="one or two of its axes; the first ones by default, the others are "
+                                                     "summed over")
+    tally.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')

@@ -13,8 +13,9 @@ from .units import format_value, law_name
 
 
 def summary(results: Results, detectors: Sequence[str]) -> str:
-    """Lines about the run, its scan, the resonances that these detectors saw, the ledger and the provenance."""
-    return "\n".join([*_run(results), *_resonances(results, detectors), *_ledger(results), *_provenance(results)])
+    """Lines about the run, its scan, the resonances that these detectors saw, monitors and tallies, the ledger and the provenance."""
+    return "\n".join([*_run(results), *_resonances(results, detectors), *_monitors(results), *_tallies(results),
+                      *_ledger(results), *_provenance(results)])
 
 
 def _run(results: Results) -> Iterable[str]:
@@ -77,6 +78,30 @@ def _measured(resonance: Resonance, units: str) -> str:
     centre, width = (format_value(value.value, units, value.error) for value in (resonance.centre, resonance.width))
     depth = format_value(resonance.depth.value, "", resonance.depth.error)
     return f"{resonance.kind} at {centre}, FWHM {width}, {'depth' if resonance.kind == 'dip' else 'height'} {depth}"
+
+
+def _monitors(results: Results) -> Iterable[str]:
+    for monitor in results.monitors.values():
+        yield f"monitor {monitor.name}"
+        first = format_value(monitor.passed[0], "", monitor.errors[0])
+        yield f"  {first} of emitted" if monitor.passed.size == 1 else \
+            f"  {monitor.passed.min():.6g} to {monitor.passed.max():.6g} of emitted"
+
+
+def _tallies(results: Results) -> Iterable[str]:
+    """Each tally with its axes; means and standard deviations at the first scan point."""
+    for tally in results.tallies.values():
+        yield f"tally {tally.name}{' (expectation of the spin)' if tally.is_expectation else ''}"
+        inside, outside = tally.counts[0].sum(), tally.outside[0]
+        at = ", at the first scan point" if tally.outside.size > 1 else ""
+        yield f"  {inside:.6g} particles, {outside:.6g} outside{at}"
+        for axis in tally.axes:
+            if axis.mean is None or axis.deviation is None:
+                yield f"  {axis.name:<16} {', '.join(axis.labels)}"
+                continue
+            mean = format_value(axis.mean[0], axis.units, axis.mean_errors[0])
+            deviation = format_value(axis.deviation[0], axis.units, axis.deviation_errors[0])
+            yield f"  {axis.name:<16} {axis.edges.size - 1} bins, mean {mean}, standard deviation {deviation}"
 
 
 def _ledger(results: Results) -> Iterable[str]:

@@ -65,6 +65,43 @@ class Detector:
 
 
 @dataclass(frozen=True)
+class Monitor:
+    """The fraction of the emitted particles that passed a monitor."""
+
+    name: str
+    passed: np.ndarray  # [points]
+    errors: np.ndarray  # [points]
+
+
+@dataclass(frozen=True)
+class TallyAxis:
+    """One axis of a tally: bins of equal width, or levels with labels."""
+
+    name: str
+    title: str  # what plots write along it
+    units: str  # SI; empty for a plain number
+    edges: np.ndarray  # [n + 1]
+    labels: tuple[str, ...]  # [n] of levels, else empty
+    mean: np.ndarray | None  # [points] of what is inside the axes; None for levels
+    mean_errors: np.ndarray | None
+    deviation: np.ndarray | None
+    deviation_errors: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Tally:
+    """A histogram over one to three quantities of what passed a monitor or a detector counted, in particles."""
+
+    name: str  # that of its group, "screen_spectrum"
+    title: str
+    axes: tuple[TallyAxis, ...]
+    counts: np.ndarray  # [points, bins of each axis...]
+    errors: np.ndarray  # same shape
+    outside: np.ndarray  # [points] what crossed the plane outside of the axes
+    is_expectation: bool  # weights are split over the outcomes of a measurement of the spin
+
+
+@dataclass(frozen=True)
 class Fate:
     """One line of the ledger."""
 
@@ -88,6 +125,8 @@ class Results:
     rate: float | None  # 1/s, particles that leave the source
     scan: Scan
     detectors: dict[str, Detector]
+    monitors: dict[str, Monitor]
+    tallies: dict[str, Tally]
     fates: tuple[Fate, ...]
     emitted: np.ndarray  # [points] particles
     simulation: dict[str, str]  # provenance: seed, version, threads, ...
@@ -119,6 +158,9 @@ def read(path: Path | str) -> Results:
             rate=float(entry.numbers("rate").ravel()[0]) if "rate" in entry else None,
             scan=scan,
             detectors={name: _read_detector(entry, name, points) for name in scan.detectors},
+            monitors=_read_monitors(entry, points),
+            tallies={name: _read_tally(entry.group(name), name, points) for name in entry.names()
+                     if entry.group(name).attribute("tally")},
             fates=_read_fates(fates, points),
             emitted=fates.numbers("emitted", (points,)),
             simulation=_read_simulation(entry) if "simulation" in entry else {},
@@ -196,6 +238,39 @@ def _read_levels(group: Group, points: int) -> Levels:
     labels = group.texts("level_index_labels")
     shape = (points, len(labels))
     return Levels(labels, group.numbers("levels", shape), group.numbers("levels_errors", shape))
+
+
+def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
+    monitors = {}
+    for group in map(entry.group, entry.names()):
+        for name in group.attribute("monitor"):
+            monitors[name] = Monitor(name, group.numbers("passed", (points,)),
+                                     group.numbers("passed_errors", (points,)))
+    return monitors
+
+
+def _read_tally(group: Group, name: str, points: int) -> Tally:
+    own = [axis for axis in group.attribute("axes") if f"{axis}_edges" in group]
+    axes = tuple(_read_tally_axis(group, axis, points) for axis in own)
+    shape = (points, *(axis.edges.size - 1 for axis in axes))
+    return Tally(
+        name=name,
+        title=group.text("title", name),
+        axes=axes,
+        counts=group.numbers("counts", shape),
+        errors=group.numbers("counts_errors", shape),
+        outside=group.numbers("outside", (points,)),
+        is_expectation=bool(group.attribute("spin_outcomes")),
+    )
+
+
+def _read_tally_axis(group: Group, name: str, points: int) -> TallyAxis:
+    units = "".join(group.attribute("units", of=name))
+    moments = (group.numbers(f"{name}_{moment}", (points,)) if f"{name}_{moment}" in group else None
+               for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
+    labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
+    title = "".join(group.attribute("long_name", of=name)) or name
+    return TallyAxis(name, title, "" if units == "1" else units, group.numbers(f"{name}_edges").ravel(), labels, *moments)
 
 
 def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:

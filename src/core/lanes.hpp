@@ -273,6 +273,27 @@ RABILINE_LANES real exp(real x) {
   return polynomial(r, series) * from_bits((bit_pattern(shifted) + 1023ULL) << 52);
 }
 
+/// The angle between -pi/2 and pi/2 whose tangent is x: absolute error below 4e-16. Taken to |r| <= tan(pi/8)
+/// by atan(x) = pi/2 - atan(1/x) and atan(x) = pi/4 + atan((x - 1)/(x + 1)); polynomial: fdlibm, s_atan.c.
+RABILINE_LANES real atan(real x) {
+  constexpr double quarter_pi = 0x1.921fb54442d18p-1;
+  constexpr double series[] = {
+      1.62858201153657823623e-02,  -3.65315727442169155270e-02, 4.97687799461593236017e-02,
+      -5.83357013379057348645e-02, 6.66107313738753120669e-02,  -7.69187620504482999495e-02,
+      9.09088713343650656196e-02,  -1.11111104054623557880e-01, 1.42857142725034663711e-01,
+      -1.99999999998764832476e-01, 3.33333333333329318027e-01};
+  const real size = abs(x);
+  const mask steep = size > broadcast(1);
+  const real low = select(steep, 1.0 / size, size);
+  const mask upper = low > broadcast(0.41421356237309503);
+  const real r = select(upper, (low - 1.0) / (low + 1.0), low);
+  const real z = r * r;
+  const real of_r = fnma(r * z, polynomial(z, series), r);
+  const real of_low = select(upper, quarter_pi + of_r, of_r);
+  return from_bits(bit_pattern(select(steep, 2.0 * quarter_pi - of_low, of_low)) |
+                   (bit_pattern(x) & 0x8000000000000000ULL));
+}
+
 /// For turning a vector v by the rotation vector o with q = |o|^2 <= 1 (a = |o|):
 /// v + S (o x v) + C (o x (o x v)), S = sin(a)/a, C = (1 - cos a)/a^2. Absolute error below 1.2e-16 in S,
 /// 6e-17 in C. Interpolated at the Chebyshev points of 0 <= q <= 1 with S(0) and C(0) kept exact.

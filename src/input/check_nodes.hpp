@@ -9,6 +9,7 @@
 
 #include "beamline/beamline.hpp"
 #include "input/reader.hpp"
+#include "input/scan.hpp"
 
 namespace rabiline {
 
@@ -75,5 +76,11 @@ inline std::string metres(double y) { return pretty_quantity(y, Dimension::lengt
 void check_fields(const Beamline&, const PartNodes&, Reading&);
 void check_detectors(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_source(const Beamline&, const Node& root, const PartNodes&, Reading&);
+void check_tallies(const Beamline&, const PartNodes&, Reading&);
+/// Tallies that not all points of a scan can fill.
+void check_scanned_tallies(const Axis&, const std::vector<Beamline>& points, Reading&);
+
+/// Whether a name is a letter, then letters, digits or `_`, at most 64.
+bool is_well_formed(std::string_view name);
 
 }  // namespace rabiline

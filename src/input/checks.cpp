@@ -10,13 +10,6 @@
 namespace rabiline {
 namespace {
 
-bool is_well_formed(std::string_view name) {
-  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  return !name.empty() && name.size() <= 64 && letter(name.front()) &&
-         std::all_of(name.begin(), name.end(),
-                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
-}
-
 void check_names(const PartNodes& nodes, Reading& reading) {
   for (std::size_t i = 0; i < nodes.all().size(); ++i) {
     const Node& part = *nodes.all()[i];
@@ -49,7 +42,7 @@ void check_names(const PartNodes& nodes, Reading& reading) {
 }
 
 /// How far from the axis the nearest point of a hole or screen is.
-double distance_from_axis(const Opening& opening, const Offset& offset) {
+double distance_from_axis(const Opening& opening, Offset offset, const Roll& tilt) {
   if (const auto* disc = std::get_if<Disc>(&opening))
     return std::max(0.0, std::hypot(offset.x, offset.z) - disc->radius);
   if (const auto* ring = std::get_if<Ring>(&opening)) {
@@ -57,6 +50,9 @@ double distance_from_axis(const Opening& opening, const Offset& offset) {
     return std::max({0.0, centre - ring->outer_radius, ring->inner_radius - centre});
   }
   const auto& r = std::get<Rectangle>(opening);
+  if (tilt.y != 0)
+    offset = {offset.x * std::cos(tilt.y) - offset.z * std::sin(tilt.y),
+              offset.x * std::sin(tilt.y) + offset.z * std::cos(tilt.y)};
   return std::hypot(std::max(0.0, std::abs(offset.x) - r.width / 2),
                     std::max(0.0, std::abs(offset.z) - r.height / 2));
 }
@@ -106,9 +102,11 @@ void check_chamber(const Beamline& beamline, const Node& root, const PartNodes& 
   for (const PlacedPart& part : beamline.parts) {
     double nearest = 0;
     if (const auto* slit = std::get_if<Slit>(&part.part))
-      nearest = distance_from_axis(slit->opening, slit->offset);
+      nearest = distance_from_axis(slit->opening, slit->offset, slit->tilt);
     if (const auto* screen = std::get_if<Detector>(&part.part))
-      nearest = distance_from_axis(Rectangle{screen->width, screen->height}, screen->offset);
+      nearest = distance_from_axis(opening_of(screen->face), screen->offset, screen->tilt);
+    if (const auto* monitor = std::get_if<Monitor>(&part.part))
+      nearest = distance_from_axis(opening_of(monitor->face), monitor->offset, monitor->tilt);
     if (nearest >= radius)
       reading.error(
           place_in(nodes, part, "offset"),
@@ -119,6 +117,13 @@ void check_chamber(const Beamline& beamline, const Node& root, const PartNodes& 
 }
 
 }  // namespace
+
+bool is_well_formed(std::string_view name) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return !name.empty() && name.size() <= 64 && letter(name.front()) &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; });
+}
 
 bool is_reserved(std::string_view name) {
   static constexpr std::array words{// keys of the file
@@ -132,6 +137,7 @@ bool is_reserved(std::string_view name) {
 }
 
 void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  check_scanned_tallies(axis, points, reading);
   for (const Beamline& point : points)
     if (point.source.rate != points.front().source.rate)
       return reading.error(
@@ -158,6 +164,7 @@ void check_beamline(const Beamline& beamline, const Node& root, Reading& reading
   check_names(nodes, reading);
   check_openings(beamline, root, nodes, reading);
   check_detectors(beamline, root, nodes, reading);
+  check_tallies(beamline, nodes, reading);
   check_source(beamline, root, nodes, reading);
   check_fields(beamline, nodes, reading);
   check_chamber(beamline, root, nodes, reading);

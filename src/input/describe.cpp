@@ -80,11 +80,19 @@ std::string kind_of_value(const Row& row) {
     return std::string(ValueType<M>::what);
   else if constexpr (std::is_same_v<M, Node>)
     return "value";
-  else if constexpr (is_variant<M> || std::is_enum_v<M>)
+  else if constexpr (std::is_enum_v<M>)
+    return choices<M>.size() > 6 ? "one of these words" : ways_to_write<M>();
+  else if constexpr (is_variant<M>)
     return ways_to_write<M>();
   else if constexpr (has_table<M>) {
     std::string keys;
-    for_each_row<M>([&](const auto& p) { keys += fmt::format("{}{}", keys.empty() ? "" : ", ", p.key); });
+    for_each_row<M>([&]<class S, class T, class D>(const Param<S, T, D>& p) {
+      keys += keys.empty() ? "" : ", ";
+      if constexpr (is_variant<T>)
+        keys += p.key.empty() ? ways_to_write<T>() : std::string(p.key);
+      else
+        keys += p.key;
+    });
     return "{" + keys + "}";
   } else if constexpr (is_list<M>)
     return "list of " + kind_of_value<typename M::value_type>(row);
@@ -243,6 +251,29 @@ std::string describe_chamber() {
   return page.finish();
 }
 
+std::string describe_tallies() {
+  Page page("tallies: histograms of what a monitor lets pass or a detector counts, one to three axes each");
+  add_rows<Tally>(page);
+  page.line("\nAn axis");
+  add_rows<TallyAxis>(page);
+  page.line(
+      "\nExamples\n"
+      "  tallies:\n"
+      "    - {name: spectrum, axes: [{quantity: speed, from: 900 m/s, to: 1100 m/s, bins: 100}]}\n"
+      "    - {name: states, axes: [prepared_level, level]}\n"
+      "    - {name: spin_over_time, axes: [{quantity: time_of_flight, from: 1 ms, to: 2 ms, bins: 50},\n"
+      "                                    {quantity: spin, axis: z, from: -1, to: 1, bins: 2}]}\n"
+      "Places, angles and times are those at the plane, in the laboratory. What lies beyond the ends is "
+      "counted as `outside`.\n"
+      "Under the law quantum a spin is counted as its expectation: a particle's weight is split over the "
+      "outcomes by their\n"
+      "probabilities. `level` and `prepared_level` have one bin for each m and may stand alone; together "
+      "they "
+      "are the\n"
+      "state-to-state matrix.");
+  return page.finish();
+}
+
 struct Topic {
   std::string name, meaning;
   std::function<std::string()> text;
@@ -268,6 +299,7 @@ const std::vector<Topic>& topics() {
     out.push_back({"species", "what flies", describe_species});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
     out.push_back({"scan", "which parameter takes which values", describe_scan});
+    out.push_back({"tallies", "histograms at a monitor or a detector", describe_tallies});
     out.push_back({"units", "how quantities are written", describe_units});
     add_alternatives<Law>(out, "law");
     out.push_back(
@@ -313,7 +345,8 @@ std::string describe_overview() {
   page.line("\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87, or");
   std::string others;
   for (const std::string_view topic :
-       {"source", "speed", "direction", "opening", "spin", "pulse", "species", "chamber", "scan", "units"})
+       {"source", "speed", "direction", "opening", "spin", "pulse", "species", "chamber", "scan", "tallies",
+        "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

@@ -6,16 +6,68 @@
 namespace rabiline {
 namespace {
 
-/// A detector's results stand beside each other under its name with an ending.
-void check_result_names(const PartNodes& nodes, Reading& reading) {
-  const std::vector<std::string> detectors = nodes.names({Detector::kind});
-  for (const std::string& name : detectors)
-    for (const std::string_view ending : {"_x", "_z", "_levels"})
-      if (std::find(detectors.begin(), detectors.end(), name + std::string(ending)) != detectors.end())
-        reading.error(
-            place_of(*nodes.find(name + std::string(ending)), "name"),
-            fmt::format("the detector `{}` keeps results under the name `{}{}`", name, name, ending),
-            "choose another name");
+/// A face that nothing can pass through or hit.
+void check_sizes(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
+  const auto check = [&](const Face& face, const Node* node, const std::string& whose) {
+    if (!node) return;
+    const auto* disc = std::get_if<Disc>(&face);
+    const auto refuse = [&](std::string_view key) {
+      reading.error(place_of(*node, key),
+                    fmt::format("the `{}` of {} must be greater than zero", key, whose));
+    };
+    if (disc && disc->radius == 0) refuse("radius");
+    if (!disc && std::get<Rectangle>(face).width == 0) refuse("width");
+    if (!disc && std::get<Rectangle>(face).height == 0) refuse("height");
+  };
+  for (const PlacedPart& part : beamline.parts) {
+    const Node* node = nodes.find(part.placement.name);
+    const std::string name = fmt::format("`{}`", part.placement.name);
+    if (const auto* monitor = std::get_if<Monitor>(&part.part)) check(monitor->face, node, name);
+    const auto* detector = std::get_if<Detector>(&part.part);
+    if (!detector || !node) continue;
+    check(detector->face, node, name);
+    if (detector->dead && node->find("dead"))
+      check(detector->dead->face, &node->find("dead")->value, "the dead area of " + name);
+  }
+}
+
+/// A screen as an outline in its plane.
+struct Outline {
+  double x, z, half_x, half_z, radius, cosine, sine;
+};
+Outline outline_of(const Detector& d) {
+  const auto* disc = std::get_if<Disc>(&d.face);
+  const Rectangle size = disc ? Rectangle{} : std::get<Rectangle>(d.face);
+  return {d.offset.x,         d.offset.z,        size.width / 2, size.height / 2, disc ? disc->radius : 0,
+          std::cos(d.tilt.y), std::sin(d.tilt.y)};
+}
+/// How far an outline reaches along a direction (x, z).
+double reach(const Outline& o, double x, double z) {
+  return o.radius + o.half_x * std::abs(x * o.cosine - z * o.sine) +
+         o.half_z * std::abs(x * o.sine + z * o.cosine);
+}
+/// Whether a straight line lies between them: along one of their sides, or across the line from centre to
+/// centre or from a corner to a centre.
+bool are_apart(const Outline& a, const Outline& b) {
+  const double dx = b.x - a.x, dz = b.z - a.z;
+  const auto parts = [&](double x, double z) {
+    const double length = std::hypot(x, z);
+    return length > 0 &&
+           std::abs(dx * x + dz * z) / length >=
+               (1 - 1e-12) * (reach(a, x / length, z / length) + reach(b, x / length, z / length));
+  };
+  for (const Outline* o : {&a, &b})
+    if (parts(o->cosine, -o->sine) || parts(o->sine, o->cosine)) return true;
+  if (parts(dx, dz)) return true;
+  for (const auto& [o, other] : {std::pair{&a, &b}, std::pair{&b, &a}})
+    for (const double sx : {-1.0, 1.0})
+      for (const double sz : {-1.0, 1.0}) {
+        const double across = sx * o->half_x, up = sz * o->half_z;
+        if (parts(other->x - o->x - across * o->cosine - up * o->sine,
+                  other->z - o->z + across * o->sine - up * o->cosine))
+          return true;
+      }
+  return false;
 }
 
 void check_coverage(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
@@ -25,15 +77,17 @@ void check_coverage(const Beamline& beamline, const Node& root, const PartNodes&
   if (std::none_of(items.begin(), items.end(),
                    [](const Node& n) { return PartNodes::kind_of(n) == Detector::kind; }))
     reading.error(
-        parts->key_place, "there is no detector among the parts, so the experiment would measure nothing",
+        parts->key_place,
+        nodes.names({Monitor::kind}).empty()
+            ? "there is no detector among the parts, so the experiment would measure nothing"
+            : "there is no detector among the parts: monitors count beside one, and do not stand for it",
         "add `- {name: screen, kind: detector, at: 1.2 m, width: 4 mm, height: 4 mm, bins: [80, 80]}`");
   for (std::size_t i = 0; i < beamline.parts.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const PlacedPart &a = beamline.parts[k], &b = beamline.parts[i];
       const auto *first = std::get_if<Detector>(&a.part), *second = std::get_if<Detector>(&b.part);
       if (!first || !second || a.placement.at != b.placement.at) continue;
-      if (std::abs(first->offset.x - second->offset.x) < (first->width + second->width) / 2 &&
-          std::abs(first->offset.z - second->offset.z) < (first->height + second->height) / 2)
+      if (!are_apart(outline_of(*first), outline_of(*second)))
         reading.error(
             place_in(nodes, b, "at"),
             fmt::format(
@@ -46,7 +100,7 @@ void check_coverage(const Beamline& beamline, const Node& root, const PartNodes&
 }  // namespace
 
 void check_detectors(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
-  check_result_names(nodes, reading);
+  check_sizes(beamline, nodes, reading);
   check_coverage(beamline, root, nodes, reading);
 }
 

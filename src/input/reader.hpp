@@ -209,7 +209,7 @@ bool read_by_keys(Keys& keys, V& out) {
     ways += (index++ == 0 ? "" : ", or ") + way;
   });
   if (given.empty()) {
-    keys.reading().error(keys.blame(), fmt::format("{} needs the size of its opening: {}", keys.what(), ways),
+    keys.reading().error(keys.blame(), fmt::format("{} needs its size: {}", keys.what(), ways),
                          fmt::format("add `{}`", example_of_rows<std::variant_alternative_t<0, V>>()));
     return false;
   }
@@ -328,7 +328,7 @@ bool read_list(const Node& node, const Row& row, Reading& reading, std::vector<T
   bool good = true;
   for (const Node& item : node.items) {
     T value{};
-    if constexpr (has_table<T>)
+    if constexpr (has_table<T> && !has_value_type<T>)
       good = read_entry(item, row, reading, value) && good;
     else
       good = read_value(item, item.place, row, reading, value) && good;

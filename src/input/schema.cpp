@@ -163,7 +163,11 @@ std::string schema_of(const Row& row) {
     return fmt::format(R"({{"type": "integer", "minimum": {}}})", row.range.low);
   else if constexpr (std::is_same_v<T, std::string>)
     return R"({"type": ["string", "number"]})";
-  else if constexpr (has_value_type<T>)
+  else if constexpr (std::is_same_v<T, TallyAxis>) {
+    std::vector<std::string> ways = schemas_of_rows<TallyAxis>();
+    ways.push_back(R"({"enum": ["level", "prepared_level"]})");
+    return any_of(ways);
+  } else if constexpr (has_value_type<T>)
     return with_dimensions(ValueType<T>::schema);
   else if constexpr (std::is_same_v<T, Node>)
     return "{\"not\": {\"type\": \"null\"}}";

@@ -128,6 +128,7 @@ std::string example_for(const Row& row) {
       {"degree", "0.9"},
       {"rate", "1e6 1/s"},
       {"values", "0.5"},
+      {"background", "10 1/s"},
       {"species", "neutron"},
       {"parts", "[...]"},
       {"seed", "1"},
@@ -163,8 +164,11 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
     return false;
   }
   if (!row.range.contains(parsed.value)) {
+    const bool percent = row.range.words == range::fraction.words && parsed.value > 1 && parsed.value <= 100;
     reading.error(node.place,
-                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)));
+                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
+                  percent ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
+                          : std::string{});
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.

@@ -124,4 +124,19 @@ struct ValueType<UnitVector> {
   static bool read(const Node&, const Row&, Reading&, UnitVector& out);
 };
 
+/// One end of a tally's axis: what it is written in follows from the quantity, so the axis reads it.
+template <>
+struct ValueType<AxisEnd> {
+  static constexpr std::string_view example = "0", what = "value of the quantity",
+                                    schema = R"({"type": ["string", "number"]})";
+  static bool read(const Node&, const Row&, Reading&, AxisEnd& out);
+};
+/// A mapping, or the name of a quantity alone, which has a bin for each level.
+template <>
+struct ValueType<TallyAxis> {
+  static constexpr std::string_view example = "{quantity: time_of_flight, from: 0 ms, to: 5 ms, bins: 100}",
+                                    what = "{quantity, from, to, bins, axis} | level | prepared_level";
+  static bool read(const Node&, const Row&, Reading&, TallyAxis& out);
+};
+
 }  // namespace rabiline

@@ -48,6 +48,7 @@ template <>
 inline constexpr std::string_view tag_key<Opening> = "";  // told apart by their keys
 
 /// A convex one: what a straight path is in at both ends, it is in all along.
+/// What a detector or a monitor turns to the beam.
 using Face = std::variant<Rectangle, Disc>;
 template <>
 inline constexpr std::string_view tag_key<Face> = "";

@@ -5,10 +5,13 @@
 namespace rabiline {
 
 void contribute(const Detector& detector, const Placement& place, SectionBuilder& builder) {
-  builder.plane(place.at, ScreenTerm{{detector.width, detector.height},
-                                     detector.offset,
-                                     static_cast<int>(detector.bins.x),
-                                     static_cast<int>(detector.bins.z)});
+  ScreenTerm screen{detector.face, detector.offset, static_cast<int>(detector.bins.x),
+                    static_cast<int>(detector.bins.z)};
+  screen.tilt = detector.tilt;
+  screen.efficiency = detector.efficiency;
+  if (detector.dead) screen.dead = {opening_of(detector.dead->face), detector.dead->offset};
+  screen.tallies = detector.tallies;
+  builder.plane(place.at, std::move(screen));
 }
 
 }  // namespace rabiline

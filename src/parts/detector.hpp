@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "parts/placement.hpp"
+#include "tally/tally.hpp"
 
 namespace rabiline {
 
@@ -15,22 +16,50 @@ struct Bins {
   bool operator==(const Bins&) const = default;
 };
 
-/// A rectangular screen that catches what hits it and histograms x and z; what misses it flies on.
+/// A part of a screen that absorbs and does not count.
+struct DeadArea {
+  Face face;
+  Offset offset;
+  bool operator==(const DeadArea&) const = default;
+};
+template <>
+inline constexpr auto parameters<DeadArea> = std::tuple{
+    param("", &DeadArea::face, "its size: width and height, or radius"),
+    param("offset", &DeadArea::offset, "displacement of its centre from the axis", Offset{}),
+};
+
+/// A screen that catches what hits it and histograms x and z; what misses it flies on. Of the weight of what
+/// it catches it counts `efficiency`, rounded down to quanta, and nothing inside its dead area; the rest is
+/// stopped there uncounted.
 struct Detector {
   static constexpr std::string_view kind = "detector",
-                                    meaning = "a screen that catches particles and histograms x and z";
-  double width = 0;   // [m] along x
-  double height = 0;  // [m] along z
+                                    meaning =
+                                        "a screen that catches particles and histograms x and z; a hot wire "
+                                        "is one of small width";
+  Face face;
   Bins bins;
   Offset offset;
+  Roll tilt{};
+  double efficiency = 1;
+  std::optional<DeadArea> dead{};
+  double background = 0;  // [1/s]
+  std::vector<Tally> tallies{};
   bool operator==(const Detector&) const = default;
 };
 template <>
 inline constexpr auto parameters<Detector> = std::tuple{
-    param("width", &Detector::width, Dimension::length, range::positive, "full extent along x"),
-    param("height", &Detector::height, Dimension::length, range::positive, "full extent along z"),
+    param("", &Detector::face, "its size: width and height, or radius"),
     param("bins", &Detector::bins, "numbers of bins along x and z, e.g. [80, 80]; 1 to 10000 each"),
     param("offset", &Detector::offset, "displacement of the screen's centre from the axis", Offset{}),
+    param("tilt", &Detector::tilt,
+          "how the screen is turned about its centre; x and z of its histogram turn with it", Roll{}),
+    param("efficiency", &Detector::efficiency, Dimension::number, range::fraction,
+          "share of the weight that is counted; the rest is stopped there uncounted", 1.0),
+    param("dead", &Detector::dead, "an area inside which nothing is counted; none where it is missing"),
+    param("background", &Detector::background, Dimension::rate, range::not_negative,
+          "counts per second without a beam, carried to the results", 0.0),
+    param("tallies", &Detector::tallies, "histograms of what is counted (see `describe tallies`)",
+          NoTallies{}),
 };
 
 void contribute(const Detector&, const Placement&, SectionBuilder&);

@@ -7,6 +7,7 @@
 #include "parts/collimator.hpp"
 #include "parts/detector.hpp"
 #include "parts/guide_field.hpp"
+#include "parts/monitor.hpp"
 #include "parts/oscillating_field.hpp"
 #include "parts/polarizer.hpp"
 #include "parts/rotating_field.hpp"
@@ -26,7 +27,8 @@ using Part = std::variant<Polarizer,         //
                           Slit,              //
                           Collimator,        //
                           BeamStop,          //
-                          Detector>;
+                          Detector,          //
+                          Monitor>;
 
 struct PlacedPart {
   Placement placement;

@@ -9,6 +9,7 @@
 
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
+#include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
 #include "section/section_builder.hpp"
 #include "spin/majorana.hpp"
@@ -75,8 +76,10 @@ class Compiler {
   std::vector<Stage> compile() {
     fly();
     chain_.push_back(Exit{});
+    tally_detectors(false);
     for (const Plane& plane : sections_.planes)
       if (std::holds_alternative<ScreenTerm>(plane.term)) chain_.push_back(stretch_to(plane));
+    tally_detectors(true);
     return std::move(chain_);
   }
 
@@ -147,10 +150,50 @@ class Compiler {
       return;
     }
     stop_at_chamber(plane.y);
+    if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term)) {
+      add_monitor(plane, *monitor);
+      return;
+    }
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
       chain_.push_back(Passage{plate_at(plane.y, *plate), plane.part});
     else
       chain_.push_back(Score{screen_at(plane)});
+  }
+
+  // ---- tallies ----
+
+  void add_monitor(const Plane& plane, const MonitorTerm& monitor) {
+    Census census{aperture_of(plane.y, monitor.face, monitor.offset, monitor.tilt), plane.part};
+    chain_.push_back(census);
+    add_tallies(plane, monitor.tallies, census.face, false, false);
+    add_tallies(plane, monitor.tallies, census.face, false, true);
+  }
+  /// Behind all else, since they read only what was caught: those that ask for no spin come first, so that
+  /// scan points which differ in fields alone share them.
+  void tally_detectors(bool of_spin) {
+    for (const Plane& plane : sections_.planes)
+      if (const auto* screen = std::get_if<ScreenTerm>(&plane.term))
+        add_tallies(plane, screen->tallies, aperture_of(plane.y, Disc{}, {}), true, of_spin);
+  }
+  void add_tallies(const Plane& plane, const std::vector<Tally>& tallies, const Aperture& face, bool caught,
+                   bool of_spin) {
+    for (std::size_t i = 0; i < tallies.size(); ++i) {
+      if (asks_for_spin(tallies[i]) != of_spin) continue;
+      Histogram histogram = histogram_of(tallies[i], static_cast<int>(i), species_, levels());
+      histogram.part = plane.part;
+      histogram.caught = caught;
+      histogram.face = face;
+      if (of_spin && straight_) histogram.zones = zones_seen_by(histogram, plane);
+      chain_.push_back(std::move(histogram));
+    }
+  }
+  std::vector<SpinZone> zones_seen_by(const Histogram& histogram, const Plane& plane) const {
+    const bool along_z = std::all_of(histogram.axes.begin(), histogram.axes.end(), [](const auto& axis) {
+      return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
+    });
+    const UnitVector start = start_before(plane);
+    return quantum_ && along_z ? without_precession_about_z(zones_before(plane), start.x == 0 && start.y == 0)
+                               : zones_before(plane);
   }
 
   // ---- from the source to the last part ----
@@ -249,6 +292,8 @@ class Compiler {
           "direction\n  "
           "help: move it out of the fields, or leave it away under this law",
           beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, describe(beamline_.law)));
+    } else if (std::holds_alternative<MonitorTerm>(plane.term)) {
+      refuse_monitor_in_region(beamline_, plane, species_);
     } else {
       edge.kind = EdgeKind::screen;
       edge.screen = screen_at(plane);

@@ -21,7 +21,7 @@ Aperture target_of(const Beamline& beamline, const std::string& name) {
   if (const auto* slit = std::get_if<Slit>(&target.part))
     return aperture_of(target.placement.at, slit->opening, slit->offset, slit->tilt);
   const auto& detector = std::get<Detector>(target.part);
-  return aperture_of(target.placement.at, Rectangle{detector.width, detector.height}, detector.offset);
+  return aperture_of(target.placement.at, opening_of(detector.face), detector.offset, detector.tilt);
 }
 
 /// Fills the Emission of one species; each group of overloads one thing that is drawn.

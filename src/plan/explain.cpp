@@ -118,8 +118,32 @@ class Explainer {
          name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
   void show(const Score& s) {
-    line("{}  {}: catches and histograms, {} x {} bins{}", metres(s.screen.y), name_of(s.screen.part),
-         s.screen.bins_x, s.screen.bins_z, reuse());
+    line("{}  {}: catches and histograms, {} x {} bins{}{}{}", metres(s.screen.y), name_of(s.screen.part),
+         s.screen.bins_x, s.screen.bins_z,
+         s.screen.efficiency == 1 ? "" : fmt::format(", counts {:g} of each", s.screen.efficiency),
+         s.screen.has_dead_area ? ", nothing in its dead area" : "", reuse());
+  }
+  void show(const Census& census) {
+    line("{}  {}: counts what passes{}", metres(census.face.y), name_of(census.part), reuse());
+  }
+  void show(const Histogram& histogram) {
+    const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
+    const auto number = static_cast<std::size_t>(histogram.tally);
+    std::string name, axes;
+    if (const auto* monitor = std::get_if<Monitor>(&part)) name = monitor->tallies[number].name;
+    if (const auto* detector = std::get_if<Detector>(&part)) name = detector->tallies[number].name;
+    for (const HistogramAxis& axis : histogram.axes)
+      axes += fmt::format("{}{} ({} bins)", axes.empty() ? "" : ", ", word_of(axis.quantity), axis.bins);
+    if (!histogram.zones.empty())
+      axes += fmt::format(", spins turned from {:.4g} to {:.4g} m", histogram.zones.front().begin,
+                          histogram.zones.back().end);
+    line("            {} tallies {}: {}; {:.4g} KiB of sums{}", name_of(histogram.part), name, axes,
+         static_cast<double>(sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
+  }
+  static std::string_view word_of(Quantity quantity) {
+    for (const auto& choice : choices<Quantity>)
+      if (choice.value == quantity) return choice.word;
+    return "";
   }
   void show(const Exit&) { line("            what still flies has passed{}", reuse()); }
   void show(const TurningRegion& region) {

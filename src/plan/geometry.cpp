@@ -32,14 +32,20 @@ double area_of(const Aperture& a) {
                        : 4 * a.half_x * a.half_z;
 }
 
+Rectangle extent_of(const Face& face) {
+  if (const auto* disc = std::get_if<Disc>(&face)) return {2 * disc->radius, 2 * disc->radius};
+  return std::get<Rectangle>(face);
+}
+
 ScreenGrids screen_grids(const std::vector<Beamline>& points) {
   ScreenGrids grids;
   for (const Beamline& beamline : points)
     for (const PlacedPart& part : beamline.parts) {
       const auto* d = std::get_if<Detector>(&part.part);
       if (d == nullptr) continue;
-      const ScreenGrid own{d->offset.x - d->width / 2, d->offset.x + d->width / 2,
-                           d->offset.z - d->height / 2, d->offset.z + d->height / 2};
+      const Rectangle size = extent_of(d->face);
+      const ScreenGrid own{d->offset.x - size.width / 2, d->offset.x + size.width / 2,
+                           d->offset.z - size.height / 2, d->offset.z + size.height / 2};
       ScreenGrid& grid = grids.try_emplace(part.placement.name, own).first->second;
       grid = {std::min(grid.low_x, own.low_x), std::max(grid.high_x, own.high_x),
               std::min(grid.low_z, own.low_z), std::max(grid.high_z, own.high_z)};
@@ -53,8 +59,19 @@ Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& g
   s.part = part;
   s.x0 = term.offset.x;
   s.z0 = term.offset.z;
-  s.half_x = term.size.width / 2;
-  s.half_z = term.size.height / 2;
+  const Aperture rim = aperture_of(y, opening_of(term.face), term.offset, term.tilt);
+  s.half_x = extent_of(term.face).width / 2;
+  s.half_z = extent_of(term.face).height / 2;
+  s.radius = rim.radius;
+  if (term.tilt.y != 0) {
+    s.cosine = std::cos(term.tilt.y);
+    s.sine = std::sin(term.tilt.y);
+  }
+  s.efficiency = term.efficiency;
+  if (term.dead) {
+    s.has_dead_area = true;
+    s.dead = aperture_of(y, term.dead->opening, term.dead->offset, term.dead->tilt);
+  }
   s.bins_x = term.bins_x;
   s.bins_z = term.bins_z;
   s.low_x = grid.low_x;

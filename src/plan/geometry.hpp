@@ -16,6 +16,9 @@ Aperture aperture_of(double y, const Opening&, const Offset&, const Roll& = {});
 /// Area of an opening [m^2].
 double area_of(const Aperture&);
 
+/// The rectangle around a face, along its own axes.
+Rectangle extent_of(const Face&);
+
 /// The rectangle [m] that a detector's histogram covers: all places that its screen takes in a scan.
 struct ScreenGrid {
   double low_x, high_x, low_z, high_z;

@@ -9,7 +9,7 @@ namespace {
 
 // Rough times on one core with AVX-512 [s].
 constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4e-9, cost_of_zone = 5e-9,
-                 cost_of_closed_form = 2e-9;
+                 cost_of_closed_form = 2e-9, cost_of_tally = 1e-8;
 
 // Estimated time for one particle of that speed on one core [s]; only its order of magnitude matters.
 double cost_of(const TurningRegion& region, double speed) {
@@ -28,6 +28,12 @@ double cost_of(const Precession& precession, double speed) { return cost_of(prec
 double cost_of(const SpinStretch& stretch, double speed) {
   if (stretch.from_level && stretch.zones.size() <= 1 && stretch.levels == 2) return cost_of_closed_form;
   return cost_of_closed_form * stretch.levels + cost_of(stretch.zones, speed);
+}
+double cost_of(const Histogram& histogram, double speed) {
+  double sum = cost_of_tally * static_cast<double>(histogram.axes.size() + 1);
+  if (!histogram.zones.empty() || !histogram.polynomials.empty())
+    sum += cost_of(SpinStretch{0, std::max(2, histogram.levels), true, false, histogram.zones, {}}, speed);
+  return sum;
 }
 template <class Plain>
 double cost_of(const Plain&, double) {
@@ -55,14 +61,20 @@ std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t
     else
       group->push_back(chain);
   }
+  // Points that differ in what is looked at, and not in what happens, go on together.
+  const bool look_apart = groups.size() > 1 && std::all_of(chains.begin(), chains.end(), [&](const Chain* c) {
+                            return c->stages.size() > depth && only_reads(c->stages[depth]);
+                          });
   std::vector<PlanNode> nodes;
   for (const auto& group : groups) {
     PlanNode node{group.front()->stages[depth], {}, sums, {}};
     for (const Chain* chain : group) node.points.push_back(chain->point);
     sums += sums_needed(node.stage);
-    node.next = merge(group, depth + 1, sums);
+    if (!look_apart) node.next = merge(group, depth + 1, sums);
     nodes.push_back(std::move(node));
   }
+  if (look_apart)
+    for (PlanNode& node : merge(chains, depth + 1, sums)) nodes.push_back(std::move(node));
   return nodes;
 }
 

@@ -12,7 +12,8 @@
 
 namespace rabiline {
 
-/// One stage, the scan points it serves, where its sums begin, and what follows.
+/// One stage, the scan points it serves, where its sums begin, and what follows. Stages that only read may
+/// stand beside what follows them.
 struct PlanNode {
   Stage stage;
   std::vector<int> points;

@@ -6,6 +6,7 @@
 
 #include "field/terms.hpp"
 #include "particle/opening.hpp"
+#include "tally/tally.hpp"
 
 namespace rabiline {
 
@@ -53,16 +54,28 @@ struct FilterTerm {
 };
 /// What hits the screen is caught and histogrammed.
 struct ScreenTerm {
-  Rectangle size;
+  Face face;
   Offset offset;
   int bins_x = 1, bins_z = 1;
+  Roll tilt{};
+  double efficiency = 1;
+  std::optional<PlateTerm> dead{};  // an opening inside which nothing is counted
+  std::vector<Tally> tallies{};
   bool operator==(const ScreenTerm&) const = default;
+};
+/// What passes the face is counted and flies on.
+struct MonitorTerm {
+  Opening face;
+  Offset offset;
+  Roll tilt{};
+  std::vector<Tally> tallies{};
+  bool operator==(const MonitorTerm&) const = default;
 };
 
 struct Plane {
   double y = 0;  // [m]
   int part = 0;
-  std::variant<PlateTerm, AlignTerm, FilterTerm, ScreenTerm> term;
+  std::variant<PlateTerm, AlignTerm, FilterTerm, ScreenTerm, MonitorTerm> term;
   bool operator==(const Plane&) const = default;
 };
 

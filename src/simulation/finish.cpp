@@ -11,13 +11,12 @@
 
 #include "particle/fate.hpp"
 #include "section/section.hpp"
+#include "simulation/counting.hpp"
+#include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
 
 namespace rabiline {
 namespace {
-
-constexpr double quanta = static_cast<double>(quanta_per_particle);
-double particles(Sum q) { return static_cast<double>(q) / quanta; }
 
 std::string_view name_of(Fate fate) {
   switch (fate) {
@@ -60,6 +59,7 @@ class Finisher {
     }
     count_emitted();
     add_detectors();
+    finish_tallies({experiment_, plan_, sums_, tallies_, emitted_}, result_);
     add_fates();
     return std::move(result_);
   }
@@ -104,29 +104,6 @@ class Finisher {
     for (const Beamline& b : experiment_.points) result_.aimed_fraction.push_back(aimed_fraction(b, known));
   }
 
-  /// Variance of what was counted of n particles of one species: Wilson's where every particle weighs the
-  /// same, else the standard one. Species are drawn in fixed shares, so their variances add up.
-  static double variance_of(const Moments& m, double n) {
-    if (m.q2 == m.q * quanta_per_particle) return std::pow(n * wilson_error(particles(m.q), n), 2);
-    const double q = particles(m.q);
-    return std::max(0.0, static_cast<double>(m.q2) / (quanta * quanta) - q * q / n);
-  }
-  /// A histogram over all species: counts and their variances.
-  struct Counts {
-    explicit Counts(std::size_t bins) : counts(bins, 0.0), variances(bins, 0.0) {}
-    std::vector<double> counts, variances;
-    void add(const std::vector<Moments>& species, double n) {
-      for (std::size_t b = 0; b < species.size(); ++b) {
-        counts[b] += particles(species[b].q);
-        variances[b] += variance_of(species[b], n);
-      }
-    }
-    void put(std::vector<double>& to, std::vector<double>& errors) const {
-      to.insert(to.end(), counts.begin(), counts.end());
-      for (const double v : variances) errors.push_back(std::sqrt(v));
-    }
-  };
-
   // ---- detectors ----
 
   void add_detectors() {
@@ -138,20 +115,13 @@ class Finisher {
       detector.name = parts[i].placement.name;
       detector.label = parts[i].placement.label.value_or(detector.name);
       detector.y = parts[i].placement.at;
+      detector.background = std::get<Detector>(parts[i].part).background;
       add_axes(grids.at(detector.name), std::get<Detector>(parts[i].part).bins, detector);
-      for (std::size_t p = 0; p < points_; ++p) add_counts(number_of(p, detector.name), p, detector);
-      add_covariance(detector);
+      for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
+      detector.detected_covariance = covariance_of(deviations_[detector.name], experiment_.particles);
       add_levels(detector);
       result_.detectors.push_back(std::move(detector));
     }
-  }
-
-  /// A part's number at a scan point: a scan over `at` may change the order.
-  int number_of(std::size_t point, const std::string& name) const {
-    const auto& parts = experiment_.points[point].parts;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      if (parts[i].placement.name == name) return static_cast<int>(i);
-    throw std::logic_error("a detector is missing at a scan point");
   }
 
   static void add_axes(const ScreenGrid& grid, const Bins& bins, DetectorResult& detector) {
@@ -165,11 +135,11 @@ class Finisher {
     detector.z = {"z", edges(grid.low_z, grid.high_z, bins.z)};
   }
 
-  bool concerns(const std::vector<int>& points, std::size_t p) const {
-    return std::binary_search(points.begin(), points.end(), static_cast<int>(p));
-  }
-
-  void add_counts(int part, std::size_t p, DetectorResult& detector) {
+  void add_counts(std::size_t p, DetectorResult& detector) {
+    const Beamline& beamline = experiment_.points[p];
+    const int part = number_of(beamline, detector.name);
+    const std::uint64_t each =
+        counted_of_one(std::get<Detector>(beamline.parts[static_cast<std::size_t>(part)].part).efficiency);
     const std::size_t nx = detector.x.edges.size() - 1, nz = detector.z.edges.size() - 1;
     Counts bins(nx * nz), along_x(nx), along_z(nz), total(1);
     Moments all;
@@ -184,10 +154,10 @@ class Finisher {
           m->q2 += s[screen.layout.bin(b) + 1];
         }
       const double n = static_cast<double>(screen.tree->last - screen.tree->first);
-      bins.add(own, n);
-      along_x.add(own_x, n);
-      along_z.add(own_z, n);
-      total.add(own_total, n);
+      bins.add(own, n, each);
+      along_x.add(own_x, n, each);
+      along_z.add(own_z, n, each);
+      total.add(own_total, n, each);
       for (std::size_t g = 0; g < group_count; ++g)
         deviations[g] +=
             particles(s[screen.layout.group(g)]) - particles(own_total[0].q) / n * members(*screen.tree, g);
@@ -200,18 +170,10 @@ class Finisher {
     detector.detected.push_back(fraction);
     detector.detected_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
                                            ? std::sqrt(total.variances[0]) / particles(emitted.q)
-                                           : ratio_error(all, emitted, fraction));
+                                           : ratio_error(all, emitted, fraction, particles(each)));
     for (double& d : deviations) d /= particles(emitted.q);
     deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
-  }
-
-  /// Where weights differ, what was emitted is random too: the error of a ratio of sums over the same
-  /// particles.
-  static double ratio_error(const Moments& part, const Moments& whole, double ratio) {
-    const double q2 = static_cast<double>(part.q2), all_q2 = static_cast<double>(whole.q2);
-    return std::sqrt(std::max(0.0, q2 * (1 - 2 * ratio) + ratio * ratio * all_q2)) /
-           static_cast<double>(whole.q);
   }
 
   /// Error of the share of a level in what was detected: sum (q - f w)^2 over particles, with the mixed term
@@ -219,27 +181,6 @@ class Finisher {
   static double share_error(const Moments& level, const Moments& all, double share) {
     const double q2 = static_cast<double>(level.q2), all_q2 = static_cast<double>(all.q2);
     return std::sqrt(std::max(0.0, q2 - share * share * all_q2)) / static_cast<double>(all.q);
-  }
-
-  /// How many particles of a tree are in a group.
-  static double members(const PlanTree& tree, std::uint64_t group) {
-    const auto below = [&](std::uint64_t n) { return n / group_count + (group < n % group_count ? 1 : 0); };
-    return static_cast<double>(below(tree.last) - below(tree.first));
-  }
-
-  /// Between points that fly the same particles: from how far each group is from what its size lets expect.
-  void add_covariance(DetectorResult& detector) {
-    constexpr std::size_t most_points = 2048;
-    if (points_ < 2 || points_ > most_points || experiment_.particles != ScanParticles::shared) return;
-    const std::vector<std::vector<double>>& deviations = deviations_[detector.name];
-    detector.detected_covariance.resize(points_ * points_);
-    for (std::size_t a = 0; a < points_; ++a)
-      for (std::size_t b = 0; b <= a; ++b) {
-        double sum = 0;
-        for (std::size_t g = 0; g < group_count; ++g) sum += deviations[a][g] * deviations[b][g];
-        sum *= static_cast<double>(group_count) / (group_count - 1);
-        detector.detected_covariance[a * points_ + b] = detector.detected_covariance[b * points_ + a] = sum;
-      }
   }
 
   // ---- levels ----
@@ -259,7 +200,7 @@ class Finisher {
   void add_levels(DetectorResult& detector) {
     std::vector<std::map<std::string, Moments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
-      const int part = number_of(p, detector.name);
+      const int part = number_of(experiment_.points[p], detector.name);
       for (const LevelTally& tally : tallies_.levels) {
         if (tally.part != part || !concerns(*tally.points, p)) continue;
         for (int level = 0; level < tally.levels; ++level) {

@@ -31,6 +31,37 @@ struct DetectorResult {
   /// are m = I ... -I of the spin along +z; for the vector laws two rows, (1 + S_z)/2 and (1 - S_z)/2.
   std::vector<std::string> level_labels;
   std::vector<double> levels, levels_errors;  // [points][levels]; NaN where nothing was detected
+  double background = 0;                      // [1/s] counts without a beam
+};
+
+/// One monitor over the scan.
+struct MonitorResult {
+  std::string name, label;
+  double y = 0;                           // [m] where it stands
+  std::vector<double> passed;             // [points] fraction of emitted that flew through its face
+  std::vector<double> passed_errors;      // [points]
+  std::vector<double> passed_covariance;  // [points][points]; empty where there is one point only
+};
+
+/// An axis of a tally: a range with equal bins, or levels with a label each.
+struct TallyAxisResult {
+  std::string quantity;  // "time_of_flight"
+  Dimension dimension = Dimension::number;
+  std::vector<double> edges;        // [SI] n + 1 of them; around m for levels
+  std::vector<std::string> labels;  // of levels, else empty
+  std::vector<double> direction;    // that a spin is projected on, else empty
+  /// Of what is inside the ranges of all axes; empty for levels. NaN where nothing is.
+  std::vector<double> mean, mean_errors, deviation, deviation_errors;  // [points] [SI]
+};
+
+/// One tally of a monitor or a detector over the scan.
+struct TallyResult {
+  std::string part, part_label, name;
+  bool of_monitor = false;                      // of what passed, else of what was counted
+  bool asks_for_spin = false;                   // under `quantum` weights are split over the outcomes
+  std::vector<TallyAxisResult> axes;            // one to three
+  std::vector<double> counts, counts_errors;    // [points][bins of the axes], in particles
+  std::vector<double> outside, outside_errors;  // [points] what crossed outside of the ranges
 };
 
 /// One line of the ledger, over the scan.
@@ -72,6 +103,8 @@ struct Result {
   std::vector<double> emitted;         // [points] in particles
   std::vector<std::uint64_t> emitted_quanta_high, emitted_quanta_low;  // [points]
   std::vector<DetectorResult> detectors;
+  std::vector<MonitorResult> monitors;
+  std::vector<TallyResult> tallies;
   std::vector<FateResult> fates;
   Provenance provenance;
 };

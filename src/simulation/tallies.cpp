@@ -32,12 +32,22 @@ void Tallies::add(const SpinStretch& stretch, const PlanNode& node) {
   levels.push_back({stretch.part, tree_->component, stretch.levels, node.sums, &node.points});
 }
 
+void Tallies::add(const Census& census, const PlanNode& node) {
+  censuses.push_back({census.part, tree_, node.sums, &node.points});
+}
+
+void Tallies::add(const Histogram& histogram, const PlanNode& node) {
+  histograms.push_back({&histogram, tree_, node.sums, &node.points});
+}
+
 void Tallies::add(const Score& score, const PlanNode& node) { add_screen(score.screen, node.sums, node); }
 
 void Tallies::add_screen(const Screen& screen, std::size_t at, const PlanNode& node) {
   const ScreenSums layout = sums_of(screen);
   screens.push_back({screen.part, tree_, layout, at, &node.points});
   fates.push_back({Fate::detected, screen.part, at + layout.total(), &node.points});
+  if (screen.efficiency != 1 || screen.has_dead_area)
+    fates.push_back({Fate::stopped, screen.part, at + layout.lost(), &node.points});
 }
 
 void Tallies::add(const TurningRegion& region, const PlanNode& node) {
@@ -50,7 +60,9 @@ void Tallies::add(const TurningRegion& region, const PlanNode& node) {
   std::size_t screen = node.sums + layout.screens();
   for (std::size_t i = 0; i < region.edges.size(); ++i) {
     const RegionEdge& edge = region.edges[i];
-    if (edge.kind == EdgeKind::plate)
+    const bool loses =
+        edge.kind == EdgeKind::screen && (edge.screen.efficiency != 1 || edge.screen.has_dead_area);
+    if (edge.kind == EdgeKind::plate || loses)
       fates.push_back({Fate::stopped, edge.part, node.sums + layout.edge(i), &node.points});
     if (edge.kind == EdgeKind::screen) {
       add_screen(edge.screen, screen, node);

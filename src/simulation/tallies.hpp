@@ -22,6 +22,18 @@ struct LevelTally {
   std::size_t at;
   const std::vector<int>* points;
 };
+struct CensusTally {
+  int part;
+  const PlanTree* tree;
+  std::size_t at;
+  const std::vector<int>* points;
+};
+struct HistogramTally {
+  const Histogram* histogram;
+  const PlanTree* tree;
+  std::size_t at;
+  const std::vector<int>* points;
+};
 struct FateTally {
   Fate fate;
   int part;  // no_part where it does not apply
@@ -35,6 +47,8 @@ struct Tallies {
   std::vector<ScreenTally> screens;
   std::vector<LevelTally> levels;
   std::vector<FateTally> fates;
+  std::vector<CensusTally> censuses;
+  std::vector<HistogramTally> histograms;
 
   explicit Tallies(const Plan&);
 
@@ -49,6 +63,8 @@ struct Tallies {
   void add(const SpinStretch&, const PlanNode&);
   void add(const Score&, const PlanNode&);
   void add(const TurningRegion&, const PlanNode&);
+  void add(const Census&, const PlanNode&);
+  void add(const Histogram&, const PlanNode&);
   void add_screen(const Screen&, std::size_t at, const PlanNode&);
 
   const PlanTree* tree_ = nullptr;

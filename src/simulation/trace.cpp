@@ -39,7 +39,7 @@ class Tracer {
   bool flying() const { return batch_.view().flying[0] != 0; }
 
   void pass(const PlanNode& node) {
-    if (!flying()) return;
+    if (!flying() || std::holds_alternative<Histogram>(node.stage)) return;
     show_plane(node.stage);
     Sums sums(sums_needed(node.stage));
     const auto forward = [](void* self, double t, const double* place, const double* velocity,
@@ -61,6 +61,7 @@ class Tracer {
   void show_plane(const Stage& stage) {
     if (const auto* passage = std::get_if<Passage>(&stage)) record_straight(passage->aperture.y);
     if (const auto* score = std::get_if<Score>(&stage)) record_straight(score->screen.y);
+    if (const auto* census = std::get_if<Census>(&stage)) record_straight(census->face.y);
     if (const auto* drift = std::get_if<Drift>(&stage)) record_straight(drift->y);
     if (const auto* align = std::get_if<Alignment>(&stage)) record_straight(place_of(align->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) record_straight(place_of(filter->part));
@@ -75,7 +76,8 @@ class Tracer {
     };
     if (const auto* passage = std::get_if<Passage>(&stage)) set_fate("stopped", name(passage->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) set_fate("stopped", name(filter->part));
-    if (const auto* score = std::get_if<Score>(&stage)) set_fate("detected", name(score->screen.part));
+    if (const auto* score = std::get_if<Score>(&stage))
+      set_fate(batch_.view().caught_by[0] != 0 ? "detected" : "stopped", name(score->screen.part));
     if (std::holds_alternative<Exit>(stage)) set_fate("passed", "");
     if (const auto* region = std::get_if<TurningRegion>(&stage)) {
       const std::uint64_t code = batch_.view().scratch[0] & 0xffffffffULL;

@@ -5,12 +5,9 @@
 namespace rabiline {
 namespace {
 
-/// Only reads the batch: needs no copy, and may be asked even when nothing flies any more.
-bool only_reads(const PlanNode& node) { return std::holds_alternative<SpinStretch>(node.stage); }
-
 /// All that follows only reads.
 bool leaves_untouched(const PlanNode& node) {
-  return only_reads(node) && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
+  return only_reads(node.stage) && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "core/units.hpp"
 #include "storage/nexus.hpp"
+#include "storage/tally_groups.hpp"
 
 namespace rabiline {
 namespace {
@@ -53,9 +54,11 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 }
 
 /// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
-std::vector<std::string> group_names(const Result& result) {
-  nexus::Names names({"title", "program_name", "law", "species", "particles", "solid_angle", "aimed_fraction",
-                      "rate", "scan", "instrument", "fates", "simulation"});
+nexus::Names names_of_entry() {
+  return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle", "aimed_fraction",
+                       "rate", "scan", "instrument", "fates", "simulation"});
+}
+std::vector<std::string> group_names(const Result& result, nexus::Names& names) {
   std::vector<std::string> claimed;
   for (const DetectorResult& detector : result.detectors) {
     claimed.push_back(names.claim(detector.name, {"", "_x", "_z", "_levels"}));
@@ -138,11 +141,7 @@ void write_scan(const GroupWriter& entry, const Result& result) {
 }
 
 Axis centres_of(const BinAxis& bins) {
-  Axis axis{bins.name, "m", nexus::long_name(bins.name, "m"), {}, {}, ""};
-  for (std::size_t i = 0; i + 1 < bins.edges.size(); ++i) {
-    axis.values.push_back(0.5 * (bins.edges[i] + bins.edges[i + 1]));
-  }
-  return axis;
+  return {bins.name, "m", nexus::long_name(bins.name, "m"), nexus::centres_of(bins.edges), {}, ""};
 }
 
 void write_edges(const GroupWriter& data, const BinAxis& bins) {
@@ -162,6 +161,8 @@ void write_detector(const GroupWriter& entry, const std::string& name, const Res
       behind(scan, {x, z}));
   write_edges(image, detector.x);
   write_edges(image, detector.z);
+  image.number("background", detector.background,
+               {{"units", "1/s"}, {"long_name", "counts per second without a beam (1/s)"}});
 
   const auto write_histogram = [&](const BinAxis& bins, const Axis& axis, const std::vector<double>& counts,
                                    const std::vector<double>& errors) {
@@ -259,9 +260,11 @@ void write_results(const Result& result, const std::filesystem::path& path) {
         nexus::write_entry(file, path.filename().string(), result.title, result.provenance.version);
     write_summary(entry, result);
     if (!result.detectors.empty()) write_scan(entry, result);
-    const std::vector<std::string> names = group_names(result);
+    nexus::Names taken = names_of_entry();
+    const std::vector<std::string> names = group_names(result, taken);
     for (std::size_t i = 0; i < names.size(); ++i)
       write_detector(entry, names[i], result, result.detectors[i]);
+    nexus::write_monitors_and_tallies(entry, result, scan_axes(result), taken);
     write_instrument(entry, names, result);
     write_fates(entry, result);
     write_simulation(entry, result);

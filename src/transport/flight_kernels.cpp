@@ -38,23 +38,31 @@ std::uint64_t pass(const Aperture& aperture, BatchView& batch) {
   return sum(stopped);
 }
 
-std::uint64_t screen(const Screen& screen, BatchView& batch) {
+Caught screen(const Screen& screen, BatchView& batch) {
   const Aperture rim = rim_of(screen);
-  words caught_weight = words{};
+  words counted_weight = words{}, lost_weight = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real vy = load(batch.vy + i), dt = broadcast(screen.y - batch.y) / vy;
     const real x = fma(load(batch.vx + i), dt, load(batch.x + i)),
                z = fma(load(batch.vz + i), dt, load(batch.z + i));
-    const words flying = load(batch.flying + i), caught = (words)inside(rim, x, z) & flying;
+    const words flying = load(batch.flying + i), hit = (words)inside(rim, x, z) & flying;
+    const words caught = hit & ~(words)in_dead_area(screen, x, z);
+    const words weight = load(batch.weight + i);
+    words counted = weight;
+    if (screen.efficiency != 1) {
+      counted = weight_of(floor(number_of(weight) * screen.efficiency));
+      store(batch.weight + i, select((mask)caught, counted, weight));
+    }
     store(batch.scratch + i, bin_on(screen, x, z) | ~caught);
     store(batch.slowness + i, select((mask)caught, 1.0 / vy, load(batch.slowness + i)));
     store(batch.caught_by + i,
           select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part + 1)),
                  load(batch.caught_by + i)));
-    store(batch.flying + i, flying & ~caught);
-    caught_weight = caught_weight + (load(batch.weight + i) & caught);
+    store(batch.flying + i, flying & ~hit);
+    counted_weight = counted_weight + (counted & caught);
+    lost_weight = lost_weight + (weight & hit) - (counted & caught);
   }
-  return sum(caught_weight);
+  return {sum(counted_weight), sum(lost_weight)};
 }
 
 void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {

@@ -8,11 +8,14 @@ namespace rabiline::RABILINE_ISA {
 void emit(const Emission&, std::uint64_t first_particle, BatchView&);
 void drift(double y, BatchView&);
 std::uint64_t pass(const Aperture&, BatchView&);
-std::uint64_t screen(const Screen&, BatchView&);
+Caught screen(const Screen&, BatchView&);
 void align(const Alignment&, const RandomKey&, BatchView&);
 void precess(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
 std::uint64_t filter(const Filter&, BatchView&);
 void project(const Projection&, const BatchView&, LevelSums&);
 void turn(const Region&, BatchView&, const StepRecorder*);
+void cross(const Aperture&, const BatchView&, std::uint64_t* weights);
+void measure(const Gauge&, const BatchView&, const std::uint64_t* weights, double* values);
+void measure_spin(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values);
 
 }  // namespace rabiline::RABILINE_ISA

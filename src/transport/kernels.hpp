@@ -6,6 +6,7 @@
 #include "core/isa.hpp"
 #include "field/shape.hpp"
 #include "particle/batch.hpp"
+#include "tally/quantity.hpp"
 
 namespace rabiline {
 
@@ -100,7 +101,7 @@ struct Emission {
   bool operator==(const Emission&) const = default;
 };
 
-/// A screen: which particles it catches and into which bin, ix * bins_z + iz.
+/// A screen: which particles it catches and into which bin, ix * bins_z + iz. Bins lie along its own axes.
 struct Screen {
   double y = 0, x0 = 0, z0 = 0;           // [m] centre
   double half_x = 0, half_z = 0;          // [m]
@@ -108,7 +109,16 @@ struct Screen {
   double bins_per_x = 0, bins_per_z = 0;  // [1/m]
   int bins_x = 1, bins_z = 1;
   int part = 0;
+  double radius = -1;           // [m] of a disc; negative: a rectangle
+  double cosine = 1, sine = 0;  // of its turn about the beam
+  double efficiency = 1;        // share of a weight that is counted
+  bool has_dead_area = false;
+  Aperture dead;  // inside which nothing is counted
   bool operator==(const Screen&) const = default;
+};
+/// What a screen took from a batch [quanta].
+struct Caught {
+  std::uint64_t counted = 0, lost = 0;
 };
 
 struct Alignment {
@@ -187,6 +197,22 @@ struct LevelSums {
   std::int64_t squares_low[most_levels] = {};
 };
 
+/// What is asked about each particle where it meets a plane.
+struct Gauge {
+  Quantity quantity = Quantity::x;
+  double y = 0;     // [m] the plane
+  double mass = 0;  // [kg]
+};
+/// What measuring the spin along an axis gives where particles meet a plane.
+struct SpinGauge {
+  RandomKey key;
+  double axis[3] = {0, 0, 1};
+  int levels = 0;  // quantum: how many outcomes; 0: a vector law, whose spin has a projection
+  const SpinZone* zones = nullptr;  // flown straight since the last projection
+  int zone_count = 0;
+  const double* polynomials = nullptr;  // MajoranaTable::coefficients
+};
+
 enum class EdgeKind { open, plate, screen, align };
 /// A plane inside a region, between two zones.
 struct RegionEdge {
@@ -235,14 +261,19 @@ struct Kernels {
   void (*emit)(const Emission&, std::uint64_t first_particle, BatchView&);
   void (*drift)(double y, BatchView&);
   std::uint64_t (*pass)(const Aperture&, BatchView&);  // returns the weight that stopped [quanta]
-  std::uint64_t (*screen)(const Screen&,
-                          BatchView&);  // returns the weight caught; bins in scratch, ~0: not caught
+  // Bins in scratch, ~0: not counted. What was caught weighs what was counted of it.
+  Caught (*screen)(const Screen&, BatchView&);
   void (*align)(const Alignment&, const RandomKey&, BatchView&);
   /// Carries the spins of what flies through the zones.
   void (*precess)(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
   std::uint64_t (*filter)(const Filter&, BatchView&);  // returns the weight that stopped [quanta]
   void (*project)(const Projection&, const BatchView&, LevelSums&);
   void (*turn)(const Region&, BatchView&, const StepRecorder*);
+  // For tallies; columns are `padded` long. The weight of what flies through an opening, else 0.
+  void (*cross)(const Aperture&, const BatchView&, std::uint64_t* weights);
+  void (*measure)(const Gauge&, const BatchView&, const std::uint64_t* weights, double* values);
+  // The projection, or the probability of each outcome from m = I down to -I, a column for each.
+  void (*measure_spin)(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values);
 };
 
 /// The kernels of an instruction set that this machine supports.

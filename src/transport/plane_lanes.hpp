@@ -29,7 +29,14 @@ RABILINE_LANES Aperture rim_of(const Screen& s) {
   rim.z0 = s.z0;
   rim.half_x = s.half_x;
   rim.half_z = s.half_z;
+  rim.radius = s.radius;
+  rim.cosine = s.cosine;
+  rim.sine = s.sine;
   return rim;
+}
+/// Which of those that hit the screen hit its dead area.
+RABILINE_LANES mask in_dead_area(const Screen& s, real x, real z) {
+  return s.has_dead_area ? inside(s.dead, x, z) : mask{};
 }
 
 /// Bin of a distance from the screen's low edge; the high edge belongs to the last bin.
@@ -38,10 +45,19 @@ RABILINE_LANES real bin_of(real from_edge, double bins_per_metre, int bins) {
   return min(floor(at), broadcast(bins - 1));
 }
 RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
+  if (s.sine != 0) {
+    const real dx = x - s.x0, dz = z - s.z0;
+    x = fma(dx, broadcast(s.cosine), fma(dz, broadcast(-s.sine), broadcast(s.x0)));
+    z = fma(dx, broadcast(s.sine), fma(dz, broadcast(s.cosine), broadcast(s.z0)));
+  }
   const real ix = bin_of(x - s.low_x, s.bins_per_x, s.bins_x);
   const real iz = bin_of(z - s.low_z, s.bins_per_z, s.bins_z);
   return bit_pattern(fma(ix, broadcast(s.bins_z), iz) + 0x1p52) & 0xfffffffffffffULL;
 }
+
+/// A weight up to 2^52 as a number, and back.
+RABILINE_LANES real number_of(words weight) { return from_bits(weight | 0x4330000000000000ULL) - 0x1p52; }
+RABILINE_LANES words weight_of(real whole) { return bit_pattern(whole + 0x1p52) & 0xfffffffffffffULL; }
 
 /// The spin that alignment gives where S comes out with that sign: the image of z under `quantum`.
 RABILINE_LANES Vector aligned_spin(const Alignment& a, real sign) {

@@ -1,5 +1,7 @@
 #include "transport/stages.hpp"
 
+#include <cmath>
+
 namespace rabiline {
 namespace {
 
@@ -18,6 +20,8 @@ std::size_t needed(const TurningRegion& region) {
 }
 std::size_t needed(const Score& score) { return sums_of(score.screen).size(); }
 std::size_t needed(const Exit&) { return 1; }
+std::size_t needed(const Census&) { return CensusSums::size(); }
+std::size_t needed(const Histogram& histogram) { return sums_of(histogram).size(); }
 std::size_t needed(const SpinStretch& stretch) { return 2 * static_cast<std::size_t>(stretch.levels); }
 
 // ---- tallying ----
@@ -32,6 +36,11 @@ void catch_particle(const ScreenSums& layout, Sum* sums, std::uint64_t bin, std:
   sums[layout.total()] += weight;
   sums[layout.total() + 1] += squared;
   sums[layout.group(particle % group_count)] += weight;
+}
+
+/// What a screen counts of a weight up to 2^40, as its kernel does.
+std::uint64_t counted_of(const Screen& screen, std::uint64_t weight) {
+  return static_cast<std::uint64_t>(std::floor(static_cast<double>(weight) * screen.efficiency));
 }
 
 // ---- one batch ----
@@ -57,8 +66,10 @@ void pass(const Filter& filter, Flight& flight) {
 
 void pass(const Score& score, Flight& flight) {
   BatchView& batch = flight.batch.view();
-  if (flight.kernels.screen(score.screen, batch) == 0) return;
+  const Caught taken = flight.kernels.screen(score.screen, batch);
   const ScreenSums layout = sums_of(score.screen);
+  flight.sums[layout.lost()] += taken.lost;
+  if (taken.counted == 0) return;
   // Listed first, since whether a particle was caught cannot be foretold as a branch.
   int caught[Batch::capacity], count = 0;
   for (int i = 0; i < batch.count; ++i) {
@@ -97,7 +108,9 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
     for (std::size_t k = 0; k < edge; ++k)
       if (region.edges[k].kind == EdgeKind::screen) at += sums_of(region.edges[k].screen).size();
     const Screen& screen = region.edges[edge].screen;
-    catch_particle(sums_of(screen), at, batch.scratch[i] >> 32, weight, batch.particle[i]);
+    batch.weight[i] = counted_of(screen, weight);
+    catch_particle(sums_of(screen), at, batch.scratch[i] >> 32, batch.weight[i], batch.particle[i]);
+    sums[layout.edge(edge)] += weight - batch.weight[i];
     batch.caught_by[i] = static_cast<std::uint64_t>(screen.part) + 1;
   } else if ((end & region_end::stopped_at_edge) != 0) {
     sums[layout.edge(end & 0xffffULL)] += weight;

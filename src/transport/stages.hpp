@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tally/sums.hpp"
+#include "transport/histogram.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -66,16 +67,24 @@ struct SpinStretch {
 };
 
 using Stage =
-    std::variant<Drift, Passage, Alignment, Precession, Filter, TurningRegion, Score, Exit, SpinStretch>;
+    std::variant<Drift, Passage, Alignment, Precession, Filter, TurningRegion, Score, Exit, SpinStretch, Census,
+                 Histogram>;
+
+/// Whether a stage leaves the batch as it is, so that it may be asked beside what follows.
+inline bool only_reads(const Stage& stage) {
+  return std::holds_alternative<SpinStretch>(stage) || std::holds_alternative<Census>(stage) ||
+         std::holds_alternative<Histogram>(stage);
+}
 
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
-/// particles.
+/// particles, then q of what hit it and was not counted.
 struct ScreenSums {
   std::size_t bins;
   std::size_t bin(std::size_t i) const { return 2 * i; }
   std::size_t total() const { return 2 * bins; }
   std::size_t group(std::size_t g) const { return 2 * bins + 2 + g; }
-  std::size_t size() const { return 2 * bins + 2 + group_count; }
+  std::size_t lost() const { return 2 * bins + 2 + group_count; }
+  std::size_t size() const { return 2 * bins + 3 + group_count; }
 };
 inline ScreenSums sums_of(const Screen& s) {
   return {static_cast<std::size_t>(s.bins_x) * static_cast<std::size_t>(s.bins_z)};

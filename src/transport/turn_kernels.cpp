@@ -241,8 +241,9 @@ void cross_edge(const Region& region, int number, mask lanes, mask forward, word
   if (edge.kind == EdgeKind::plate) {
     finish(pack, lanes & ~inside(edge.plate, x, z), code(region_end::stopped_at_edge, number));
   } else if (edge.kind == EdgeKind::screen) {
-    finish(pack, lanes & inside(rim_of(edge.screen), x, z),
-           code(region_end::caught_at_edge, number) | bin_on(edge.screen, x, z) << 32);
+    const mask hit = lanes & inside(rim_of(edge.screen), x, z), dead = in_dead_area(edge.screen, x, z);
+    finish(pack, hit & dead, code(region_end::stopped_at_edge, number));
+    finish(pack, hit & ~dead, code(region_end::caught_at_edge, number) | bin_on(edge.screen, x, z) << 32);
   } else if (edge.kind == EdgeKind::align) {
     const real sign = drawn_sign(edge.align, region.key, particle);
     const words bottom = code(0, edge.align.levels - 1);

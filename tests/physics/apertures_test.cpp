@@ -21,7 +21,7 @@ Beamline parallel(std::vector<PlacedPart> parts) {
   b.source.opening = Rectangle{4e-3, 4e-3};
   b.chamber.reset();
   b.parts = std::move(parts);
-  b.parts.push_back(place("screen", 1.2, Detector{1, 1, {1, 1}, {}}));
+  b.parts.push_back(place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}}));
   b.particles = 200000;
   return b;
 }
@@ -50,9 +50,9 @@ TEST(Slit, TurnedByAPositiveAngleLeansFromZTowardsX) {
   Slit slit{Rectangle{0.4e-3, 0.1}, {}};
   slit.tilt.y = 45 * deg;
   Beamline b = parallel({place("S", 0.5, slit)});
-  b.parts.back() = place("screen", 1.2, Detector{2e-3, 2e-3, {1, 1}, {1e-3, 1e-3}});  // x and z positive
+  b.parts.back() = place("screen", 1.2, Detector{Rectangle{2e-3, 2e-3}, {1, 1}, {1e-3, 1e-3}});  // x and z positive
   EXPECT_GT(detected(b), 0.05);
-  b.parts.back() = place("screen", 1.2, Detector{2e-3, 2e-3, {1, 1}, {1e-3, -1e-3}});
+  b.parts.back() = place("screen", 1.2, Detector{Rectangle{2e-3, 2e-3}, {1, 1}, {1e-3, -1e-3}});
   EXPECT_LT(detected(b), 0.01);
 }
 
@@ -100,7 +100,7 @@ TEST(TwoSlits, CastATrapezoidOfUmbraAndPenumbra) {
   b.source.opening = Rectangle{w1, 1e-6};
   b.source.direction = AimedDirection{"S"};
   constexpr int bins = 200;
-  b.parts.back() = place("screen", 1.5, Detector{4e-3, 1, {bins, 1}, {}});
+  b.parts.back() = place("screen", 1.5, Detector{Rectangle{4e-3, 1}, {bins, 1}, {}});
   b.particles = 20000000;
   const DetectorResult d = run_points({b}).detectors.at(0);
   const auto expected = [&](double scale) {

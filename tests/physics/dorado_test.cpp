@@ -30,7 +30,7 @@ double diameter(DoradoLaw law, bool spin_across) {
   b.source.speed = SingleSpeed{1000};
   b.source.opening = Rectangle{0, 0};
   b.parts = {place("B", 0.1, UniformField{0.1, 1e-3, {}}),
-             place("screen", 1.2, Detector{4e-3, 4e-3, {1, 1}, {}})};
+             place("screen", 1.2, Detector{Rectangle{4e-3, 4e-3}, {1, 1}, {}})};
   if (!spin_across) b.parts.insert(b.parts.begin(), place("P", 0.0, Polarizer{0.05, 0, 1, {}}));
   const Track track = trace(b, 0, best_isa());
   EXPECT_EQ(track.fate, "left_backwards");
@@ -53,7 +53,7 @@ TEST(ClosureLarmor, IsTheLorentzForceForAParticleWithGTwo) {
   b.species = {{{"g2", 1.67e-27, 1.6e-19, {1}, 1.6e-19 / 1.67e-27, ""}, 1}};
   b.chamber.reset();
   b.parts = {place("B", 0.3, UniformField{0.2, 0.5e-3, {}}),
-             place("screen", 1.2, Detector{4e-3, 4e-3, {1, 1}, {}})};
+             place("screen", 1.2, Detector{Rectangle{4e-3, 4e-3}, {1, 1}, {}})};
   b.law = DoradoLaw{Closure::larmor, 1};
   const Track hypothesis = trace(b, 3, best_isa());
   for (const Law& law : {Law{ClassicalLaw{}}, Law{QuantumLaw{}}}) {
@@ -73,7 +73,8 @@ TEST(LorentzForce, BendsAProtonWithItsCyclotronRadius) {
   b.source.speed = SingleSpeed{1000};
   b.source.opening = Rectangle{0, 0};
   b.chamber.reset();
-  b.parts = {place("B", 0.1, UniformField{0.1, 1e-3, {}}), place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+  b.parts = {place("B", 0.1, UniformField{0.1, 1e-3, {}}),
+             place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
   const Track track = trace(b, 0, best_isa());
   EXPECT_EQ(track.fate, "left_backwards");
   EXPECT_GT(track.x.back(), 0);  // F = q v x B: +y times +z is +x

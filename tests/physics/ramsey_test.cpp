@@ -52,7 +52,7 @@ double flip(const Zones& s, double offset) {
     b.parts.push_back(place("two", middle + s.gap / 2, UniformField{s.gap / 2, s.more_in_second_half, {}}));
   }
   b.parts.push_back(place("second", end, second));
-  b.parts.push_back(place("screen", 1.2, Detector{1, 1, {1, 1}, {}}));
+  b.parts.push_back(place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}}));
   return run_points({b}).detectors.at(0).levels.at(0);
 }
 

@@ -34,7 +34,7 @@ Beamline one_zone(const Species& species, double amplitude, double frequency) {
   b.particles = 64;
   b.parts = {place("P", 0.10, Polarizer{0.10, field, 1, {}}), place("B", 0.30, UniformField{0.7, field, {}}),
              place("H0", 0.35, drive(amplitude, frequency)),
-             place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+             place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
   return b;
 }
 Beamline two_zones(double amplitude, double frequency, double gap, double phase) {

@@ -25,7 +25,7 @@ Beamline line(std::vector<PlacedPart> parts, const Law& law = ClassicalLaw{}, bo
   b.parts.clear();
   if (polarised) b.parts.push_back(place("P", 0.1, Polarizer{0.05, 1e-3, 1, {}}));
   for (PlacedPart& part : parts) b.parts.push_back(std::move(part));
-  b.parts.push_back(place("screen", 1.2, Detector{1, 1, {1, 1}, {}}));
+  b.parts.push_back(place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}}));
   return b;
 }
 double final_sz(const Beamline& b) { return 2 * run_points({b}).detectors.at(0).levels.at(0) - 1; }
@@ -324,7 +324,7 @@ TEST(FieldAcrossTheBeam, TurnsTheVelocityAboutItUnderClosureLarmor) {
   // D1: a neutron of 1000 m/s crossing 1 mT circles with R = v/(gamma B) = 5.457 mm; W = -gamma B along +x
   // turns +y towards +z.
   Beamline b = line({place("B", begin, along({1, 0, 0}, 1e-3, 2e-3))}, DoradoLaw{Closure::larmor, 1}, false);
-  b.parts.back() = place("screen", begin + 2e-3 + 0.1, Detector{1, 1, {1, 2000}, {}});
+  b.parts.back() = place("screen", begin + 2e-3 + 0.1, Detector{Rectangle{1, 1}, {1, 2000}, {}});
   b.source.opening = Disc{0};
   const Result r = run_points({b});
   const auto& detector = r.detectors.at(0);

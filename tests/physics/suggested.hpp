@@ -31,7 +31,7 @@ inline Beamline suggested(double frequency, double amplitude = 0.3e-6) {
   h0.phase = {Phase::Kind::random, 0};
   b.parts = {place("B_prime", 0.10, Polarizer{0.10, 10e-3, 1, {}}),
              place("B", 0.30, UniformField{0.25, 10e-3, {}}), place("H0", 0.35, h0),
-             place("screen", 1.2, Detector{4e-3, 4e-3, {80, 80}, {}})};
+             place("screen", 1.2, Detector{Rectangle{4e-3, 4e-3}, {80, 80}, {}})};
   b.particles = 10000;
   b.seed = 1938;
   return b;

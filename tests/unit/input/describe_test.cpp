@@ -16,8 +16,8 @@ using testing::HasSubstr;
 
 TEST(Describe, ListsEveryPartAndLaw) {
   const std::string text = describe_overview();
-  for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "quantum",
-                           "classical", "dorado", "seed"})
+  for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor",
+                           "quantum", "classical", "dorado", "seed"})
     EXPECT_THAT(text, HasSubstr(word));
 }
 
@@ -91,7 +91,7 @@ std::string snippet_of(std::string_view topic) {
 
 TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
   const auto path = std::filesystem::temp_directory_path() / "rabiline_describe_test.yaml";
-  for (const char* kind : {"polarizer", "uniform_field", "rotating_field", "slit", "detector"}) {
+  for (const char* kind : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor"}) {
     std::ofstream(path)
         << "rabiline: 1\nspecies: neutron\nparticles: 1\nseed: 1\n"
         << snippet_of("law").substr(0, 12) << "\nsource:\n  " << snippet_of("speed") << "  "
@@ -106,6 +106,14 @@ TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
   std::filesystem::remove(path);
 }
 
+TEST(Describe, TellsHowTalliesAreWrittenAndWhatTheyCount) {
+  EXPECT_THAT(describe("monitor"), HasSubstr("list of {name, axes}"));
+  EXPECT_THAT(describe("detector"), HasSubstr("{width and height | radius, offset}"));
+  for (const char* word :
+       {"time_of_flight", "prepared_level", "state-to-state matrix", "outside", "expectation"})
+    EXPECT_THAT(describe("tallies"), HasSubstr(word));
+}
+
 TEST(JsonSchema, IsOneMappingWithEveryKeyOfAFile) {
   const std::string text = json_schema();
   const Node root = parse_document(make_source_text("schema", text), text);
@@ -115,6 +123,7 @@ TEST(JsonSchema, IsOneMappingWithEveryKeyOfAFile) {
     EXPECT_TRUE(properties.find(key)) << key;
   EXPECT_THAT(to_text(root.find("required")->value), HasSubstr("law"));
   EXPECT_THAT(text, HasSubstr("rotating_field"));
+  EXPECT_THAT(text, HasSubstr("prepared_level"));
 }
 
 }  // namespace

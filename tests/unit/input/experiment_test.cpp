@@ -52,7 +52,7 @@ TEST(SuggestedExperiment, IsReadAsItStands) {
   EXPECT_EQ(part<UniformField>(b, "B"), (UniformField{0.25, 0.01, {}}));
   EXPECT_EQ(part<RotatingField>(b, "H0"),
             (RotatingField{0.2, 0.3e-6, 291600.0, Sense::co, {Phase::Kind::random, 0}, {}, {}}));
-  EXPECT_EQ(part<Detector>(b, "screen"), (Detector{4e-3, 4e-3, {80, 80}, {}}));
+  EXPECT_EQ(part<Detector>(b, "screen"), (Detector{Rectangle{4e-3, 4e-3}, {80, 80}, {}}));
   EXPECT_EQ(b.particles, 10000U);
   EXPECT_EQ(b.seed, 1938U);
   ASSERT_EQ(loaded.inputs.size(), 1U);

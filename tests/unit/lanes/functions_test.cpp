@@ -165,6 +165,16 @@ TEST(Log, keeps_its_relative_accuracy_near_one) {
   EXPECT_EQ(worst_error({1.0}, logarithm, logl, one), 0);
 }
 
+TEST(Atan, is_within_4e_16_of_the_truth_for_every_slope) {
+  const Unary arctangent = [](const LanesKernels& k, const Column& x, Column& y) { k.atan(x, y); };
+  std::vector<double> x = angles(10);
+  for (const double edge : {0.41421356237309503, 1.0})
+    for (const double sign : {-1.0, 1.0})
+      for (const double to : {0.0, 2.0}) x.push_back(sign * std::nextafter(edge, to));
+  x.insert(x.end(), {0.0, -0.0, 1e300, -1e300, std::numeric_limits<double>::infinity()});
+  EXPECT_LT(worst_error(x, arctangent, atanl, one), 4e-16);
+}
+
 /// sin(a)/a and (1 - cos a)/a^2 of q = a^2, without the cancellation at small a.
 long double sine_coefficient(long double q) { return q == 0 ? 1 : std::sin(std::sqrt(q)) / std::sqrt(q); }
 long double cosine_coefficient(long double q) {

@@ -21,6 +21,7 @@ struct LanesKernels {
   void (*sin_squared)(const Column& x, Column& y);
   void (*log)(const Column& x, Column& y);
   void (*exp)(const Column& x, Column& y);
+  void (*atan)(const Column& x, Column& y);
   void (*sqrt)(const Column& x, Column& y);
   void (*abs)(const Column& x, Column& y);
   void (*round_to_nearest)(const Column& x, Column& y);

@@ -85,6 +85,7 @@ TEST_P(SameBits, come_from_every_function_of_one_number) {
     expect_same("sin_squared", [&](auto& k, Column& y, Column&) { k.sin_squared(*x, y); });
     expect_same("log", [&](auto& k, Column& y, Column&) { k.log(*x, y); });
     expect_same("exp", [&](auto& k, Column& y, Column&) { k.exp(*x, y); });
+    expect_same("atan", [&](auto& k, Column& y, Column&) { k.atan(*x, y); });
     expect_same("sqrt", [&](auto& k, Column& y, Column&) { k.sqrt(*x, y); });
     expect_same("abs", [&](auto& k, Column& y, Column&) { k.abs(*x, y); });
     expect_same("round", [&](auto& k, Column& y, Column&) { k.round_to_nearest(*x, y); });

@@ -246,7 +246,7 @@ TEST(ChannelDirection, OfALongTubeIsDrawnByClausingsLaw) {
 TEST(ChannelShape, IsReadToAPartInAHundredThousand) {
   SampledTables tables;
   Beamline b = beam(SingleSpeed{1000}, AimedDirection{"screen", ChannelDirection{7e-3, 1e-3}});
-  std::get<Detector>(b.parts.back().part) = {40.0, 40.0, {1, 1}, {}};
+  std::get<Detector>(b.parts.back().part) = {Rectangle{40.0, 40.0}, {1, 1}, {}};
   const ChannelFlow flow(7);
   Batch batch;
   batch.view().count = batch.view().padded = 512;

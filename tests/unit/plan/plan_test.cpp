@@ -12,10 +12,10 @@ using test::place;
 using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
-/// E exit, L spins on levels.
+/// E exit, L spins on levels, M a monitor's count, H a tally.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFRSEL"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFRSELMH"[stage.index()];
   return text;
 }
 std::string compiled(const Beamline& b) { return letters(compile(b, b.species.front(), screen_grids({b}))); }
@@ -58,7 +58,7 @@ TEST(Compile, AsksForTheChamberWhereADivergentBeamMeetsSomething) {
 TEST(Compile, CutsARegionAtSlitsAndScreensInsideIt) {
   Beamline b = suggested(291e3);
   b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
-  b.parts.insert(b.parts.begin() + 4, place("inner", 0.45, Detector{1e-3, 1e-3, {2, 2}, {}}));
+  b.parts.insert(b.parts.begin() + 4, place("inner", 0.45, Detector{Rectangle{1e-3, 1e-3}, {2, 2}, {}}));
   const auto chain = compile(b, b.species.front(), screen_grids({b}));
   const auto& region = std::get<TurningRegion>(chain.at(2));
   ASSERT_EQ(region.zones.size(), 4U);  // 0.30-0.35, 0.35-0.45, a zone of no length, 0.45-0.55

@@ -60,7 +60,7 @@ TEST(Finish, QuotesTheErrorThatRepeatedRunsScatterBy) {
 
 TEST(Finish, GivesPointsThatShareParticlesTheirCovariance) {
   Beamline near = divergent(1), far = near;
-  std::get<Detector>(far.parts.back().part).width = 3e-3;
+  std::get<Detector>(far.parts.back().part).face = Rectangle{3e-3, 4e-3};
   const Result r = run_points({near, far, near});
   const DetectorResult& d = r.detectors.at(0);
   const double variance = d.detected_covariance.at(0);
@@ -88,7 +88,7 @@ TEST(Finish, KnowsThatTheSharesOfAMixtureAreNotRandom) {
 TEST(Finish, HasNoErrorWhereAnAimedSourceLosesNothing) {
   Beamline b = divergent(1);
   b.parts.insert(b.parts.begin(), test::place("S", 0.01, Slit{Rectangle{1e-2, 1e-2}, {}}));
-  b.parts.back() = test::place("screen", 0.02, Detector{1, 1, {1, 1}, {}});
+  b.parts.back() = test::place("screen", 0.02, Detector{Rectangle{1, 1}, {1, 1}, {}});
   b.parts.erase(b.parts.begin() + 1, b.parts.end() - 1);
   b.source.direction = AimedDirection{"S"};
   const DetectorResult d = run_points({b}).detectors[0];
@@ -101,7 +101,7 @@ TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
   // rate.
   Beamline cone = divergent(3);
   cone.parts.insert(cone.parts.begin(), test::place("S", 0.003, Slit{Rectangle{4e-3, 6e-3}, {1e-3, 0}}));
-  cone.parts.back() = test::place("screen", 0.004, Detector{4e-3, 4e-3, {1, 1}, {}});
+  cone.parts.back() = test::place("screen", 0.004, Detector{Rectangle{4e-3, 4e-3}, {1, 1}, {}});
   cone.parts.erase(cone.parts.begin() + 1, cone.parts.end() - 1);
   cone.source.direction = ConeDirection{std::numbers::pi / 3};
   cone.particles = 200000;
@@ -120,8 +120,8 @@ TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
 
 TEST(Finish, CoversWithOneHistogramEveryPlaceThatAScannedScreenTakes) {
   Beamline left = divergent(1), right = left;
-  std::get<Detector>(left.parts.back().part) = {2e-3, 4e-3, {4, 1}, {-1e-3, 0}};
-  std::get<Detector>(right.parts.back().part) = {2e-3, 4e-3, {4, 1}, {1e-3, 0}};
+  std::get<Detector>(left.parts.back().part) = {Rectangle{2e-3, 4e-3}, {4, 1}, {-1e-3, 0}};
+  std::get<Detector>(right.parts.back().part) = {Rectangle{2e-3, 4e-3}, {4, 1}, {1e-3, 0}};
   const DetectorResult d = run_points({left, right}).detectors[0];
   EXPECT_EQ(d.x.edges, (std::vector<double>{-2e-3, -1e-3, 0, 1e-3, 2e-3}));
   for (std::size_t bin = 0; bin < 4; ++bin) {

@@ -7,6 +7,28 @@
 namespace rabiline {
 namespace {
 
+/// A monitor and tallies of everything, a turned disc of some efficiency with a dead area.
+void add_tallies(Beamline& b) {
+  const auto axis = [](Quantity q, double from, double to) {
+    return TallyAxis{q, AxisEnd{from}, AxisEnd{to}, 7, {}};
+  };
+  TallyAxis spin = axis(Quantity::spin, -1, 0.9);
+  spin.axis = UnitVector{0.6, 0, 0.8};
+  Monitor monitor{Rectangle{1e-3, 2e-3}, {1e-4, 0}, {0.3}};
+  monitor.tallies = {{"a", {axis(Quantity::x, -1e-3, 1e-3), axis(Quantity::angle_x, -1e-3, 2e-3), spin}},
+                     {"b", {axis(Quantity::z, -1e-3, 1e-3), axis(Quantity::angle_z, -1e-3, 2e-3)}},
+                     {"c", {axis(Quantity::energy, 0, 1e-20), axis(Quantity::angle, 0, 2e-3)}},
+                     {"d", {axis(Quantity::wavelength, 0, 1e-9), axis(Quantity::speed, 0, 2e3)}},
+                     {"e", {axis(Quantity::time_of_flight, 0, 1e-2), axis(Quantity::weight, 0, 1)}}};
+  b.parts.insert(b.parts.end() - 1, test::place("M", 0.95, monitor));
+  Detector& screen = std::get<Detector>(b.parts.back().part);
+  screen.face = Disc{1.5e-3};
+  screen.tilt.y = 0.2;
+  screen.efficiency = 0.37;
+  screen.dead = DeadArea{Rectangle{1e-4, 1e-3}, {}};
+  screen.tallies = monitor.tallies;
+}
+
 /// A small scan with every kind of stage: three laws, a mixture, a slit, two detectors, a divergent source.
 Experiment everything() {
   Experiment e;
@@ -19,8 +41,9 @@ Experiment everything() {
       b.source.direction = GaussianDirection{1e-3, 1e-3};
       b.parts.insert(b.parts.begin(), test::place("S", 0.05, Slit{Disc{0.4e-3}, {}}));
       b.parts.insert(b.parts.end() - 1,
-                     test::place("small", 0.9, Detector{0.5e-3, 0.5e-3, {3, 3}, {1e-4, 0}}));
+                     test::place("small", 0.9, Detector{Rectangle{0.5e-3, 0.5e-3}, {3, 3}, {1e-4, 0}}));
       b.particles = 600;
+      add_tallies(b);
       e.points.push_back(b);
     }
   return e;
@@ -56,7 +79,7 @@ TEST(Run, CountsVisitsOfZonesForEachParticleAlone) {
   b.chamber.reset();
   b.source = {GaussianSpeed{900, 150}, Rectangle{0, 0}, ParallelDirection{}};
   b.parts = {test::place("B", 0.30, UniformField{0.25, 1e-4, {}}),
-             test::place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+             test::place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
   for (int i = 0; i < 60; ++i)
     b.parts.insert(b.parts.end() - 1,
                    test::place("S" + std::to_string(i), 0.301 + 0.001 * i, Slit{Disc{1}, {}}));

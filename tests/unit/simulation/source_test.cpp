@@ -22,7 +22,7 @@ Beamline through_a_slit(DirectionLaw direction) {
   b.source = {SingleSpeed{1000}, Disc{0.2e-3}, std::move(direction)};
   b.chamber.reset();
   b.parts = {place("S", 0.004, Slit{Rectangle{1e-3, 2e-3}, {0.7e-3, 0}}),
-             place("screen", 0.008, Detector{2e-3, 3e-3, {1, 1}, {}})};
+             place("screen", 0.008, Detector{Rectangle{2e-3, 3e-3}, {1, 1}, {}})};
   b.particles = 2000000;
   return b;
 }
@@ -91,7 +91,7 @@ TEST(EffusiveSpeed, FlipsInARotatingFieldAsItsSpeedsAllow) {
   b.law = QuantumLaw{};
   b.source.speed = EffusiveSpeed{300};
   b.particles = 400000;
-  std::get<Detector>(b.parts.back().part) = {4e-3, 4e-3, {1, 1}, {}};
+  std::get<Detector>(b.parts.back().part) = {Rectangle{4e-3, 4e-3}, {1, 1}, {}};
   const Species& species = b.species[0].species;
   const double alpha = thermal_speed(300, species.mass),
                larmor = std::abs(species.gyromagnetic_ratio) * 10e-3;

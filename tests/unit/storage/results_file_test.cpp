@@ -73,6 +73,32 @@ TEST(ResultsFile, StatesWhatAnAimedSourceStandsForAndHowMuchItGives) {
   EXPECT_THAT(read(folder / "a.h5", "/entry/rate").values, ElementsAre(1e6));
 }
 
+TEST(ResultsFile, KeepsTalliesBehindTheScanUnderNamesThatDoNotCollide) {
+  // Two axes over the same quantity, and a scan of `spin.mean`, which is what their mean would be called.
+  ScanAxis scanned = samples::frequency_axis(2);
+  scanned.parameter = "spin.mean";
+  Result result = samples::result({scanned}, {"screen"});
+  TallyAxisResult spin{"spin",     Dimension::number, {-1, 0, 1}, {},        {1, 0, 0},
+                       {0.1, 0.2}, {0.01, 0.02},      {1, 2},     {0.5, 0.5}};
+  TallyAxisResult level{"level", Dimension::number, {-1, 0, 1}, {"m = -1/2", "m = +1/2"}, {}, {}, {}, {}, {}};
+  result.monitors = {{"M", "M", 0.5, {0.25, 0.5}, {0.1, 0.2}, {1, 2, 2, 3}}};
+  std::vector<double> counts(16);
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = static_cast<double>(i);
+  result.tallies = {{"M", "M", "t", true, true, {spin, spin, level}, counts, counts, {7, 8}, {0.7, 0.8}}};
+  const Folder folder;
+  write_results(result, folder / "a.h5");
+  const Dataset read_counts = read(folder / "a.h5", "/entry/M_t/counts");
+  EXPECT_THAT(read_counts.shape, ElementsAre(2, 2, 2, 2));
+  EXPECT_EQ(read_counts.values, counts);
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M_t/spin_mean").values,
+              ElementsAre(scanned.values[0], scanned.values[1]));
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M_t/spin__mean").values, ElementsAre(0.1, 0.2));
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M_t/spin___deviation_errors").values, ElementsAre(0.5, 0.5));
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M_t/level").values, ElementsAre(-0.5, 0.5));
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M_t/outside").values, ElementsAre(7, 8));
+  EXPECT_THAT(read(folder / "a.h5", "/entry/M/passed_covariance").shape, ElementsAre(2, 2));
+}
+
 TEST(ResultsFile, LeavesScanDimensionsOutWhereNothingIsScanned) {
   const Folder folder;
   write_results(samples::result({}, {"screen"}), folder / "a.h5");

@@ -23,7 +23,7 @@ Beamline circle(double length) {
   b.chamber.reset();
   b.particles = 16;
   b.parts = {place("B", 0.1, UniformField{length, 1e-3, {}}),
-             place("screen", 1.2, Detector{4, 4, {1, 1}, {}})};
+             place("screen", 1.2, Detector{Rectangle{4, 4}, {1, 1}, {}})};
   return b;
 }
 double particles_of(const Result& r, const std::string& fate, const std::string& where = "") {
@@ -54,7 +54,7 @@ TEST(Region, StopsAtItsBoreOrTheChamberAndSaysWhich) {
 TEST(Region, CatchesAtAScreenInsideItWhatComesBackToo) {
   // The screen stands in the half plane of the circle's second quarter, so it is hit from behind.
   Beamline b = circle(0.1);
-  Detector inner{2e-3, 4e-3, {4, 1}, {-2 * radius + radius * (1 - std::sqrt(0.75)), 0}};
+  Detector inner{Rectangle{2e-3, 4e-3}, {4, 1}, {-2 * radius + radius * (1 - std::sqrt(0.75)), 0}};
   b.parts.insert(b.parts.begin() + 1, place("inner", 0.1 + 0.5 * radius, inner));
   const Result r = run_points({b});
   EXPECT_EQ(r.detectors.at(0).detected.at(0), 1);
@@ -76,7 +76,7 @@ TEST(Region, AlignsAtAPolarizerThatTouchesTheField) {
   b.chamber.reset();
   b.parts = {place("before", 0.05, UniformField{0.05, 5e-5, {}}),
              place("P", 0.1, test::suggested(1).parts[0].part),
-             place("screen", 1.2, Detector{1, 1, {1, 1}, {}})};
+             place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
   const Track t = trace(b, 0, best_isa());
   ASSERT_EQ(t.fate, "detected");
   std::size_t end = t.y.size() - 1;

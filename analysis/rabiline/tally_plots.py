@@ -1,0 +1,103 @@
+"""Tallies as pictures: one axis with error bars, two as an image."""
+from __future__ import annotations
+
+from typing import Sequence
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .image_plots import shot_of
+from .results import Results, Tally, TallyAxis
+from .style import COUNTS, LAWS, OTHERS
+from .units import Scale, fitting_scale, law_name
+
+COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
+
+
+def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequence[int]) -> Figure:
+    """Counts over one or two of a tally's axes at some scan points, summed over its other axes."""
+    others = tuple(1 + i for i in range(len(tally.axes)) if i not in axes)
+    counts = tally.counts.sum(axis=others)
+    errors = np.sqrt((tally.errors**2).sum(axis=others))
+    if list(axes) != sorted(axes):
+        counts, errors = counts.swapaxes(1, 2), errors.swapaxes(1, 2)
+    shown = [tally.axes[i] for i in axes]
+    figure = _draw_curves(results, shown[0], counts, errors, points) if len(shown) == 1 else \
+        _draw_images(results, shown, counts, points)
+    figure.suptitle(_title(tally), fontsize=11.5)
+    return figure
+
+
+def _title(tally: Tally) -> str:
+    return tally.title + ("\nspin: expectation, weights split over the outcomes" if tally.is_expectation else "")
+
+
+def _heading(results: Results, point: int) -> str:
+    about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
+    return f"{shot_of(results, point).heading}: {about}" if results.scan.axes else about
+
+
+def _scale(axis: TallyAxis) -> Scale:
+    if axis.units in ("rad", "m/s", "J", ""):
+        angle = axis.units == "rad" and np.abs(axis.edges).max() < 1
+        return Scale("mrad", 1e-3) if angle else Scale("meV", 1.602176634e-22) if axis.units == "J" else Scale(axis.units)
+    return fitting_scale(axis.edges, axis.units)
+
+
+def _label(axis: TallyAxis, scale: Scale) -> str:
+    return scale.label(axis.title.rsplit(" (", 1)[0] if axis.units else axis.title)
+
+
+def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: np.ndarray,
+                 points: Sequence[int]) -> Figure:
+    """Steps with error bars, one colour for each scan point."""
+    figure, panel = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
+    scale = _scale(axis)
+    edges = np.asarray(scale.apply(axis.edges))
+    for number, (colour, point) in enumerate(zip(COLOURS * (len(points) // len(COLOURS) + 1), points)):
+        panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
+                     label=_heading(results, point),
+                     fill=len(points) == 1 and bool(axis.labels), alpha=0.6 if axis.labels else None)
+        panel.errorbar((edges[:-1] + edges[1:]) / 2, counts[point], errors[point], fmt="none", ecolor=colour,
+                       elinewidth=0.9, capsize=2 if edges.size < 60 else 0)
+    if axis.labels:
+        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+    panel.set_xlim(edges[0], edges[-1])
+    panel.set_ylim(bottom=0)
+    panel.set_xlabel(_label(axis, scale))
+    panel.set_ylabel("particles per bin   (bars: one standard error)")
+    panel.grid(axis="y")
+    panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(points) < 4 else 2)
+    return figure
+
+
+def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray, points: Sequence[int]) -> Figure:
+    """The first axis across, the second one up; one colour scale for all scan points."""
+    figure, panels = plt.subplots(1, len(points), figsize=(1.4 + 4.4 * len(points), 4.8), squeeze=False,
+                                  sharey=True, layout="constrained")
+    scales = [_scale(axis) for axis in axes]
+    most = max(float(counts[list(points)].max()), 1e-300)
+    for panel, point in zip(panels[0], points):
+        edges = [np.asarray(scale.apply(axis.edges)) for axis, scale in zip(axes, scales)]
+        mesh = panel.pcolormesh(*edges, counts[point].T, cmap=COUNTS, vmin=0, vmax=most, rasterized=True)
+        if all(axis.labels for axis in axes):
+            _write_numbers(panel, edges, counts[point], most)
+        panel.spines[["top", "right"]].set_visible(True)
+        panel.set_title(_heading(results, point))
+        panel.set_xlabel(_label(axes[0], scales[0]))
+        for axis, own, ticks in ((axes[0], edges[0], panel.set_xticks), (axes[1], edges[1], panel.set_yticks)):
+            if axis.labels:
+                ticks((own[:-1] + own[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+    panels[0][0].set_ylabel(_label(axes[1], scales[1]))
+    figure.colorbar(mesh, ax=list(panels[0]), label="particles per bin")
+    return figure
+
+
+def _write_numbers(panel: Axes, edges: list[np.ndarray], counts: np.ndarray, most: float) -> None:
+    """A matrix of levels is small enough to be read."""
+    for i in range(counts.shape[0]):
+        for k in range(counts.shape[1]):
+            panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, f"{counts[i, k]:.5g}",
+                       ha="center", va="center", fontsize=8, color="white" if counts[i, k] > 0.5 * most else "black")

@@ -1,0 +1,175 @@
+// An axis of a tally: its quantity says which keys it has and in what they are written.
+#include <cmath>
+
+#include "input/reader.hpp"
+
+namespace rabiline {
+namespace {
+
+/// Values that the quantity can have.
+Range range_of(Quantity q) {
+  switch (q) {
+    case Quantity::spin:
+      return {-1, 1, true, true, "between -1 and 1"};
+    case Quantity::speed:
+    case Quantity::wavelength:
+    case Quantity::energy:
+    case Quantity::angle:
+    case Quantity::weight:
+    case Quantity::time_of_flight:
+      return range::not_negative;
+    default:
+      return range::any;
+  }
+}
+
+/// One way to write an end, with a size that a bench has.
+std::string example_of_end(Quantity q, bool from) {
+  switch (q) {
+    case Quantity::x:
+    case Quantity::z:
+      return from ? "-2 mm" : "2 mm";
+    case Quantity::y:
+      return from ? "0 m" : "2 m";
+    case Quantity::time_of_flight:
+      return from ? "0 ms" : "5 ms";
+    case Quantity::speed:
+      return from ? "0 m/s" : "2000 m/s";
+    case Quantity::wavelength:
+      return from ? "0 nm" : "2 nm";
+    case Quantity::energy:
+      return from ? "0 meV" : "100 meV";
+    case Quantity::angle_x:
+    case Quantity::angle_z:
+      return from ? "-5 mrad" : "5 mrad";
+    case Quantity::angle:
+      return from ? "0 mrad" : "10 mrad";
+    case Quantity::spin:
+      return from ? "-1" : "1";
+    default:
+      return from ? "0" : "1";
+  }
+}
+
+bool read_end(Keys& keys, std::string_view key, Quantity quantity, std::optional<AxisEnd>& out) {
+  const bool from = key == "from";
+  bool given = false;
+  const Entry* entry = keys.take_value(key, given);
+  if (!entry) {
+    if (!given)
+      keys.missing(key, from ? "where the axis begins" : "where it ends", example_of_end(quantity, from));
+    return false;
+  }
+  const Row row{key, dimension_of(quantity), range_of(quantity), ""};
+  const std::size_t errors = keys.reading().errors.size();
+  if (read_quantity(entry->value, row, keys.reading(), out.emplace().value)) return true;
+  // The examples of a dimension fit no axis: show one of this quantity.
+  for (std::size_t i = errors; i < keys.reading().errors.size(); ++i)
+    if (std::string& help = keys.reading().errors[i].suggestion; help.ends_with("`"))
+      if (const std::size_t at = help.find(" such as `"); at != help.npos)
+        help = help.substr(0, at) + fmt::format(" such as `{}`", example_of_end(quantity, from));
+  return false;
+}
+
+template <class M>
+bool read_if_given(Keys& keys, std::string_view key, M& out) {
+  bool good = true;
+  for_each_row<TallyAxis>([&]<class S, class T, class D>(const Param<S, T, D>& p) {
+    if constexpr (std::is_same_v<T, M>)
+      if (p.key == key) {
+        TallyAxis axis;
+        good = read_row(keys, p, axis);
+        out = axis.*p.member;
+      }
+  });
+  return good;
+}
+
+/// What belongs to other quantities only.
+bool refuse(Keys& keys, std::string_view key, const std::string& why) {
+  const Entry* entry = keys.take(key);
+  if (!entry) return true;
+  keys.reading().error(entry->key_place, why, fmt::format("leave `{}` away", key));
+  return false;
+}
+
+bool read_levels(Keys& keys, std::string_view word) {
+  bool good = true;
+  for (const std::string_view key : {"from", "to", "bins"})
+    good =
+        refuse(keys, key,
+               fmt::format("`{}` has one bin for each level from -I to I, and takes no `{}`", word, key)) &&
+        good;
+  return refuse(keys, "axis", fmt::format("`{}` is counted along +z, and takes no `axis`", word)) && good;
+}
+
+bool read_range(Keys& keys, std::string_view word, TallyAxis& out) {
+  bool good = read_end(keys, "from", out.quantity, out.from);
+  good = read_end(keys, "to", out.quantity, out.to) && good;
+  good = read_if_given(keys, "bins", out.bins) && good;
+  if (!keys.take("bins")) {
+    keys.missing("bins", "how many the axis has", "100");
+    good = false;
+  }
+  if (out.quantity == Quantity::spin) {
+    good = read_if_given(keys, "axis", out.axis) && good;
+    if (!keys.take("axis")) {
+      keys.missing("axis", "the direction that the spin is projected on", "z");
+      good = false;
+    }
+  } else {
+    good = refuse(keys, "axis", fmt::format("`{}` takes no `axis`: only `spin` is projected on one", word)) &&
+           good;
+  }
+  if (good && !(out.from->value < out.to->value)) {
+    keys.reading().error(keys.take("to")->value.place,
+                         fmt::format("the axis ends at {}, and begins at {}", quote(keys.take("to")->value),
+                                     quote(keys.take("from")->value)),
+                         "`from` is the smaller end");
+    return false;
+  }
+  return good;
+}
+
+}  // namespace
+
+bool ValueType<AxisEnd>::read(const Node& node, const Row& row, Reading& reading, AxisEnd& out) {
+  return read_quantity(node, row, reading, out.value);
+}
+
+bool ValueType<TallyAxis>::read(const Node& node, const Row&, Reading& reading, TallyAxis& out) {
+  static const Node no_keys{Node::Kind::mapping, {}, {}, false, {}, {}};
+  if (!node.is_mapping() && !node.is_scalar()) {
+    reading.error(node.place, fmt::format("an axis is a mapping of keys, but {} stands here", quote(node)),
+                  fmt::format("write it like `{}`", example));
+    return false;
+  }
+  Keys keys(node.is_mapping() ? node : no_keys, "this axis", node.place, reading);
+  const Row quantity{"quantity", Dimension::number, range::any, ""};
+  bool given = false;
+  const Entry* entry = node.is_mapping() ? keys.take_value("quantity", given) : nullptr;
+  if (node.is_mapping() && !entry) {
+    if (!given) keys.missing("quantity", "what the axis is over", "time_of_flight");
+    keys.finish_unknown();
+    return false;
+  }
+  const Node& word = entry ? entry->value : node;
+  const std::optional<std::size_t> index = read_word(word, quantity, words_of<Quantity>(), reading);
+  if (!index) return false;
+  out.quantity = choices<Quantity>[*index].value;
+  if (node.is_scalar() && !is_categorical(out.quantity)) {
+    reading.error(node.place, fmt::format("the axis `{}` needs `from`, `to` and `bins`", node.scalar),
+                  fmt::format("write `{{quantity: {}, {}from: {}, to: {}, bins: 100}}`", node.scalar,
+                              out.quantity == Quantity::spin ? "axis: z, " : "",
+                              example_of_end(out.quantity, true), example_of_end(out.quantity, false)));
+    return false;
+  }
+  keys.rename(fmt::format("the axis `{}`", word.scalar), word.place);
+  const bool good =
+      is_categorical(out.quantity) ? read_levels(keys, word.scalar) : read_range(keys, word.scalar, out);
+  const std::size_t errors = reading.errors.size();
+  keys.finish();
+  return good && reading.errors.size() == errors;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,62 @@
+#include "plan/tally_plan.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "spin/majorana.hpp"
+
+namespace rabiline {
+
+bool asks_for_spin(const Tally& tally) {
+  return std::any_of(tally.axes.begin(), tally.axes.end(),
+                     [](const TallyAxis& axis) { return asks_for_spin(axis.quantity); });
+}
+
+Histogram histogram_of(const Tally& tally, int number, const Species& species, int levels) {
+  if (tally.axes.empty() || tally.axes.size() > most_tally_axes)
+    throw std::invalid_argument(fmt::format("the tally {} has {} axes", tally.name, tally.axes.size()));
+  Histogram histogram;
+  histogram.tally = number;
+  histogram.mass = species.mass;
+  histogram.levels = levels;
+  for (const TallyAxis& axis : tally.axes) {
+    HistogramAxis made;
+    made.quantity = axis.quantity;
+    if (is_categorical(axis.quantity)) {
+      made.bins = levels;
+      made.high = levels;
+    } else {
+      made.low = axis.from->value;
+      made.high = axis.to->value;
+      made.bins = static_cast<int>(*axis.bins);
+    }
+    if (axis.axis) {
+      made.direction[0] = axis.axis->x;
+      made.direction[1] = axis.axis->y;
+      made.direction[2] = axis.axis->z;
+    }
+    histogram.axes.push_back(made);
+  }
+  if (levels > 0 && asks_for_spin(tally)) histogram.polynomials = majorana_table(levels - 1).coefficients;
+  return histogram;
+}
+
+std::uint64_t bins_of(const Tally& tally, int levels) {
+  std::uint64_t product = 1;
+  for (const TallyAxis& axis : tally.axes)
+    product *= is_categorical(axis.quantity) ? static_cast<std::uint64_t>(levels) : axis.bins.value_or(1);
+  return product;
+}
+
+void refuse_monitor_in_region(const Beamline& beamline, const Plane& monitor, const Species& species) {
+  throw std::invalid_argument(fmt::format(
+      "the monitor `{}` stands at {:g} m, inside of fields that turn the velocity of {} under the law {}: a "
+      "particle may cross that place several times\n  help: place it before or behind these fields, or use a "
+      "law under which the flight is straight there",
+      beamline.parts[static_cast<std::size_t>(monitor.part)].placement.name, monitor.y, species.name,
+      describe(beamline.law)));
+}
+
+}  // namespace rabiline

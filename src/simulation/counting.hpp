@@ -1,0 +1,93 @@
+#pragma once
+// From sums of quanta to counts with their variances.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "plan/plan.hpp"
+#include "simulation/finish.hpp"
+
+namespace rabiline {
+
+inline constexpr double quanta = static_cast<double>(quanta_per_particle);
+inline double particles(Sum q) { return static_cast<double>(q) / quanta; }
+
+/// What is counted of a particle that weighs one, as the screens' kernels do [quanta].
+inline std::uint64_t counted_of_one(double efficiency) {
+  return static_cast<std::uint64_t>(std::floor(quanta * efficiency));
+}
+
+/// Variance of what was counted of n particles of one species, in particles^2: Wilson's where everything that
+/// was counted weighs `each`, the most that it can; else the standard one. Species are drawn in fixed shares,
+/// so their variances add up.
+inline double variance_of(const Moments& m, double n, std::uint64_t each = quanta_per_particle) {
+  if (m.q2 == m.q * each) {
+    const double weight = particles(each);
+    return weight == 0 ? 0 : std::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
+  }
+  const double q = particles(m.q);
+  return std::max(0.0, static_cast<double>(m.q2) / (quanta * quanta) - q * q / n);
+}
+
+/// A histogram over all species: counts and their variances.
+struct Counts {
+  explicit Counts(std::size_t bins) : counts(bins, 0.0), variances(bins, 0.0) {}
+  std::vector<double> counts, variances;
+  void add(const std::vector<Moments>& species, double n, std::uint64_t each = quanta_per_particle) {
+    for (std::size_t b = 0; b < species.size(); ++b) {
+      counts[b] += particles(species[b].q);
+      variances[b] += variance_of(species[b], n, each);
+    }
+  }
+  void put(std::vector<double>& to, std::vector<double>& errors) const {
+    to.insert(to.end(), counts.begin(), counts.end());
+    for (const double v : variances) errors.push_back(std::sqrt(v));
+  }
+};
+
+/// Where weights differ, what was emitted is random too: the error of a ratio of sums over the same
+/// particles, of each of which the part has `share` or nothing.
+inline double ratio_error(const Moments& part, const Moments& whole, double ratio, double share = 1) {
+  const double q2 = static_cast<double>(part.q2), all_q2 = static_cast<double>(whole.q2);
+  const double mixed = share > 0 ? 2 * ratio / share : 0;
+  return std::sqrt(std::max(0.0, q2 * (1 - mixed) + ratio * ratio * all_q2)) / static_cast<double>(whole.q);
+}
+
+/// How many particles of a tree are in a group.
+inline double members(const PlanTree& tree, std::uint64_t group) {
+  const auto below = [&](std::uint64_t n) { return n / group_count + (group < n % group_count ? 1 : 0); };
+  return static_cast<double>(below(tree.last) - below(tree.first));
+}
+
+/// Between points that fly the same particles: from how far each group is from what its size lets expect;
+/// nothing where there is no such thing. `deviations`: [points][groups].
+inline std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations,
+                                         ScanParticles mode) {
+  constexpr std::size_t most_points = 2048;
+  const std::size_t points = deviations.size();
+  if (points < 2 || points > most_points || mode != ScanParticles::shared) return {};
+  std::vector<double> covariance(points * points);
+  for (std::size_t a = 0; a < points; ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      double sum = 0;
+      for (std::size_t g = 0; g < group_count; ++g) sum += deviations[a][g] * deviations[b][g];
+      sum *= static_cast<double>(group_count) / (group_count - 1);
+      covariance[a * points + b] = covariance[b * points + a] = sum;
+    }
+  return covariance;
+}
+
+/// A part's number at a scan point: a scan over `at` may change the order.
+inline int number_of(const Beamline& beamline, const std::string& name) {
+  for (std::size_t i = 0; i < beamline.parts.size(); ++i)
+    if (beamline.parts[i].placement.name == name) return static_cast<int>(i);
+  throw std::logic_error("a part is missing at a scan point");
+}
+
+inline bool concerns(const std::vector<int>& points, std::size_t p) {
+  return std::binary_search(points.begin(), points.end(), static_cast<int>(p));
+}
+
+}  // namespace rabiline

@@ -1,0 +1,233 @@
+#include "simulation/finish_tallies.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "plan/tally_plan.hpp"
+#include "simulation/counting.hpp"
+
+namespace rabiline {
+namespace {
+
+__extension__ typedef __int128 Signed;
+
+std::string_view word_of(Quantity quantity) {
+  for (const auto& choice : choices<Quantity>)
+    if (choice.value == quantity) return choice.word;
+  return "";
+}
+
+std::string level_name(int twice_m) {
+  return twice_m % 2 == 0 ? fmt::format("m = {:+d}", twice_m / 2) : fmt::format("m = {:+d}/2", twice_m);
+}
+
+class TallyFinisher {
+ public:
+  TallyFinisher(const Summed& run, Result& result)
+      : run_(run), result_(result), points_(run.experiment.points.size()) {}
+
+  void finish() {
+    for (const PlacedPart& part : run_.experiment.points.front().parts) {
+      if (const auto* monitor = std::get_if<Monitor>(&part.part)) {
+        add_monitor(part);
+        for (std::size_t i = 0; i < monitor->tallies.size(); ++i) add_tally(part, monitor->tallies[i], i);
+      }
+      if (const auto* detector = std::get_if<Detector>(&part.part))
+        for (std::size_t i = 0; i < detector->tallies.size(); ++i) add_tally(part, detector->tallies[i], i);
+    }
+  }
+
+ private:
+  const Beamline& beamline(std::size_t p) const { return run_.experiment.points[p]; }
+
+  // ---- monitors ----
+
+  void add_monitor(const PlacedPart& part) {
+    MonitorResult monitor;
+    monitor.name = part.placement.name;
+    monitor.label = part.placement.label.value_or(monitor.name);
+    monitor.y = part.placement.at;
+    std::vector<std::vector<double>> deviations(points_, std::vector<double>(group_count, 0.0));
+    for (std::size_t p = 0; p < points_; ++p) {
+      const int number = number_of(beamline(p), monitor.name);
+      const Moments& emitted = run_.emitted[p];
+      Counts total(1);
+      Moments all;
+      for (const CensusTally& census : run_.tallies.censuses) {
+        if (census.part != number || !concerns(*census.points, p)) continue;
+        const Sum* s = &run_.sums[census.at];
+        const Moments own{s[CensusSums::total()], s[CensusSums::total() + 1]};
+        const double n = static_cast<double>(census.tree->last - census.tree->first);
+        total.add({own}, n);
+        all.q += own.q;
+        all.q2 += own.q2;
+        for (std::size_t g = 0; g < group_count; ++g)
+          deviations[p][g] +=
+              (particles(s[CensusSums::group(g)]) - particles(own.q) / n * members(*census.tree, g)) /
+              particles(emitted.q);
+      }
+      const double fraction = particles(all.q) / particles(emitted.q);
+      monitor.passed.push_back(fraction);
+      monitor.passed_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
+                                          ? std::sqrt(total.variances[0]) / particles(emitted.q)
+                                          : ratio_error(all, emitted, fraction));
+    }
+    monitor.passed_covariance = covariance_of(deviations, run_.experiment.particles);
+    result_.monitors.push_back(std::move(monitor));
+  }
+
+  // ---- tallies ----
+
+  static TallyAxisResult axis_of(const TallyAxis& axis, int levels) {
+    TallyAxisResult made;
+    made.quantity = word_of(axis.quantity);
+    made.dimension = dimension_of(axis.quantity);
+    if (axis.axis) made.direction = {axis.axis->x, axis.axis->y, axis.axis->z};
+    if (is_categorical(axis.quantity)) {
+      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2) {
+        made.edges.push_back(0.5 * (twice_m - 1));
+        made.labels.push_back(level_name(twice_m));
+      }
+      made.edges.push_back(0.5 * levels);
+      return made;
+    }
+    const auto bins = static_cast<std::int64_t>(*axis.bins);
+    for (std::int64_t i = 0; i <= bins; ++i)
+      made.edges.push_back(
+          std::lerp(axis.from->value, axis.to->value, static_cast<double>(i) / static_cast<double>(bins)));
+    return made;
+  }
+
+  void add_tally(const PlacedPart& part, const Tally& tally, std::size_t number) {
+    const int levels = beamline(0).species.front().species.spin.twice + 1;
+    TallyResult out;
+    out.part = part.placement.name;
+    out.part_label = part.placement.label.value_or(out.part);
+    out.name = tally.name;
+    out.of_monitor = std::holds_alternative<Monitor>(part.part);
+    out.asks_for_spin = asks_for_spin(tally);
+    for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, levels));
+    const HistogramSums layout{static_cast<std::size_t>(bins_of(tally, levels)), 0};
+    for (std::size_t p = 0; p < points_; ++p) {
+      add_counts(layout, static_cast<int>(number), p, out);
+      add_moments(static_cast<int>(number), p, out);
+    }
+    result_.tallies.push_back(std::move(out));
+  }
+
+  std::vector<const HistogramTally*> found(int part, int number, std::size_t p) const {
+    std::vector<const HistogramTally*> out;
+    for (const HistogramTally& tally : run_.tallies.histograms)
+      if (tally.histogram->part == part && tally.histogram->tally == number && concerns(*tally.points, p))
+        out.push_back(&tally);
+    return out;
+  }
+
+  void add_counts(const HistogramSums& layout, int number, std::size_t p, TallyResult& out) {
+    const int part = number_of(beamline(p), out.part);
+    const auto* detector = std::get_if<Detector>(&beamline(p).parts[static_cast<std::size_t>(part)].part);
+    const std::uint64_t each = detector ? counted_of_one(detector->efficiency) : quanta_per_particle;
+    Counts bins(layout.bins), outside(1);
+    Sum sum = 0;
+    for (const HistogramTally* tally : found(part, number, p)) {
+      const Sum* s = &run_.sums[tally->at];
+      const double n = static_cast<double>(tally->tree->last - tally->tree->first);
+      std::vector<Moments> own(layout.bins);
+      for (std::size_t b = 0; b < layout.bins; ++b) {
+        own[b] = {s[layout.bin(b)], s[layout.bin(b) + 1]};
+        sum += own[b].q;
+      }
+      const Moments beyond{s[layout.outside()], s[layout.outside() + 1]};
+      sum += beyond.q;
+      bins.add(own, n, each);
+      outside.add({beyond}, n, each);
+    }
+    bins.put(out.counts, out.counts_errors);
+    outside.put(out.outside, out.outside_errors);
+    if (sum != crossed(part, p))
+      throw std::logic_error(
+          fmt::format("the tally {} of {} does not add up to what crossed its plane at scan point {}",
+                      out.name, out.part, p));
+  }
+
+  /// What a detector counted or a monitor let pass.
+  Sum crossed(int part, std::size_t p) const {
+    Sum sum = 0;
+    for (const ScreenTally& screen : run_.tallies.screens)
+      if (screen.part == part && concerns(*screen.points, p))
+        sum += run_.sums[screen.at + screen.layout.total()];
+    for (const CensusTally& census : run_.tallies.censuses)
+      if (census.part == part && concerns(*census.points, p))
+        sum += run_.sums[census.at + CensusSums::total()];
+    return sum;
+  }
+
+  void add_moments(int number, std::size_t p, TallyResult& out) {
+    std::size_t ranged = 0;
+    for (TallyAxisResult& axis : out.axes) {
+      if (!axis.labels.empty()) continue;
+      std::vector<MomentSums> groups(moment_groups);
+      for (const HistogramTally* tally : found(number_of(beamline(p), out.part), number, p)) {
+        const HistogramSums layout = sums_of(*tally->histogram);
+        for (std::size_t g = 0; g < moment_groups; ++g) {
+          const Sum* s = &run_.sums[tally->at + layout.moments(ranged, g)];
+          groups[g].q += s[0];
+          groups[g].qu += s[1];
+          groups[g].quu += s[2];
+        }
+      }
+      ++ranged;
+      const MeanAndDeviation m = moments_of(groups);
+      const double step = (axis.edges.back() - axis.edges.front()) / moment_steps;
+      axis.mean.push_back(std::fma(m.mean + 0.5, step, axis.edges.front()));  // from the middle of the step
+      axis.mean_errors.push_back(m.mean_error * step);
+      axis.deviation.push_back(m.deviation * step);
+      axis.deviation_errors.push_back(m.deviation_error * step);
+    }
+  }
+
+  const Summed& run_;
+  Result& result_;
+  const std::size_t points_;
+};
+
+}  // namespace
+
+/// Places are taken from a whole step c near the mean: sum q (u - c) and sum q (u - c)^2 follow from the sums
+/// exactly, since arithmetic modulo 2^128 does no harm to what fits into it. Errors of the ratios: the sum
+/// over groups of the squares of what each group adds to the numerator beyond its share.
+MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
+  MomentSums all;
+  for (const MomentSums& g : groups) {
+    all.q += g.q;
+    all.qu += g.qu;
+    all.quu += g.quu;
+  }
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (all.q == 0) return {none, none, none, none};
+  const Sum centre = all.qu / all.q;
+  const auto first = [&](const MomentSums& g) {
+    return static_cast<double>(static_cast<Signed>(g.qu - centre * g.q));
+  };
+  const auto second = [&](const MomentSums& g) {
+    return static_cast<double>(g.quu - 2 * centre * g.qu + centre * centre * g.q);
+  };
+  const double q = static_cast<double>(all.q), mean = first(all) / q,
+               variance = std::max(0.0, second(all) / q - mean * mean);
+  double of_mean = 0, of_variance = 0;
+  for (const MomentSums& g : groups) {
+    const double weight = static_cast<double>(g.q);
+    of_mean += std::pow(first(g) - mean * weight, 2);
+    of_variance += std::pow(second(g) - 2 * mean * first(g) + (mean * mean - variance) * weight, 2);
+  }
+  const double n = static_cast<double>(groups.size()), scatter = n / (n - 1), deviation = std::sqrt(variance);
+  return {static_cast<double>(centre) + mean, std::sqrt(scatter * of_mean) / q, deviation,
+          deviation > 0 ? std::sqrt(scatter * of_variance) / (2 * q * deviation) : 0};
+}
+
+void finish_tallies(const Summed& run, Result& result) { TallyFinisher(run, result).finish(); }
+
+}  // namespace rabiline

@@ -1,0 +1,120 @@
+#include "storage/tally_groups.hpp"
+
+#include <fmt/format.h>
+
+#include "core/units.hpp"
+
+namespace rabiline::nexus {
+namespace {
+
+using hdf5::GroupWriter;
+using hdf5::Shape;
+
+std::string unit_of(const TallyAxisResult& axis) {
+  const std::string_view unit = si_unit_of(axis.dimension);
+  return unit.empty() ? "1" : std::string(unit);
+}
+
+/// What plots write along the axis.
+std::string title_of(const TallyAxisResult& axis) {
+  if (axis.quantity == "level") return "m along +z";
+  if (axis.quantity == "prepared_level") return "m along +z that the particle was prepared in";
+  if (axis.quantity == "weight") return "weight in particles";
+  std::string words = axis.quantity;
+  for (char& c : words)
+    if (c == '_') c = ' ';
+  if (!axis.direction.empty())
+    words = fmt::format("spin along ({:g}, {:g}, {:g}) over I", axis.direction[0], axis.direction[1],
+                        axis.direction[2]);
+  return long_name(words, unit_of(axis));
+}
+
+Shape shape_of(const std::vector<Axis>& scan) {
+  Shape shape;
+  for (const Axis& axis : scan) shape.push_back(axis.values.size());
+  return shape.empty() ? Shape{1} : shape;
+}
+
+void write_numbers(const GroupWriter& data, const std::string& name, const Shape& shape,
+                   const std::vector<double>& values, const std::vector<double>& errors,
+                   const std::string& units, const std::string& meaning) {
+  data.dataset(name, shape, values, {{"units", units}, {"long_name", meaning}});
+  data.dataset(name + "_errors", shape, errors,
+               {{"units", units}, {"long_name", "standard error of " + meaning}});
+}
+
+void write_moments(const GroupWriter& data, const Shape& shape, const std::string& name,
+                   const TallyAxisResult& axis) {
+  if (axis.mean.empty()) return;
+  write_numbers(data, name + "_mean", shape, axis.mean, axis.mean_errors, unit_of(axis),
+                "mean of " + name + " inside the axes");
+  write_numbers(data, name + "_deviation", shape, axis.deviation, axis.deviation_errors, unit_of(axis),
+                "standard deviation of " + name + " inside the axes");
+}
+
+void write_tally(const GroupWriter& entry, const std::string& name, const Result& result,
+                 const TallyResult& tally, const std::vector<Axis>& scan) {
+  Names names({"counts", "counts_errors", "title", "outside", "outside_errors"});
+  for (const Axis& axis : scan) names.claim(axis.name, {"", "_labels"});
+  std::vector<Axis> axes = scan;
+  for (const TallyAxisResult& axis : tally.axes) {
+    const std::string own = names.claim(
+        axis.quantity, {"", "_labels", "_edges", "_mean", "_mean_errors", "_deviation", "_deviation_errors"});
+    axes.push_back({own, unit_of(axis), title_of(axis), centres_of(axis.edges), axis.labels, ""});
+  }
+  const GroupWriter data =
+      write_data(entry, name, fmt::format("{}: {} of {}", result.title, tally.name, tally.part_label),
+                 {"counts", "1", "particles per bin", tally.counts, tally.counts_errors,
+                  tally.axes.size() == 2                   ? "image"
+                  : tally.axes.size() == 1 && scan.empty() ? "spectrum"
+                                                           : ""},
+                 axes);
+  data.attribute("part", tally.part);
+  data.attribute("tally", tally.name);
+  data.attribute("counted", tally.of_monitor ? "what passed the monitor" : "what the detector counted");
+  if (tally.asks_for_spin)
+    data.attribute(
+        "spin_outcomes",
+        "expectation: under the law quantum the weight of each particle is split over the outcomes "
+        "by their probabilities");
+  for (std::size_t i = 0; i < tally.axes.size(); ++i) {
+    const Axis& axis = axes[scan.size() + i];
+    data.dataset(axis.name + "_edges", {tally.axes[i].edges.size()}, tally.axes[i].edges,
+                 {{"units", axis.units}, {"long_name", "edges of the bins along " + axis.name}});
+    write_moments(data, shape_of(scan), axis.name, tally.axes[i]);
+  }
+  write_numbers(data, "outside", shape_of(scan), tally.outside, tally.outside_errors, "1",
+                "particles that crossed the plane outside of the axes");
+}
+
+void write_monitor(const GroupWriter& entry, const std::string& name, const Result& result,
+                   const MonitorResult& monitor, const std::vector<Axis>& scan) {
+  const GroupWriter data =
+      write_data(entry, name, fmt::format("{}: {}", result.title, monitor.label),
+                 {"passed", "1", "fraction of emitted particles that passed " + monitor.label, monitor.passed,
+                  monitor.passed_errors, ""},
+                 scan);
+  data.attribute("monitor", monitor.name);
+  data.number("distance", monitor.y, {{"units", "m"}, {"long_name", "distance from the source (m)"}});
+  if (monitor.passed_covariance.empty()) return;
+  data.dataset("passed_covariance", {monitor.passed.size(), monitor.passed.size()}, monitor.passed_covariance,
+               {{"units", "1"}, {"long_name", "covariance of passed between scan points (row-major)"}});
+}
+
+}  // namespace
+
+std::vector<double> centres_of(const std::vector<double>& edges) {
+  std::vector<double> centres;
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) centres.push_back(0.5 * (edges[i] + edges[i + 1]));
+  return centres;
+}
+
+void write_monitors_and_tallies(const GroupWriter& entry, const Result& result, const std::vector<Axis>& scan,
+                                Names& names) {
+  for (const MonitorResult& monitor : result.monitors)
+    write_monitor(entry, names.claim(monitor.name, {""}), result, monitor, scan);
+  for (const TallyResult& tally : result.tallies)
+    write_tally(entry, names.claim(tally.part + "_" + tally.name, {""}), result, tally, scan);
+}
+
+}  // namespace rabiline::nexus

@@ -1,0 +1,111 @@
+// What tallies ask about particles where they meet a plane. Reads only.
+#include "transport/kernel_functions.hpp"
+#include "transport/plane_lanes.hpp"
+#include "transport/spin_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+namespace {
+
+constexpr double planck = 6.62607015e-34;  // [J s] h, exact
+
+/// Particles on the plane that a tally looks at: straight on from, or back to, the batch's common plane.
+struct Crossing {
+  real x, z, t;
+  Vector velocity;
+};
+RABILINE_LANES Crossing crossing_at(double y, const BatchView& batch, int i) {
+  const Vector v{load(batch.vx + i), load(batch.vy + i), load(batch.vz + i)};
+  const real dt = broadcast(y - batch.y) / v.y;
+  return {fma(v.x, dt, load(batch.x + i)), fma(v.z, dt, load(batch.z + i)), load(batch.t + i) + dt, v};
+}
+
+RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) {
+  const Crossing c = crossing_at(gauge.y, batch, i);
+  const real speed2 = dot(c.velocity, c.velocity);
+  switch (gauge.quantity) {
+    case Quantity::x:
+      return c.x;
+    case Quantity::z:
+      return c.z;
+    case Quantity::y:
+      return broadcast(gauge.y);
+    case Quantity::time_of_flight:
+      return c.t;
+    case Quantity::speed:
+      return sqrt(speed2);
+    case Quantity::wavelength:
+      return (planck / gauge.mass) / sqrt(speed2);
+    case Quantity::energy:
+      return (0.5 * gauge.mass) * speed2;
+    case Quantity::angle_x:
+      return atan(c.velocity.x / c.velocity.y);
+    case Quantity::angle_z:
+      return atan(c.velocity.z / c.velocity.y);
+    case Quantity::angle: {
+      const real across = sqrt(fma(c.velocity.x, c.velocity.x, c.velocity.z * c.velocity.z));
+      const real angle = atan(across / c.velocity.y);
+      return select(c.velocity.y < broadcast(0), angle + 0x1.921fb54442d18p+1, angle);
+    }
+    case Quantity::prepared_level:
+      return number_of(load(batch.level + i));
+    case Quantity::weight:
+      return number_of(load(batch.weight + i)) * 0x1p-40;
+    case Quantity::spin:
+    case Quantity::level:
+      break;
+  }
+  return broadcast(0);
+}
+
+/// Probability to find outcome `to` of a level each lane was prepared in, by Majorana's formula.
+real outcome_probability(const SpinGauge& gauge, words from, int to, real flip) {
+  real probability = broadcast(0);
+  for (int start = 0; start < gauge.levels; ++start) {
+    const mask here = from == broadcast_word(static_cast<unsigned long long>(start));
+    if (!any(here)) continue;
+    const double* c = gauge.polynomials + (start * gauge.levels + to) * gauge.levels;
+    real sum = broadcast(c[gauge.levels - 1]);
+    for (int k = gauge.levels - 2; k >= 0; --k) sum = fma(sum, flip, broadcast(c[k]));
+    probability = select(here, sum, probability);
+  }
+  return max(broadcast(0), min(broadcast(1), probability));
+}
+
+}  // namespace
+
+void cross(const Aperture& face, const BatchView& batch, std::uint64_t* weights) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const Crossing c = crossing_at(face.y, batch, i);
+    const words through = (words)inside(face, c.x, c.z) & load(batch.flying + i);
+    store(weights + i, load(batch.weight + i) & through);
+  }
+}
+
+void measure(const Gauge& gauge, const BatchView& batch, const std::uint64_t* weights, double* values) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    if (!any(load(weights + i) != words{})) continue;
+    store(values + i, value_of(gauge, batch, i));
+  }
+}
+
+void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uint64_t* weights,
+                  double* values) {
+  const Vector axis{broadcast(gauge.axis[0]), broadcast(gauge.axis[1]), broadcast(gauge.axis[2])};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const mask counted = load(weights + i) != words{};
+    if (!any(counted)) continue;
+    // What does not count stays for no time, however it flies.
+    const real slowness = select(counted, 1.0 / load(batch.vy + i), broadcast(0));
+    const Vector s = spin_after(gauge.zones, gauge.zone_count, gauge.key, batch, i, slowness);
+    const real along = max(broadcast(-1), min(broadcast(1), dot(axis, s)));
+    if (gauge.levels == 0) {
+      store(values + i, along);
+      continue;
+    }
+    const real flip = fma(along, broadcast(-0.5), broadcast(0.5));
+    for (int to = 0; to < gauge.levels; ++to)
+      store(values + to * batch.padded + i, outcome_probability(gauge, load(batch.level + i), to, flip));
+  }
+}
+
+}  // namespace rabiline::RABILINE_ISA

@@ -1,0 +1,124 @@
+"""Monitors and tallies from the file of a beamline to pictures."""
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from silx.io.nxdata import NXdata
+
+PROGRAM = os.environ["RABILINE_PROGRAM"]
+BEAMLINE = """
+rabiline: 1
+title: Tallies
+species: neutron
+law: quantum
+source:
+  speed: {kind: gaussian, mean: 1000 m/s, sigma: 10 m/s}
+  opening: {width: 0.2 mm, height: 1 mm}
+  direction: {kind: gaussian, x: 0.5 mrad, z: 1 mrad}
+parts:
+  - {name: B_prime, kind: polarizer, at: 0.10 m, length: 0.10 m, field: 10 mT, alignment: 0.6}
+  - {name: B, kind: uniform_field, at: 0.30 m, length: 0.25 m, field: 10 mT}
+  - {name: H0, kind: rotating_field, at: 0.35 m, length: 0.20 m, amplitude: 40 uT, frequency: 291.6 kHz, sense: co,
+     phase: random}
+  - name: M1
+    kind: monitor
+    at: 0.6 m
+    radius: 1 mm
+    tallies:
+      - {name: states, axes: [prepared_level, level]}
+      - name: cube
+        axes: [{quantity: x, from: -1 mm, to: 1 mm, bins: 4}, {quantity: angle_x, from: -1 mrad, to: 1 mrad, bins: 5},
+               {quantity: spin, axis: z, from: -1, to: 1, bins: 2}]
+  - name: screen
+    kind: detector
+    at: 1.2 m
+    radius: 4 mm
+    bins: [8, 8]
+    efficiency: 0.5
+    dead: {width: 1 mm, height: 1 mm, offset: {x: 2 mm}}
+    background: 3 1/min
+    tallies: [{name: tof, axes: [{quantity: time_of_flight, from: 1.19 ms, to: 1.21 ms, bins: 20}]}]
+particles: 4000
+seed: 1938
+"""
+INSIDE = "  - {name: M, kind: monitor, at: 0.4 m, radius: 1 mm}\n"
+
+
+def run(folder: Path, *arguments: str, text: str = BEAMLINE) -> tuple[Path, subprocess.CompletedProcess]:
+    (folder / "a.yaml").write_text(text)
+    done = subprocess.run([PROGRAM, "run", folder / "a.yaml", "-o", folder / "a.h5", *arguments], capture_output=True,
+                          text=True)
+    return folder / "a.h5", done
+
+
+@pytest.fixture(scope="module")
+def scanned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path, done = run(tmp_path_factory.mktemp("scan"), "--scan", "H0.frequency=280 kHz:300 kHz:3")
+    assert done.returncode == 0, done.stderr
+    return path
+
+
+def test_every_tally_is_a_plot_that_viewers_know(scanned: Path) -> None:
+    with h5py.File(scanned) as file:
+        for name, axes in (("M1_states", ["H0_frequency", "prepared_level", "level"]),
+                           ("M1_cube", ["H0_frequency", "x", "angle_x", "spin"]),
+                           ("screen_tof", ["H0_frequency", "time_of_flight"]), ("M1", ["H0_frequency"])):
+            group = file["entry"][name]
+            data = NXdata(group)
+            assert data.is_valid, data.issues
+            assert list(group.attrs["axes"]) == axes
+        tof = file["entry/screen_tof"]
+        assert tof["time_of_flight"].attrs["units"] == "s"
+        assert tof["time_of_flight_edges"].size == tof["time_of_flight"].size + 1
+        assert "expectation" in file["entry/M1_states"].attrs["spin_outcomes"]
+        assert file["entry/screen/background"][()] == pytest.approx(3 / 60)
+
+
+def test_bins_and_what_is_outside_add_up_to_the_ledger(scanned: Path) -> None:
+    with h5py.File(scanned) as file:
+        entry = file["entry"]
+        fates = {(fate, where): numbers for fate, where, numbers in zip(
+            entry["fates/fate"].asstr(), entry["fates/where"].asstr(), entry["fates/particles"])}
+        counts = entry["screen_tof/counts"][()].sum(axis=1) + entry["screen_tof/outside"][()]
+        assert np.array_equal(counts, fates["detected", "screen"])
+        assert entry["screen_tof/outside"][0] > 100
+        assert fates["stopped", "screen"][0] > fates["detected", "screen"][0]
+        passed = entry["M1/passed"][()] * 4000
+        for name in ("M1_states", "M1_cube"):
+            axes = tuple(range(1, entry[name]["counts"].ndim))
+            total = entry[name]["counts"][()].sum(axis=axes) + entry[name]["outside"][()]
+            assert np.allclose(total, passed, rtol=1e-13)
+
+
+def test_summary_and_pictures_know_tallies(scanned: Path, tmp_path: Path) -> None:
+    def analysis(*arguments: object) -> subprocess.CompletedProcess:
+        return subprocess.run([sys.executable, "-m", "rabiline", *map(str, arguments)], capture_output=True, text=True)
+
+    words = analysis("summary", scanned).stdout
+    assert "tally M1_states (expectation of the spin)" in words and "monitor M1" in words
+    assert "time_of_flight   20 bins, mean 1." in words
+    for arguments in (["screen_tof", "--points", "0,2"], ["M1_states", "--points", "0,1"], ["M1_cube"],
+                      ["M1_cube", "--axes", "spin,x"], ["M1_cube", "--axes", "spin"]):
+        done = analysis("plot-tally", scanned, *arguments, "-o", tmp_path / "a.png")
+        assert done.returncode == 0, done.stderr
+        assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    for arguments, message in ((["screen_tif"], "no tally `screen_tif` (there is"),
+                               (["M1_cube", "--axes", "x,y"], "name one or two of x, angle_x, spin"),
+                               (["M1_cube", "--points", "3"], "the scan points are 0 to 2")):
+        done = analysis("plot-tally", scanned, *arguments, "-o", tmp_path / "b.png")
+        assert done.returncode == 2 and message in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_a_monitor_inside_of_fields_is_refused_where_they_turn_the_velocity(tmp_path: Path) -> None:
+    text = BEAMLINE.replace("particles:", INSIDE + "particles:").replace("axes: [prepared_level, level]",
+                                                                        "axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]")
+    assert run(tmp_path, text=text)[1].returncode == 0
+    done = run(tmp_path, "--set", "law=dorado", text=text)[1]
+    assert done.returncode == 2
+    assert "the monitor `M` stands at 0.4 m, inside of fields" in done.stderr and "help: place it" in done.stderr
