@@ -9,6 +9,7 @@
 
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
+#include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
 #include "section/section_builder.hpp"
@@ -33,12 +34,6 @@ bool stays_where_it_starts(const Source& source) {
          !std::holds_alternative<GaussianSpot>(source.opening);
 }
 
-/// Where the source's levels have their axis.
-UnitVector axis_of(const StartSpin& spin) {
-  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return polarised->axis;
-  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
-  return {};
-}
 /// Whether every spin of a vector law starts along the static field or against it.
 bool spins_along_z(const StartSpin& spin, bool quantum) {
   const auto* polarised = std::get_if<PolarisedSpin>(&spin);
@@ -67,7 +62,9 @@ class Compiler {
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
         turning_(turning_of(beamline.law, species)),
-        zones_(species, beamline.species.front().species, turning_, mean_speed(beamline.source.speed, species.mass)),
+        zones_(species, beamline.species.front().species, turning_,
+               mean_speed(beamline.source.speed, species.mass)),
+        spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
         may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
@@ -124,7 +121,7 @@ class Compiler {
   }
   /// The spin must be known where it is filtered: fields that a straight flight passed before act now.
   void add_filter(const FilterTerm& filter, const Plane& plane) {
-    std::vector<SpinZone> zones = straight_ ? zones_before(plane) : std::vector<SpinZone>{};
+    std::vector<SpinZone> zones = straight_ ? spins_.zones_before(plane) : std::vector<SpinZone>{};
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     chain_.push_back(filter_of(filter, plane.part));
     tip_ = 1;
@@ -191,9 +188,7 @@ class Compiler {
     const bool along_z = std::all_of(histogram.axes.begin(), histogram.axes.end(), [](const auto& axis) {
       return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
     });
-    const UnitVector start = start_before(plane);
-    return quantum_ && along_z ? without_precession_about_z(zones_before(plane), start.x == 0 && start.y == 0)
-                               : zones_before(plane);
+    return quantum_ && along_z ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
   }
 
   // ---- from the source to the last part ----
@@ -343,57 +338,15 @@ class Compiler {
 
   // ---- spins at a detector ----
 
-  /// The last plane before this one where spins were set anew or brought up to date, or the source.
-  const Plane* last_known_spin(const Plane& before) const {
-    const Plane* last = nullptr;
-    for (const Plane& plane : sections_.planes) {
-      if (&plane == &before) break;
-      if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term))
-        last = &plane;
-    }
-    return last;
-  }
-  /// The fields between there and a plane.
-  std::vector<SpinZone> zones_before(const Plane& plane) const {
-    const Plane* last = last_known_spin(plane);
-    const double from = last != nullptr ? last->y : 0;
-    std::vector<SpinZone> zones;
-    for (const Section& section : sections_.sections) {
-      SpinZone zone = zones_.zone_of(section);
-      zone.begin = std::max(zone.begin, from);
-      zone.end = std::min(zone.end, plane.y);
-      if (zone.begin < zone.end && (zone.spin_rate != 0 || zone.drives > 0)) zones.push_back(zone);
-    }
-    return zones;
-  }
-
-  /// Spins that start along z do not see precession about it, nor do levels along z care for it at the end.
-  static std::vector<SpinZone> without_precession_about_z(const std::vector<SpinZone>& zones,
-                                                          bool starts_along_z) {
-    const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
-    const auto first =
-        starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
-    return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
-  }
-  /// The axis of the levels behind the source, an alignment or a filter, whichever came last before the
-  /// detector; behind a filter it differs from particle to particle, and counts as one across z.
-  UnitVector start_before(const Plane& detector) const {
-    const Plane* last = last_known_spin(detector);
-    if (last == nullptr) return axis_of(beamline_.source.spin);
-    const auto* align = std::get_if<AlignTerm>(&last->term);
-    return align != nullptr ? UnitVector{align->axis.x, align->axis.y, align->axis.z} : UnitVector{1, 0, 0};
-  }
-
   SpinStretch stretch_to(const Plane& detector) const {
     SpinStretch stretch;
     stretch.part = detector.part;
     stretch.majorana = quantum_;
     stretch.levels = quantum_ ? levels() : 2;
-    if (straight_) stretch.zones = zones_before(detector);
+    if (straight_) stretch.zones = spins_.zones_before(detector);
     if (straight_ && quantum_) {
-      const UnitVector start = start_before(detector);
-      stretch.from_level = start == UnitVector{};
-      stretch.zones = without_precession_about_z(stretch.zones, start.x == 0 && start.y == 0);
+      stretch.from_level = spins_.start_before(detector) == UnitVector{};
+      stretch.zones = spins_.zones_before_levels(detector);
     }
     if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
     return stretch;
@@ -406,6 +359,7 @@ class Compiler {
   const bool quantum_;
   const Turning turning_;
   const ZoneMaker zones_;
+  const SpinHistory spins_;
   const bool straight_;     // nothing in the whole beam turns the velocity
   bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
   std::size_t next_plane_ = 0;

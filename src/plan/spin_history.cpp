@@ -1,0 +1,57 @@
+#include "plan/spin_history.hpp"
+
+#include <algorithm>
+
+namespace rabiline {
+namespace {
+
+/// Where the source's levels have their axis.
+UnitVector axis_of(const StartSpin& spin) {
+  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return polarised->axis;
+  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
+  return {};
+}
+
+}  // namespace
+
+const Plane* SpinHistory::last_known_spin(const Plane& before) const {
+  const Plane* last = nullptr;
+  for (const Plane& plane : sections_.planes) {
+    if (&plane == &before) break;  // what stands at the same place comes in the order of the list
+    if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term))
+      last = &plane;
+  }
+  return last;
+}
+
+std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
+  const Plane* last = last_known_spin(plane);
+  const double from = last != nullptr ? last->y : 0;
+  std::vector<SpinZone> zones;
+  for (const Section& section : sections_.sections) {
+    SpinZone zone = zones_.zone_of(section);
+    zone.begin = std::max(zone.begin, from);
+    zone.end = std::min(zone.end, plane.y);
+    if (zone.begin < zone.end && (zone.spin_rate != 0 || zone.drives > 0)) zones.push_back(zone);
+  }
+  return zones;
+}
+
+std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const {
+  const std::vector<SpinZone> zones = zones_before(plane);
+  const UnitVector start = start_before(plane);
+  const bool starts_along_z = start.x == 0 && start.y == 0;
+  const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
+  const auto first =
+      starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
+  return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
+}
+
+UnitVector SpinHistory::start_before(const Plane& plane) const {
+  const Plane* last = last_known_spin(plane);
+  if (last == nullptr) return axis_of(source_.spin);
+  const auto* align = std::get_if<AlignTerm>(&last->term);
+  return align != nullptr ? UnitVector{align->axis.x, align->axis.y, align->axis.z} : UnitVector{1, 0, 0};
+}
+
+}  // namespace rabiline

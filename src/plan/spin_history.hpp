@@ -1,0 +1,33 @@
+#pragma once
+// What acts on the spins of a straight flight before they reach a plane.
+#include <vector>
+
+#include "plan/zones.hpp"
+
+namespace rabiline {
+
+class SpinHistory {
+ public:
+  /// All must outlive it.
+  SpinHistory(const Sections& sections, const ZoneMaker& zones, const Source& source)
+      : sections_(sections), zones_(zones), source_(source) {}
+
+  /// The fields since spins were last set anew or brought up to date: at the source, an alignment or a
+  /// filter.
+  std::vector<SpinZone> zones_before(const Plane&) const;
+  /// The same for levels along z at that plane, which do not care for precession about z at the end, nor at
+  /// the beginning where they start along z.
+  std::vector<SpinZone> zones_before_levels(const Plane&) const;
+  /// The axis of the levels behind the source, an alignment or a filter, whichever came last before the
+  /// plane; behind a filter it differs from particle to particle, and counts as one across z.
+  UnitVector start_before(const Plane&) const;
+
+ private:
+  const Plane* last_known_spin(const Plane& before) const;
+
+  const Sections& sections_;
+  const ZoneMaker& zones_;
+  const Source& source_;
+};
+
+}  // namespace rabiline
