@@ -13,7 +13,8 @@ from .units import format_value, law_name
 
 
 def summary(results: Results, detectors: Sequence[str]) -> str:
-    """Lines about the run, its scan, the resonances that these detectors saw, monitors and tallies, the ledger and the provenance."""
+    """Lines about the run, its scan, the resonances that these detectors saw, monitors and tallies, the ledger and the
+    provenance."""
     return "\n".join([*_run(results), *_resonances(results, detectors), *_monitors(results), *_tallies(results),
                       *_ledger(results), *_provenance(results)])
 
@@ -44,6 +45,9 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
     for detector in detectors:
         number = scan.detectors.index(detector)
         yield f"detector {detector}"
+        if scan.count_rate is not None:
+            low, high = scan.count_rate[number].min(), scan.count_rate[number].max()
+            yield f"  counts       {low:.6g} to {high:.6g} 1/s, with the background"
         if not scan.axes:
             fraction = format_value(scan.detected[number, 0], "", scan.errors[number, 0])
             yield f"  {law_name(results.laws[0])}: {fraction} of emitted"

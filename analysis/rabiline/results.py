@@ -31,6 +31,8 @@ class Scan:
     detected: np.ndarray  # [detectors, points]
     errors: np.ndarray  # [detectors, points] one standard error
     covariance: np.ndarray | None  # [detectors, points, points] between points; None where the file has none
+    count_rate: np.ndarray | None = None  # [detectors, points] 1/s with the background; None without a source's rate
+    count_rate_errors: np.ndarray | None = None  # [detectors, points]
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -201,6 +203,8 @@ def _read_scan(group: Group) -> Scan:
         detected=group.numbers("detected", (rows, points)),
         errors=group.numbers("detected_errors", (rows, points)),
         covariance=group.numbers("detected_covariance", (rows, points, points)) if has_covariance else None,
+        count_rate=group.numbers("count_rate", (rows, points)) if "count_rate" in group else None,
+        count_rate_errors=group.numbers("count_rate_errors", (rows, points)) if "count_rate" in group else None,
     )
 
 

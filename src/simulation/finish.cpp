@@ -119,6 +119,7 @@ class Finisher {
       add_axes(grids.at(detector.name), std::get<Detector>(parts[i].part).bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
       detector.detected_covariance = covariance_of(deviations_[detector.name], experiment_.particles);
+      add_count_rate(detector);
       add_levels(detector);
       result_.detectors.push_back(std::move(detector));
     }
@@ -133,6 +134,19 @@ class Finisher {
     };
     detector.x = {"x", edges(grid.low_x, grid.high_x, bins.x)};
     detector.z = {"z", edges(grid.low_z, grid.high_z, bins.z)};
+  }
+
+  /// What a real run would count each second: the counted part of all that leave the source, and the
+  /// background.
+  void add_count_rate(DetectorResult& detector) const {
+    if (result_.rate == 0) return;
+    for (std::size_t p = 0; p < points_; ++p) {
+      const double weight = particles(emitted_[p].q) / static_cast<double>(experiment_.points[p].particles);
+      const double aimed = result_.aimed_fraction.empty() ? 1 : result_.aimed_fraction[p];
+      const double leaving = result_.rate * aimed * weight;
+      detector.count_rate.push_back(leaving * detector.detected[p] + detector.background);
+      detector.count_rate_errors.push_back(leaving * detector.detected_errors[p]);
+    }
   }
 
   void add_counts(std::size_t p, DetectorResult& detector) {

@@ -32,6 +32,8 @@ struct DetectorResult {
   std::vector<std::string> level_labels;
   std::vector<double> levels, levels_errors;  // [points][levels]; NaN where nothing was detected
   double background = 0;                      // [1/s] counts without a beam
+  std::vector<double> count_rate,
+      count_rate_errors;  // [points] [1/s] with the background; empty without a rate
 };
 
 /// One monitor over the scan.

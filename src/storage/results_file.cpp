@@ -21,9 +21,9 @@ using nexus::Signal;
 constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
 
 std::vector<Axis> scan_axes(const Result& result) {
-  nexus::Names names({"detected", "detected_errors", "detected_covariance", "detector_index",
-                      "detector_names", "title", "counts", "counts_errors", "x", "x_edges", "z", "z_edges",
-                      "level_index", "level_index_labels", "levels", "levels_errors"});
+  nexus::Names names({"detected", "detected_errors", "detected_covariance", "count_rate", "count_rate_errors",
+                      "detector_index", "detector_names", "title", "counts", "counts_errors", "x", "x_edges",
+                      "z", "z_edges", "level_index", "level_index_labels", "levels", "levels_errors"});
   std::vector<Axis> axes;
   for (const ScanAxis& scanned : result.axes) {
     std::string name = scanned.parameter;
@@ -55,8 +55,8 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 
 /// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
 nexus::Names names_of_entry() {
-  return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle", "aimed_fraction",
-                       "rate", "scan", "instrument", "fates", "simulation"});
+  return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle",
+                       "aimed_fraction", "rate", "scan", "instrument", "fates", "simulation"});
 }
 std::vector<std::string> group_names(const Result& result, nexus::Names& names) {
   std::vector<std::string> claimed;
@@ -114,6 +114,19 @@ void write_covariance(const GroupWriter& scan, const Result& result) {
                {{"units", "1"}, {"long_name", "covariance of detected between scan points (row-major)"}});
 }
 
+/// Counts per second, where the source's rate is stated.
+void write_count_rate(const GroupWriter& scan, const Result& result, const std::vector<Axis>& axes) {
+  const std::vector<double> rate = joined(result, &DetectorResult::count_rate),
+                            errors = joined(result, &DetectorResult::count_rate_errors);
+  if (rate.empty()) return;
+  Shape shape;
+  for (const Axis& axis : axes) shape.push_back(axis.values.size());
+  scan.dataset("count_rate", shape, rate,
+               {{"units", "1/s"}, {"long_name", "counts per second, with the background (1/s)"}});
+  scan.dataset("count_rate_errors", shape, errors,
+               {{"units", "1/s"}, {"long_name", "standard errors of count_rate (1/s)"}});
+}
+
 void write_scan(const GroupWriter& entry, const Result& result) {
   std::vector<Axis> axes = scan_axes(result);
   std::string interpretation, of_detector;
@@ -137,6 +150,7 @@ void write_scan(const GroupWriter& entry, const Result& result) {
   for (const DetectorResult& detector : result.detectors) names.push_back(detector.name);
   scan.dataset("detector_names", {names.size()}, names, {{"long_name", "names of the detectors"}});
   write_covariance(scan, result);
+  write_count_rate(scan, result, axes);
   entry.attribute("default", "scan");
 }
 

@@ -128,6 +128,55 @@ TEST(FieldInsideAZone, ShiftsTheFringeByMoreThanItsShareOfTheMean) {
   EXPECT_GT(shift, 15);
 }
 
+/// The mean over the flux of an oven, 2 y^3 exp(-y^2) with y = v/alpha, by Simpson's rule.
+double over_flux(const std::function<double(double y)>& f) {
+  constexpr int steps = 20000;
+  constexpr double high = 6;
+  double sum = 0;
+  for (int i = 1; i < steps; ++i) {
+    const double y = high * i / steps;
+    sum += (i % 2 == 1 ? 4 : 2) * 2 * y * y * y * std::exp(-y * y) * f(y);
+  }
+  return sum * high / steps / 3;
+}
+
+TEST(TwoZones, OfAnEffusiveBeamGiveTheMeanOfRamseysFringesOverTheFlux) {
+  Beamline b = suggested(0);
+  b.law = QuantumLaw{};
+  b.source.speed = EffusiveSpeed{60};
+  b.chamber.reset();
+  b.particles = 200000;
+  const double alpha = std::sqrt(2 * 1.380649e-23 * 60 / b.species[0].species.mass), l = 0.05, gap = 0.5;
+  const double w1 = 0.6 * pi * alpha / l;
+  RotatingField first, second;
+  first.length = second.length = l;
+  first.amplitude = second.amplitude = w1 / std::abs(gamma_n);
+  first.sense = Sense::co;
+  second.oscillator = "first";
+  for (const double offset : {0.0, 300.0, 600.0, 1100.0, 2500.0}) {
+    first.frequency = larmor + offset;
+    b.parts = {place("P", 0.1, Polarizer{0.05, field, 1, {}}), place("B", 0.3, UniformField{0.7, field, {}}),
+               place("first", 0.35, first), place("second", 0.35 + l + gap, second),
+               place("screen", 1.2, Detector{Rectangle{1, 1}, {1, 1}, {}})};
+    // S8 at each speed.
+    const auto expected = [&](double scale) {
+      return over_flux([&](double y) {
+        const double v = y * alpha, tau = l / v, time = gap / v, delta = scale * two_pi * offset;
+        const double drive = scale * w1, a = std::hypot(drive, delta), sine = drive / a, cosine = delta / a;
+        return 4 * std::pow(sine * std::sin(a * tau / 2), 2) *
+               std::pow(std::cos(delta * time / 2) * std::cos(a * tau / 2) -
+                            cosine * std::sin(delta * time / 2) * std::sin(a * tau / 2),
+                        2);
+      });
+    };
+    EXPECT_NEAR(run_points({b}).detectors.at(0).levels.at(0), expected(1), 4 * 0.4 / std::sqrt(2e5))
+        << offset;
+    if (offset == 600) {
+      EXPECT_GT(std::abs(expected(1.01) - expected(1)), 4 * 0.4 / std::sqrt(1e6));
+    }
+  }
+}
+
 TEST(NeighbouringLine, InTheSameFieldPullsTheLine) {
   // A second oscillator nearby drives the spin as well: the line is no longer even about its centre.
   Beamline b = suggested(larmor, 0.3 * pi / 2e-4 / std::abs(gamma_n));
