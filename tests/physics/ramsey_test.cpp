@@ -145,7 +145,7 @@ TEST(TwoZones, OfAnEffusiveBeamGiveTheMeanOfRamseysFringesOverTheFlux) {
   b.law = QuantumLaw{};
   b.source.speed = EffusiveSpeed{60};
   b.chamber.reset();
-  b.particles = 200000;
+  b.particles = 1000000;
   const double alpha = std::sqrt(2 * 1.380649e-23 * 60 / b.species[0].species.mass), l = 0.05, gap = 0.5;
   const double w1 = 0.6 * pi * alpha / l;
   RotatingField first, second;
@@ -169,7 +169,7 @@ TEST(TwoZones, OfAnEffusiveBeamGiveTheMeanOfRamseysFringesOverTheFlux) {
                         2);
       });
     };
-    EXPECT_NEAR(run_points({b}).detectors.at(0).levels.at(0), expected(1), 4 * 0.4 / std::sqrt(2e5))
+    EXPECT_NEAR(run_points({b}).detectors.at(0).levels.at(0), expected(1), 4 * 0.4 / std::sqrt(1e6))
         << offset;
     if (offset == 600) {
       EXPECT_GT(std::abs(expected(1.01) - expected(1)), 4 * 0.4 / std::sqrt(1e6));
