@@ -94,10 +94,10 @@ void print_summary(const Result& result, const std::filesystem::path& output, do
   for (const DetectorResult& d : result.detectors) {
     const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
     if (points == 1)
-      fmt::print("  {}: {:.5f} +- {:.5f} of the emitted particles\n", d.name, d.detected[0],
+      fmt::print("  {}: {:.4g} +- {:.2g} of the emitted particles\n", d.name, d.detected[0],
                  d.detected_errors[0]);
     else
-      fmt::print("  {}: from {:.5f} to {:.5f} of the emitted particles\n", d.name, *least, *most);
+      fmt::print("  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
   }
   fmt::print("wrote {}\n", output.string());
 }

@@ -64,6 +64,21 @@ TEST(AimedFraction, MakesAnAimedRunAgreeWithATiltedOne) {
   EXPECT_NEAR(share, all, 4 * std::hypot(error, aimed_error));
 }
 
+TEST(AimedFraction, BelongsToARunThatTellsFarMoreOfANarrowSlitForTheSameParticles) {
+  // The same particles take the same time: the square of the relative error must be twenty times smaller.
+  Beamline whole = through_a_slit(CosineDirection{0.08});
+  whole.parts = {place("S", 0.5, Slit{Rectangle{0.1e-3, 5e-3}, {}}),
+                 place("screen", 1, Detector{Rectangle{2e-3, 20e-3}, {1, 1}, {}})};
+  Beamline aimed = whole;
+  aimed.source.direction = AimedDirection{"S", CosineEmission{}};
+  auto [all, error] = detected_share(whole);
+  all *= std::pow(std::sin(0.08), 2);  // the limit's part of all that leave
+  error *= std::pow(std::sin(0.08), 2);
+  const auto [share, aimed_error] = detected_share(aimed);
+  EXPECT_NEAR(share, all, 4 * std::hypot(error, aimed_error));
+  EXPECT_GT(std::pow(error / all, 2), 20 * std::pow(aimed_error / share, 2));
+}
+
 TEST(AimedFraction, StandsAtEachPointOfAScanAndNotWhereNothingIsAimed) {
   Beamline near = through_a_slit(AimedDirection{"S", CosineEmission{}}), far = near, whole = near;
   near.particles = far.particles = whole.particles = 1000;
