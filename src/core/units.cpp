@@ -34,6 +34,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::temperature, "temperature", "300 K", "K"},
     DimensionRow{Dimension::energy, "energy", "25 meV", "J"},
     DimensionRow{Dimension::rate, "rate", "1e6 1/s", "1/s"},
+    DimensionRow{Dimension::field_gradient, "field gradient", "1000 T/m", "T/m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -230,6 +231,12 @@ const std::vector<UnitSymbol>& unit_table() {
       {"/min", rate, 1.0 / 60},
       {"1/h", rate, 1.0 / 3600},
       {"/h", rate, 1.0 / 3600},
+      {"T/m", field_gradient, 1},
+      {"T/cm", field_gradient, 1e2},
+      {"T/mm", field_gradient, 1e3},
+      {"mT/m", field_gradient, 1e-3},
+      {"G/cm", field_gradient, 1e-2},
+      {"kG/cm", field_gradient, 1e1},
   };
   return table;
 }
@@ -282,7 +289,8 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "GHz/T MHz/T kHz/T Hz/T",
                                                     "K mK uK",
                                                     "MeV keV eV meV ueV neV",
-                                                    "1/s"};
+                                                    "1/s",
+                                                    "T/m mT/m"};
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));

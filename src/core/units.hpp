@@ -21,9 +21,10 @@ enum class Dimension {
   gyromagnetic,    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
   temperature,     // K, absolute
   energy,          // J
-  rate             // 1/s: what happens so many times a second; never a frequency
+  rate,            // 1/s: what happens so many times a second; never a frequency
+  field_gradient   // T/m
 };
-inline constexpr Dimension last_dimension = Dimension::rate;
+inline constexpr Dimension last_dimension = Dimension::field_gradient;
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);

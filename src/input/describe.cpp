@@ -105,7 +105,7 @@ std::string need_of(const Row& row, const D& fallback) {
   if constexpr (std::is_same_v<D, Required> && !is_optional<M>)
     return "required";
   else if constexpr (std::is_same_v<D, UnitVector>)
-    return "default z";
+    return fallback.x == 1 ? "default x" : "default z";
   else if constexpr (requires { D::kind; })
     return fmt::format("default {}", D::kind);
   else if constexpr (std::is_arithmetic_v<D>)
@@ -344,9 +344,8 @@ std::string describe_overview() {
   });
   page.line("\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87, or");
   std::string others;
-  for (const std::string_view topic :
-       {"source", "speed", "direction", "opening", "spin", "pulse", "species", "chamber", "scan", "tallies",
-        "units"})
+  for (const std::string_view topic : {"source", "speed", "direction", "opening", "spin", "pulse", "species",
+                                       "chamber", "scan", "tallies", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

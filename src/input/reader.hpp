@@ -136,9 +136,7 @@ std::string example_of_type(const Row& row) {
     return example_of_type<typename T::value_type>(row);
   else if constexpr (std::is_enum_v<T>)
     return std::string(choices<T>[0].word);
-  else if constexpr (std::is_same_v<T, SpeedQuantity>)
-    return example_for(row);
-  else if constexpr (has_value_type<T>)
+  else if constexpr (has_value_type<T> && !std::is_same_v<T, SpeedQuantity>)
     return std::string(ValueType<T>::example);
   else if constexpr (is_list<T>)
     return fmt::format("[{}]", example_of_type<typename T::value_type>(row));

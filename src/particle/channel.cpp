@@ -29,6 +29,7 @@ std::vector<double> mesh(double length) {
     half.push_back(half.back() + step);
   const double stretch = length / 2 / half.back();
   std::vector<double> x;
+  x.reserve(2 * half.size());
   for (const double h : half) x.push_back(h * stretch);
   for (std::size_t i = half.size() - 1; i-- > 0;) x.push_back(length - half[i] * stretch);
   return x;

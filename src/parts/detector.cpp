@@ -9,7 +9,7 @@ void contribute(const Detector& detector, const Placement& place, SectionBuilder
                     static_cast<int>(detector.bins.z)};
   screen.tilt = detector.tilt;
   screen.efficiency = detector.efficiency;
-  if (detector.dead) screen.dead = {opening_of(detector.dead->face), detector.dead->offset};
+  if (detector.dead) screen.dead = {opening_of(detector.dead->face), detector.dead->offset, detector.tilt};
   screen.tallies = detector.tallies;
   builder.plane(place.at, std::move(screen));
 }

@@ -6,6 +6,7 @@
 #include "parts/coil.hpp"
 #include "parts/collimator.hpp"
 #include "parts/detector.hpp"
+#include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
 #include "parts/monitor.hpp"
 #include "parts/oscillating_field.hpp"
@@ -24,6 +25,7 @@ using Part = std::variant<Polarizer,         //
                           RotatingField,     //
                           OscillatingField,  //
                           Coil,              //
+                          GradientMagnet,    //
                           Slit,              //
                           Collimator,        //
                           BeamStop,          //

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "plan/geometry.hpp"
+#include "plan/magnets.hpp"
 #include "plan/plan.hpp"
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
@@ -34,12 +35,6 @@ bool stays_where_it_starts(const Source& source) {
          !std::holds_alternative<GaussianSpot>(source.opening);
 }
 
-/// Whether every spin of a vector law starts along the static field or against it.
-bool spins_along_z(const StartSpin& spin, bool quantum) {
-  const auto* polarised = std::get_if<PolarisedSpin>(&spin);
-  return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
-}
-
 Sections sections_of(const Beamline& beamline) {
   Wall chamber;
   if (beamline.chamber) chamber.radius = beamline.chamber->radius;
@@ -49,7 +44,10 @@ Sections sections_of(const Beamline& beamline) {
     std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
                beamline.parts[i].part);
   }
-  return builder.build();
+  Sections sections = builder.build();
+  if (!deflects(beamline.law))
+    std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
+  return sections;
 }
 
 /// Compiles one chain; each member function adds stages for one thing.
@@ -110,10 +108,19 @@ class Compiler {
   void stop_at_chamber(double y) {
     if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
   }
-  static Aperture plate_at(double y, const PlateTerm& plate) {
-    Aperture aperture = aperture_of(y, plate.opening, plate.offset, plate.tilt);
-    aperture.stops_inside = plate.stops_inside;
-    return aperture;
+  /// A particle is in one level while it is deflected: the fields before act now, and the level is drawn.
+  void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
+    stop_at_chamber(plane.y);
+    chain_.push_back(Drift{plane.y});
+    const bool along_z = quantum_ && spins_.start_before(plane) == UnitVector{};
+    std::vector<SpinZone> zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
+    const bool level_known = along_z && zones.empty();
+    if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
+    if (quantum_ && !level_known)
+      chain_.push_back(LevelDraw{levels(), plane.part, majorana_table(species_.spin.twice).coefficients});
+    if (magnet.gap) chain_.push_back(Passage{aperture_of(plane.y, *magnet.gap, magnet.offset), plane.part});
+    chain_.push_back(deflection_of(plane, magnet, species_, levels()));
+    may_reach_chamber_ = true;
   }
   void aligned_along(const Vector3& axis) {
     tip_ = 0;
@@ -141,6 +148,10 @@ class Compiler {
       aligned_along(align->axis);
       return;
     }
+    if (const auto* magnet = std::get_if<MagnetTerm>(&plane.term)) {
+      add_magnet(*magnet, plane);
+      return;
+    }
     if (const auto* filter = std::get_if<FilterTerm>(&plane.term)) {
       stop_at_chamber(plane.y);
       add_filter(*filter, plane);
@@ -152,7 +163,7 @@ class Compiler {
       return;
     }
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      chain_.push_back(Passage{plate_at(plane.y, *plate), plane.part});
+      chain_.push_back(Passage{aperture_of(plane.y, *plate), plane.part});
     else
       chain_.push_back(Score{screen_at(plane)});
   }
@@ -280,7 +291,7 @@ class Compiler {
       edge.align = alignment_of(*align, plane.part);
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
-      edge.plate = plate_at(plane.y, *plate);
+      edge.plate = aperture_of(plane.y, *plate);
     } else if (std::holds_alternative<FilterTerm>(plane.term)) {
       throw std::invalid_argument(fmt::format(
           "`{}` stands where fields turn the path under the law {}, and can only be passed in one "

@@ -117,6 +117,23 @@ class Explainer {
     line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}", metres(y),
          name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
+  void show(const LevelDraw& draw) {
+    line("            {}: each particle is in one level from here on, drawn by its probability{}",
+         name_of(draw.part), reuse());
+  }
+  void show(const Deflection& d) {
+    const double stay = (d.end - d.begin) / speed_, bent = std::abs(d.acceleration) * stay * stay / 2;
+    line("{}  {}: deflects up to {}, m = I by {} there{}", metres(d.begin), name_of(d.part), metres(d.end),
+         pretty_quantity(bent, Dimension::length), reuse());
+    const double room = 2 * (std::abs(d.along_z) > std::abs(d.along_x) ? d.half_z : d.half_x);
+    if (d.has_gap && bent > room)
+      warnings_.push_back(fmt::format(
+          "`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} m/s, and "
+          "stops them "
+          "at about {:.3g} m",
+          name_of(d.part), pretty_quantity(bent, Dimension::length), pretty_quantity(room, Dimension::length),
+          speed_, d.begin + (d.end - d.begin) * std::sqrt(room / 2 / bent)));
+  }
   void show(const Score& s) {
     line("{}  {}: catches and histograms, {} x {} bins{}{}{}", metres(s.screen.y), name_of(s.screen.part),
          s.screen.bins_x, s.screen.bins_z,

@@ -27,6 +27,12 @@ Aperture aperture_of(double y, const Opening& opening, const Offset& offset, con
   return a;
 }
 
+Aperture aperture_of(double y, const PlateTerm& plate) {
+  Aperture aperture = aperture_of(y, plate.opening, plate.offset, plate.tilt);
+  aperture.stops_inside = plate.stops_inside;
+  return aperture;
+}
+
 double area_of(const Aperture& a) {
   return a.radius >= 0 ? std::numbers::pi * (a.radius * a.radius - a.inner * a.inner)
                        : 4 * a.half_x * a.half_z;

@@ -13,6 +13,8 @@
 namespace rabiline {
 
 Aperture aperture_of(double y, const Opening&, const Offset&, const Roll& = {});
+/// Of a plate, or of a beam stop.
+Aperture aperture_of(double y, const PlateTerm&);
 /// Area of an opening [m^2].
 double area_of(const Aperture&);
 

@@ -138,7 +138,7 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
   tree.source = root.source;
   for (const Chain* chain : chains) tree.points.push_back(chain->point);
   tree.sums = sums;
-  sums += 2;
+  sums += sums_of(root.source).size();
   tree.next = merge(chains, 0, sums);
   tree.cost = cost_of_emission;
   for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed);

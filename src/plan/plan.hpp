@@ -21,7 +21,17 @@ struct PlanNode {
   std::vector<PlanNode> next;
 };
 
-/// Scan points whose particles are emitted alike. One sum, at `sums`: what was emitted.
+/// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.
+struct EmissionSums {
+  bool weights_differ;
+  static std::size_t q() { return 0; }
+  static std::size_t q2() { return 1; }
+  static std::size_t group(std::size_t g) { return 2 + g; }
+  std::size_t size() const { return weights_differ ? 2 + group_count : 2; }
+};
+inline EmissionSums sums_of(const Emission& e) { return {e.direction == DirectionKind::aimed}; }
+
+/// Scan points whose particles are emitted alike; what was emitted stands at `sums`.
 struct PlanTree {
   int component = 0;                  // index of the species in the beam
   std::uint64_t first = 0, last = 0;  // particle numbers [first, last) of that species

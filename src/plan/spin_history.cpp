@@ -14,11 +14,17 @@ UnitVector axis_of(const StartSpin& spin) {
 
 }  // namespace
 
+bool spins_along_z(const StartSpin& spin, bool quantum) {
+  const auto* polarised = std::get_if<PolarisedSpin>(&spin);
+  return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
+}
+
 const Plane* SpinHistory::last_known_spin(const Plane& before) const {
   const Plane* last = nullptr;
   for (const Plane& plane : sections_.planes) {
     if (&plane == &before) break;  // what stands at the same place comes in the order of the list
-    if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term))
+    if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term) ||
+        std::holds_alternative<MagnetTerm>(plane.term))
       last = &plane;
   }
   return last;
@@ -50,6 +56,7 @@ std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const
 UnitVector SpinHistory::start_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane);
   if (last == nullptr) return axis_of(source_.spin);
+  if (std::holds_alternative<MagnetTerm>(last->term)) return {};
   const auto* align = std::get_if<AlignTerm>(&last->term);
   return align != nullptr ? UnitVector{align->axis.x, align->axis.y, align->axis.z} : UnitVector{1, 0, 0};
 }

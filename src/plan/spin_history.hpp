@@ -6,6 +6,9 @@
 
 namespace rabiline {
 
+/// Whether every spin of a vector law starts along the static field or against it.
+bool spins_along_z(const StartSpin& spin, bool quantum);
+
 class SpinHistory {
  public:
   /// All must outlive it.

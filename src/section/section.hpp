@@ -52,6 +52,15 @@ struct FilterTerm {
   double up = 1, down = 0;  // transmissions of the spin S along and against the axis
   bool operator==(const FilterTerm&) const = default;
 };
+/// A deflecting magnet begins: B_z grows by `gradient` along an axis across the beam, up to the place `end`.
+struct MagnetTerm {
+  double end = 0;       // [m]
+  double gradient = 0;  // [T/m]
+  Vector3 along{0, 0, 1};
+  std::optional<Rectangle> gap{};
+  Offset offset{};
+  bool operator==(const MagnetTerm&) const = default;
+};
 /// What hits the screen is caught and histogrammed.
 struct ScreenTerm {
   Face face;
@@ -75,7 +84,7 @@ struct MonitorTerm {
 struct Plane {
   double y = 0;  // [m]
   int part = 0;
-  std::variant<PlateTerm, AlignTerm, FilterTerm, ScreenTerm, MonitorTerm> term;
+  std::variant<PlateTerm, AlignTerm, FilterTerm, MagnetTerm, ScreenTerm, MonitorTerm> term;
   bool operator==(const Plane&) const = default;
 };
 

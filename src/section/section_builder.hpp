@@ -26,7 +26,7 @@ class SectionBuilder {
   void twisted(double begin, double end, const RotatingTerm&);
   void coil(double begin, double end, const CoilTerm&);
   void bore(double begin, double end, double radius, Offset);
-  void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, term}); }
+  void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
   /// The sections between neighbouring edges where anything stands, and the planes in order of y.
   Sections build() const;

@@ -47,18 +47,29 @@ struct Counts {
   }
 };
 
-/// Where weights differ, what was emitted is random too: the error of a ratio of sums over the same
-/// particles, of each of which the part has `share` or nothing.
-inline double ratio_error(const Moments& part, const Moments& whole, double ratio, double share = 1) {
-  const double q2 = static_cast<double>(part.q2), all_q2 = static_cast<double>(whole.q2);
-  const double mixed = share > 0 ? 2 * ratio / share : 0;
-  return std::sqrt(std::max(0.0, q2 * (1 - mixed) + ratio * ratio * all_q2)) / static_cast<double>(whole.q);
-}
-
 /// How many particles of a tree are in a group.
 inline double members(const PlanTree& tree, std::uint64_t group) {
   const auto below = [&](std::uint64_t n) { return n / group_count + (group < n % group_count ? 1 : 0); };
   return static_cast<double>(below(tree.last) - below(tree.first));
+}
+
+/// Adds how far what was counted of each group is from what its size, or the weight emitted in it, lets
+/// expect.
+inline void add_deviations(const PlanTree& tree, const Sums& sums, const Sum* groups, const Moments& total,
+                           std::vector<double>& deviations) {
+  const bool weighted = sums_of(tree.source).weights_differ;
+  const double emitted =
+      weighted ? particles(sums[tree.sums + EmissionSums::q()]) : static_cast<double>(tree.last - tree.first);
+  for (std::size_t g = 0; g < group_count; ++g) {
+    const double size = weighted ? particles(sums[tree.sums + EmissionSums::group(g)]) : members(tree, g);
+    deviations[g] += particles(groups[g]) - particles(total.q) / emitted * size;
+  }
+}
+
+inline double covariance_of(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t g = 0; g < group_count; ++g) sum += a[g] * b[g];
+  return sum * static_cast<double>(group_count) / (group_count - 1);
 }
 
 /// Between points that fly the same particles: from how far each group is from what its size lets expect;
@@ -70,12 +81,8 @@ inline std::vector<double> covariance_of(const std::vector<std::vector<double>>&
   if (points < 2 || points > most_points || mode != ScanParticles::shared) return {};
   std::vector<double> covariance(points * points);
   for (std::size_t a = 0; a < points; ++a)
-    for (std::size_t b = 0; b <= a; ++b) {
-      double sum = 0;
-      for (std::size_t g = 0; g < group_count; ++g) sum += deviations[a][g] * deviations[b][g];
-      sum *= static_cast<double>(group_count) / (group_count - 1);
-      covariance[a * points + b] = covariance[b * points + a] = sum;
-    }
+    for (std::size_t b = 0; b <= a; ++b)
+      covariance[a * points + b] = covariance[b * points + a] = covariance_of(deviations[a], deviations[b]);
   return covariance;
 }
 

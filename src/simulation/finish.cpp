@@ -79,8 +79,8 @@ class Finisher {
     emitted_.assign(points_, {});
     for (const PlanTree& tree : plan_.trees)
       for (const int p : tree.points) {
-        emitted_[static_cast<std::size_t>(p)].q += sums_[tree.sums];
-        emitted_[static_cast<std::size_t>(p)].q2 += sums_[tree.sums + 1];
+        emitted_[static_cast<std::size_t>(p)].q += sums_[tree.sums + EmissionSums::q()];
+        emitted_[static_cast<std::size_t>(p)].q2 += sums_[tree.sums + EmissionSums::q2()];
       }
     for (const Moments& m : emitted_) {
       result_.emitted.push_back(particles(m.q));
@@ -145,7 +145,8 @@ class Finisher {
       const double aimed = result_.aimed_fraction.empty() ? 1 : result_.aimed_fraction[p];
       const double leaving = result_.rate * aimed * weight;
       detector.count_rate.push_back(leaving * detector.detected[p] + detector.background);
-      detector.count_rate_errors.push_back(leaving * detector.detected_errors[p]);
+      detector.count_rate_errors.push_back(result_.rate * aimed * rate_errors_.at(detector.name)[p] /
+                                           static_cast<double>(experiment_.points[p].particles));
     }
   }
 
@@ -172,9 +173,8 @@ class Finisher {
       along_x.add(own_x, n, each);
       along_z.add(own_z, n, each);
       total.add(own_total, n, each);
-      for (std::size_t g = 0; g < group_count; ++g)
-        deviations[g] +=
-            particles(s[screen.layout.group(g)]) - particles(own_total[0].q) / n * members(*screen.tree, g);
+      add_deviations(*screen.tree, sums_, s + screen.layout.group(0), own_total[0], deviations);
+      component_weights_[detector.name][p][screen.tree->component] = own_total[0];
     }
     bins.put(detector.counts, detector.counts_errors);
     along_x.put(detector.counts_x, detector.counts_x_errors);
@@ -182,19 +182,13 @@ class Finisher {
     const Moments& emitted = emitted_[p];
     const double fraction = particles(all.q) / particles(emitted.q);
     detector.detected.push_back(fraction);
+    for (double& d : deviations) d /= particles(emitted.q);
     detector.detected_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
                                            ? std::sqrt(total.variances[0]) / particles(emitted.q)
-                                           : ratio_error(all, emitted, fraction, particles(each)));
-    for (double& d : deviations) d /= particles(emitted.q);
+                                           : std::sqrt(covariance_of(deviations, deviations)));
+    rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
     deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
-  }
-
-  /// Error of the share of a level in what was detected: sum (q - f w)^2 over particles, with the mixed term
-  /// for weights that are all alike or nearly so.
-  static double share_error(const Moments& level, const Moments& all, double share) {
-    const double q2 = static_cast<double>(level.q2), all_q2 = static_cast<double>(all.q2);
-    return std::sqrt(std::max(0.0, q2 - share * share * all_q2)) / static_cast<double>(all.q);
   }
 
   // ---- levels ----
@@ -210,21 +204,43 @@ class Finisher {
     return beamline.species.size() == 1 ? name : species.name + " " + name;
   }
 
+  /// What a level got of the weight w of each particle: sums of q, q^2 and q w.
+  struct LevelMoments {
+    Sum q = 0, q2 = 0, qw = 0;
+  };
+  LevelMoments moments_of(const LevelTally& tally, std::size_t level, const Moments& weights) const {
+    const LevelLayout layout{static_cast<std::size_t>(tally.levels)};
+    const auto sum = [&](std::size_t at) { return sums_[tally.at + at]; };
+    LevelMoments m{sum(LevelLayout::q(level)), sum(LevelLayout::squares(level)), 0};
+    // Two levels share the weight: (q1 + q2)^2 = w^2 tells q1 q2.
+    m.qw = layout.has_products()
+               ? sum(layout.products(level))
+               : m.q2 + (weights.q2 - sum(LevelLayout::squares(0)) - sum(LevelLayout::squares(1))) / 2;
+    return m;
+  }
+  /// Error of a level's share f of all that was detected: sum (q - f w)^2 over the particles.
+  static double share_error(const LevelMoments& level, const Moments& all, double f) {
+    const double sum = static_cast<double>(level.q2) - 2 * f * static_cast<double>(level.qw) +
+                       f * f * static_cast<double>(all.q2);
+    // What rounding leaves of numbers that cancel is no error.
+    const double noise = 1e-12 * static_cast<double>(level.q2);
+    return sum > noise ? std::sqrt(sum) / static_cast<double>(all.q) : 0;
+  }
+
   /// One row for every label that occurs; NaN at points that do not have it.
   void add_levels(DetectorResult& detector) {
-    std::vector<std::map<std::string, Moments>> found(points_);
+    std::vector<std::map<std::string, LevelMoments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
       const int part = number_of(experiment_.points[p], detector.name);
       for (const LevelTally& tally : tallies_.levels) {
         if (tally.part != part || !concerns(*tally.points, p)) continue;
+        const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {
           const std::string label = label_of(experiment_.points[p], tally, level);
           if (std::find(detector.level_labels.begin(), detector.level_labels.end(), label) ==
               detector.level_labels.end())
             detector.level_labels.push_back(label);
-          Moments& m = found[p][label];
-          m.q += sums_[tally.at + 2 * static_cast<std::size_t>(level)];
-          m.q2 += sums_[tally.at + 2 * static_cast<std::size_t>(level) + 1];
+          found[p][label] = moments_of(tally, static_cast<std::size_t>(level), weights);
         }
       }
     }
@@ -282,6 +298,9 @@ class Finisher {
   std::vector<Moments> emitted_;                                        // [points]
   std::map<std::string, std::vector<std::vector<double>>> deviations_;  // detector: [points][groups]
   std::map<std::string, std::vector<Moments>> totals_;                  // detector: [points]
+  std::map<std::string, std::vector<double>> rate_errors_;  // detector: [points] of what was counted
+  std::map<std::string, std::map<std::size_t, std::map<int, Moments>>>
+      component_weights_;  // of what was counted
   Result result_;
 };
 

@@ -64,16 +64,14 @@ class TallyFinisher {
         total.add({own}, n);
         all.q += own.q;
         all.q2 += own.q2;
-        for (std::size_t g = 0; g < group_count; ++g)
-          deviations[p][g] +=
-              (particles(s[CensusSums::group(g)]) - particles(own.q) / n * members(*census.tree, g)) /
-              particles(emitted.q);
+        add_deviations(*census.tree, run_.sums, s + CensusSums::group(0), own, deviations[p]);
       }
+      for (double& d : deviations[p]) d /= particles(emitted.q);
       const double fraction = particles(all.q) / particles(emitted.q);
       monitor.passed.push_back(fraction);
       monitor.passed_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
                                           ? std::sqrt(total.variances[0]) / particles(emitted.q)
-                                          : ratio_error(all, emitted, fraction));
+                                          : std::sqrt(covariance_of(deviations[p], deviations[p])));
     }
     monitor.passed_covariance = covariance_of(deviations, run_.experiment.particles);
     result_.monitors.push_back(std::move(monitor));

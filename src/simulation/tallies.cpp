@@ -24,6 +24,10 @@ void Tallies::add(const Filter& filter, const PlanNode& node) {
   fates.push_back({Fate::stopped, filter.part, node.sums, &node.points});
 }
 
+void Tallies::add(const Deflection& deflection, const PlanNode& node) {
+  fates.push_back({Fate::stopped, deflection.part, node.sums, &node.points});
+}
+
 void Tallies::add(const Exit&, const PlanNode& node) {
   fates.push_back({Fate::passed, no_part, node.sums, &node.points});
 }

@@ -58,6 +58,8 @@ struct Tallies {
   void add(const Alignment&, const PlanNode&) {}
   void add(const Precession&, const PlanNode&) {}
   void add(const Filter&, const PlanNode&);
+  void add(const LevelDraw&, const PlanNode&) {}
+  void add(const Deflection&, const PlanNode&);
   void add(const Passage&, const PlanNode&);
   void add(const Exit&, const PlanNode&);
   void add(const SpinStretch&, const PlanNode&);

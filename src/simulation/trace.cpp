@@ -48,13 +48,33 @@ class Tracer {
     };
     const StepRecorder recorder{forward, this};
     Flight flight{kernels_, tree_.source.key, batch_, sums.data(), &recorder};
-    advance(node.stage, flight);
-    if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage)) {
+    const auto* precession = std::get_if<Precession>(&node.stage);
+    if (precession != nullptr) record_straight(precession->zones.back().end);
+    if (const auto* deflection = std::get_if<Deflection>(&node.stage))
+      deflect(*deflection, flight);
+    else
+      advance(node.stage, flight);
+    if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage) ||
+        std::holds_alternative<LevelDraw>(node.stage)) {
       spin_at_ = track_.y.back();
       show_plane(node.stage);  // the same place, another spin
     }
+    if (precession != nullptr) spin_at_ = precession->zones.back().end;
     if (std::holds_alternative<TurningRegion>(node.stage)) spin_at_ = batch_.view().y;
     if (!flying()) end(node.stage);
+  }
+
+  /// The parabola of a deflecting magnet, in pieces.
+  void deflect(const Deflection& whole, Flight& flight) {
+    constexpr int pieces = 32;
+    for (int i = 1; i <= pieces && flying(); ++i) {
+      Deflection piece = whole;
+      piece.begin = batch_.view().y;
+      piece.end =
+          i == pieces ? whole.end : std::lerp(whole.begin, whole.end, static_cast<double>(i) / pieces);
+      advance(piece, flight);
+      record_at(piece.end);
+    }
   }
 
   /// Straight flights are recorded where they meet something.
@@ -65,6 +85,7 @@ class Tracer {
     if (const auto* drift = std::get_if<Drift>(&stage)) record_straight(drift->y);
     if (const auto* align = std::get_if<Alignment>(&stage)) record_straight(place_of(align->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) record_straight(place_of(filter->part));
+    if (const auto* draw = std::get_if<LevelDraw>(&stage)) record_straight(place_of(draw->part));
   }
 
   double place_of(int part) const { return beamline_.parts[static_cast<std::size_t>(part)].placement.at; }
@@ -76,6 +97,7 @@ class Tracer {
     };
     if (const auto* passage = std::get_if<Passage>(&stage)) set_fate("stopped", name(passage->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) set_fate("stopped", name(filter->part));
+    if (const auto* magnet = std::get_if<Deflection>(&stage)) set_fate("stopped", name(magnet->part));
     if (const auto* score = std::get_if<Score>(&stage))
       set_fate(batch_.view().caught_by[0] != 0 ? "detected" : "stopped", name(score->screen.part));
     if (std::holds_alternative<Exit>(stage)) set_fate("passed", "");

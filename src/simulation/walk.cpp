@@ -10,6 +10,20 @@ bool leaves_untouched(const PlanNode& node) {
   return only_reads(node.stage) && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
 }
 
+void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* sums) {
+  const EmissionSums layout = sums_of(tree.source);
+  Moments emitted;
+  for (int i = 0; i < batch.count; ++i) {
+    emitted.q += batch.weight[i];
+    emitted.q2 += static_cast<Sum>(batch.weight[i]) * batch.weight[i];
+  }
+  sums[EmissionSums::q()] += emitted.q;
+  sums[EmissionSums::q2()] += emitted.q2;
+  if (!layout.weights_differ) return;
+  for (int i = 0; i < batch.count; ++i)
+    sums[EmissionSums::group(batch.particle[i] % group_count)] += batch.weight[i];
+}
+
 }  // namespace
 
 Batch& Walker::batch(std::size_t depth) {
@@ -24,14 +38,7 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
         static_cast<int>(std::min<std::uint64_t>(last - begin, static_cast<std::uint64_t>(batch_size_)));
     start.view().padded = (start.view().count + 7) / 8 * 8;
     kernels_.emit(tree.source, begin, start.view());
-    Moments emitted;
-    for (int i = 0; i < start.view().count; ++i) {
-      const std::uint64_t weight = start.view().weight[i];
-      emitted.q += weight;
-      emitted.q2 += static_cast<Sum>(weight) * weight;
-    }
-    sums[tree.sums] += emitted.q;
-    sums[tree.sums + 1] += emitted.q2;
+    count_emitted(tree, start.view(), &sums[tree.sums]);
     walk(tree.next, 0, tree.source.key, sums);
   }
 }

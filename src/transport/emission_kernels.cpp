@@ -151,7 +151,8 @@ RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
 bool is_common(const Emission& e) {
   const bool known = e.direction == DirectionKind::parallel || e.direction == DirectionKind::gaussian ||
                      e.direction == DirectionKind::cone;
-  return (known && !e.tilted) || (e.direction == DirectionKind::aimed && e.aimed_law == AimedLaw::isotropic);
+  return (known && !e.tilted) ||
+         (e.direction == DirectionKind::aimed && e.aimed_law == AimedLaw::isotropic && !e.tilted);
 }
 
 // ---- what few sources ask for ----

@@ -96,10 +96,10 @@ inline real shape_at(const ChannelShape& s, real tangent) {
 /// Density per solid angle of an aimed source in the direction d, relative to that along its axis n:
 /// cos(theta), or j(theta) cos(theta). Nothing starts backwards.
 inline real relative_density(const Emission& e, const Vector& d) {
-  if (e.aimed_law == AimedLaw::isotropic) return broadcast(1);
   const real zero = broadcast(0);
   const Vector n = tilted(e, {zero, broadcast(1), zero});
   const real along = dot(d, n), cosine = min(broadcast(1), max(zero, along));
+  if (e.aimed_law == AimedLaw::isotropic) return select(along > zero, broadcast(1), zero);
   if (e.aimed_law == AimedLaw::cosine) return cosine;
   const Vector across = cross(d, n);
   const real sine = sqrt(dot(across, across));

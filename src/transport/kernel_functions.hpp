@@ -12,6 +12,8 @@ Caught screen(const Screen&, BatchView&);
 void align(const Alignment&, const RandomKey&, BatchView&);
 void precess(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
 std::uint64_t filter(const Filter&, BatchView&);
+void collapse(const Collapse&, const RandomKey&, BatchView&);
+std::uint64_t deflect(const Deflection&, BatchView&);
 void project(const Projection&, const BatchView&, LevelSums&);
 void turn(const Region&, BatchView&, const StepRecorder*);
 void cross(const Aperture&, const BatchView&, std::uint64_t* weights);

@@ -13,7 +13,7 @@ namespace rabiline {
 /// What a random number is drawn for: part of the counter, so that no two uses share numbers.
 namespace purpose {
 inline constexpr unsigned speed = 1, place = 2, direction = 3, spin = 4, align = 5, oscillator = 6;
-inline constexpr unsigned emission_time = 16;
+inline constexpr unsigned emission_time = 16, collapse = 17;
 }  // namespace purpose
 
 /// Key and stream of all random numbers of a plan.
@@ -139,6 +139,26 @@ struct Filter {
   bool operator==(const Filter&) const = default;
 };
 
+/// Where a deflecting magnet asks for the level along z: one is drawn, and the state is that level from then
+/// on.
+struct Collapse {
+  int levels = 2;
+  int part = 0;                         // the magnet
+  const double* polynomials = nullptr;  // MajoranaTable::coefficients
+};
+
+/// A constant force on the moment's part along z, from one plane to another.
+struct Deflection {
+  double begin = 0, end = 0;        // [m]
+  double acceleration = 0;          // [m/s^2] of a moment that points along +z in full, in units of spin
+  double along_x = 0, along_z = 1;  // its direction
+  int levels = 0;                   // quantum: how many levels; 0: a vector law
+  bool has_gap = false;
+  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;  // [m] free between the walls
+  int part = 0;
+  bool operator==(const Deflection&) const = default;
+};
+
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
 /// angle = omega t + twist (y - begin) + phase.
 struct DriveTerm {
@@ -195,6 +215,9 @@ struct LevelSums {
   std::uint64_t q[most_levels] = {};
   std::uint64_t squares_high[most_levels] = {};
   std::int64_t squares_low[most_levels] = {};
+  /// Of q times the particle's whole weight, for more than two levels; of two it follows from the squares.
+  std::uint64_t products_high[most_levels] = {};
+  std::int64_t products_low[most_levels] = {};
 };
 
 /// What is asked about each particle where it meets a plane.
@@ -267,6 +290,9 @@ struct Kernels {
   /// Carries the spins of what flies through the zones.
   void (*precess)(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
   std::uint64_t (*filter)(const Filter&, BatchView&);  // returns the weight that stopped [quanta]
+  void (*collapse)(const Collapse&, const RandomKey&, BatchView&);
+  /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].
+  std::uint64_t (*deflect)(const Deflection&, BatchView&);
   void (*project)(const Projection&, const BatchView&, LevelSums&);
   void (*turn)(const Region&, BatchView&, const StepRecorder*);
   // For tallies; columns are `padded` long. The weight of what flies through an opening, else 0.

@@ -1,5 +1,6 @@
 // Spins through the fields of a straight flight, and the levels that a detector finds. Moves nobody.
 #include "transport/kernel_functions.hpp"
+#include "transport/majorana_lanes.hpp"
 #include "transport/spin_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -13,18 +14,27 @@ real flip_probability(real sz) { return fma(sz, broadcast(-0.5), broadcast(0.5))
 struct Accumulator {
   static_assert(Batch::capacity <= 4096, "the sum of q^2 / 2^40 has at most 53 bits");
   real q = real{}, multiple = real{}, rest = real{};
-  RABILINE_LANES void add(real quanta) {
+  RABILINE_LANES void add_product(real a, real b) {
     constexpr double shift = 0x1.8p92;  // the last bit of a number near it is 2^40
-    const real nearest = fma(quanta, quanta, broadcast(shift)) - shift;
-    q = q + quanta;
+    const real nearest = fma(a, b, broadcast(shift)) - shift;
     multiple = multiple + nearest;
-    rest = rest + fma(quanta, quanta, -nearest);
+    rest = rest + fma(a, b, -nearest);
+  }
+  RABILINE_LANES void add(real quanta) {
+    q = q + quanta;
+    add_product(quanta, quanta);
   }
   void flush(LevelSums& sums, int level) const {
     for (int k = 0; k < lane_count; ++k) {
       sums.q[level] += static_cast<std::uint64_t>(lane(q, k));
       sums.squares_high[level] += static_cast<std::uint64_t>(lane(multiple, k) * 0x1p-40);
       sums.squares_low[level] += static_cast<std::int64_t>(lane(rest, k));
+    }
+  }
+  void flush_products(LevelSums& sums, int level) const {
+    for (int k = 0; k < lane_count; ++k) {
+      sums.products_high[level] += static_cast<std::uint64_t>(lane(multiple, k) * 0x1p-40);
+      sums.products_low[level] += static_cast<std::int64_t>(lane(rest, k));
     }
   }
 };
@@ -47,6 +57,12 @@ RABILINE_LANES real caught_weight(const Projection& p, const BatchView& batch, i
   return from_bits(weight | 0x4330000000000000ULL) - 0x1p52;
 }
 
+/// Slowness of what the detector caught [s/m]; of everything else, whose column may hold anything, one that
+/// is harmless.
+RABILINE_LANES real caught_slowness(const BatchView& batch, int i, real weight) {
+  return select(weight > broadcast(0), load(batch.slowness + i), broadcast(1e-6));
+}
+
 /// Two levels: m = +1/2 and -1/2, or (1 + S_z)/2 and (1 - S_z)/2 of a vector law.
 real upper_fraction(const Projection& p, const BatchView& batch, int i, real flip_or_sz) {
   if (!p.majorana) return fma(flip_or_sz, broadcast(0.5), broadcast(0.5));
@@ -57,7 +73,7 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real sz = spin_after(p.zones, p.zone_count, p.key, batch, i, load(batch.slowness + i)).z;
+    const real sz = spin_after(p.zones, p.zone_count, p.key, batch, i, caught_slowness(batch, i, weight)).z;
     const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
     const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
     upper.add(shares.first);
@@ -88,35 +104,22 @@ void project_two_through_one_zone(const Projection& p, const BatchView& batch, L
   lower.flush(sums, 1);
 }
 
-/// Probability to end in `to`, by Majorana's formula from whatever level each lane started in.
-real level_probability(const Projection& p, words from, int to, real flip) {
-  real probability = broadcast(0);
-  for (int start = 0; start < p.levels; ++start) {
-    const mask here = from == broadcast_word(static_cast<unsigned long long>(start));
-    if (!any(here)) continue;
-    const double* c = p.polynomials + (start * p.levels + to) * p.levels;
-    real sum = broadcast(c[p.levels - 1]);
-    for (int k = p.levels - 2; k >= 0; --k) sum = fma(sum, flip, broadcast(c[k]));
-    probability = select(here, sum, probability);
-  }
-  return max(broadcast(0), min(broadcast(1), probability));
-}
-
 /// More than two levels: all shares are floored, the largest takes what is missing.
 void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) {
-  Accumulator levels[most_levels];
+  Accumulator levels[most_levels], products[most_levels];
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real flip =
-        max(broadcast(0),
-            min(broadcast(1),
-                flip_probability(
-                    spin_after(p.zones, p.zone_count, p.key, batch, i, load(batch.slowness + i)).z)));
+    const real flip = max(
+        broadcast(0),
+        min(broadcast(1),
+            flip_probability(
+                spin_after(p.zones, p.zone_count, p.key, batch, i, caught_slowness(batch, i, weight)).z)));
     real quanta[most_levels];
     real rest = weight, largest = real{};
     words largest_level = words{};
     for (int to = 0; to < p.levels; ++to) {
-      quanta[to] = floor(weight * level_probability(p, load(batch.level + i), to, flip));
+      quanta[to] =
+          floor(weight * outcome_probability(p.polynomials, p.levels, load(batch.level + i), to, flip));
       const mask larger = quanta[to] > largest;
       largest = select(larger, quanta[to], largest);
       largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);
@@ -124,10 +127,15 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
     }
     for (int to = 0; to < p.levels; ++to) {
       const mask takes = largest_level == broadcast_word(static_cast<unsigned long long>(to));
-      levels[to].add(quanta[to] + select(takes, rest, broadcast(0)));
+      const real all = quanta[to] + select(takes, rest, broadcast(0));
+      levels[to].add(all);
+      products[to].add_product(all, weight);
     }
   }
-  for (int to = 0; to < p.levels; ++to) levels[to].flush(sums, to);
+  for (int to = 0; to < p.levels; ++to) {
+    levels[to].flush(sums, to);
+    products[to].flush_products(sums, to);
+  }
 }
 
 /// From a level along z: the flip probability needs no vector.

@@ -12,6 +12,8 @@ std::size_t needed(const Passage&) { return 1; }
 std::size_t needed(const Alignment&) { return 0; }
 std::size_t needed(const Precession&) { return 0; }
 std::size_t needed(const Filter&) { return 1; }
+std::size_t needed(const LevelDraw&) { return 0; }
+std::size_t needed(const Deflection&) { return 1; }
 std::size_t needed(const TurningRegion& region) {
   std::size_t sums = RegionSums{region.zones.size()}.screens();
   for (const RegionEdge& edge : region.edges)
@@ -22,7 +24,9 @@ std::size_t needed(const Score& score) { return sums_of(score.screen).size(); }
 std::size_t needed(const Exit&) { return 1; }
 std::size_t needed(const Census&) { return CensusSums::size(); }
 std::size_t needed(const Histogram& histogram) { return sums_of(histogram).size(); }
-std::size_t needed(const SpinStretch& stretch) { return 2 * static_cast<std::size_t>(stretch.levels); }
+std::size_t needed(const SpinStretch& stretch) {
+  return LevelLayout{static_cast<std::size_t>(stretch.levels)}.size();
+}
 
 // ---- tallying ----
 
@@ -62,6 +66,14 @@ void pass(const Precession& precession, Flight& flight) {
 
 void pass(const Filter& filter, Flight& flight) {
   flight.sums[0] += flight.kernels.filter(filter, flight.batch.view());
+}
+
+void pass(const LevelDraw& draw, Flight& flight) {
+  flight.kernels.collapse({draw.levels, draw.part, draw.polynomials.data()}, flight.key, flight.batch.view());
+}
+
+void pass(const Deflection& deflection, Flight& flight) {
+  flight.sums[0] += flight.kernels.deflect(deflection, flight.batch.view());
 }
 
 void pass(const Score& score, Flight& flight) {
@@ -127,9 +139,9 @@ void pass(const TurningRegion& region, Flight& flight) {
     if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
 }
 
-/// Sum of q^2 from its pieces; a negative lower one borrows, as unsigned numbers do.
-Sum joined_squares(const LevelSums& s, int level) {
-  return (static_cast<Sum>(s.squares_high[level]) << 40) + static_cast<Sum>(s.squares_low[level]);
+/// A sum of products from its pieces; a negative lower one borrows, as unsigned numbers do.
+Sum joined(std::uint64_t high, std::int64_t low) {
+  return (static_cast<Sum>(high) << 40) + static_cast<Sum>(low);
 }
 
 void pass(const SpinStretch& stretch, Flight& flight) {
@@ -144,10 +156,12 @@ void pass(const SpinStretch& stretch, Flight& flight) {
   projection.polynomials = stretch.polynomials.data();
   LevelSums sums;
   flight.kernels.project(projection, flight.batch.view(), sums);
-  Sum* at = flight.sums;
-  for (int level = 0; level < stretch.levels; ++level) {
-    *at++ += sums.q[level];
-    *at++ += joined_squares(sums, level);
+  const LevelLayout layout{static_cast<std::size_t>(stretch.levels)};
+  for (std::size_t level = 0; level < layout.levels; ++level) {
+    flight.sums[layout.q(level)] += sums.q[level];
+    flight.sums[layout.squares(level)] += joined(sums.squares_high[level], sums.squares_low[level]);
+    if (layout.has_products())
+      flight.sums[layout.products(level)] += joined(sums.products_high[level], sums.products_low[level]);
   }
 }
 

@@ -37,6 +37,13 @@ struct Precession {
   std::vector<SpinZone> zones;
   bool operator==(const Precession&) const = default;
 };
+/// What a deflecting magnet does to the state of a spin.
+struct LevelDraw {
+  int levels = 2;
+  int part = 0;
+  std::vector<double> polynomials;  // MajoranaTable::coefficients
+  bool operator==(const LevelDraw&) const = default;
+};
 /// Touching fields that turn the velocity; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
@@ -66,15 +73,24 @@ struct SpinStretch {
   bool operator==(const SpinStretch&) const = default;
 };
 
-using Stage =
-    std::variant<Drift, Passage, Alignment, Precession, Filter, TurningRegion, Score, Exit, SpinStretch, Census,
-                 Histogram>;
+using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelDraw, Deflection,
+                           TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
 
 /// Whether a stage leaves the batch as it is, so that it may be asked beside what follows.
 inline bool only_reads(const Stage& stage) {
   return std::holds_alternative<SpinStretch>(stage) || std::holds_alternative<Census>(stage) ||
          std::holds_alternative<Histogram>(stage);
 }
+
+/// The sums of levels: q and q^2 of each, then, of more than two, q times the whole weight.
+struct LevelLayout {
+  std::size_t levels;
+  bool has_products() const { return levels > 2; }
+  static std::size_t q(std::size_t level) { return 2 * level; }
+  static std::size_t squares(std::size_t level) { return 2 * level + 1; }
+  std::size_t products(std::size_t level) const { return 2 * levels + level; }
+  std::size_t size() const { return (has_products() ? 3 : 2) * levels; }
+};
 
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
 /// particles, then q of what hit it and was not counted.

@@ -1,5 +1,6 @@
 // What tallies ask about particles where they meet a plane. Reads only.
 #include "transport/kernel_functions.hpp"
+#include "transport/majorana_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/spin_lanes.hpp"
 
@@ -57,20 +58,6 @@ RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) 
   return broadcast(0);
 }
 
-/// Probability to find outcome `to` of a level each lane was prepared in, by Majorana's formula.
-real outcome_probability(const SpinGauge& gauge, words from, int to, real flip) {
-  real probability = broadcast(0);
-  for (int start = 0; start < gauge.levels; ++start) {
-    const mask here = from == broadcast_word(static_cast<unsigned long long>(start));
-    if (!any(here)) continue;
-    const double* c = gauge.polynomials + (start * gauge.levels + to) * gauge.levels;
-    real sum = broadcast(c[gauge.levels - 1]);
-    for (int k = gauge.levels - 2; k >= 0; --k) sum = fma(sum, flip, broadcast(c[k]));
-    probability = select(here, sum, probability);
-  }
-  return max(broadcast(0), min(broadcast(1), probability));
-}
-
 }  // namespace
 
 void cross(const Aperture& face, const BatchView& batch, std::uint64_t* weights) {
@@ -104,7 +91,8 @@ void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uin
     }
     const real flip = fma(along, broadcast(-0.5), broadcast(0.5));
     for (int to = 0; to < gauge.levels; ++to)
-      store(values + to * batch.padded + i, outcome_probability(gauge, load(batch.level + i), to, flip));
+      store(values + to * batch.padded + i,
+            outcome_probability(gauge.polynomials, gauge.levels, load(batch.level + i), to, flip));
   }
 }
 

@@ -50,7 +50,8 @@ TEST(Slit, TurnedByAPositiveAngleLeansFromZTowardsX) {
   Slit slit{Rectangle{0.4e-3, 0.1}, {}};
   slit.tilt.y = 45 * deg;
   Beamline b = parallel({place("S", 0.5, slit)});
-  b.parts.back() = place("screen", 1.2, Detector{Rectangle{2e-3, 2e-3}, {1, 1}, {1e-3, 1e-3}});  // x and z positive
+  b.parts.back() =
+      place("screen", 1.2, Detector{Rectangle{2e-3, 2e-3}, {1, 1}, {1e-3, 1e-3}});  // x and z positive
   EXPECT_GT(detected(b), 0.05);
   b.parts.back() = place("screen", 1.2, Detector{Rectangle{2e-3, 2e-3}, {1, 1}, {1e-3, -1e-3}});
   EXPECT_LT(detected(b), 0.01);

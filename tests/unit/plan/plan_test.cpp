@@ -15,7 +15,7 @@ using test::suggested;
 /// E exit, L spins on levels, M a monitor's count, H a tally.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFRSELMH"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFVBRSELMH"[stage.index()];
   return text;
 }
 std::string compiled(const Beamline& b) { return letters(compile(b, b.species.front(), screen_grids({b}))); }

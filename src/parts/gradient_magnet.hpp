@@ -1,0 +1,38 @@
+#pragma once
+#include "parts/placement.hpp"
+
+namespace rabiline {
+
+class SectionBuilder;
+
+/// A deflecting magnet with a constant gradient: B_z = field + gradient s along `along`, and F = mu_z dB_z/ds
+/// on the moment's part along z. Under `quantum` a particle is in one level all along, drawn where it enters;
+/// under `classical` its S_z stays what it is. The hypothesis replaces this force, so there the field is
+/// uniform. Its gap is a wall.
+struct GradientMagnet {
+  static constexpr std::string_view kind = "gradient_magnet",
+                                    meaning = "a deflecting magnet: a field along z with a constant gradient";
+  double length = 0;    // [m]
+  double field = 0;     // [T] along +z, on the axis
+  double gradient = 0;  // [T/m] of B_z
+  UnitVector along{};   // across the beam
+  std::optional<Rectangle> gap{};
+  Offset offset{};
+  bool operator==(const GradientMagnet&) const = default;
+};
+template <>
+inline constexpr auto parameters<GradientMagnet> = std::tuple{
+    param("length", &GradientMagnet::length, Dimension::length, range::positive, "extent along the beam"),
+    param("field", &GradientMagnet::field, Dimension::magnetic_field, range::any,
+          "field along +z on the axis"),
+    param("gradient", &GradientMagnet::gradient, Dimension::field_gradient, range::any,
+          "by which that field grows along `along`, e.g. 1000 T/m"),
+    param("along", &GradientMagnet::along,
+          "direction of the gradient, across the beam; z where it is missing", UnitVector{}),
+    param("gap", &GradientMagnet::gap, "width and height between the walls; none where it is missing"),
+    param("offset", &GradientMagnet::offset, "displacement of the gap's centre from the axis", Offset{}),
+};
+
+void contribute(const GradientMagnet&, const Placement&, SectionBuilder&);
+
+}  // namespace rabiline
