@@ -27,6 +27,10 @@ def _run(results: Results) -> Iterable[str]:
     yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} points"
     if results.solid_angle is not None:
         yield f"  solid angle  {results.solid_angle:.6g} sr"
+    if results.aimed_fraction is not None:
+        low, high = results.aimed_fraction.min(), results.aimed_fraction.max()
+        yield f"  aimed        weight 1 stands for {low:.6g}" + (f" to {high:.6g}" if high > low else "") + \
+            " of all that leave the source"
     if results.rate is not None:
         yield f"  rate         {results.rate:.6g} 1/s leave the source"
     for axis in results.scan.axes:

@@ -297,6 +297,10 @@ const std::vector<Topic>& topics() {
                    [] { return describe_variant<Law>("law", "law of motion, always a choice of yours"); }});
     out.push_back({"source", "where particles start", describe_source});
     out.push_back({"species", "what flies", describe_species});
+    out.push_back({"profile", "how the size of an alternating field runs along it", [] {
+                     return describe_variant<AmplitudeProfile>(
+                         "profile", "how the size of an alternating field runs along it");
+                   }});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
     out.push_back({"scan", "which parameter takes which values", describe_scan});
     out.push_back({"tallies", "histograms at a monitor or a detector", describe_tallies});
@@ -344,8 +348,8 @@ std::string describe_overview() {
   });
   page.line("\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87, or");
   std::string others;
-  for (const std::string_view topic : {"source", "speed", "direction", "opening", "spin", "pulse", "species",
-                                       "chamber", "scan", "tallies", "units"})
+  for (const std::string_view topic : {"source", "speed", "direction", "opening", "spin", "pulse", "profile",
+                                       "species", "chamber", "scan", "tallies", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

@@ -112,6 +112,11 @@ void check_speeds(const GaussianSpeed& law, const Beamline& beamline, const Node
                     : law.mean.dimension == Dimension::energy ? "meV"
                                                               : "m/s"));
   check_speed({law.mean, &node_below_source(root, {"speed", "mean"}).place}, beamline.species, reading);
+  // Five standard deviations up; a wavelength's fast tail is cut where it is drawn.
+  if (law.mean.dimension == law.sigma.dimension && law.mean.dimension != Dimension::length &&
+      law.sigma.value > 0)
+    check_speed({{law.mean.value + 5 * law.sigma.value, law.mean.dimension}, &sigma.place}, beamline.species,
+                reading);
 }
 /// The fastest thermal speed of a law, for each species.
 void check_thermal(double (*speed)(const SpeedLaw&, double mass), const Beamline& beamline, const Node& root,

@@ -21,9 +21,9 @@ struct GaussianDirection {
 };
 template <>
 inline constexpr auto parameters<GaussianDirection> = std::tuple{
-    param("x", &GaussianDirection::x, Dimension::angle, range::not_negative,
+    param("x", &GaussianDirection::x, Dimension::angle, range::below_right_angle,
           "standard deviation of the slope dx/dy"),
-    param("z", &GaussianDirection::z, Dimension::angle, range::not_negative,
+    param("z", &GaussianDirection::z, Dimension::angle, range::below_right_angle,
           "standard deviation of the slope dz/dy"),
 };
 
@@ -49,9 +49,9 @@ struct BoxDirection {
 };
 template <>
 inline constexpr auto parameters<BoxDirection> = std::tuple{
-    param("x", &BoxDirection::x, Dimension::angle, range::not_negative,
+    param("x", &BoxDirection::x, Dimension::angle, range::below_right_angle,
           "half width: the slope dx/dy is uniform from -x to x"),
-    param("z", &BoxDirection::z, Dimension::angle, range::not_negative,
+    param("z", &BoxDirection::z, Dimension::angle, range::below_right_angle,
           "half width of the slope dz/dy, likewise"),
 };
 

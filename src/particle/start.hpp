@@ -1,5 +1,6 @@
 #pragma once
 // The spin that particles start with, and when they start.
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -66,5 +67,12 @@ inline constexpr auto parameters<GaussianPulse> = std::tuple{
 using Pulse = std::variant<RectanglePulse, GaussianPulse>;
 template <>
 inline constexpr std::string_view tag_key<Pulse> = "shape";
+
+/// When the last particles start [s]; eight standard deviations of a gaussian are never drawn.
+inline double latest_start(const std::optional<Pulse>& pulse) {
+  if (!pulse) return 0;
+  if (const auto* gaussian = std::get_if<GaussianPulse>(&*pulse)) return 8 * gaussian->sigma;
+  return std::get<RectanglePulse>(*pulse).length;
+}
 
 }  // namespace rabiline

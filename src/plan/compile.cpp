@@ -61,7 +61,7 @@ class Compiler {
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
         turning_(turning_of(beamline.law, species)),
         zones_(species, beamline.species.front().species, turning_,
-               mean_speed(beamline.source.speed, species.mass)),
+               mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
         spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
         may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
@@ -386,9 +386,9 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
 }
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
-  const ZoneMaker maker(component.species, beamline.species.front().species,
-                        turning_of(beamline.law, component.species),
-                        mean_speed(beamline.source.speed, component.species.mass));
+  const ZoneMaker maker(
+      component.species, beamline.species.front().species, turning_of(beamline.law, component.species),
+      mean_speed(beamline.source.speed, component.species.mass), latest_start(beamline.source.pulse));
   std::vector<SpinZone> zones;
   for (const Section& section : sections_of(beamline).sections) zones.push_back(maker.zone_of(section));
   return zones;

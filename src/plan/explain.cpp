@@ -177,9 +177,10 @@ class Explainer {
   }
   void show(const SpinStretch& stretch) {
     line("            spins at {}: {} levels, {}{}", name_of(stretch.part), stretch.levels,
-         stretch.zones.empty()                             ? "as they arrive"
-         : stretch.from_level && stretch.zones.size() == 1 ? "closed form"
-                                                           : "coherent through the zones below",
+         stretch.zones.empty() ? "as they arrive"
+         : stretch.from_level && stretch.zones.size() == 1 && stretch.zones.front().kind == ZoneKind::rotating
+             ? "closed form"
+             : "coherent through the zones below",
          reuse());
     for (const SpinZone& zone : stretch.zones) show_zone(zone);
   }

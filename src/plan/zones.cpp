@@ -166,7 +166,9 @@ double ZoneMaker::rate_of(const SpinZone& zone) const {
 /// (core/lanes.hpp).
 void ZoneMaker::require_known_phases(const SpinZone& zone) const {
   constexpr double most = 1e8;  // [rad]: ten times slower particles still stay within 1e9
-  const double phase = rate_of(zone) * zone.end / speed_;
+  double drive = 0;             // only what moves by itself knows the time of emission
+  for (int i = 0; i < zone.drives; ++i) drive = std::max(drive, std::abs(zone.drive[i].omega));
+  const double phase = rate_of(zone) * zone.end / speed_ + drive * latest_start_;
   if (!(phase <= most))
     throw std::invalid_argument(fmt::format(
         "{} would turn by {:.2g} radians before a particle leaves the field at {:.4g} m: more than "

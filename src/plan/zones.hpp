@@ -18,9 +18,15 @@ Turning turning_of(const Law&, const Species&);
 /// Turns sections into zones for one species.
 class ZoneMaker {
  public:
-  /// `coil_species` is the one that coils are wound for; `speed` [m/s] is what steps are reckoned with.
-  ZoneMaker(const Species& species, const Species& coil_species, Turning turning, double speed)
-      : species_(species), coil_species_(coil_species), turning_(turning), speed_(speed) {}
+  /// `coil_species` is the one that coils are wound for; `speed` [m/s] is what steps are reckoned with;
+  /// `latest_start` [s] is when the last particles are emitted.
+  ZoneMaker(const Species& species, const Species& coil_species, Turning turning, double speed,
+            double latest_start)
+      : species_(species),
+        coil_species_(coil_species),
+        turning_(turning),
+        speed_(speed),
+        latest_start_(latest_start) {}
 
   /// Throws std::invalid_argument where too many fields overlap or phases would be lost.
   SpinZone zone_of(const Section&) const;
@@ -38,6 +44,7 @@ class ZoneMaker {
   const Species& coil_species_;
   Turning turning_;
   double speed_;
+  double latest_start_;
 };
 
 /// Whether anything but a static field along z acts on spins there.

@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace rabiline {
+namespace {
+
+constexpr double same_place = 1e-12;  // [m]
+
+}  // namespace
 
 void SectionBuilder::uniform(double begin, double end, UniformTerm term) {
   uniform_.push_back({{begin, end, part_}, term});
@@ -36,7 +41,9 @@ RotatingTerm SectionBuilder::follow(const Zone& zone) const {
   return term;
 }
 
-Sections SectionBuilder::build() const {
+/// Places along the beam where something begins or ends, ascending. Places that decimal numbers mean to be
+/// one, such as 0.2 m + 10 mm and 0.21 m, are one.
+std::vector<double> SectionBuilder::edges() const {
   std::vector<double> edges;
   const auto add_edges = [&](const auto& contributions) {
     for (const auto& [extent, term] : contributions) edges.insert(edges.end(), {extent.begin, extent.end});
@@ -46,12 +53,23 @@ Sections SectionBuilder::build() const {
   add_edges(coils_);
   add_edges(bores_);
   std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
+              edges.end());
+  return edges;
+}
 
+Sections SectionBuilder::build() const {
+  const std::vector<double> edges = this->edges();
+  const auto snapped = [&](double y) {
+    const auto next = std::lower_bound(edges.begin(), edges.end(), y - same_place);
+    return next != edges.end() && *next <= y + same_place ? *next : y;
+  };
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     Section section{edges[i], edges[i + 1], {}, {}, {}, chamber_};
-    const auto covers = [&](const Extent& e) { return e.begin <= section.begin && e.end >= section.end; };
+    const auto covers = [&](const Extent& e) {
+      return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
+    };
     bool anything = false;
     for (const auto& [extent, term] : uniform_)
       if (covers(extent)) section.field = section.field + term.field, anything = true;
@@ -64,6 +82,7 @@ Sections SectionBuilder::build() const {
     if (anything) result.sections.push_back(section);
   }
   result.planes = planes_;
+  for (Plane& plane : result.planes) plane.y = snapped(plane.y);
   std::stable_sort(result.planes.begin(), result.planes.end(),
                    [](const Plane& a, const Plane& b) { return a.y < b.y; });
   return result;

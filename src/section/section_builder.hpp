@@ -44,6 +44,7 @@ class SectionBuilder {
     std::string oscillator;  // empty: no clock
   };
   RotatingTerm follow(const Zone&) const;
+  std::vector<double> edges() const;
 
   std::map<std::string, RotatingTerm> oscillators_;
   std::vector<std::pair<Extent, Zone>> zones_;

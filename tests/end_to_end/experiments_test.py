@@ -35,7 +35,7 @@ def crossings(x, y, level):
 
 def test_every_shipped_experiment_is_tested_here():
     tested = {"suggested-experiment", "two-species", "rabi-flop", "ramsey", "ramsey-effusive", "polarised-neutrons",
-              "alvarez-bloch", "broad-beam"}
+              "alvarez-bloch", "broad-beam", "stern-gerlach", "rabi-licl"}
     assert {p.stem for p in EXPERIMENTS.glob("*.yaml")} == tested
 
 
@@ -148,6 +148,27 @@ def test_a_broad_beam_dips_under_the_hypothesis_and_not_under_standard_laws(run)
     assert abs((left + right) / 2 - LARMOR) < 500
     assert 7300 < right - left < 10000  # wider than for one speed
     assert dorado.min() < 0.2 and dorado[0] > 0.95
+
+
+def test_silver_draws_two_lines_and_a_classical_moment_one_smear(run):
+    file = run("stern-gerlach")
+    z, counts = file["entry/plate_z/z"][:], file["entry/plate_z/counts"][:]
+    quantum, classical = counts
+    up, down = z[z > 0][np.argmax(quantum[z > 0])], z[z < 0][np.argmax(quantum[z < 0])]
+    assert 0.16e-3 < up - down < 0.22e-3
+    middle = abs(z) < 10e-6
+    assert quantum[middle].mean() < 0.3 * quantum.max()
+    assert abs(z[np.argmax(classical)]) < 40e-6 and classical[middle].mean() > 0.9 * classical.max()
+
+
+def test_the_moment_of_lithium_7_is_where_rabis_dip_is(run):
+    file = run("rabi-licl")
+    x, detected = file["entry/scan/C_field"][:], file["entry/scan/detected"][:]
+    resonant = 3.518 / 16.54828
+    assert detected[abs(x - resonant) > 2e-3].min() > 0.8 and detected.min() < 0.4
+    left, right = crossings(x, detected, (detected.max() + detected.min()) / 2)[[0, -1]]
+    assert abs((left + right) / 2 - resonant) < 0.05e-3
+    assert abs((left + right) / 2 - 1.01 * resonant) > 1e-3
 
 
 @pytest.mark.parametrize("name", ["suggested-experiment", "two-species"])

@@ -42,6 +42,21 @@ TEST(SectionBuilder, LeavesNoSectionWhereNothingStands) {
   EXPECT_EQ(builder.build().sections.size(), 2U);
 }
 
+TEST(SectionBuilder, TakesPlacesThatDecimalNumbersMeanToBeOneAsOne) {
+  // 0.2 + 0.01 ends one bit after 0.21: no section of 3e-17 m with both fields.
+  SectionBuilder builder(chamber);
+  ASSERT_GT(0.2 + 0.01, 0.21);
+  contribute(UniformField{0.01, 1e-3, {}}, {"A", 0.2, {}}, builder);
+  contribute(UniformField{0.1, 2e-3, {}}, {"B", 0.21, {}}, builder);
+  contribute(Slit{Disc{1e-3}, {}}, {"S", 0.2 + 0.01, {}}, builder);
+  const Sections s = builder.build();
+  ASSERT_EQ(s.sections.size(), 2U);
+  EXPECT_EQ(s.sections[0].end, s.sections[1].begin);
+  EXPECT_EQ(s.sections[0].field.z, 1e-3);
+  EXPECT_EQ(s.sections[1].field.z, 2e-3);
+  EXPECT_EQ(s.planes[0].y, s.sections[1].begin);
+}
+
 TEST(SectionBuilder, TakesTheNarrowestWallAndKnowsWhoseItIs) {
   SectionBuilder builder(chamber);
   builder.begin_part(0);

@@ -85,6 +85,127 @@ TEST(Finish, KnowsThatTheSharesOfAMixtureAreNotRandom) {
   EXPECT_NEAR(d.detected_covariance[0], 0, 1e-20);
 }
 
+/// Fields of every kind behind a polarizer, then a screen that catches a part of the beam.
+std::vector<Part> fields_of_every_kind() {
+  RotatingField plain;
+  plain.length = 0.1;
+  plain.amplitude = 20e-6;
+  plain.frequency = 100;
+  plain.sense = Sense::co;
+  RotatingField swelling = plain, twisted = plain;
+  swelling.profile = HalfSineProfile{};
+  twisted.twist = 1.5;
+  OscillatingField whole;
+  whole.length = 0.1;
+  whole.amplitude = 20e-6;
+  whole.frequency = 100;
+  whole.approximation = Approximation::none;
+  UniformField across{0.1, 5e-6, {}};
+  across.direction = {1, 0, 0};
+  return {plain, swelling, twisted, whole, across, GuideField{0.1, 0.3e-3, {0, 0, 1}, {1, 0, 0}, {}}};
+}
+
+TEST(Finish, FindsTheSameLevelsWhereAScreenCatchesAPartOfTheBeam) {
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}})
+    for (const Part& field : fields_of_every_kind()) {
+      Beamline b = suggested(0);
+      b.law = law;
+      b.source = {SingleSpeed{1000}, Rectangle{2e-3, 2e-3}, ParallelDirection{}};
+      b.chamber.reset();
+      b.parts = {test::place("P", 0.05, Polarizer{0.02, 1e-3, 1, {}}), test::place("F", 0.1, field),
+                 test::place("screen", 0.5, Detector{Rectangle{5e-3, 5e-3}, {1, 1}, {}})};
+      b.particles = 2000;
+      const std::vector<double> whole = run_points({b}).detectors[0].levels;
+      std::get<Detector>(b.parts.back().part).face = Rectangle{1e-3, 1e-3};
+      const DetectorResult part = run_points({b}).detectors[0];
+      EXPECT_LT(part.detected[0], 0.5);
+      EXPECT_NEAR(part.levels[0] + part.levels[1], 1, 1e-11);
+      EXPECT_NEAR(part.levels[0], whole[0], 1e-9);
+    }
+}
+
+/// Scatter of numbers over seeds, and the mean of their stated errors.
+struct Scatter {
+  double sum = 0, squares = 0, stated = 0, n = 0;
+  void add(double value, double error) {
+    sum += value;
+    squares += value * value;
+    stated += error;
+    ++n;
+  }
+  double seen() const { return std::sqrt((squares - sum * sum / n) / (n - 1)); }
+  double ratio() const { return stated / n / seen(); }
+};
+
+TEST(Finish, StatesErrorsBehindFiltersThatTheScatterOverSeedsBearsOut) {
+  // 60 seeds tell a scatter to 9 %.
+  for (const int twice_spin : {1, 3}) {
+    Scatter level, detected;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      Beamline b = suggested(0);
+      b.law = twice_spin == 1 ? Law{QuantumLaw{}} : Law{ClassicalLaw{}};
+      b.species[0].species.spin = {twice_spin};
+      b.source = {SingleSpeed{1000}, Rectangle{2e-3, 2e-3}, ParallelDirection{}};
+      b.parts = {test::place("F", 0.1, SpinFilter{{0, 0, 1}, 0.9, 0.1, {}}),
+                 test::place("screen", 0.5, Detector{Rectangle{1e-3, 5e-3}, {1, 1}, {}})};
+      b.particles = 1000;
+      b.seed = seed;
+      const DetectorResult d = run_points({b}).detectors[0];
+      level.add(d.levels[0], d.levels_errors[0]);
+      detected.add(d.detected[0], d.detected_errors[0]);
+      EXPECT_NEAR(d.levels_errors[0], d.levels_errors[1], 1e-9);
+    }
+    EXPECT_NEAR(level.ratio(), 1, 0.35);
+    EXPECT_NEAR(detected.ratio(), 1, 0.35);
+  }
+}
+
+TEST(Finish, StatesErrorsOfManyLevelsThatTheScatterOverSeedsBearsOut) {
+  Scatter level;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Beamline b = suggested(0);
+    b.law = QuantumLaw{};
+    b.species[0].species.spin = {3};
+    RotatingField rf;
+    rf.length = 0.1;
+    rf.amplitude = 40e-6;
+    rf.frequency = 0;
+    rf.sense = Sense::co;
+    b.source = {GaussianSpeed{1000, 200}, Rectangle{2e-3, 2e-3}, ParallelDirection{}};
+    b.parts = {test::place("RF", 0.1, rf),
+               test::place("screen", 0.5, Detector{Rectangle{1e-3, 5e-3}, {1, 1}, {}})};
+    b.particles = 1000;
+    b.seed = seed;
+    const DetectorResult d = run_points({b}).detectors[0];
+    level.add(d.levels[1], d.levels_errors[1]);
+  }
+  EXPECT_NEAR(level.ratio(), 1, 0.35);
+}
+
+TEST(Finish, StatesErrorsOfAimedSourcesThatTheScatterOverSeedsBearsOut) {
+  Scatter detected, rate;
+  double spread = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Beamline b = divergent(1);
+    b.source.direction = AimedDirection{"S"};
+    b.source.rate = 1e6;
+    b.parts = {test::place("S", 0.1, Slit{Rectangle{0.3, 0.3}, {}}),
+               test::place("F", 0.12, SpinFilter{{0, 0, 1}, 0.5, 0.5, {}}),
+               test::place("screen", 0.2, Detector{Rectangle{0.3, 0.3}, {1, 1}, {}})};
+    b.chamber.reset();
+    b.law = QuantumLaw{};
+    b.particles = 1000;
+    b.seed = seed;
+    const Result r = run_points({b, b});
+    detected.add(r.detectors[0].detected[0], r.detectors[0].detected_errors[0]);
+    rate.add(r.detectors[0].count_rate[0], r.detectors[0].count_rate_errors[0]);
+    spread += std::sqrt(r.detectors[0].detected_covariance[1]) / r.detectors[0].detected_errors[0] / 60;
+  }
+  EXPECT_NEAR(detected.ratio(), 1, 0.35);
+  EXPECT_NEAR(rate.ratio(), 1, 0.35);
+  EXPECT_NEAR(spread, 1, 1e-9);
+}
+
 TEST(Finish, HasNoErrorWhereAnAimedSourceLosesNothing) {
   Beamline b = divergent(1);
   b.parts.insert(b.parts.begin(), test::place("S", 0.01, Slit{Rectangle{1e-2, 1e-2}, {}}));
