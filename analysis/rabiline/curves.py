@@ -188,7 +188,7 @@ def _spread(along: np.ndarray, covariance: np.ndarray) -> float:
 def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
     """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
     is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
-    mean of the points near the median of all."""
+    mean of the points near the median of all, which must be many. Refused where neither shows a baseline."""
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):
@@ -199,6 +199,8 @@ def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
     alike = np.maximum(np.ptp(y) / 10, 5 * curve.errors)
     if (np.abs(y - y[near].mean()) > alike)[near].any():
         near = np.abs(y - np.median(y)) <= alike
+        if near.sum() < 0.4 * y.size:  # a parabola passes its median too, on its flanks
+            raise NoResonance("the scan shows no baseline: its ends are not alike, and no large part of it is flat")
     baseline = y[near].mean()
     return near / near.sum(), 1 if y.max() - baseline > baseline - y.min() else -1
 

@@ -180,6 +180,14 @@ def test_side_lobes_are_no_dips_and_a_comb_of_fringes_is_refused() -> None:
         half_maxima(fringes)
 
 
+def test_the_top_of_a_curve_without_its_baseline_is_refused() -> None:
+    # The width of a parabola would be whatever the scan's range is.
+    for points in (11, 21, 81):
+        x = np.linspace(-1.0, 1.0, points)
+        with pytest.raises(NoResonance):
+            half_maxima(curve_of(0.5 - 0.1 * x**2, np.diag(np.full(points, 1e-8)), x))
+
+
 def test_a_flat_line_has_no_resonance() -> None:
     x = frequencies().values
     y = np.random.default_rng(1938).binomial(10000, 0.9, x.size) / 10000
