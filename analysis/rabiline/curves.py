@@ -193,11 +193,11 @@ def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):
         raise NoResonance("a resonance needs finite fractions at rising values")
-    y, tenth = curve.y, max(1, curve.y.size // 10)
+    y, tenth = curve.y, max(2 if curve.y.size >= 9 else 1, curve.y.size // 10)
     near = np.zeros(y.size, dtype=bool)
     near[:tenth] = near[-tenth:] = True
     alike = np.maximum(np.ptp(y) / 10, 5 * curve.errors)
-    if (np.abs(y - y[near].mean()) > alike)[near].any():
+    if (np.abs(y - y[near].mean()) > alike)[near].any() or np.ptp(y[near]) > 1.5 * alike[near].max():
         near = np.abs(y - np.median(y)) <= alike
         if near.sum() < 0.4 * y.size:  # a parabola passes its median too, on its flanks
             raise NoResonance("the scan shows no baseline: its ends are not alike, and no large part of it is flat")
