@@ -64,12 +64,4 @@ struct RotatingTerm {
   }
 };
 
-/// A field that turns the spins of the beam's first species by an angle at one speed: its size follows from
-/// gamma.
-struct CoilTerm {
-  Vector3 axis{0, 0, 1};
-  double angle_rate = 0;  // [rad/s] wanted precession, right-handed about the axis
-  bool operator==(const CoilTerm&) const = default;
-};
-
 }  // namespace rabiline

@@ -1,4 +1,5 @@
 #pragma once
+#include "particle/speed.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -14,8 +15,8 @@ struct Coil {
       meaning = "a static field that turns spins by an angle at one speed: a pi/2 or a pi coil";
   double length = 0;  // [m]
   UnitVector axis{};
-  double angle = 0;  // [rad] right-handed about the axis
-  double speed = 0;  // [m/s] at which the spin turns by the angle
+  double angle = 0;     // [rad] right-handed about the axis
+  SpeedQuantity speed;  // at which the spin turns by the angle
   std::optional<Bore> bore;
   Offset offset{};
   Tilt tilt{};

@@ -1,6 +1,6 @@
 #include "parts/rotating_field.hpp"
 
-#include "section/section_builder.hpp"
+#include "parts/alternating.hpp"
 
 namespace rabiline {
 namespace {
@@ -22,25 +22,13 @@ Turn turn_of(Sense sense) {
 }  // namespace
 
 void contribute(const RotatingField& part, const Placement& place, SectionBuilder& builder) {
-  const double end = place.at + part.length;
   RotatingTerm term;
-  term.amplitude = part.amplitude;
   term.first = turned(Vector3{1, 0, 0}, part.tilt);
   term.second = turned(Vector3{0, 1, 0}, part.tilt);
   term.twist = part.twist / part.length;
-  term.profile = profile_of(part.profile, place.at, part.length);
-  if (part.oscillator) {
-    term.phase = part.phase.angle;
-  } else {
-    RotatingTerm clock;
-    clock.frequency = part.frequency.value();
-    clock.turn = turn_of(part.sense.value());
-    clock.phase = part.phase.angle;
-    clock.random_phase = part.phase.kind == Phase::Kind::random;
-    builder.oscillator(place.name, clock);
-  }
-  builder.zone(place.at, end, term, part.oscillator.value_or(place.name));
-  if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
+  const Turn turn =
+      part.sense ? turn_of(*part.sense) : Turn::positive;  // a follower's clock is another one's
+  add_alternating(part, place, term, turn, builder);
 }
 
 }  // namespace rabiline

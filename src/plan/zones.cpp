@@ -37,12 +37,13 @@ Turning turning_of(const Law& law, const Species& species) {
 Vector3 ZoneMaker::static_field(const Section& section) const {
   Vector3 field = section.field;
   for (const CoilTerm& coil : section.coils) {
-    if (coil.angle_rate == 0) continue;
+    if (coil.angle == 0) continue;
     // The spin turns with -gamma B.
+    const double rate = coil.angle * speed_of(coil.speed, coil_species_.mass) / coil.length;
     if (coil_species_.gyromagnetic_ratio == 0)
       throw std::invalid_argument(
           fmt::format("a coil cannot turn the spin of {}, which has no magnetic moment", coil_species_.name));
-    field = field + (-coil.angle_rate / coil_species_.gyromagnetic_ratio) * coil.axis;
+    field = field + (-rate / coil_species_.gyromagnetic_ratio) * coil.axis;
   }
   return field;
 }

@@ -6,6 +6,7 @@
 
 #include "field/terms.hpp"
 #include "particle/opening.hpp"
+#include "particle/speed.hpp"
 #include "tally/tally.hpp"
 
 namespace rabiline {
@@ -19,6 +20,16 @@ struct Wall {
   int part = chamber_number;                                // whose wall it is
   Offset offset{};                                          // of its centre from the axis
   bool operator==(const Wall&) const = default;
+};
+
+/// A field that turns the spins of the beam's first species by an angle at one speed: its size follows from
+/// gamma.
+struct CoilTerm {
+  Vector3 axis{0, 0, 1};
+  double angle = 0;   // [rad] right-handed about the axis
+  double length = 0;  // [m]
+  SpeedQuantity speed;
+  bool operator==(const CoilTerm&) const = default;
 };
 
 /// A stretch of the beam with all the fields that overlap there.
