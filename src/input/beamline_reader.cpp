@@ -18,6 +18,7 @@ constexpr Row fraction_row{"fraction",
 std::string suggest_species(std::string_view name) {
   std::vector<std::string> names;
   std::vector<Word> isotopes;
+  for (const Species& species : species_with_levels()) names.push_back(species.name);
   for (const Species& species : species_library()) {
     names.push_back(species.name);
     if (!name.empty() && species.name.starts_with(fmt::format("{}-", name)))
@@ -49,7 +50,19 @@ bool read_species(const Node& node, Keys& keys, Species& out) {
     keys.take("name");
     return find_in_library(name->value, keys.reading(), out);
   }
-  const bool good = read_rows(keys, out);
+  bool good = false;
+  if (node.find("structure")) {
+    SpeciesWithLevels own;
+    good = read_rows(keys, own);
+    Species plain;
+    plain.name = own.name;
+    plain.mass = own.mass;
+    plain.charge = own.charge;
+    plain.source = own.source;
+    out = with_levels(std::move(plain), own.structure);
+  } else {
+    good = read_rows(keys, out);
+  }
   if (good && find_species(out.name)) {
     keys.reading().error(name->value.place,
                          fmt::format("`{}` is a species of the library, and defined anew here", out.name),

@@ -124,15 +124,18 @@ std::string schema_of_variant() {
 
 std::string schema_of_species() {
   std::vector<Word> names;
-  for (const Species& species : species_library()) names.push_back({species.name, species.source});
+  for (const auto& library : {species_library(), species_with_levels()})
+    for (const Species& species : library) names.push_back({species.name, species.source});
   const std::string fraction = R"({"type": "number", "exclusiveMinimum": 0, "maximum": 1})";
   Mapping named, share;
   named.add("name", schema_of_words(names), true);
   named.add("fraction", fraction, true);
   share.add("fraction", fraction, true);
   std::vector<std::string> items = schemas_of_rows<Species>(share);
+  for (std::string& item : schemas_of_rows<SpeciesWithLevels>(share)) items.push_back(std::move(item));
   items.push_back(named.schema());
   std::vector<std::string> out = schemas_of_rows<Species>();
+  for (std::string& own : schemas_of_rows<SpeciesWithLevels>()) out.push_back(std::move(own));
   out.push_back(schema_of_words(names));
   out.push_back(fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})", any_of(items)));
   return any_of(out);

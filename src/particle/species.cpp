@@ -124,6 +124,8 @@ std::span<const Species> species_library() {
 const Species* find_species(std::string_view name) {
   for (const Species& species : species_library())
     if (species.name == name) return &species;
+  for (const Species& species : species_with_levels())  // made from those above
+    if (species.name == name) return &species;
   return nullptr;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What flies: mass, charge, spin and one gyromagnetic ratio.
+// What flies: mass, charge, and a spin with one gyromagnetic ratio or levels of two coupled spins.
 #include <optional>
 #include <span>
 #include <string>
@@ -7,17 +7,38 @@
 #include <tuple>
 
 #include "parameter/parameter.hpp"
+#include "spin/coupled_spins.hpp"
+#include "spin/half_integer.hpp"
 
 namespace rabiline {
 
-/// A spin quantum number, kept as twice its value so that 3/2 is exact.
-struct HalfInteger {
-  int twice = 0;
-  double value() const { return twice / 2.0; }
-  bool operator==(const HalfInteger&) const = default;
+/// Two coupled angular momenta I and J, as an atom with hyperfine structure or a rotating molecule has them;
+/// the Hamiltonian is that of HyperfineAtom (spin/atoms.hpp).
+struct Structure {
+  HalfInteger i, j;
+  double coupling = 0;      // [Hz] A of A I.J
+  double quadrupole = 0;    // [Hz] B of the interaction of quadrupole type
+  double g_j = 0, g_i = 0;  // H/h = ... + (mu_B/h) B (g_J J_z + g_I' I_z)
+  int levels() const { return (i.twice + 1) * (j.twice + 1); }
+  bool operator==(const Structure&) const = default;
 };
+template <>
+inline constexpr auto parameters<Structure> = std::tuple{
+    param("I", &Structure::i, "nuclear spin, 1/2 to 9/2"),
+    param("J", &Structure::j, "the other angular momentum: of the electrons, or of a rotating molecule"),
+    param("coupling", &Structure::coupling, Dimension::frequency, range::any,
+          "A of the interaction A I.J; negative where the largest F is the lowest"),
+    param("quadrupole", &Structure::quadrupole, Dimension::frequency, range::any,
+          "B of the interaction of quadrupole type, for I and J of 1 or more", 0.0),
+    param("g_J", &Structure::g_j, Dimension::number, range::any,
+          "g factor of J in Bohr magnetons, positive for an electron"),
+    param("g_I", &Structure::g_i, Dimension::number, range::any,
+          "g factor g_I' of I in Bohr magnetons, negative for a positive moment"),
+};
+CoupledSpins coupled_spins(const Structure&);
 
-/// A species with one moment, mu = gamma S, with signed gamma. Uncertainties are standard ones; 0 is none
+/// A species with one moment, mu = gamma S, with signed gamma; or with the levels of a structure: then spin
+/// and gamma are those of J alone, which the vector laws take. Uncertainties are standard ones; 0 is none
 /// stated.
 struct Species {
   std::string name;
@@ -29,6 +50,10 @@ struct Species {
   std::string left_out{};                     // what the moment does not have in it
   double mass_uncertainty = 0;                // [kg]
   double gyromagnetic_ratio_uncertainty = 0;  // [rad/(s T)]
+  std::optional<Structure> structure{};
+
+  /// Of the Hamiltonian, under `quantum`.
+  int levels() const { return structure ? structure->levels() : spin.twice + 1; }
   bool operator==(const Species&) const = default;
 };
 
@@ -44,6 +69,26 @@ inline constexpr auto parameters<Species> = std::tuple{
           std::string_view{"the beamline file"}),
 };
 
+/// A species of one's own with levels: what a beamline file states of it.
+struct SpeciesWithLevels {
+  std::string name;
+  double mass = 0;    // [kg]
+  double charge = 0;  // [C]
+  Structure structure;
+  std::string source;
+  bool operator==(const SpeciesWithLevels&) const = default;
+};
+template <>
+inline constexpr auto parameters<SpeciesWithLevels> = std::tuple{
+    param("name", &SpeciesWithLevels::name, "what the species is called in messages and results"),
+    param("mass", &SpeciesWithLevels::mass, Dimension::mass, range::positive, "mass, e.g. 132.905 u"),
+    param("charge", &SpeciesWithLevels::charge, Dimension::charge, range::any, "charge, e.g. 0 e or 1 e"),
+    param("structure", &SpeciesWithLevels::structure,
+          "two coupled spins: H/h = A I.J + (mu_B/h) B (g_J J_z + g_I I_z), and a quadrupole term"),
+    param("source", &SpeciesWithLevels::source, "where these constants come from",
+          std::string_view{"the beamline file"}),
+};
+
 /// One part of a mixed beam.
 struct Component {
   Species species;
@@ -51,8 +96,12 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
-/// The built-in species: free particles, then atoms with the moment of their nucleus.
+/// The built-in species with one moment: free particles, then atoms with the moment of their nucleus.
 std::span<const Species> species_library();
+/// The built-in atoms and molecules with levels: "H atom", "ortho-H2".
+std::span<const Species> species_with_levels();
+/// Gives a species the levels of a structure, and the spin and gamma that the vector laws take from it.
+Species with_levels(Species, const Structure&);
 /// The built-in species of that name, or nullptr.
 const Species* find_species(std::string_view name);
 

@@ -1,5 +1,7 @@
 #include "spin/coupled_spins.hpp"
 
+#include "spin/hamiltonian.hpp"
+
 #include "spin/angular_momentum.hpp"
 
 namespace rabiline {

@@ -1,8 +1,6 @@
 #pragma once
 // Two angular momenta I and J that feel each other and a magnetic field: the Hamiltonian of atoms with
 // hyperfine structure and of molecules like ortho-H2.
-#include <Eigen/Core>
-
 namespace rabiline {
 
 /// H/h = coupling I.J + coupling_squared (I.J)^2 + offset + B (zeeman_i I_z + zeeman_j J_z)
@@ -32,11 +30,6 @@ struct CoupledSpins {
 double scalar_product(const CoupledSpins& spins, int twice_f);
 /// Energy of the level F at B = 0, E/h in hertz.
 double zero_field_energy(const CoupledSpins& spins, int twice_f);
-
-/// I.J in the basis |m_J, m_I>: I_x J_x + I_z J_z - (i I_y)(i J_y), a real matrix.
-Eigen::MatrixXd scalar_product_matrix(const CoupledSpins& spins);
-/// H/h in hertz in the basis |m_J, m_I>, at the field B in tesla.
-Eigen::MatrixXd hamiltonian(const CoupledSpins& spins, double field);
 
 /// Adds the interaction of quadrupole type, with weight k in hertz:
 ///   k [3 (I.J)^2 + (3/2) I.J - I(I+1) J(J+1)]

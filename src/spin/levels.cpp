@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "core/constants.hpp"
+#include "spin/hamiltonian.hpp"
 
 namespace rabiline {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "spin/angular_momentum.hpp"
 #include "spin/atoms.hpp"
+#include "spin/hamiltonian.hpp"
 #include "spin/levels.hpp"
 
 namespace rabiline {

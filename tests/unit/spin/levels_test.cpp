@@ -1,3 +1,4 @@
+#include "spin/hamiltonian.hpp"
 #include "spin/levels.hpp"
 
 #include <gsl/gsl_complex_math.h>
