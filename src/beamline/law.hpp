@@ -10,10 +10,26 @@
 
 namespace rabiline {
 
+/// What becomes of a particle whose level a deflecting magnet asks for.
+enum class Outcomes { split, sample };
+template <>
+inline constexpr auto choices<Outcomes> = std::array{
+    Choice<Outcomes>{"split", Outcomes::split,
+                     "its weight is shared out over the levels: less noise, and scans fly each path once"},
+    Choice<Outcomes>{"sample", Outcomes::sample, "one level is drawn for each particle"},
+};
+
 struct QuantumLaw {
   static constexpr std::string_view kind = "quantum",
                                     meaning = "standard physics: levels, coherent while fields drive them";
+  Outcomes outcomes = Outcomes::split;
   bool operator==(const QuantumLaw&) const = default;
+};
+
+template <>
+inline constexpr auto parameters<QuantumLaw> = std::tuple{
+    param("outcomes", &QuantumLaw::outcomes, "what becomes of the levels that a deflecting magnet asks for",
+          Outcomes::split),
 };
 
 struct ClassicalLaw {

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "plan/geometry.hpp"
+#include "plan/level_questions.hpp"
 #include "plan/magnets.hpp"
 #include "plan/plan.hpp"
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
 #include "section/section_builder.hpp"
-#include "spin/majorana.hpp"
 
 namespace rabiline {
 namespace {
@@ -64,6 +64,7 @@ class Compiler {
                mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
         spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
+        questions_(beamline, species, spins_, straight_),
         may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
   }
@@ -73,8 +74,9 @@ class Compiler {
     chain_.push_back(Exit{});
     tally_detectors(false);
     for (const Plane& plane : sections_.planes)
-      if (std::holds_alternative<ScreenTerm>(plane.term)) chain_.push_back(stretch_to(plane));
+      if (std::holds_alternative<ScreenTerm>(plane.term)) chain_.push_back(questions_.at_detector(plane));
     tally_detectors(true);
+    split_projections(beamline_.law, chain_);
     return std::move(chain_);
   }
 
@@ -112,12 +114,9 @@ class Compiler {
   void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
     stop_at_chamber(plane.y);
     chain_.push_back(Drift{plane.y});
-    const bool along_z = quantum_ && spins_.start_before(plane) == UnitVector{};
-    std::vector<SpinZone> zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
-    const bool level_known = along_z && zones.empty();
+    std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    if (quantum_ && !level_known)
-      chain_.push_back(LevelDraw{levels(), plane.part, majorana_table(species_.spin.twice).coefficients});
+    if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
     if (magnet.gap) chain_.push_back(Passage{aperture_of(plane.y, *magnet.gap, magnet.offset), plane.part});
     chain_.push_back(deflection_of(plane, magnet, species_, levels()));
     may_reach_chamber_ = true;
@@ -347,22 +346,6 @@ class Compiler {
     may_reach_chamber_ = true;
   }
 
-  // ---- spins at a detector ----
-
-  SpinStretch stretch_to(const Plane& detector) const {
-    SpinStretch stretch;
-    stretch.part = detector.part;
-    stretch.majorana = quantum_;
-    stretch.levels = quantum_ ? levels() : 2;
-    if (straight_) stretch.zones = spins_.zones_before(detector);
-    if (straight_ && quantum_) {
-      stretch.from_level = spins_.start_before(detector) == UnitVector{};
-      stretch.zones = spins_.zones_before_levels(detector);
-    }
-    if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
-    return stretch;
-  }
-
   const Beamline& beamline_;
   const ScreenGrids& grids_;
   const Species& species_;
@@ -371,7 +354,8 @@ class Compiler {
   const Turning turning_;
   const ZoneMaker zones_;
   const SpinHistory spins_;
-  const bool straight_;     // nothing in the whole beam turns the velocity
+  const bool straight_;  // nothing in the whole beam turns the velocity
+  const LevelQuestions questions_;
   bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
   std::size_t next_plane_ = 0;
   Vector3 aligned_{0, 0, 1};  // what spins stand along where tip_ is 0

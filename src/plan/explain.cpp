@@ -117,9 +117,10 @@ class Explainer {
     line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}", metres(y),
          name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
-  void show(const LevelDraw& draw) {
-    line("            {}: each particle is in one level from here on, drawn by its probability{}",
-         name_of(draw.part), reuse());
+  void show(const LevelProjection& asked) {
+    line("            {}: each particle is in one level from here on, {}{}", name_of(asked.part),
+         asked.split ? "all are followed with their shares of its weight" : "drawn by its probability",
+         reuse());
   }
   void show(const Deflection& d) {
     const double stay = (d.end - d.begin) / speed_, bent = std::abs(d.acceleration) * stay * stay / 2;

@@ -9,7 +9,7 @@ namespace {
 
 // Rough times on one core with AVX-512 [s].
 constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4e-9, cost_of_zone = 5e-9,
-                 cost_of_closed_form = 2e-9, cost_of_tally = 1e-8;
+                 cost_of_closed_form = 2e-9, cost_of_tally = 1e-8, cost_of_share = 5e-9;
 
 // Estimated time for one particle of that speed on one core [s]; only its order of magnitude matters.
 double cost_of(const TurningRegion& region, double speed) {
@@ -40,14 +40,67 @@ double cost_of(const Plain&, double) {
   return cost_of_plane;
 }
 
+double cost_of(const LevelProjection& projection, double speed) {
+  return cost_of_closed_form * projection.levels + cost_of(projection.zones, speed);
+}
+
 struct Chain {
   int point;
   std::vector<Stage> stages;
 };
 
+const LevelProjection* split_at(const Chain& chain, std::size_t depth) {
+  const auto* projection =
+      depth < chain.stages.size() ? std::get_if<LevelProjection>(&chain.stages[depth]) : nullptr;
+  return projection != nullptr && projection->split ? projection : nullptr;
+}
+
+std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth, std::size_t& sums);
+
+/// Points that share their weights over the levels in different ways, and then go on alike, are one node.
+std::vector<PlanNode> merge_ways(const std::vector<const Chain*>& chains, std::size_t depth,
+                                 std::size_t& sums) {
+  std::vector<std::vector<const Chain*>> groups;
+  for (const Chain* chain : chains) {
+    const auto goes_on_alike = [&](const auto& group) {
+      return std::equal(group.front()->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
+                        group.front()->stages.end(),
+                        chain->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1, chain->stages.end());
+    };
+    const auto group = std::find_if(groups.begin(), groups.end(), goes_on_alike);
+    if (group == groups.end())
+      groups.push_back({chain});
+    else
+      group->push_back(chain);
+  }
+  std::vector<PlanNode> nodes;
+  for (const auto& group : groups) {
+    PlanNode node{group.front()->stages[depth], {}, sums, {}, {}};
+    const std::size_t begin = sums;
+    node.next = merge({group.front()}, depth + 1, sums);
+    const std::size_t size = sums - begin;
+    for (const Chain* chain : group) {
+      node.points.push_back(chain->point);
+      const LevelProjection& projection = *split_at(*chain, depth);
+      const auto way = std::find_if(node.ways.begin(), node.ways.end(),
+                                    [&](const auto& w) { return w.projection == projection; });
+      if (way == node.ways.end())
+        node.ways.push_back({projection, {chain->point}, node.ways.size() * size});
+      else
+        way->points.push_back(chain->point);
+    }
+    sums = begin + node.ways.size() * size;
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
 /// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through at
 /// once: scans put equal ones next to each other or repeat a short list.
 std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth, std::size_t& sums) {
+  if (std::all_of(chains.begin(), chains.end(),
+                  [&](const Chain* c) { return split_at(*c, depth) != nullptr; }))
+    return merge_ways(chains, depth, sums);
   constexpr std::size_t looked_through = 16;
   std::vector<std::vector<const Chain*>> groups;
   for (const Chain* chain : chains) {
@@ -67,7 +120,11 @@ std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t
                           });
   std::vector<PlanNode> nodes;
   for (const auto& group : groups) {
-    PlanNode node{group.front()->stages[depth], {}, sums, {}};
+    if (split_at(*group.front(), depth) != nullptr) {
+      for (PlanNode& node : merge_ways(group, depth, sums)) nodes.push_back(std::move(node));
+      continue;
+    }
+    PlanNode node{group.front()->stages[depth], {}, sums, {}, {}};
     for (const Chain* chain : group) node.points.push_back(chain->point);
     sums += sums_needed(node.stage);
     if (!look_apart) node.next = merge(group, depth + 1, sums);
@@ -80,8 +137,12 @@ std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t
 
 double cost_of_branch(const PlanNode& node, double speed) {
   double sum = std::visit([&](const auto& stage) { return cost_of(stage, speed); }, node.stage);
-  for (const PlanNode& next : node.next) sum += cost_of_branch(next, speed);
-  return sum;
+  double behind = 0;
+  for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
+  if (node.ways.empty()) return sum + behind;
+  const double levels = std::get<LevelProjection>(node.stage).levels;
+  return levels * (behind + cost_of_share * static_cast<double>(node.ways.size())) +
+         sum * static_cast<double>(node.ways.size());
 }
 
 /// First particle of each species: fractions of the whole, rounded so that all particles are shared out.
@@ -146,6 +207,10 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
 }
 
 }  // namespace
+
+std::uint64_t levels_found(const std::vector<PlanNode::Way>& ways) {
+  return (std::uint64_t{1} << ways.front().projection.levels) - 1;
+}
 
 Plan make_plan(const Experiment& experiment, double most_cost) {
   Plan plan;

@@ -19,7 +19,17 @@ struct PlanNode {
   std::vector<int> points;
   std::size_t sums = 0;
   std::vector<PlanNode> next;
+  /// Of a LevelProjection that splits: paths behind it are flown once in each level, and each way shares the
+  /// weights over them. `next` is one chain, its sums those of the first way.
+  struct Way {
+    LevelProjection projection;
+    std::vector<int> points;
+    std::size_t shift = 0;  // of its sums behind those of the first way
+  };
+  std::vector<Way> ways{};
 };
+/// The levels that a projection can find in any way, as a mask.
+std::uint64_t levels_found(const std::vector<PlanNode::Way>&);
 
 /// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.
 struct EmissionSums {

@@ -53,21 +53,27 @@ struct Tallies {
   explicit Tallies(const Plan&);
 
  private:
+  /// The sums of a stage, and the points they are for.
+  struct Stand {
+    std::size_t at;
+    const std::vector<int>* points;
+  };
   void visit(const PlanNode&);
-  void add(const Drift&, const PlanNode&) {}
-  void add(const Alignment&, const PlanNode&) {}
-  void add(const Precession&, const PlanNode&) {}
-  void add(const Filter&, const PlanNode&);
-  void add(const LevelDraw&, const PlanNode&) {}
-  void add(const Deflection&, const PlanNode&);
-  void add(const Passage&, const PlanNode&);
-  void add(const Exit&, const PlanNode&);
-  void add(const SpinStretch&, const PlanNode&);
-  void add(const Score&, const PlanNode&);
-  void add(const TurningRegion&, const PlanNode&);
-  void add(const Census&, const PlanNode&);
-  void add(const Histogram&, const PlanNode&);
-  void add_screen(const Screen&, std::size_t at, const PlanNode&);
+  void visit_way(const PlanNode&, const PlanNode::Way&);
+  void add(const Drift&, const Stand&) {}
+  void add(const Alignment&, const Stand&) {}
+  void add(const Precession&, const Stand&) {}
+  void add(const Filter&, const Stand&);
+  void add(const LevelProjection&, const Stand&) {}
+  void add(const Deflection&, const Stand&);
+  void add(const Passage&, const Stand&);
+  void add(const Exit&, const Stand&);
+  void add(const SpinStretch&, const Stand&);
+  void add(const Score&, const Stand&);
+  void add(const TurningRegion&, const Stand&);
+  void add(const Census&, const Stand&);
+  void add(const Histogram&, const Stand&);
+  void add_screen(const Screen&, const Stand&);
 
   const PlanTree* tree_ = nullptr;
 };

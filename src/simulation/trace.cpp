@@ -55,7 +55,7 @@ class Tracer {
     else
       advance(node.stage, flight);
     if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage) ||
-        std::holds_alternative<LevelDraw>(node.stage)) {
+        std::holds_alternative<LevelProjection>(node.stage)) {
       spin_at_ = track_.y.back();
       show_plane(node.stage);  // the same place, another spin
     }
@@ -85,7 +85,7 @@ class Tracer {
     if (const auto* drift = std::get_if<Drift>(&stage)) record_straight(drift->y);
     if (const auto* align = std::get_if<Alignment>(&stage)) record_straight(place_of(align->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) record_straight(place_of(filter->part));
-    if (const auto* draw = std::get_if<LevelDraw>(&stage)) record_straight(place_of(draw->part));
+    if (const auto* asked = std::get_if<LevelProjection>(&stage)) record_straight(place_of(asked->part));
   }
 
   double place_of(int part) const { return beamline_.parts[static_cast<std::size_t>(part)].placement.at; }
@@ -185,6 +185,9 @@ class Tracer {
 Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
   Experiment experiment;
   experiment.points = {beamline};
+  // A track follows one branch.
+  if (auto* quantum = std::get_if<QuantumLaw>(&experiment.points.front().law))
+    quantum->outcomes = Outcomes::sample;
   const Plan plan = make_plan(experiment);
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();

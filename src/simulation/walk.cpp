@@ -43,12 +43,26 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
   }
 }
 
+void Walker::follow_branches(const PlanNode& node, const Batch& batch, const RandomKey& key, Sums& sums) {
+  std::vector<ChainLink> chain;
+  for (const PlanNode* next = &node; !next->next.empty();) {
+    next = &next->next.front();
+    chain.push_back({&next->stage, next->sums});
+  }
+  branches_.fly(batch, chain, levels_found(node.ways), kernels_, key);
+  for (const PlanNode::Way& way : node.ways) branches_.book(way.projection, sums.data(), way.shift);
+}
+
 void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const RandomKey& key, Sums& sums) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     std::size_t own = depth;
     if (i + 1 < nodes.size() && !leaves_untouched(nodes[i])) {
       own = depth + 1;
       batch(own).copy_from(batch(depth));
+    }
+    if (!nodes[i].ways.empty()) {
+      follow_branches(nodes[i], batch(own), key, sums);
+      continue;
     }
     Flight flight{kernels_, key, batch(own), sums.data() + nodes[i].sums};
     advance(nodes[i].stage, flight);

@@ -1,6 +1,7 @@
 #pragma once
 // One block of particles through one tree of the plan.
 #include "plan/plan.hpp"
+#include "transport/branches.hpp"
 
 namespace rabiline {
 
@@ -14,11 +15,13 @@ class Walker {
 
  private:
   void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
+  void follow_branches(const PlanNode&, const Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
   const Kernels& kernels_;
   int batch_size_;
   std::vector<std::unique_ptr<Batch>> batches_;
+  Branches branches_;
 };
 
 }  // namespace rabiline

@@ -1,6 +1,5 @@
-// Deflecting magnets: the level that a particle has in one, and its path.
+// The paths of particles in deflecting magnets.
 #include "transport/kernel_functions.hpp"
-#include "transport/majorana_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -16,28 +15,6 @@ RABILINE_LANES mask stays_between(real q, real v, real a, real end_time, double 
 }
 
 }  // namespace
-
-void collapse(const Collapse& c, const RandomKey& key, BatchView& batch) {
-  for (int i = 0; i < batch.padded; i += lane_count) {
-    const mask flying = (mask)load(batch.flying + i);
-    const words from = load(batch.level + i);
-    const real sz = max(broadcast(-1), min(broadcast(1), load(batch.sz + i)));
-    const real flip = fma(sz, broadcast(-0.5), broadcast(0.5));
-    real u, unused;
-    uniforms(load(batch.particle + i), key.seed, purpose::collapse, static_cast<unsigned>(c.part), key.stream,
-             u, unused);
-    words level = words{};
-    real below = broadcast(0);
-    for (int to = 0; to + 1 < c.levels; ++to) {
-      below = below + outcome_probability(c.polynomials, c.levels, from, to, flip);
-      level = level + ((words)(u >= below) & broadcast_word(1));
-    }
-    store(batch.level + i, select(flying, level, from));
-    store(batch.sx + i, select(flying, broadcast(0), load(batch.sx + i)));
-    store(batch.sy + i, select(flying, broadcast(0), load(batch.sy + i)));
-    store(batch.sz + i, select(flying, broadcast(1), load(batch.sz + i)));
-  }
-}
 
 std::uint64_t deflect(const Deflection& d, BatchView& batch) {
   words stopped = words{};

@@ -35,7 +35,7 @@ struct Aperture {
   bool operator==(const Aperture&) const = default;
 };
 
-inline constexpr int most_levels = 10;
+inline constexpr int most_levels = 40;
 
 /// A density that is linear between points, or a few sharp values, to draw from (plan/sampled_tables.hpp).
 /// All columns have cells + 1 entries but `guide`. Compared by address: a plan makes each table once.
@@ -139,14 +139,6 @@ struct Filter {
   bool operator==(const Filter&) const = default;
 };
 
-/// Where a deflecting magnet asks for the level along z: one is drawn, and the state is that level from then
-/// on.
-struct Collapse {
-  int levels = 2;
-  int part = 0;                         // the magnet
-  const double* polynomials = nullptr;  // MajoranaTable::coefficients
-};
-
 /// A constant force on the moment's part along z, from one plane to another.
 struct Deflection {
   double begin = 0, end = 0;        // [m]
@@ -236,6 +228,30 @@ struct SpinGauge {
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
 };
 
+/// P(from -> to) between the levels of an atom on a stretch of the beam, at slownesses of equal distance;
+/// cubic between them, and beyond the ends as at the ends. Rows stand at (point levels + from) stride.
+/// Compared by address: a plan makes each table once.
+struct Transitions {
+  const double* values = nullptr;  // null: the levels are not those of an atom, or nothing drives them
+  double first = 0;                // [s/m]
+  double points_per_slowness = 0;  // [m/s]
+  int points = 1;                  // 1, or at least 4
+  int levels = 0, stride = 0;
+  bool operator==(const Transitions&) const = default;
+};
+
+/// In which level along the field a state is found, after a straight flight through the zones: the image of z
+/// tells of a point moment, the transitions of an atom.
+struct LevelQuestion {
+  RandomKey key;
+  int levels = 2;
+  bool from_level = false;  // S untouched so far: one zone has a closed form
+  const SpinZone* zones = nullptr;
+  int zone_count = 0;
+  const double* polynomials = nullptr;  // MajoranaTable::coefficients
+  Transitions transitions;
+};
+
 enum class EdgeKind { open, plate, screen, align };
 /// A plane inside a region, between two zones.
 struct RegionEdge {
@@ -290,7 +306,13 @@ struct Kernels {
   /// Carries the spins of what flies through the zones.
   void (*precess)(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
   std::uint64_t (*filter)(const Filter&, BatchView&);  // returns the weight that stopped [quanta]
-  void (*collapse)(const Collapse&, const RandomKey&, BatchView&);
+  /// The shares of each weight that are found in each level, a column for each: floored, the largest takes
+  /// the rest.
+  void (*outcomes)(const LevelQuestion&, const BatchView&, const std::uint64_t* weights,
+                   std::uint64_t* shares);
+  /// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
+  /// drawn for that part.
+  void (*collapse)(const LevelQuestion&, int part, BatchView&);
   /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].
   std::uint64_t (*deflect)(const Deflection&, BatchView&);
   void (*project)(const Projection&, const BatchView&, LevelSums&);

@@ -1,13 +1,9 @@
 // Spins through the fields of a straight flight, and the levels that a detector finds. Moves nobody.
 #include "transport/kernel_functions.hpp"
-#include "transport/majorana_lanes.hpp"
-#include "transport/spin_lanes.hpp"
+#include "transport/outcome_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {
-
-/// Flip probability of a spin 1/2 from S_z of its image of z.
-real flip_probability(real sz) { return fma(sz, broadcast(-0.5), broadcast(0.5)); }
 
 /// Sums over lanes until the end of the batch, exact in floating point: q^2 <= 2^80 is a multiple of 2^40
 /// plus a rest of at most 2^39 either way.
@@ -38,16 +34,6 @@ struct Accumulator {
     }
   }
 };
-
-/// A weight shared between two outcomes: the smaller share is floored, the larger takes the rest.
-struct Shares {
-  real first, second;
-};
-RABILINE_LANES Shares share(real weight, real first_fraction) {
-  const real floored = floor(weight * min(first_fraction, 1.0 - first_fraction)), rest = weight - floored;
-  const mask minor = first_fraction <= broadcast(0.5);
-  return {select(minor, floored, rest), select(minor, rest, floored)};
-}
 
 /// The weight of what the detector caught, up to 2^40; zero elsewhere.
 RABILINE_LANES real caught_weight(const Projection& p, const BatchView& batch, int i) {
@@ -83,17 +69,13 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   lower.flush(sums, 1);
 }
 
-/// The rotating field's closed form, Rabi 1937: P = (w1/Omega)^2 sin^2(Omega t/2), from a level.
+/// From a level through one rotating field.
 void project_two_through_one_zone(const Projection& p, const BatchView& batch, LevelSums& sums) {
-  const SpinZone& zone = p.zones[0];
-  const double w1 = zone.drive[0].spin_rate, detuned = zone.spin_rate - zone.drive[0].omega;
-  const double rate = __builtin_sqrt(detuned * detuned + w1 * w1);
-  const real most = broadcast(rate > 0 ? w1 * w1 / (rate * rate) : 0);
-  const real half_turn_per_slowness = broadcast(0.5 * rate * (zone.end - zone.begin));
+  const RabiFlop flop(p.zones[0]);
   // Two short loops: a processor holds several rounds of each at a time.
   alignas(64) double flips[Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count)
-    store(flips + i, most * sin_squared(half_turn_per_slowness * load(batch.slowness + i)));
+    store(flips + i, flop.probability(load(batch.slowness + i)));
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const Shares shares = share(caught_weight(p, batch, i), upper_fraction(p, batch, i, load(flips + i)));
@@ -136,11 +118,6 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
     levels[to].flush(sums, to);
     products[to].flush_products(sums, to);
   }
-}
-
-/// From a level along z: the flip probability needs no vector.
-bool has_closed_form(const SpinZone& zone) {
-  return zone.kind == ZoneKind::rotating && !zone.turned && zone.drive[0].twist == 0;
 }
 
 }  // namespace

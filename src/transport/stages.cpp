@@ -12,7 +12,7 @@ std::size_t needed(const Passage&) { return 1; }
 std::size_t needed(const Alignment&) { return 0; }
 std::size_t needed(const Precession&) { return 0; }
 std::size_t needed(const Filter&) { return 1; }
-std::size_t needed(const LevelDraw&) { return 0; }
+std::size_t needed(const LevelProjection&) { return 0; }
 std::size_t needed(const Deflection&) { return 1; }
 std::size_t needed(const TurningRegion& region) {
   std::size_t sums = RegionSums{region.zones.size()}.screens();
@@ -68,8 +68,8 @@ void pass(const Filter& filter, Flight& flight) {
   flight.sums[0] += flight.kernels.filter(filter, flight.batch.view());
 }
 
-void pass(const LevelDraw& draw, Flight& flight) {
-  flight.kernels.collapse({draw.levels, draw.part, draw.polynomials.data()}, flight.key, flight.batch.view());
+void pass(const LevelProjection& projection, Flight& flight) {
+  flight.kernels.collapse(question_of(projection, flight.key), projection.part, flight.batch.view());
 }
 
 void pass(const Deflection& deflection, Flight& flight) {
@@ -173,6 +173,18 @@ std::size_t sums_needed(const Stage& stage) {
 
 void advance(const Stage& stage, Flight& flight) {
   std::visit([&](const auto& s) { pass(s, flight); }, stage);
+}
+
+LevelQuestion question_of(const LevelProjection& projection, const RandomKey& key) {
+  LevelQuestion question;
+  question.key = key;
+  question.levels = projection.levels;
+  question.from_level = projection.from_level;
+  question.zones = projection.zones.data();
+  question.zone_count = static_cast<int>(projection.zones.size());
+  question.polynomials = projection.polynomials.data();
+  question.transitions = projection.transitions;
+  return question;
 }
 
 Region region_view(const TurningRegion& region, const RandomKey& key) {

@@ -37,13 +37,19 @@ struct Precession {
   std::vector<SpinZone> zones;
   bool operator==(const Precession&) const = default;
 };
-/// What a deflecting magnet does to the state of a spin.
-struct LevelDraw {
-  int levels = 2;
+/// A deflecting magnet asks for the level along the field, after the fields of a straight flight. `split`:
+/// the weight is shared out over all levels and each is followed on (Walker); else one is drawn.
+struct LevelProjection {
   int part = 0;
+  int levels = 2;
+  bool split = false;
+  bool from_level = false;  // no other stage has turned the spin
+  std::vector<SpinZone> zones;
   std::vector<double> polynomials;  // MajoranaTable::coefficients
-  bool operator==(const LevelDraw&) const = default;
+  Transitions transitions;          // of an atom
+  bool operator==(const LevelProjection&) const = default;
 };
+LevelQuestion question_of(const LevelProjection&, const RandomKey&);
 /// Touching fields that turn the velocity; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
@@ -70,10 +76,11 @@ struct SpinStretch {
   bool from_level = false;  // quantum, and no other stage has turned the spin
   std::vector<SpinZone> zones;
   std::vector<double> polynomials;  // MajoranaTable::coefficients, for more than two levels
+  Transitions transitions{};        // of an atom
   bool operator==(const SpinStretch&) const = default;
 };
 
-using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelDraw, Deflection,
+using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection,
                            TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
 
 /// Whether a stage leaves the batch as it is, so that it may be asked beside what follows.

@@ -1,0 +1,31 @@
+#pragma once
+// Where a flight asks for the level of a particle: at deflecting magnets and at detectors.
+#include <optional>
+#include <vector>
+
+#include "plan/spin_history.hpp"
+#include "transport/stages.hpp"
+
+namespace rabiline {
+
+/// Asks for levels along the field; the vector laws have two, S along z and against it.
+class LevelQuestions {
+ public:
+  /// All must outlive it. `straight`: nothing in the beam turns the velocity.
+  LevelQuestions(const Beamline& beamline, const Species& species, const SpinHistory& spins, bool straight);
+
+  /// None where the level is still the one that was asked for last, or under a vector law.
+  std::optional<LevelProjection> at_magnet(const Plane&) const;
+  SpinStretch at_detector(const Plane&) const;
+
+ private:
+  const Species& species_;
+  const SpinHistory& spins_;
+  const bool straight_, quantum_;
+};
+
+/// The first projection behind which everything can be booked afterwards shares out the weights, where the
+/// law says so; those behind it draw, as do those in front.
+void split_projections(const Law&, std::vector<Stage>& chain);
+
+}  // namespace rabiline
