@@ -218,7 +218,7 @@ void check_populations(const Beamline& beamline, const Node& root, Reading& read
   for (const Component& component : beamline.species) {
     const Species& species = component.species;
     const auto levels = static_cast<std::size_t>(species.spin.twice) + 1;
-    if (species.spin.twice < 1 || levels == populated->values.size()) continue;
+    if (species.spin.twice < 1 || species.structure || levels == populated->values.size()) continue;
     return reading.error(values.place,
                          fmt::format("`values` has {} entries, but the species `{}` has {} levels",
                                      populated->values.size(), species.name, levels),
@@ -231,6 +231,79 @@ void check_populations(const Beamline& beamline, const Node& root, Reading& read
                   "they are shares of all particles");
 }
 
+/// Atoms start in levels of their Hamiltonian, which no axis tells apart; point moments have no such levels.
+void check_levels(const Beamline& beamline, const Node& root, Reading& reading) {
+  const StartSpin& spin = beamline.source.spin;
+  const bool names_levels =
+      std::holds_alternative<LevelsSpin>(spin) || std::holds_alternative<ThermalSpin>(spin);
+  const bool names_axis =
+      std::holds_alternative<PolarisedSpin>(spin) || std::holds_alternative<PopulatedSpin>(spin);
+  const bool quantum = std::holds_alternative<QuantumLaw>(beamline.law);
+  const Node& node = node_below_source(root, {"spin"});
+  const Place& place = node.is_mapping() ? place_of(node, "kind") : node.place;
+  for (const Component& component : beamline.species) {
+    const Species& species = component.species;
+    if (names_levels && !quantum)
+      return reading.error(
+          place,
+          fmt::format("levels exist under the law `quantum` only, not under `{}`", describe(beamline.law)),
+          "give the spin a direction: `spin: {kind: polarised, axis: z}`");
+    if (names_levels && !species.structure)
+      return reading.error(
+          place, fmt::format("the species `{}` has one moment and no levels of two spins", species.name),
+          find_species(species.name + " atom") != nullptr
+              ? fmt::format("write `species: {} atom` for the atom with its electron", species.name)
+              : "its levels m are given by `{kind: populations, values: [...]}`");
+    if (names_axis && species.structure && quantum)
+      return reading.error(
+          place, fmt::format("the levels of `{}` are no levels of one spin along an axis", species.name),
+          "write `spin: unpolarised`, or name levels: `{kind: levels, levels: [F=1 m=0]}`");
+  }
+}
+
+/// "F=4 (m = -4 to 4) and F=3 (m = -3 to 3)"
+std::string levels_of(const CoupledSpins& spins) {
+  std::string text;
+  int last = -1;
+  for (const LevelLabel& label : level_labels(spins)) {
+    if (label.twice_f == last) continue;
+    last = label.twice_f;
+    text += fmt::format("{}F={} with m from {} to {}", text.empty() ? "" : ", ", write_half(last),
+                        write_half(-last), write_half(last));
+  }
+  return text;
+}
+
+void check_named_levels(const Beamline& beamline, const Node& root, Reading& reading) {
+  const auto* named = std::get_if<LevelsSpin>(&beamline.source.spin);
+  if (named == nullptr) return;
+  const Node& list = node_below_source(root, {"spin", "levels"});
+  if (named->levels.empty() && list.is_sequence() && list.items.empty())
+    return reading.error(list.place, "`levels` names no level", "write `levels: [F=1 m=0]`");
+  if (!list.is_sequence() || list.items.size() != named->levels.size()) return;
+  for (const Component& component : beamline.species) {
+    if (!component.species.structure) continue;
+    const CoupledSpins spins = coupled_spins(*component.species.structure);
+    const std::vector<LevelLabel> labels = level_labels(spins);
+    for (std::size_t i = 0; i < named->levels.size(); ++i)
+      if (!find_level(labels, named->levels[i]))
+        reading.error(list.items[i].place,
+                      fmt::format("`{}` has no level {}", component.species.name, quote(list.items[i])),
+                      fmt::format("it has {}", levels_of(spins)));
+  }
+  if (!named->shares || !reading.errors.empty()) return;
+  const Node& shares = node_below_source(root, {"spin", "shares"});
+  if (named->shares->size() != named->levels.size())
+    return reading.error(shares.place,
+                         fmt::format("`shares` has {} entries, but `levels` has {}", named->shares->size(),
+                                     named->levels.size()),
+                         "give one share for each level");
+  const double sum = std::accumulate(named->shares->begin(), named->shares->end(), 0.0);
+  if (std::abs(sum - 1) > 1e-9)
+    reading.error(shares.place, fmt::format("the shares add up to {:.10g}, not to 1", sum),
+                  "they are shares of all particles");
+}
+
 }  // namespace
 
 void check_source(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
@@ -239,6 +312,8 @@ void check_source(const Beamline& beamline, const Node& root, const PartNodes& n
   check_tilt(beamline.source, root, reading);
   check_channel(beamline.source.direction, root, reading);
   check_populations(beamline, root, reading);
+  check_levels(beamline, root, reading);
+  check_named_levels(beamline, root, reading);
 }
 
 }  // namespace rabiline

@@ -250,6 +250,16 @@ bool ValueType<HalfInteger>::read(const Node& node, const Row& row, Reading& rea
   return false;
 }
 
+bool ValueType<LevelName>::read(const Node& node, const Row& row, Reading& reading, LevelName& out) {
+  const std::optional<LevelName> name = node.is_scalar() ? parse_level_name(node.scalar) : std::nullopt;
+  if (name)
+    out = *name;
+  else
+    reading.error(node.place, fmt::format("`{}` names levels, but {} stands here", row.key, quote(node)),
+                  "write a level as `F=4 m=0`, or by its name in a strong field, `m_J=1/2 m_I=-7/2`");
+  return name.has_value();
+}
+
 bool ValueType<Phase>::read(const Node& node, const Row& row, Reading& reading, Phase& out) {
   static constexpr std::array words{Word{"random", ""}, Word{"locked", ""}};
   if (node.is_scalar() && node.scalar == "random") {

@@ -86,6 +86,12 @@ struct ValueType<HalfInteger> {
   static bool read(const Node&, const Row&, Reading&, HalfInteger& out);
 };
 template <>
+struct ValueType<LevelName> {
+  static constexpr std::string_view example = "F=4 m=0", what = "F=4 m=0 | m_J=1/2 m_I=-7/2",
+                                    schema = R"({"type": "string"})";
+  static bool read(const Node&, const Row&, Reading&, LevelName& out);
+};
+template <>
 struct ValueType<Phase> {
   static constexpr std::string_view example = "random", what = "random | locked | angle",
                                     schema = R"({"anyOf": [{"enum": ["random", "locked"]}, @angle]})";

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "parameter/parameter.hpp"
+#include "spin/level_names.hpp"
 #include "spin/unit_vector.hpp"
 
 namespace rabiline {
@@ -43,7 +44,37 @@ inline constexpr auto parameters<PopulatedSpin> = std::tuple{
     param("values", &PopulatedSpin::values, Dimension::number, range::fraction,
           "shares of m = I, I-1, ... -I, which add up to 1: [0.75, 0.25] of a spin 1/2"),
 };
-using StartSpin = std::variant<UnpolarisedSpin, PolarisedSpin, PopulatedSpin>;
+
+/// Levels of an atom by Boltzmann's law in the field of the source.
+struct ThermalSpin {
+  static constexpr std::string_view kind = "thermal",
+                                    meaning = "levels of an atom by Boltzmann's law at a temperature";
+  double temperature = 0;  // [K]
+  double field = 0;        // [T] at the source
+  bool operator==(const ThermalSpin&) const = default;
+};
+template <>
+inline constexpr auto parameters<ThermalSpin> = std::tuple{
+    param("temperature", &ThermalSpin::temperature, Dimension::temperature, range::positive,
+          "of the levels, such as that of the oven"),
+    param("field", &ThermalSpin::field, Dimension::magnetic_field, range::not_negative,
+          "at the source; zero where it is missing", 0.0),
+};
+
+/// Named levels of an atom.
+struct LevelsSpin {
+  static constexpr std::string_view kind = "levels", meaning = "named levels of an atom";
+  std::vector<LevelName> levels;
+  std::optional<std::vector<double>> shares{};
+  bool operator==(const LevelsSpin&) const = default;
+};
+template <>
+inline constexpr auto parameters<LevelsSpin> = std::tuple{
+    param("levels", &LevelsSpin::levels, "by their names, such as [F=4 m=0, F=3 m=0]"),
+    param("shares", &LevelsSpin::shares, Dimension::number, range::fraction,
+          "of all particles, which add up to 1; equal where they are missing"),
+};
+using StartSpin = std::variant<UnpolarisedSpin, PolarisedSpin, PopulatedSpin, ThermalSpin, LevelsSpin>;
 
 struct RectanglePulse {
   static constexpr std::string_view kind = "rectangle", meaning = "particles start evenly during the pulse";

@@ -5,6 +5,7 @@
 #include "core/constants.hpp"
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
+#include "spin/levels.hpp"
 
 namespace rabiline {
 namespace {
@@ -41,7 +42,7 @@ class Emitter {
     std::visit([&](const auto& hole) { place(hole, source.offset); }, source.opening);
     std::visit([&](const auto& law) { direct(law); }, source.direction);
     tilt(source.tilt);
-    if (quantum_) e_.levels = species_.spin.twice + 1;
+    if (quantum_) e_.levels = species_.levels();
     std::visit([&](const auto& spin) { polarise(spin); }, source.spin);
     if (source.pulse) std::visit([&](const auto& pulse) { time(pulse); }, *source.pulse);
   }
@@ -163,6 +164,18 @@ class Emitter {
     populate(spin.axis, shares);
   }
   void polarise(const PopulatedSpin& spin) { populate(spin.axis, spin.values); }
+  void polarise(const ThermalSpin& spin) {
+    const CoupledSpins spins = coupled_spins(species_.structure.value());
+    populate({}, thermal_populations(levels_at(spins, spin.field), spin.temperature));
+  }
+  void polarise(const LevelsSpin& spin) {
+    const std::vector<LevelLabel> labels = level_labels(coupled_spins(species_.structure.value()));
+    std::vector<double> shares(labels.size(), 0.0);
+    for (std::size_t i = 0; i < spin.levels.size(); ++i)
+      shares[static_cast<std::size_t>(find_level(labels, spin.levels[i]).value())] +=
+          spin.shares ? (*spin.shares)[i] : 1 / static_cast<double>(spin.levels.size());
+    populate({}, shares);
+  }
   void populate(const UnitVector& axis, const std::vector<double>& shares) {
     e_.spin_kind = quantum_ ? SpinKind::levels : SpinKind::along_axis;
     e_.axis_x = axis.x;
@@ -174,7 +187,7 @@ class Emitter {
       sum += shares[i];
       e_.spin_cumulative[i] = sum;
       // m/I of m = I - i.
-      e_.spin_along[i] = 1 - 2 * static_cast<double>(i) / species_.spin.twice;
+      if (!quantum_) e_.spin_along[i] = 1 - 2 * static_cast<double>(i) / species_.spin.twice;
     }
     e_.spin_cumulative[shares.size() - 1] = 1;
   }
