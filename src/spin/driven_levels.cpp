@@ -231,7 +231,7 @@ class BlockBuilder {
       return alone.amplitudes(largest_slowness);
     };
     // Steps are doubled until the error falls with their fourth power, then as many as it takes are known.
-    constexpr double aim = 1e-8, regular = 1e-5;
+    constexpr double aim = 3e-8, regular = 1e-5;
     constexpr int most = 1 << 13;
     int steps = 4;
     Eigen::MatrixXcd coarse = amplitudes(steps);
@@ -263,10 +263,10 @@ std::vector<int> random_clocks(const std::vector<Stretch>& stretches) {
   return clocks;
 }
 
-/// Cycles per s/m of the phases between levels that a drive mixes by more than 1e-6 somewhere, summed along
+/// Cycles per s/m of the phases between levels that a drive mixes by more than 1e-3 somewhere, summed along
 /// the stretches.
 double fastest_of(const std::vector<Stretch>& stretches, const std::vector<int>& block) {
-  constexpr double least_mixing = 1e-6;
+  constexpr double least_mixing = 1e-3;
   // E_i/h - n_i f of one block in a drive's frame; without one the last frame holds.
   const auto energy = [](const Stretch& stretch, const RotatingFrame& frame, int i) {
     return stretch.energy(i) - frame.photons[i] * frame.frequency;

@@ -17,7 +17,7 @@ namespace rabiline {
 /// exact in the frame that turns with it, an oscillating one is taken in the rotating-wave approximation
 /// (rotating_frame.hpp). Phases come from energies less the photons' n_i f, in hertz, so that they keep their
 /// digits. Envelopes are cut into slices, 4th-order Magnus without commutators (S. Blanes, P. Moan, Appl.
-/// Numer. Math. 56, 1519 (2006)), to 1e-8 in amplitudes up to the largest slowness.
+/// Numer. Math. 56, 1519 (2006)), to 3e-8 in amplitudes up to the largest slowness.
 class DrivenLevels {
  public:
   /// Zones ascend along the beam; between them there is no field. Fields of one clock have one frequency.
@@ -30,7 +30,8 @@ class DrivenLevels {
   /// Largest amplitude |V_ij| / |detuning| of the couplings that the rotating-wave approximation leaves out;
   /// 0 for rotating fields.
   double neglected() const { return neglected_; }
-  /// About the largest frequency of the probabilities as functions of the slowness, in cycles per s/m.
+  /// About the largest frequency of the probabilities as functions of the slowness, in cycles per s/m,
+  /// without what amounts to less than a few 1e-3.
   double fastest() const { return fastest_; }
 
  private:

@@ -42,7 +42,7 @@ double worst_of(const TransitionTable& table, const DrivenLevels& driven, double
 TEST(TransitionTable, StaysBelowItsBoundEverywhere) {
   const DrivenLevels driven = sodium();
   for (const double tolerance : {1e-3, 1e-6, 1e-8}) {
-    const TransitionTable table = tabulate(driven, 1e-3, 4e-3, tolerance);
+    const TransitionTable table = tabulate(driven, 1e-3, 4e-3, tolerance, 1 << 16);
     EXPECT_LT(table.error, tolerance);
     EXPECT_LT(worst_of(table, driven, 1e-3, 4e-3), table.error);
   }
