@@ -36,11 +36,11 @@ Levels followed(const CoupledSpins& spins, const Levels& from, double field, int
 /// One zone, or the gap before the next one.
 struct Stretch {
   double begin = 0, end = 0;  // [m]
-  Eigen::VectorXd energy;     // [Hz]
-  std::optional<LevelDrive> drive;
-  DrivenStates states;                   // where driven
+  Eigen::VectorXd energy{};   // [Hz]
+  std::optional<LevelDrive> drive{};
+  DrivenStates states{};                 // where driven
   const RotatingFrame* frame = nullptr;  // where driven
-  Eigen::MatrixXd kept;                  // [Hz] coupling at full amplitude, where driven
+  Eigen::MatrixXd kept{};                // [Hz] coupling at full amplitude, where driven
 };
 
 constexpr double rounding = 1e-9;  // [m] of where zones begin and end

@@ -37,7 +37,7 @@ class DrivenLevels {
  private:
   /// Levels that are connected by couplings kept somewhere.
   struct Block {
-    std::vector<int> levels;
+    std::vector<int> levels{};
     Evolution evolution;
   };
   int levels_ = 0;

@@ -62,7 +62,7 @@ void Evolution::turn_at_random(const Eigen::MatrixXi& n) {
 }
 
 Evolution::Pairs Evolution::product_of(const Segment& segment, double slowness) const {
-  Pairs product = Pairs::Zero(levels_, 2 * levels_), next = product;
+  Pairs product = Pairs::Zero(levels_, Eigen::Index{2} * levels_), next = product;
   product.leftCols(levels_) = segment.steps.front().mixing;
   for (std::size_t k = 0; k < segment.steps.size(); ++k) {
     const Step& step = segment.steps[k];

@@ -28,13 +28,13 @@ class Evolution {
   /// The amplitudes' real parts and beside them the imaginary ones: a real matrix mixes both in one product.
   using Pairs = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   struct Step {
-    Pairs mixing;  // first this, then the turn
-    Eigen::VectorXd angle, rate;
+    Pairs mixing{};  // first this, then the turn
+    Eigen::VectorXd angle{}, rate{};
     bool turns = false;
   };
   struct Segment {
-    Eigen::MatrixXi random;  // how the random angles turn the levels before it
-    std::vector<Step> steps;
+    Eigen::MatrixXi random{};  // how the random angles turn the levels before it
+    std::vector<Step> steps{};
   };
   void begin_step(const Eigen::MatrixXd& matrix);
   Pairs product_of(const Segment& segment, double slowness) const;

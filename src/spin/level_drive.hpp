@@ -34,7 +34,7 @@ struct LevelDrive {
 struct LevelZone {
   double begin = 0, end = 0;  // [m]
   double field = 0;           // [T] B >= 0
-  std::optional<LevelDrive> drive;
+  std::optional<LevelDrive> drive{};
 };
 
 }  // namespace rabiline

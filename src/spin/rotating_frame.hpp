@@ -15,9 +15,9 @@ namespace rabiline {
 /// (mu.u)_ij = exp(-i (m_i - m_j) chi) (mu_x)_ij. The phases are left to the amplitudes, so that everything
 /// here is real.
 struct DrivenStates {
-  Eigen::VectorXd energy;    // E_i/h
-  Eigen::MatrixXd coupling;  // -A <i|mu.u|j>/h at p = 0, u turned into the xz plane
-  double axis = 0;           // [rad] chi
+  Eigen::VectorXd energy{};    // E_i/h
+  Eigen::MatrixXd coupling{};  // -A <i|mu.u|j>/h at p = 0, u turned into the xz plane
+  double axis = 0;             // [rad] chi
 };
 DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const LevelDrive& drive);
 
@@ -29,8 +29,8 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
 struct RotatingFrame {
   int clock = 0;
   DriveKind kind = DriveKind::rotating_positive;
-  double frequency = 0;      // [Hz] f
-  std::vector<int> photons;  // n_i, up to a constant of each set of connected levels
+  double frequency = 0;        // [Hz] f
+  std::vector<int> photons{};  // n_i, up to a constant of each set of connected levels
 };
 
 /// n_i of all fields of one kind and one clock. For an oscillating field the couplings are joined from the

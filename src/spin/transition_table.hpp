@@ -13,8 +13,8 @@ struct TransitionTable {
   int levels = 0;
   double first = 0, step = 0;  // [s/m]
   int points = 0;
-  std::vector<double> values;  // [point][from][to], each row filled up with zeros to stride()
-  double error = 0;            // bound of the probabilities' error, as measured between points
+  std::vector<double> values{};  // [point][from][to], each row filled up with zeros to stride()
+  double error = 0;              // bound of the probabilities' error, as measured between points
 
   int stride() const { return (levels + 7) / 8 * 8; }
   const double* row(int point, int from) const {
