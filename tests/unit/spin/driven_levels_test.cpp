@@ -1,0 +1,269 @@
+#include "spin/driven_levels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.hpp"
+#include "drives.hpp"
+#include "laboratory.hpp"
+#include "spin/atoms.hpp"
+#include "spin/majorana.hpp"
+
+namespace rabiline {
+namespace {
+
+/// N. Ramsey's formula for two fields of the time tau each, a time T apart.
+double ramsey(double w1, double detuning, double tau, double between) {
+  const double a = std::hypot(w1, detuning), sine = w1 / a, cosine = detuning / a;
+  return 4 * std::pow(sine * std::sin(a * tau / 2) *
+                          (std::cos(detuning * between / 2) * std::cos(a * tau / 2) -
+                           cosine * std::sin(detuning * between / 2) * std::sin(a * tau / 2)),
+                      2);
+}
+
+TEST(DrivenLevels, OfASpinOneHalfFollowRabisFormulaInTheSenseThatItsPrecessionHas) {
+  const double larmor = 2.8e10 * 1e-3;
+  for (const double s : {1e-3, 2e-3, 5e-3})
+    for (const double off : {0.0, 1500.0, -4000.0}) {
+      const LevelZone right{0, 0.1, 1e-3, drive(positive, 1e-7, larmor + off)};
+      const LevelZone wrong{0, 0.1, 1e-3, drive(negative, 1e-7, larmor + off)};
+      const double w1 = two_pi * 2800;
+      const auto flip = [&](const LevelZone& zone, int from, int to) {
+        return DrivenLevels(half(), {zone}, slowest).probabilities(s)(from, to);
+      };
+      EXPECT_NEAR(flip(right, 0, 1), rabi(w1, two_pi * off, 0.1 * s), 1e-9);
+      EXPECT_NEAR(flip(right, 1, 0), rabi(w1, two_pi * off, 0.1 * s), 1e-9);
+      EXPECT_LT(flip(wrong, 0, 1), 1.1 * std::pow(w1 / (2 * two_pi * larmor), 2));
+    }
+  EXPECT_EQ(DrivenLevels(half(), {{0, 0.1, 1e-3, drive(positive, 1e-7, larmor)}}, slowest).neglected(), 0);
+}
+
+TEST(DrivenLevels, OfAFreeSpinFollowMajoranasFormula) {
+  const CoupledSpins spins{.twice_i = 3, .zeeman_i = -1e7};
+  const MajoranaTable table = majorana_table(3);
+  for (const double off : {0.0, 700.0}) {
+    const DrivenLevels driven(spins, {{0, 0.2, 0.1, drive(negative, 1e-4, 1e6 + off)}}, slowest);
+    const double s = 1.7e-3, p = rabi(two_pi * 1e3, two_pi * off, 0.2 * s);
+    for (int from = 0; from < 4; ++from)
+      for (int to = 0; to < 4; ++to)
+        EXPECT_NEAR(driven.probabilities(s)(from, to), table.probability(from, to, p), 1e-9);
+  }
+}
+
+TEST(DrivenLevels, OfHydrogenFlopBetweenAllThreeOfTheTriplet) {
+  const CoupledSpins spins = coupled_spins(*find_atom("H"));
+  const double field = 2e-6, h1 = 4e-8, per_tesla = (spins.zeeman_j + spins.zeeman_i) / 2;
+  const DrivenLevels driven(spins, {{0, 0.2, field, drive(positive, h1, per_tesla * field)}}, slowest);
+  const MajoranaTable table = majorana_table(2);
+  for (const double s : {2e-3, 4.4e-3}) {
+    const double p = rabi(two_pi * per_tesla * h1, 0, 0.2 * s);
+    const Eigen::MatrixXd got = driven.probabilities(s);
+    for (int from = 0; from < 3; ++from)
+      for (int to = 0; to < 3; ++to) EXPECT_NEAR(got(from, to), table.probability(from, to, p), 2e-4);
+    EXPECT_NEAR(got(3, 3), 1, 1e-9);
+  }
+}
+
+TEST(DrivenLevels, OfBothHyperfineManifoldsTurnInOppositeSenses) {
+  const CoupledSpins spins = coupled_spins(*find_atom("Na-23"));
+  const double field = 5e-6, h1 = 2e-8, s = 4e-3;
+  // g_F = +-g_J/4 for F = 2, 1, apart from the nucleus
+  const double upper = spins.zeeman_i + (spins.zeeman_j - spins.zeeman_i) / 4;
+  const double lower = spins.zeeman_i - (spins.zeeman_j - spins.zeeman_i) / 4;
+  for (const auto& [kind, twice_spin, first, per_tesla] :
+       {std::tuple{positive, 4, 0, upper}, std::tuple{negative, 2, 5, -lower}}) {
+    const DrivenLevels driven(spins, {{0, 0.3, field, drive(kind, h1, per_tesla * field)}}, slowest);
+    const Eigen::MatrixXd p = driven.probabilities(s);
+    const MajoranaTable table = majorana_table(twice_spin);
+    const double flip = rabi(two_pi * per_tesla * h1, 0, 0.3 * s);
+    for (int from = 0; from <= twice_spin; ++from)
+      for (int to = 0; to <= twice_spin; ++to)
+        EXPECT_NEAR(p(first + from, first + to), table.probability(from, to, flip), 2e-3);
+    for (int other = 0; other < 8; ++other)
+      if (other < first || other > first + twice_spin) {
+        EXPECT_NEAR(p(other, other), 1, 2e-4);
+      }
+  }
+}
+
+TEST(DrivenLevels, AgreeWithTheLaboratoryForEveryRotatingField) {
+  for (const auto& [twice_i, twice_j] : {std::pair{1, 1}, {3, 1}, {2, 2}, {3, 3}}) {
+    const CoupledSpins spins = small_atom(twice_i, twice_j);
+    // Strong fields on two locked clocks; the second is also in the third zone, with another static field.
+    const std::vector<LevelZone> zones{{0.01, 0.02, 6e-6, drive(positive, 1e-6, 6e4, 0.4)},
+                                       {0.02, 0.025, 2e-5, std::nullopt},
+                                       {0.025, 0.035, 2e-5, on_clock(drive(negative, 2e-6, 9e4, 1.1), 1)},
+                                       {0.035, 0.05, 4e-5, on_clock(drive(negative, 3e-6, 9e4, 2.9), 1)},
+                                       {0.05, 0.06, 6e-6, drive(positive, 1e-6, 6e4, -0.8)}};
+    const double s = 1.3e-3;
+    const Eigen::MatrixXd p = DrivenLevels(spins, zones, slowest).probabilities(s);
+    EXPECT_LT(difference(p, in_the_laboratory(spins, zones, s, 6000)), 1e-7)
+        << "2I = " << twice_i << ", 2J = " << twice_j;
+    expect_doubly_stochastic(p);
+    std::vector<LevelZone> other = zones;
+    other[3].drive->phase += 0.03;
+    EXPECT_GT(difference(p, DrivenLevels(spins, other, slowest).probabilities(s)), 1e-4);
+  }
+}
+
+TEST(DrivenLevels, KeepTheirSignWhenTheFieldBetweenTwoZonesChanges) {
+  const CoupledSpins spins = small_atom(3, 3);
+  const Eigen::MatrixXd weak = levels_at(spins, 2e-6).states, strong = levels_at(spins, 4e-5).states;
+  const Eigen::MatrixXd followed = states_after(spins, weak, 2e-6, 4e-5);
+  EXPECT_GT(difference(followed, strong), 0.1) << "no sign changes here: choose other fields";
+  const std::vector<LevelZone> zones{{0.0, 0.01, 2e-6, drive(positive, 3e-6, 4e4)},
+                                     {0.01, 0.02, 4e-5, drive(positive, 4e-6, 4e4)}};
+  EXPECT_LT(difference(DrivenLevels(spins, zones, slowest).probabilities(2e-3),
+                       in_the_laboratory(spins, zones, 2e-3, 10000)),
+            1e-7);
+}
+
+TEST(DrivenLevels, AgreeWithTheLaboratoryForOscillatingFieldsAsFarAsWhatIsNeglected) {
+  const CoupledSpins spins = small_atom(3, 1);  // 400 kHz between F = 2 and F = 1
+  const double field = 8e-6;
+  const Levels levels = levels_at(spins, field);
+  const int f1 = *find_weak_field_level(levels.labels, 2, 0);
+  const int f2 = *find_weak_field_level(levels.labels, 4, 0),
+            f22 = *find_weak_field_level(levels.labels, 4, 2);
+  LevelDrive slanted = drive(oscillating, 1, transition_frequency(levels, f1, f22) + 300, 0.3);
+  slanted.direction[0] = 0.6;
+  slanted.direction[1] = -0.8;
+  LevelDrive pi = along_z(drive(oscillating, 1, transition_frequency(levels, f1, f2) + 100));
+  LevelDrive low = drive(oscillating, 1, transition_frequency(levels, f2, f22) + 100);
+  for (const LevelDrive& full : {slanted, pi, low}) {
+    double error = 1;
+    for (const double amplitude : {4e-7, 2e-7, 1e-7}) {  // pulses of one area
+      const double length = 5e-9 / amplitude, s = 5e-3;
+      LevelDrive weak = full;
+      weak.amplitude = amplitude;
+      LevelDrive second = weak;
+      second.phase += 1.2;
+      const std::vector<LevelZone> zones{{0, length, field, weak},
+                                         {length, 2 * length, field, std::nullopt},
+                                         {2 * length, 3 * length, field, second}};
+      const DrivenLevels driven(spins, zones, slowest);
+      const Eigen::MatrixXd p = driven.probabilities(s);
+      error = difference(p, in_the_laboratory(spins, zones, s, static_cast<int>(1e6 * length)));
+      EXPECT_LT(error, 4 * driven.neglected());
+      EXPECT_GT(driven.neglected(), 0);
+      EXPECT_GT(1 - p(f1, f1) + 1 - p(f2, f2), 0.1);
+    }
+    EXPECT_LT(error, 0.01);
+  }
+}
+
+TEST(DrivenLevels, OfTwoLevelsSeeHalfOfAnOscillatingFieldTurn) {
+  const double larmor = 2.8e10 * 1e-3;
+  const DrivenLevels turns(half(), {{0, 0.1, 1e-3, drive(positive, 1e-7, larmor + 900)}}, slowest);
+  const DrivenLevels swings(half(), {{0, 0.1, 1e-3, drive(oscillating, 2e-7, larmor + 900)}}, slowest);
+  EXPECT_LT(difference(turns.probabilities(2e-3), swings.probabilities(2e-3)), 1e-12);
+  EXPECT_NEAR(swings.neglected() / (1400.0 / (2 * larmor + 900)), 1, 1e-12);
+}
+
+TEST(DrivenLevels, ThatALongitudinalFieldModulatesCountAsNeglected) {
+  // (g_F - g_F') m differs only by the nucleus for dm_F = 0, so take H at a field where the states are mixed.
+  const CoupledSpins spins = coupled_spins(*find_atom("H"));
+  const Levels levels = levels_at(spins, 0.05);
+  const double f = transition_frequency(levels, 3, 1);
+  const DrivenLevels driven(spins, {{0, 0.1, 0.05, along_z(drive(oscillating, 1e-6, f))}}, slowest);
+  const double modulation = (levels.moment[1] - levels.moment[3]) * 1e-6 / constants::planck;
+  EXPECT_NEAR(driven.neglected() / (std::abs(modulation) / 2 / f), 1, 1e-9);
+}
+
+struct CaesiumClock {
+  CoupledSpins spins = coupled_spins(*find_atom("Cs-133"));
+  double field = 6e-6, v = 250, pulse = 0.01, drift = 3.75;
+  double resonance = 9192631770 + 427.45e8 * field * field;
+  double tau = pulse / v, between = drift / v, w1 = two_pi / (4 * tau);
+  // mu between (3,0) and (4,0) is (g_J - g_I')/2 mu_B = h (zeeman_j - zeeman_i)/2
+  double amplitude = w1 / two_pi * 2 / (spins.zeeman_j - spins.zeeman_i);
+  int from = *find_weak_field_level(level_labels(spins), 6, 0),
+      to = *find_weak_field_level(level_labels(spins), 8, 0);
+
+  std::vector<LevelZone> zones(double detuning, double phase) const {
+    return {{1, 1 + pulse, field, along_z(drive(oscillating, amplitude, resonance + detuning))},
+            {1 + pulse, 1 + pulse + drift, field, std::nullopt},
+            {1 + pulse + drift, 1 + 2 * pulse + drift, field,
+             along_z(drive(oscillating, amplitude, resonance + detuning, phase))}};
+  }
+  double flip(double detuning, double phase = 0) const {
+    return DrivenLevels(spins, zones(detuning, phase), slowest).probabilities(1 / v)(from, to);
+  }
+};
+
+TEST(DrivenLevels, OfTheCaesiumClockFollowRamseysFormulaOverOneHundredMillionCycles) {
+  const CaesiumClock clock;
+  EXPECT_NEAR(clock.flip(0), 1, 1e-6);
+  const double minimum = 1 / (2 * (clock.between + 4 * clock.tau / (two_pi / 2)));
+  EXPECT_LT(clock.flip(minimum), 1e-6);
+  EXPECT_LT(clock.flip(-minimum), 1e-6);
+  EXPECT_GT(clock.flip(1.01 * minimum), 2e-4);
+  for (const double detuning : {-70.0, -12.5, 3.3, 41.0, 900.0})
+    EXPECT_NEAR(clock.flip(detuning), ramsey(clock.w1, two_pi * detuning, clock.tau, clock.between), 3e-5);
+  const DrivenLevels driven(clock.spins, clock.zones(0, 0), slowest);
+  EXPECT_LT(driven.neglected(), 1e-6);
+  expect_doubly_stochastic(driven.probabilities(1 / clock.v));
+}
+
+TEST(DrivenLevels, FollowRamseysFormulaAndAPhaseMovesItsFringes) {
+  const double larmor = 2.8e10 * 1e-3, s = 2e-3, tau = 0.02 * s, between = 0.5 * s, w1 = two_pi / (4 * tau);
+  const auto flip = [&](double off, double phase) {
+    const LevelDrive first = drive(positive, w1 / two_pi / 2.8e10, larmor + off);
+    LevelDrive second = first;
+    second.phase = phase;
+    const std::vector<LevelZone> zones{
+        {0, 0.02, 1e-3, first}, {0.02, 0.52, 1e-3, std::nullopt}, {0.52, 0.54, 1e-3, second}};
+    return DrivenLevels(half(), zones, slowest).probabilities(s)(1, 0);
+  };
+  for (const double off : {-3000.0, -400.0, 0.0, 150.0, 2200.0})
+    EXPECT_NEAR(flip(off, 0), ramsey(w1, two_pi * off, tau, between), 1e-8);
+  for (const double phase : {0.5, -1.4, 3.0})
+    EXPECT_NEAR(flip(0, phase), std::pow(std::cos(phase / 2), 2), 1e-9);
+  // The spin gets ahead of the field by -D T; a field that is ahead by as much less D T finds it in phase.
+  const double off = 200, ahead = -two_pi * off * (between + 2 * 2 * tau / (two_pi / 2));
+  EXPECT_NEAR(flip(off, ahead), 1, 2e-3);
+  EXPECT_LT(flip(off, -ahead), 0.7);
+}
+
+TEST(DrivenLevels, AreFieldFreeInAGap) {
+  // The gap's zero field detunes the spin by the whole frequency.
+  const double larmor = 2.8e10 * 1e-6, s = 1e-3;
+  const LevelDrive field = drive(positive, 5e-7, larmor);
+  const std::vector<LevelZone> gap{{0, 0.01, 1e-6, field}, {0.03, 0.04, 1e-6, field}};
+  const std::vector<LevelZone> zero{
+      {0, 0.01, 1e-6, field}, {0.01, 0.03, 0, std::nullopt}, {0.03, 0.04, 1e-6, field}};
+  const std::vector<LevelZone> same{
+      {0, 0.01, 1e-6, field}, {0.01, 0.03, 1e-6, std::nullopt}, {0.03, 0.04, 1e-6, field}};
+  const auto p = [&](const std::vector<LevelZone>& zones) {
+    return DrivenLevels(half(), zones, slowest).probabilities(s);
+  };
+  EXPECT_LT(difference(p(gap), p(zero)), 1e-12);
+  EXPECT_LT(difference(p(gap), in_the_laboratory(half(), zero, s, 2000)), 1e-8);
+  EXPECT_GT(difference(p(gap), p(same)), 0.1);
+}
+
+TEST(DrivenLevels, AgreeWithTheLaboratoryUnderEveryEnvelope) {
+  const CoupledSpins spins = small_atom(1, 1);
+  for (const Envelope envelope : {Envelope::half_sine, Envelope::gaussian}) {
+    LevelDrive field = drive(positive, 1.5e-6, 6e4, 0.2);
+    field.envelope = envelope;
+    field.begin = 0.01;
+    field.length = 0.06;
+    field.sigma = 0.011;
+    // one field over two static fields
+    const std::vector<LevelZone> zones{{0.01, 0.03, 8e-6, field}, {0.03, 0.07, 9e-6, field}};
+    const double s = 2e-3;
+    const Eigen::MatrixXd expected = in_the_laboratory(spins, zones, s, 8000);
+    const Eigen::MatrixXd p = DrivenLevels(spins, zones, s).probabilities(s);
+    EXPECT_LT(difference(p, expected), 1e-7);
+    EXPECT_GT(1 - p(0, 0), 0.1);
+    expect_doubly_stochastic(p);
+    const Eigen::MatrixXd fast = DrivenLevels(spins, zones, s).probabilities(s / 3);
+    EXPECT_LT(difference(fast, in_the_laboratory(spins, zones, s / 3, 4000)), 1e-7);
+  }
+}
+
+}  // namespace
+}  // namespace rabiline

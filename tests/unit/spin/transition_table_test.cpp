@@ -1,0 +1,91 @@
+#include "spin/transition_table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "spin/atoms.hpp"
+#include "spin/levels.hpp"
+
+namespace rabiline {
+namespace {
+
+/// Two fields that turn, apart, and levels of sodium in them.
+DrivenLevels sodium(double off = 800) {
+  const CoupledSpins spins = coupled_spins(*find_atom("Na-23"));
+  const double field = 2e-5;
+  LevelDrive drive;
+  drive.amplitude = 2.5e-7;
+  drive.frequency = transition_frequency(levels_at(spins, field), 1, 0) + off;
+  LevelDrive second = drive;
+  second.phase = 0.7;
+  return {spins, {{0, 0.1, field, drive}, {0.1, 0.3, field, std::nullopt}, {0.3, 0.4, field, second}}, 4e-3};
+}
+
+double worst_of(const TransitionTable& table, const DrivenLevels& driven, double from, double to) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> slowness(from, to);
+  double worst = 0;
+  for (int k = 0; k < 300; ++k) {
+    // some close to the ends, where the polynomials are not centred
+    const double s = k % 10 == 0 ? from + (to - from) / table.points * k / 300 : slowness(random);
+    const Eigen::MatrixXd p = driven.probabilities(s);
+    for (int i = 0; i < p.rows(); ++i)
+      for (int j = 0; j < p.cols(); ++j)
+        worst = std::max(worst, std::abs(p(i, j) - probability(table, i, j, s)));
+  }
+  return worst;
+}
+
+TEST(TransitionTable, StaysBelowItsBoundEverywhere) {
+  const DrivenLevels driven = sodium();
+  for (const double tolerance : {1e-3, 1e-6, 1e-8}) {
+    const TransitionTable table = tabulate(driven, 1e-3, 4e-3, tolerance, 1 << 16);
+    EXPECT_LT(table.error, tolerance);
+    EXPECT_LT(worst_of(table, driven, 1e-3, 4e-3), table.error);
+  }
+}
+
+TEST(TransitionTable, TellsItsErrorWhenItMayNotHaveEnoughPoints) {
+  const DrivenLevels driven = sodium();
+  const TransitionTable table = tabulate(driven, 1e-3, 4e-3, 1e-6, 40);
+  EXPECT_LE(table.points, 40);
+  EXPECT_GT(table.error, 1e-6);
+  EXPECT_LT(worst_of(table, driven, 1e-3, 4e-3), table.error);
+}
+
+TEST(TransitionTable, OfOneSlownessIsExactThere) {
+  const DrivenLevels driven = sodium();
+  const TransitionTable table = tabulate(driven, 2e-3, 2e-3);
+  EXPECT_EQ(table.points, 1);
+  EXPECT_EQ(table.step, 0);
+  EXPECT_EQ(table.error, 0);
+  const Eigen::MatrixXd p = driven.probabilities(2e-3);
+  for (int from = 0; from < 8; ++from)
+    for (int to = 0; to < 8; ++to) EXPECT_EQ(probability(table, from, to, 2e-3), p(from, to));
+}
+
+TEST(TransitionTable, HasRowsFilledUpWithZerosAndItsEndsOutsideItsRange) {
+  const CoupledSpins spins = coupled_spins(*find_atom("H"));
+  LevelDrive drive;
+  drive.amplitude = 1e-7;
+  drive.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
+  const DrivenLevels driven(spins, {{0, 0.1, 1e-5, drive}}, 4e-3);
+  const TransitionTable table = tabulate(driven, 1e-3, 4e-3, 1e-4);
+  EXPECT_EQ(table.stride(), 8);
+  EXPECT_EQ(table.values.size(), static_cast<std::size_t>(table.points) * 4 * 8);
+  for (int point = 0; point < table.points; ++point)
+    for (int from = 0; from < 4; ++from) {
+      const double* row = table.row(point, from);
+      EXPECT_TRUE(std::all_of(row + 4, row + 8, [](double p) { return p == 0; }));
+      EXPECT_NEAR(row[0] + row[1] + row[2] + row[3], 1, 1e-12);
+    }
+  EXPECT_EQ(probability(table, 0, 1, 5e-4), table.row(0, 0)[1]);
+  EXPECT_NEAR(probability(table, 0, 1, 9e-3), table.row(table.points - 1, 0)[1], 1e-15);
+  EXPECT_NEAR(table.first + table.step * (table.points - 1), 4e-3, 1e-15);
+}
+
+}  // namespace
+}  // namespace rabiline
