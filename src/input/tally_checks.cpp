@@ -26,7 +26,7 @@ const Node& axis_node(const Node& tally, std::size_t number) {
 /// Where an axis says what it is over.
 const Place& quantity_place(const Node& axis) { return place_of(axis, "quantity"); }
 
-int levels_of(const Beamline& beamline) { return beamline.species.front().species.spin.twice + 1; }
+int levels_of(const Beamline& beamline) { return beamline.species.front().species.levels(); }
 
 std::string_view word_of(Quantity quantity) {
   for (const auto& choice : choices<Quantity>)

@@ -18,8 +18,8 @@ Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, sizeof(doub
     *column = next;
     next += capacity;
   }
-  for (std::uint64_t** column :
-       {&view_.level, &view_.weight, &view_.particle, &view_.flying, &view_.caught_by, &view_.scratch}) {
+  for (std::uint64_t** column : {&view_.level, &view_.prepared, &view_.weight, &view_.particle, &view_.flying,
+                                 &view_.caught_by, &view_.scratch}) {
     *column = reinterpret_cast<std::uint64_t*>(next);
     next += capacity;
   }

@@ -22,18 +22,19 @@ struct BatchView {
   double* t = nullptr;                                 // [s] since emission, or since the pulse began
   double *sx = nullptr, *sy = nullptr, *sz = nullptr;  // spin direction (vector laws); image of z (quantum)
   double* slowness = nullptr;                          // [s/m] 1/vy of a caught particle
-  std::uint64_t* level = nullptr;                      // 0 for m = I, 1 for m = I-1, ... (quantum)
-  std::uint64_t* weight = nullptr;                     // [quanta]
-  std::uint64_t* particle = nullptr;                   // number in the run
-  std::uint64_t* flying = nullptr;                     // mask
-  std::uint64_t* caught_by = nullptr;                  // part number + 1 of the detector that caught it, or 0
-  std::uint64_t* scratch = nullptr;  // a kernel's answer for each particle: bin, end of a region
+  std::uint64_t* level = nullptr;      // 0 for m = I, 1 for m = I-1, ...; its number (quantum)
+  std::uint64_t* prepared = nullptr;   // the level that it started in
+  std::uint64_t* weight = nullptr;     // [quanta]
+  std::uint64_t* particle = nullptr;   // number in the run
+  std::uint64_t* flying = nullptr;     // mask
+  std::uint64_t* caught_by = nullptr;  // part number + 1 of the detector that caught it, or 0
+  std::uint64_t* scratch = nullptr;    // a kernel's answer for each particle: bin, end of a region
 };
 
 class Batch {
  public:
   static constexpr int capacity = 512;
-  static constexpr int columns = 16;
+  static constexpr int columns = 17;
 
   Batch();
   BatchView& view() { return view_; }

@@ -53,7 +53,7 @@ Sections sections_of(const Beamline& beamline) {
 /// Compiles one chain; each member function adds stages for one thing.
 class Compiler {
  public:
-  Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids)
+  Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids, SampledTables& tables)
       : beamline_(beamline),
         grids_(grids),
         species_(species),
@@ -64,7 +64,7 @@ class Compiler {
                mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
         spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
-        questions_(beamline, species, spins_, straight_),
+        questions_(beamline, species, sections_, spins_, straight_, tables),
         may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
   }
@@ -81,7 +81,7 @@ class Compiler {
   }
 
  private:
-  int levels() const { return quantum_ ? species_.spin.twice + 1 : 0; }
+  int levels() const { return quantum_ ? species_.levels() : 0; }
 
   // ---- fields as the species sees them ----
 
@@ -190,7 +190,12 @@ class Compiler {
       histogram.part = plane.part;
       histogram.caught = caught;
       histogram.face = face;
-      if (of_spin && straight_) histogram.zones = zones_seen_by(histogram, plane);
+      if (of_spin && quantum_ && species_.structure) {
+        histogram.of_atom = true;
+        histogram.transitions = questions_.transitions_before(plane);
+      } else if (of_spin && straight_) {
+        histogram.zones = zones_seen_by(histogram, plane);
+      }
       chain_.push_back(std::move(histogram));
     }
   }
@@ -365,11 +370,13 @@ class Compiler {
 
 }  // namespace
 
-std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids) {
-  return Compiler(beamline, component.species, grids).compile();
+std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,
+                           SampledTables& tables) {
+  return Compiler(beamline, component.species, grids, tables).compile();
 }
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
+  if (std::holds_alternative<QuantumLaw>(beamline.law) && component.species.structure) return {};
   const ZoneMaker maker(
       component.species, beamline.species.front().species, turning_of(beamline.law, component.species),
       mean_speed(beamline.source.speed, component.species.mass), latest_start(beamline.source.pulse));

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "plan/sampled_tables.hpp"
 #include "plan/spin_history.hpp"
 #include "transport/stages.hpp"
 
@@ -12,16 +13,23 @@ namespace rabiline {
 class LevelQuestions {
  public:
   /// All must outlive it. `straight`: nothing in the beam turns the velocity.
-  LevelQuestions(const Beamline& beamline, const Species& species, const SpinHistory& spins, bool straight);
+  LevelQuestions(const Beamline& beamline, const Species& species, const Sections& sections,
+                 const SpinHistory& spins, bool straight, SampledTables& tables);
 
   /// None where the level is still the one that was asked for last, or under a vector law.
   std::optional<LevelProjection> at_magnet(const Plane&) const;
   SpinStretch at_detector(const Plane&) const;
 
+  /// Of an atom since its level was known last; null where nothing drives its levels before that plane.
+  const TransitionTable* transitions_before(const Plane&) const;
+
  private:
+  const Beamline& beamline_;
   const Species& species_;
+  const Sections& sections_;
   const SpinHistory& spins_;
   const bool straight_, quantum_;
+  SampledTables& tables_;
 };
 
 /// The first projection behind which everything can be booked afterwards shares out the weights, where the

@@ -185,7 +185,7 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
                       emission_of(beamline, component, {beamline.seed, stream}, tables)};
       auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
       if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
-      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids)});
+      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables)});
     }
   }
   return groups;
@@ -208,8 +208,21 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
 
 }  // namespace
 
-std::uint64_t levels_found(const std::vector<PlanNode::Way>& ways) {
-  return (std::uint64_t{1} << ways.front().projection.levels) - 1;
+/// Of transitions below half a quantum a particle gets no share.
+std::uint64_t levels_found(const LevelProjection& projection) {
+  if (projection.transitions == nullptr) return (std::uint64_t{1} << projection.levels) - 1;
+  const TransitionTable& table = *projection.transitions;
+  std::uint64_t mask = 0;
+  for (int point = 0; point < table.points; ++point)
+    for (int from = 0; from < table.levels; ++from)
+      for (int to = 0; to < table.levels; ++to)
+        if (table.row(point, from)[to] > 0x1p-41) mask |= std::uint64_t{1} << to;
+  return mask;
+}
+
+void find_levels(PlanNode& node) {
+  for (const PlanNode::Way& way : node.ways) node.levels |= levels_found(way.projection);
+  for (PlanNode& next : node.next) find_levels(next);
 }
 
 Plan make_plan(const Experiment& experiment, double most_cost) {
@@ -217,7 +230,9 @@ Plan make_plan(const Experiment& experiment, double most_cost) {
   plan.points = static_cast<int>(experiment.points.size());
   const auto tables = std::make_shared<SampledTables>();
   plan.tables = tables;
-  for (const Group& group : group_by_source(experiment, *tables)) {
+  const std::vector<Group> groups = group_by_source(experiment, *tables);
+  tables->tabulate_transitions();
+  for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
     std::size_t unused = 0;
@@ -228,6 +243,7 @@ Plan make_plan(const Experiment& experiment, double most_cost) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
       plan.trees.push_back(make_tree(group.root, {begin, end}, plan.sums));
+      for (PlanNode& node : plan.trees.back().next) find_levels(node);
     }
   }
   return plan;

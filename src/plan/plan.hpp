@@ -27,9 +27,8 @@ struct PlanNode {
     std::size_t shift = 0;  // of its sums behind those of the first way
   };
   std::vector<Way> ways{};
+  std::uint64_t levels = 0;  // that any of the ways can find, as a mask
 };
-/// The levels that a projection can find in any way, as a mask.
-std::uint64_t levels_found(const std::vector<PlanNode::Way>&);
 
 /// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.
 struct EmissionSums {
@@ -54,14 +53,14 @@ struct PlanTree {
 
 struct Plan {
   std::vector<PlanTree> trees;
-  std::shared_ptr<const SampledTables> tables;  // what the trees' sources draw from
+  std::shared_ptr<const SampledTables> tables;  // what the trees' sources and stages read
   std::size_t sums = 0;                         // how many in all
   int points = 0;
 };
 
-/// One scan point's chain of stages for one species.
-std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
-/// The fields along the whole beam as one species sees them.
+/// One scan point's chain of stages for one species, which the tables must outlive.
+std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);
+/// The fields along the whole beam as the one moment of a species sees them; none of an atom under `quantum`.
 std::vector<SpinZone> zones_along(const Beamline&, const Component&);
 /// How the particles of a beamline start. What it draws from stays in the tables, which must outlive it.
 Emission emission_of(const Beamline&, const Component&, RandomKey, SampledTables&);

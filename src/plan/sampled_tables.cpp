@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numbers>
 
 namespace rabiline {
@@ -109,6 +110,35 @@ const SampledTable& SampledTables::lines(const std::vector<double>& speeds,
 
 const ChannelTables& SampledTables::channel(double length_over_radius) {
   return channels_.try_emplace(length_over_radius, length_over_radius).first->second;
+}
+
+const TransitionTable& SampledTables::transitions(const Structure& structure,
+                                                  const std::vector<LevelZone>& zones, double from,
+                                                  double to) {
+  const auto found = std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) {
+    return d.from == from && d.to == to && d.structure == structure && d.zones == zones;
+  });
+  if (found != driven_.end()) return found->table;
+  driven_.push_back({structure, zones, from, to, {}});
+  return driven_.back().table;
+}
+
+void SampledTables::tabulate_transitions() {
+  std::vector<Driven*> open;
+  for (Driven& driven : driven_)
+    if (driven.table.points == 0) open.push_back(&driven);
+  std::exception_ptr error;
+#pragma omp parallel for schedule(dynamic)
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    try {
+      Driven& d = *open[i];
+      d.table = tabulate(DrivenLevels(coupled_spins(d.structure), d.zones, d.to), d.from, d.to);
+    } catch (...) {
+#pragma omp critical
+      error = std::current_exception();
+    }
+  }
+  if (error) std::rethrow_exception(error);
 }
 
 }  // namespace rabiline

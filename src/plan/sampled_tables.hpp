@@ -1,12 +1,15 @@
 #pragma once
 // Tables that emission draws from, made once for a plan however many scan points and species use them.
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "particle/channel.hpp"
+#include "particle/species.hpp"
 #include "particle/speed.hpp"
+#include "spin/transition_table.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -54,12 +57,23 @@ class SampledTables {
   const SampledTable& spectrum(const std::shared_ptr<const Spectrum>&);
   const SampledTable& lines(const std::vector<double>& speeds, const std::vector<double>& weights);
   const ChannelTables& channel(double length_over_radius);
+  /// Transitions along driven zones, filled in by tabulate_transitions().
+  const TransitionTable& transitions(const Structure&, const std::vector<LevelZone>&, double from, double to);
+  /// Works out the tables that were asked for, on all cores.
+  void tabulate_transitions();
 
  private:
+  struct Driven {
+    Structure structure;
+    std::vector<LevelZone> zones;
+    double from = 0, to = 0;  // [s/m]
+    TransitionTable table{};
+  };
   std::map<double, SampledTable> supersonic_;
   std::map<std::shared_ptr<const Spectrum>, SampledTable> spectra_;
   std::map<std::vector<double>, SampledTable> lines_;
   std::map<double, ChannelTables> channels_;
+  std::list<Driven> driven_;
 };
 
 }  // namespace rabiline

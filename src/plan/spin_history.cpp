@@ -30,9 +30,13 @@ const Plane* SpinHistory::last_known_spin(const Plane& before) const {
   return last;
 }
 
-std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
+double SpinHistory::known_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane);
-  const double from = last != nullptr ? last->y : 0;
+  return last != nullptr ? last->y : 0;
+}
+
+std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
+  const double from = known_before(plane);
   std::vector<SpinZone> zones;
   for (const Section& section : sections_.sections) {
     SpinZone zone = zones_.zone_of(section);

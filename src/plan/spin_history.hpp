@@ -21,6 +21,8 @@ class SpinHistory {
   /// The same for levels along z at that plane, which do not care for precession about z at the end, nor at
   /// the beginning where they start along z.
   std::vector<SpinZone> zones_before_levels(const Plane&) const;
+  /// Where spins were last set anew or brought up to date before the plane, 0 at the source [m].
+  double known_before(const Plane&) const;
   /// The axis of the levels behind the source, an alignment or a filter, whichever came last before the
   /// plane; behind a filter it differs from particle to particle, and counts as one across z.
   UnitVector start_before(const Plane&) const;

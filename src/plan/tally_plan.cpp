@@ -39,7 +39,8 @@ Histogram histogram_of(const Tally& tally, int number, const Species& species, i
     }
     histogram.axes.push_back(made);
   }
-  if (levels > 0 && asks_for_spin(tally)) histogram.polynomials = majorana_table(levels - 1).coefficients;
+  if (levels > 0 && asks_for_spin(tally) && !species.structure)
+    histogram.polynomials = majorana_table(levels - 1).coefficients;
   return histogram;
 }
 

@@ -14,6 +14,7 @@
 #include "simulation/counting.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
+#include "spin/level_names.hpp"
 
 namespace rabiline {
 namespace {
@@ -196,6 +197,11 @@ class Finisher {
   /// What a row of levels is called: the level, after the species where several fly.
   static std::string label_of(const Beamline& beamline, const LevelTally& tally, int level) {
     const Species& species = beamline.species[static_cast<std::size_t>(tally.component)].species;
+    if (species.structure && std::holds_alternative<QuantumLaw>(beamline.law)) {
+      const std::string atom =
+          names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
+      return beamline.species.size() == 1 ? atom : species.name + " " + atom;
+    }
     const int twice = tally.levels - 1, m = twice - 2 * level;
     const std::string name = !std::holds_alternative<QuantumLaw>(beamline.law)
                                  ? (level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2")

@@ -1,5 +1,6 @@
 #include "simulation/finish_tallies.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 
 #include "plan/tally_plan.hpp"
 #include "simulation/counting.hpp"
+#include "spin/level_names.hpp"
 
 namespace rabiline {
 namespace {
@@ -79,16 +81,27 @@ class TallyFinisher {
 
   // ---- tallies ----
 
-  static TallyAxisResult axis_of(const TallyAxis& axis, int levels) {
+  /// Levels from the last to the first, as m rises.
+  static std::vector<std::string> names_of(const Species& species, int levels) {
+    std::vector<std::string> names;
+    if (species.structure) {
+      names = names_of_levels(coupled_spins(*species.structure));
+      std::reverse(names.begin(), names.end());
+    } else {
+      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2) names.push_back(level_name(twice_m));
+    }
+    return names;
+  }
+
+  static TallyAxisResult axis_of(const TallyAxis& axis, const Species& species, int levels) {
     TallyAxisResult made;
     made.quantity = word_of(axis.quantity);
     made.dimension = dimension_of(axis.quantity);
     if (axis.axis) made.direction = {axis.axis->x, axis.axis->y, axis.axis->z};
     if (is_categorical(axis.quantity)) {
-      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2) {
+      made.labels = names_of(species, levels);
+      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2)
         made.edges.push_back(0.5 * (twice_m - 1));
-        made.labels.push_back(level_name(twice_m));
-      }
       made.edges.push_back(0.5 * levels);
       return made;
     }
@@ -100,14 +113,15 @@ class TallyFinisher {
   }
 
   void add_tally(const PlacedPart& part, const Tally& tally, std::size_t number) {
-    const int levels = beamline(0).species.front().species.spin.twice + 1;
+    const Species& species = beamline(0).species.front().species;
+    const int levels = species.levels();
     TallyResult out;
     out.part = part.placement.name;
     out.part_label = part.placement.label.value_or(out.part);
     out.name = tally.name;
     out.of_monitor = std::holds_alternative<Monitor>(part.part);
     out.asks_for_spin = asks_for_spin(tally);
-    for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, levels));
+    for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, species, levels));
     const HistogramSums layout{static_cast<std::size_t>(bins_of(tally, levels)), 0};
     for (std::size_t p = 0; p < points_; ++p) {
       add_counts(layout, static_cast<int>(number), p, out);

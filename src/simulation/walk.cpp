@@ -49,7 +49,7 @@ void Walker::follow_branches(const PlanNode& node, const Batch& batch, const Ran
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums});
   }
-  branches_.fly(batch, chain, levels_found(node.ways), kernels_, key);
+  branches_.fly(batch, chain, node.levels, kernels_, key);
   for (const PlanNode::Way& way : node.ways) branches_.book(way.projection, sums.data(), way.shift);
 }
 

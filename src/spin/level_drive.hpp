@@ -28,6 +28,7 @@ struct LevelDrive {
 
   /// The share of the amplitude at y [m].
   double share(double y) const;
+  bool operator==(const LevelDrive&) const = default;
 };
 
 /// Where the static field along +z is uniform.
@@ -35,6 +36,7 @@ struct LevelZone {
   double begin = 0, end = 0;  // [m]
   double field = 0;           // [T] B >= 0
   std::optional<LevelDrive> drive{};
+  bool operator==(const LevelZone&) const = default;
 };
 
 }  // namespace rabiline

@@ -15,7 +15,7 @@ const Screen* screen_of(const ChainLink& link) {
 
 bool can_be_booked(const Stage& stage) {
   if (const auto* stretch = std::get_if<SpinStretch>(&stage))
-    return stretch->zones.empty() && stretch->transitions.values == nullptr;
+    return stretch->zones.empty() && stretch->transitions == nullptr;
   return std::holds_alternative<Drift>(stage) || std::holds_alternative<Passage>(stage) ||
          std::holds_alternative<LevelProjection>(stage) || std::holds_alternative<Deflection>(stage) ||
          std::holds_alternative<Score>(stage) || std::holds_alternative<Exit>(stage);

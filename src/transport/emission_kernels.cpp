@@ -125,6 +125,7 @@ RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchVie
   store(batch.sy + i, s.y);
   store(batch.sz + i, s.z);
   store(batch.level + i, level);
+  store(batch.prepared + i, level);
 }
 
 /// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
@@ -241,6 +242,7 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
     store(batch.sy + i, fma(along, broadcast(e.axis_y), fma(b, broadcast(by), c * cy)));
     store(batch.sz + i, fma(along, broadcast(e.axis_z), fma(b, broadcast(bz), c * cz)));
     store(batch.level + i, levels ? level : words{});
+    store(batch.prepared + i, levels ? level : words{});
   }
 }
 

@@ -98,6 +98,10 @@ class Filler {
       std::copy_n(axis.direction, 3, spin.axis);
       if (is_measured(axis) && measured_) continue;  // the checks let pass one direction only
       measured_ = is_measured(axis);
+      if (histogram_.of_atom) {
+        share_levels(histogram_.levels, histogram_.transitions, flight_, weights_, shares_);
+        continue;
+      }
       flight_.kernels.measure_spin(spin, batch_, weights_, measured_ ? probabilities_ : values_[a]);
     }
   }
@@ -130,6 +134,11 @@ class Filler {
 
   /// All shares are floored, the largest takes what is missing.
   void share(int i, std::int64_t* shares) const {
+    if (histogram_.of_atom) {
+      for (int k = 0; k < histogram_.levels; ++k)
+        shares[k] = static_cast<std::int64_t>(shares_[k * batch_.padded + i]);
+      return;
+    }
     const double weight = static_cast<double>(weights_[i]);
     auto rest = static_cast<std::int64_t>(weights_[i]);
     int largest = 0;
@@ -189,7 +198,10 @@ class Filler {
   std::uint64_t inside_ = 0, outside_ = 0;
   alignas(64) std::uint64_t weights_[Batch::capacity];
   alignas(64) double values_[most_axes][Batch::capacity];
-  alignas(64) double probabilities_[most_levels * Batch::capacity];
+  union {
+    alignas(64) double probabilities_[most_levels * Batch::capacity];
+    alignas(64) std::uint64_t shares_[most_levels * Batch::capacity];  // of an atom
+  };
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "spin/transition_table.hpp"
 #include "tally/sums.hpp"
 #include "transport/kernels.hpp"
 
@@ -38,6 +39,8 @@ struct Histogram {
   int levels = 0;                   // quantum: how many; 0: a vector law
   std::vector<SpinZone> zones;      // that turn spins before the plane, where an axis asks for them
   std::vector<double> polynomials;  // MajoranaTable::coefficients
+  bool of_atom = false;             // whose levels are asked for
+  const TransitionTable* transitions = nullptr;  // of an atom that fields drive
   bool operator==(const Histogram&) const = default;
 };
 

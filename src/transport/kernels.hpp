@@ -230,14 +230,12 @@ struct SpinGauge {
 
 /// P(from -> to) between the levels of an atom on a stretch of the beam, at slownesses of equal distance;
 /// cubic between them, and beyond the ends as at the ends. Rows stand at (point levels + from) stride.
-/// Compared by address: a plan makes each table once.
 struct Transitions {
   const double* values = nullptr;  // null: the levels are not those of an atom, or nothing drives them
   double first = 0;                // [s/m]
   double points_per_slowness = 0;  // [m/s]
   int points = 1;                  // 1, or at least 4
   int levels = 0, stride = 0;
-  bool operator==(const Transitions&) const = default;
 };
 
 /// In which level along the field a state is found, after a straight flight through the zones: the image of z

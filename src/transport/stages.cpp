@@ -1,5 +1,6 @@
 #include "transport/stages.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rabiline {
@@ -144,7 +145,29 @@ Sum joined(std::uint64_t high, std::int64_t low) {
   return (static_cast<Sum>(high) << 40) + static_cast<Sum>(low);
 }
 
+/// The levels of atoms: those that they are in, or by their transitions.
+void project_atoms(const SpinStretch& stretch, Flight& flight) {
+  const BatchView& batch = flight.batch.view();
+  alignas(64) std::uint64_t weights[Batch::capacity], shares[most_levels * Batch::capacity];
+  for (int i = 0; i < batch.padded; ++i)
+    weights[i] = batch.caught_by[i] == static_cast<std::uint64_t>(stretch.part) + 1 ? batch.weight[i] : 0;
+  share_levels(stretch.levels, stretch.transitions, flight, weights, shares);
+  const LevelLayout layout{static_cast<std::size_t>(stretch.levels)};
+  for (int i = 0; i < batch.count; ++i) {
+    if (weights[i] == 0) continue;
+    for (std::size_t level = 0; level < layout.levels; ++level) {
+      const std::uint64_t q =
+          shares[level * static_cast<std::size_t>(batch.padded) + static_cast<std::size_t>(i)];
+      if (q == 0) continue;
+      flight.sums[layout.q(level)] += q;
+      flight.sums[layout.squares(level)] += square(q);
+      if (layout.has_products()) flight.sums[layout.products(level)] += static_cast<Sum>(q) * weights[i];
+    }
+  }
+}
+
 void pass(const SpinStretch& stretch, Flight& flight) {
+  if (stretch.of_atom) return project_atoms(stretch, flight);
   Projection projection;
   projection.key = flight.key;
   projection.part = stretch.part;
@@ -175,6 +198,27 @@ void advance(const Stage& stage, Flight& flight) {
   std::visit([&](const auto& s) { pass(s, flight); }, stage);
 }
 
+Transitions transitions_view(const TransitionTable* table) {
+  if (table == nullptr) return {};
+  return {table->values.data(), table->first,  table->step > 0 ? 1 / table->step : 0,
+          table->points,        table->levels, table->stride()};
+}
+
+void share_levels(int levels, const TransitionTable* table, const Flight& flight,
+                  const std::uint64_t* weights, std::uint64_t* shares) {
+  const BatchView& batch = flight.batch.view();
+  if (table != nullptr) {
+    LevelQuestion question;
+    question.levels = levels;
+    question.transitions = transitions_view(table);
+    flight.kernels.outcomes(question, batch, weights, shares);
+    return;
+  }
+  std::fill_n(shares, levels * batch.padded, 0);
+  for (int i = 0; i < batch.count; ++i)
+    shares[static_cast<int>(batch.level[i]) * batch.padded + i] = weights[i];
+}
+
 LevelQuestion question_of(const LevelProjection& projection, const RandomKey& key) {
   LevelQuestion question;
   question.key = key;
@@ -183,7 +227,7 @@ LevelQuestion question_of(const LevelProjection& projection, const RandomKey& ke
   question.zones = projection.zones.data();
   question.zone_count = static_cast<int>(projection.zones.size());
   question.polynomials = projection.polynomials.data();
-  question.transitions = projection.transitions;
+  question.transitions = transitions_view(projection.transitions);
   return question;
 }
 

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "spin/transition_table.hpp"
 #include "tally/sums.hpp"
 #include "transport/histogram.hpp"
 #include "transport/kernels.hpp"
@@ -45,11 +46,17 @@ struct LevelProjection {
   bool split = false;
   bool from_level = false;  // no other stage has turned the spin
   std::vector<SpinZone> zones;
-  std::vector<double> polynomials;  // MajoranaTable::coefficients
-  Transitions transitions;          // of an atom
+  std::vector<double> polynomials;               // MajoranaTable::coefficients
+  const TransitionTable* transitions = nullptr;  // of an atom; a plan makes each table once
   bool operator==(const LevelProjection&) const = default;
 };
 LevelQuestion question_of(const LevelProjection&, const RandomKey&);
+/// The weights of atoms shared out over their levels, a column for each: by the transitions, or where there
+/// are none by the level that each is in.
+void share_levels(int levels, const TransitionTable*, const Flight&, const std::uint64_t* weights,
+                  std::uint64_t* shares);
+/// The kernel's view of a table, which must outlive it; of none that of no transitions.
+Transitions transitions_view(const TransitionTable*);
 /// Touching fields that turn the velocity; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
@@ -75,8 +82,9 @@ struct SpinStretch {
   bool majorana = false;    // quantum
   bool from_level = false;  // quantum, and no other stage has turned the spin
   std::vector<SpinZone> zones;
-  std::vector<double> polynomials;  // MajoranaTable::coefficients, for more than two levels
-  Transitions transitions{};        // of an atom
+  std::vector<double> polynomials;               // MajoranaTable::coefficients, for more than two levels
+  bool of_atom = false;                          // whose levels no field turns
+  const TransitionTable* transitions = nullptr;  // of an atom that fields drive
   bool operator==(const SpinStretch&) const = default;
 };
 

@@ -48,7 +48,7 @@ RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) 
       return select(c.velocity.y < broadcast(0), angle + 0x1.921fb54442d18p+1, angle);
     }
     case Quantity::prepared_level:
-      return number_of(load(batch.level + i));
+      return number_of(load(batch.prepared + i));
     case Quantity::weight:
       return number_of(load(batch.weight + i)) * 0x1p-40;
     case Quantity::spin:

@@ -18,7 +18,10 @@ std::string letters(const std::vector<Stage>& chain) {
   for (const Stage& stage : chain) text += "DPACFVBRSELMH"[stage.index()];
   return text;
 }
-std::string compiled(const Beamline& b) { return letters(compile(b, b.species.front(), screen_grids({b}))); }
+std::string compiled(const Beamline& b) {
+  SampledTables tables;
+  return letters(compile(b, b.species.front(), screen_grids({b}), tables));
+}
 
 std::size_t nodes_of(const std::vector<PlanNode>& nodes) {
   std::size_t count = nodes.size();
@@ -59,7 +62,8 @@ TEST(Compile, CutsARegionAtSlitsAndScreensInsideIt) {
   Beamline b = suggested(291e3);
   b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
   b.parts.insert(b.parts.begin() + 4, place("inner", 0.45, Detector{Rectangle{1e-3, 1e-3}, {2, 2}, {}}));
-  const auto chain = compile(b, b.species.front(), screen_grids({b}));
+  SampledTables tables;
+  const auto chain = compile(b, b.species.front(), screen_grids({b}), tables);
   const auto& region = std::get<TurningRegion>(chain.at(2));
   ASSERT_EQ(region.zones.size(), 4U);  // 0.30-0.35, 0.35-0.45, a zone of no length, 0.45-0.55
   ASSERT_EQ(region.edges.size(), 3U);

@@ -1,0 +1,22 @@
+#pragma once
+// What drives the levels of an atom on a straight flight before they are asked for.
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "section/section.hpp"
+#include "spin/level_drive.hpp"
+
+namespace rabiline {
+
+/// The fields between two places as an atom sees them, from the first that drives transitions to the last;
+/// nothing where none does. Throws std::invalid_argument where fields do not point along +z, several overlap
+/// that swing, or one is stated by a species' own precession.
+std::vector<LevelZone> driven_zones(const Species&, const std::vector<Section>&, double from, double to);
+
+/// Slownesses 1/v [s/m] of a source, but for at most 1e-4 of its particles.
+struct SlownessRange {
+  double from = 0, to = 0;
+};
+SlownessRange slownesses_of(const Source&, double mass);
+
+}  // namespace rabiline
