@@ -42,7 +42,7 @@ TEST(DrivenLevels, WithRandomClocksAreTheMeanOverAllStartPhases) {
 }
 
 TEST(DrivenLevels, WithOneClockDoNotDependOnItsStartPhaseAndWithTwoAlikeOnlyOnTheirDifference) {
-  const CoupledSpins spins = small_atom(1, 1);
+  const CoupledSpins spins = small_atom(3, 1);
   const auto p = [&](bool random, double phase, int second_clock) {
     const LevelDrive a = on_clock(drive(positive, 4e-7, 56e3, phase), 0, random);
     const LevelDrive b = on_clock(drive(positive, 4e-7, 56e3, 0), second_clock, random);
@@ -50,7 +50,7 @@ TEST(DrivenLevels, WithOneClockDoNotDependOnItsStartPhaseAndWithTwoAlikeOnlyOnTh
   };
   EXPECT_LT(difference(p(true, 0.4, 0), p(false, 0.4, 0)), 1e-14);
   EXPECT_LT(difference(p(false, 0.4, 1), p(false, 0.4, 0)), 1e-9);  // one frequency, two locked clocks
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(4, 4);
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(8, 8);
   for (int i = 0; i < 16; ++i) mean += p(false, two_pi * i / 16, 1) / 16;
   EXPECT_LT(difference(p(true, 0.4, 1), mean), 1e-12);
   EXPECT_GT(difference(mean, p(false, 0.4, 0)), 0.01);
