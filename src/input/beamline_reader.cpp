@@ -54,12 +54,8 @@ bool read_species(const Node& node, Keys& keys, Species& out) {
   if (node.find("structure")) {
     SpeciesWithLevels own;
     good = read_rows(keys, own);
-    Species plain;
-    plain.name = own.name;
-    plain.mass = own.mass;
-    plain.charge = own.charge;
-    plain.source = own.source;
-    out = with_levels(std::move(plain), own.structure);
+    out = with_levels(own.name, own.mass, own.structure, own.source);
+    out.charge = own.charge;
   } else {
     good = read_rows(keys, out);
   }

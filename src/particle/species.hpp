@@ -100,8 +100,9 @@ struct Component {
 std::span<const Species> species_library();
 /// The built-in atoms and molecules with levels: "H atom", "ortho-H2".
 std::span<const Species> species_with_levels();
-/// Gives a species the levels of a structure, and the spin and gamma that the vector laws take from it.
-Species with_levels(Species, const Structure&);
+/// A neutral species with the levels of a structure, and the spin and gamma that the vector laws take from
+/// it.
+Species with_levels(std::string name, double mass, const Structure&, std::string source);
 /// The built-in species of that name, or nullptr.
 const Species* find_species(std::string_view name);
 

@@ -28,15 +28,15 @@ HyperfineAtom as_atom(const Structure& s) {
 /// The mass is that of the library's species of the same name, which is that of the neutral atom.
 Species atom_with_levels(const HyperfineAtom& atom) {
   const Species& point = *find_species(atom.name);
-  return with_levels({.name = fmt::format("{} atom", atom.name),
-                      .mass = point.mass,
-                      .source = fmt::format("{}; AME2020 (mass)", atom.source),
-                      .mass_uncertainty = point.mass_uncertainty},
-                     {.i = {atom.twice_i},
-                      .j = {atom.twice_j},
-                      .coupling = atom.hyperfine_constant,
-                      .g_j = atom.g_j,
-                      .g_i = atom.g_i});
+  Species species = with_levels(fmt::format("{} atom", atom.name), point.mass,
+                                {.i = {atom.twice_i},
+                                 .j = {atom.twice_j},
+                                 .coupling = atom.hyperfine_constant,
+                                 .g_j = atom.g_j,
+                                 .g_i = atom.g_i},
+                                fmt::format("{}; AME2020 (mass)", atom.source));
+  species.mass_uncertainty = point.mass_uncertainty;
+  return species;
 }
 
 /// A homonuclear molecule in its rotational state J = 1 with total nuclear spin I = 1:
@@ -45,13 +45,14 @@ Species atom_with_levels(const HyperfineAtom& atom) {
 Species molecule(const char* name, const char* half, double gamma_n, double b, double c, double d,
                  const char* source) {
   constexpr double magneton = bohr_magneton / planck;  // [Hz/T]
-  return with_levels({.name = name, .mass = 2 * find_species(half)->mass, .source = source},
+  return with_levels(name, 2 * find_species(half)->mass,
                      {.i = {2},
                       .j = {2},
                       .coupling = -c,
                       .quadrupole = 2 * d,
                       .g_j = -b / magneton,
-                      .g_i = -gamma_n / magneton});
+                      .g_i = -gamma_n / magneton},
+                     source);
 }
 
 }  // namespace
@@ -59,7 +60,11 @@ Species molecule(const char* name, const char* half, double gamma_n, double b, d
 CoupledSpins coupled_spins(const Structure& structure) { return coupled_spins(as_atom(structure)); }
 
 /// mu = -g_J mu_B J, so gamma = -g_J mu_B/hbar.
-Species with_levels(Species species, const Structure& structure) {
+Species with_levels(std::string name, double mass, const Structure& structure, std::string source) {
+  Species species;
+  species.name = std::move(name);
+  species.mass = mass;
+  species.source = std::move(source);
   species.spin = structure.j;
   species.gyromagnetic_ratio = -structure.g_j * bohr_magneton / hbar;
   species.structure = structure;

@@ -132,7 +132,8 @@ void SampledTables::tabulate_transitions() {
   for (std::size_t i = 0; i < open.size(); ++i) {
     try {
       Driven& d = *open[i];
-      d.table = tabulate(DrivenLevels(coupled_spins(d.structure), d.zones, d.to), d.from, d.to);
+      d.table = tabulate(DrivenLevels(coupled_spins(d.structure), d.zones, d.to), d.from, d.to,
+                         transition_tolerance);
     } catch (...) {
 #pragma omp critical
       error = std::current_exception();

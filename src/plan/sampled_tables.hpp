@@ -50,6 +50,9 @@ struct ChannelTables {
   explicit ChannelTables(const ChannelFlow&);
 };
 
+/// Of the probabilities in a table of transitions, where no more points than 2^14 are needed.
+inline constexpr double transition_tolerance = 1e-5;
+
 /// Each table once, at an address that stays.
 class SampledTables {
  public:

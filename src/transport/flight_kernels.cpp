@@ -75,8 +75,9 @@ void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {
     store(batch.sz + i, select(flying, spin.z, load(batch.sz + i)));
     if (alignment.levels == 0) continue;
     const words bottom = broadcast_word(static_cast<unsigned long long>(alignment.levels - 1));
-    store(batch.level + i,
-          select(flying, select(sign > broadcast(0), words{}, bottom), load(batch.level + i)));
+    const words level = select(flying, select(sign > broadcast(0), words{}, bottom), load(batch.level + i));
+    store(batch.level + i, level);
+    store(batch.prepared + i, select(flying, level, load(batch.prepared + i)));
   }
 }
 

@@ -308,6 +308,7 @@ void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i)
   store(batch.sz + i, s.spin.z);
   store(batch.slowness + i, select(caught, 1.0 / s.velocity.y, load(batch.slowness + i)));
   store(batch.level + i, pack.level);
+  store(batch.prepared + i, pack.level);
   store(batch.scratch + i, pack.end);
 }
 
