@@ -55,85 +55,111 @@ const LevelProjection* split_at(const Chain& chain, std::size_t depth) {
   return projection != nullptr && projection->split ? projection : nullptr;
 }
 
-std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth, std::size_t& sums);
+/// Whether particles end at a stage.
+bool ends_particles(const Stage& stage) {
+  return std::holds_alternative<Passage>(stage) || std::holds_alternative<Filter>(stage) ||
+         std::holds_alternative<Deflection>(stage) || std::holds_alternative<Score>(stage) ||
+         std::holds_alternative<Exit>(stage);
+}
 
-/// Points that share their weights over the levels in different ways, and then go on alike, are one node.
-std::vector<PlanNode> merge_ways(const std::vector<const Chain*>& chains, std::size_t depth,
-                                 std::size_t& sums) {
-  std::vector<std::vector<const Chain*>> groups;
-  for (const Chain* chain : chains) {
-    const auto goes_on_alike = [&](const auto& group) {
-      return std::equal(group.front()->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
-                        group.front()->stages.end(),
-                        chain->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1, chain->stages.end());
-    };
-    const auto group = std::find_if(groups.begin(), groups.end(), goes_on_alike);
-    if (group == groups.end())
-      groups.push_back({chain});
-    else
-      group->push_back(chain);
-  }
-  std::vector<PlanNode> nodes;
-  for (const auto& group : groups) {
-    PlanNode node{group.front()->stages[depth], {}, sums, {}, {}};
-    const std::size_t begin = sums;
-    node.next = merge({group.front()}, depth + 1, sums);
-    const std::size_t size = sums - begin;
-    for (const Chain* chain : group) {
-      node.points.push_back(chain->point);
-      const LevelProjection& projection = *split_at(*chain, depth);
-      const auto way = std::find_if(node.ways.begin(), node.ways.end(),
-                                    [&](const auto& w) { return w.projection == projection; });
-      if (way == node.ways.end())
-        node.ways.push_back({projection, {chain->point}, node.ways.size() * size});
+/// Merges chains into a tree and gives each stage its place among the sums.
+class TreeMaker {
+ public:
+  /// Sums begin at `sums`; `ledger_levels`: 0 for no ledger by level.
+  TreeMaker(std::size_t sums, std::size_t ledger_levels) : sums_(sums), ledger_levels_(ledger_levels) {}
+
+  std::size_t end_of_sums() const { return sums_; }
+
+  /// Points that share their weights over the levels in different ways, and then go on alike, are one node.
+  std::vector<PlanNode> merge_ways(const std::vector<const Chain*>& chains, std::size_t depth) {
+    std::vector<std::vector<const Chain*>> groups;
+    for (const Chain* chain : chains) {
+      const auto goes_on_alike = [&](const auto& group) {
+        return std::equal(group.front()->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
+                          group.front()->stages.end(),
+                          chain->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
+                          chain->stages.end());
+      };
+      const auto group = std::find_if(groups.begin(), groups.end(), goes_on_alike);
+      if (group == groups.end())
+        groups.push_back({chain});
       else
-        way->points.push_back(chain->point);
+        group->push_back(chain);
     }
-    sums = begin + node.ways.size() * size;
-    nodes.push_back(std::move(node));
+    std::vector<PlanNode> nodes;
+    for (const auto& group : groups) {
+      PlanNode node{group.front()->stages[depth], {}, sums_, {}};
+      const std::size_t begin = sums_;
+      node.next = merge({group.front()}, depth + 1);
+      const std::size_t size = sums_ - begin;
+      for (const Chain* chain : group) {
+        node.points.push_back(chain->point);
+        const LevelProjection& projection = *split_at(*chain, depth);
+        const auto way = std::find_if(node.ways.begin(), node.ways.end(),
+                                      [&](const auto& w) { return w.projection == projection; });
+        if (way == node.ways.end())
+          node.ways.push_back({projection, {chain->point}, node.ways.size() * size});
+        else
+          way->points.push_back(chain->point);
+      }
+      sums_ = begin + node.ways.size() * size;
+      nodes.push_back(std::move(node));
+    }
+    return nodes;
   }
-  return nodes;
-}
 
-/// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through at
-/// once: scans put equal ones next to each other or repeat a short list.
-std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth, std::size_t& sums) {
-  if (std::all_of(chains.begin(), chains.end(),
-                  [&](const Chain* c) { return split_at(*c, depth) != nullptr; }))
-    return merge_ways(chains, depth, sums);
-  constexpr std::size_t looked_through = 16;
-  std::vector<std::vector<const Chain*>> groups;
-  for (const Chain* chain : chains) {
-    if (chain->stages.size() == depth) continue;
-    const std::size_t first = groups.size() > looked_through ? groups.size() - looked_through : 0;
-    const auto group =
-        std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
-                     [&](const auto& g) { return g.front()->stages[depth] == chain->stages[depth]; });
-    if (group == groups.end())
-      groups.push_back({chain});
-    else
-      group->push_back(chain);
-  }
-  // Points that differ in what is looked at, and not in what happens, go on together.
-  const bool look_apart = groups.size() > 1 && std::all_of(chains.begin(), chains.end(), [&](const Chain* c) {
-                            return c->stages.size() > depth && only_reads(c->stages[depth]);
-                          });
-  std::vector<PlanNode> nodes;
-  for (const auto& group : groups) {
-    if (split_at(*group.front(), depth) != nullptr) {
-      for (PlanNode& node : merge_ways(group, depth, sums)) nodes.push_back(std::move(node));
-      continue;
+  /// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through
+  /// at once: scans put equal ones next to each other or repeat a short list.
+  std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth) {
+    if (std::all_of(chains.begin(), chains.end(),
+                    [&](const Chain* c) { return split_at(*c, depth) != nullptr; }))
+      return merge_ways(chains, depth);
+    constexpr std::size_t looked_through = 16;
+    std::vector<std::vector<const Chain*>> groups;
+    for (const Chain* chain : chains) {
+      if (chain->stages.size() == depth) continue;
+      const std::size_t first = groups.size() > looked_through ? groups.size() - looked_through : 0;
+      const auto group =
+          std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
+                       [&](const auto& g) { return g.front()->stages[depth] == chain->stages[depth]; });
+      if (group == groups.end())
+        groups.push_back({chain});
+      else
+        group->push_back(chain);
     }
-    PlanNode node{group.front()->stages[depth], {}, sums, {}, {}};
-    for (const Chain* chain : group) node.points.push_back(chain->point);
-    sums += sums_needed(node.stage);
-    if (!look_apart) node.next = merge(group, depth + 1, sums);
-    nodes.push_back(std::move(node));
+    // Points that differ in what is looked at, and not in what happens, go on together.
+    const bool look_apart =
+        groups.size() > 1 && std::all_of(chains.begin(), chains.end(), [&](const Chain* c) {
+          return c->stages.size() > depth && only_reads(c->stages[depth]);
+        });
+    std::vector<PlanNode> nodes;
+    for (const auto& group : groups) {
+      if (split_at(*group.front(), depth) != nullptr) {
+        for (PlanNode& node : merge_ways(group, depth)) nodes.push_back(std::move(node));
+        continue;
+      }
+      PlanNode node{group.front()->stages[depth], {}, sums_, {}};
+      for (const Chain* chain : group) node.points.push_back(chain->point);
+      add_sums(node);
+      if (!look_apart) node.next = merge(group, depth + 1);
+      nodes.push_back(std::move(node));
+    }
+    if (look_apart)
+      for (PlanNode& node : merge(chains, depth + 1)) nodes.push_back(std::move(node));
+    return nodes;
   }
-  if (look_apart)
-    for (PlanNode& node : merge(chains, depth + 1, sums)) nodes.push_back(std::move(node));
-  return nodes;
-}
+
+ private:
+  void add_sums(PlanNode& node) {
+    sums_ += sums_needed(node.stage);
+    if (ledger_levels_ == 0 || !ends_particles(node.stage)) return;
+    node.ledger = sums_;
+    sums_ += LedgerSums{ledger_levels_}.size();
+  }
+
+  std::size_t sums_;
+  const std::size_t ledger_levels_;
+};
 
 double cost_of_branch(const PlanNode& node, double speed) {
   double sum = std::visit([&](const auto& stage) { return cost_of(stage, speed); }, node.stage);
@@ -191,7 +217,19 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
   return groups;
 }
 
-PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, std::size_t& sums) {
+/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them.
+std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& chains, bool of_atom) {
+  bool deflects = false;
+  for (const Chain* chain : chains)
+    for (const Stage& stage : chain->stages) {
+      if (std::holds_alternative<TurningRegion>(stage)) return 0;
+      deflects = deflects || std::holds_alternative<Deflection>(stage);
+    }
+  return deflects || of_atom ? static_cast<std::size_t>(root.source.levels) : 0;
+}
+
+PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bool of_atom,
+                   std::size_t& sums) {
   PlanTree tree;
   tree.component = root.component;
   tree.first = root.first;
@@ -200,7 +238,12 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, st
   for (const Chain* chain : chains) tree.points.push_back(chain->point);
   tree.sums = sums;
   sums += sums_of(root.source).size();
-  tree.next = merge(chains, 0, sums);
+  tree.ledger_levels = ledger_levels_of(root, chains, of_atom);
+  tree.ledger = sums;
+  sums += tree.ledger_levels;
+  TreeMaker maker(sums, tree.ledger_levels);
+  tree.next = maker.merge(chains, 0);
+  sums = maker.end_of_sums();
   tree.cost = cost_of_emission;
   for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed);
   return tree;
@@ -235,14 +278,17 @@ Plan make_plan(const Experiment& experiment, double most_cost) {
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
+    const bool of_atom = experiment.points.front()
+                             .species[static_cast<std::size_t>(group.root.component)]
+                             .species.structure.has_value();
     std::size_t unused = 0;
-    const double cost = 64 * make_tree(group.root, chains, unused).cost;
+    const double cost = 64 * make_tree(group.root, chains, of_atom, unused).cost;
     const auto parts =
         std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
-      plan.trees.push_back(make_tree(group.root, {begin, end}, plan.sums));
+      plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, plan.sums));
       for (PlanNode& node : plan.trees.back().next) find_levels(node);
     }
   }

@@ -19,6 +19,8 @@ struct PlanNode {
   std::vector<int> points;
   std::size_t sums = 0;
   std::vector<PlanNode> next;
+  std::size_t ledger =
+      0;  // where the ledger by prepared level begins; 0: the stage ends nobody, or there is none
   /// Of a LevelProjection that splits: paths behind it are flown once in each level, and each way shares the
   /// weights over them. `next` is one chain, its sums those of the first way.
   struct Way {
@@ -40,6 +42,15 @@ struct EmissionSums {
 };
 inline EmissionSums sums_of(const Emission& e) { return {e.direction == DirectionKind::aimed}; }
 
+/// What becomes of the particles that were prepared in each level, at one stage [quanta]: what was caught by
+/// its screen, and what ended there otherwise.
+struct LedgerSums {
+  std::size_t levels;
+  static std::size_t caught(std::size_t level) { return 2 * level; }
+  static std::size_t ended(std::size_t level) { return 2 * level + 1; }
+  std::size_t size() const { return 2 * levels; }
+};
+
 /// Scan points whose particles are emitted alike; what was emitted stands at `sums`.
 struct PlanTree {
   int component = 0;                  // index of the species in the beam
@@ -48,7 +59,9 @@ struct PlanTree {
   std::vector<int> points;
   std::size_t sums = 0;
   std::vector<PlanNode> next;
-  double cost = 0;  // [s] estimated, for one particle through the tree on one core
+  std::size_t ledger_levels = 0;  // that the ledger tells apart; 0: none
+  std::size_t ledger = 0;         // where what was emitted in each of them begins
+  double cost = 0;                // [s] estimated, for one particle through the tree on one core
 };
 
 struct Plan {

@@ -195,19 +195,17 @@ class Finisher {
   // ---- levels ----
 
   /// What a row of levels is called: the level, after the species where several fly.
-  static std::string label_of(const Beamline& beamline, const LevelTally& tally, int level) {
-    const Species& species = beamline.species[static_cast<std::size_t>(tally.component)].species;
-    if (species.structure && std::holds_alternative<QuantumLaw>(beamline.law)) {
-      const std::string atom =
-          names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
-      return beamline.species.size() == 1 ? atom : species.name + " " + atom;
-    }
-    const int twice = tally.levels - 1, m = twice - 2 * level;
-    const std::string name = !std::holds_alternative<QuantumLaw>(beamline.law)
-                                 ? (level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2")
-                             : twice % 2 == 0 ? fmt::format("m = {:+d}", m / 2)
-                                              : fmt::format("m = {:+d}/2", m);
+  static std::string label_of(const Beamline& beamline, int component, int levels, int level) {
+    const Species& species = beamline.species[static_cast<std::size_t>(component)].species;
+    const std::string name = name_of_level(beamline, species, levels, level);
     return beamline.species.size() == 1 ? name : species.name + " " + name;
+  }
+  static std::string name_of_level(const Beamline& beamline, const Species& species, int levels, int level) {
+    if (!std::holds_alternative<QuantumLaw>(beamline.law)) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
+    if (species.structure)
+      return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
+    const int m = levels - 1 - 2 * level;
+    return m % 2 == 0 ? fmt::format("m = {:+d}", m / 2) : fmt::format("m = {:+d}/2", m);
   }
 
   /// What a level got of the weight w of each particle: sums of q, q^2 and q w.
@@ -242,7 +240,7 @@ class Finisher {
         if (tally.part != part || !concerns(*tally.points, p)) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {
-          const std::string label = label_of(experiment_.points[p], tally, level);
+          const std::string label = label_of(experiment_.points[p], tally.component, tally.levels, level);
           if (std::find(detector.level_labels.begin(), detector.level_labels.end(), label) ==
               detector.level_labels.end())
             detector.level_labels.push_back(label);
@@ -265,8 +263,32 @@ class Finisher {
 
   // ---- fates ----
 
+  struct LedgerRow {
+    std::vector<Sum> all, by_level;  // [points], [points][levels]
+  };
+
   void add_fates() {
-    std::map<std::pair<std::string, std::string>, std::vector<Sum>> ledger;
+    const std::vector<std::size_t> columns = ledger_columns();
+    const std::size_t levels = result_.ledger_levels.size();
+    std::vector<Sum> left(points_ * levels);
+    std::vector<bool> has_ledger(points_);
+    for (const PlanTree& tree : plan_.trees)
+      for (const int p : tree.points)
+        for (std::size_t level = 0; level < tree.ledger_levels; ++level) {
+          const std::size_t at = static_cast<std::size_t>(p) * levels +
+                                 columns[static_cast<std::size_t>(tree.component)] + level;
+          left[at] += sums_[tree.ledger + level];
+          has_ledger[static_cast<std::size_t>(p)] = true;
+        }
+    const auto shown = [&](const std::vector<Sum>& sums) {
+      std::vector<double> out;
+      for (std::size_t at = 0; at < sums.size(); ++at)
+        out.push_back(has_ledger[at / levels] ? particles(sums[at])
+                                              : std::numeric_limits<double>::quiet_NaN());
+      return out;
+    };
+    result_.emitted_by_level = shown(left);
+    std::map<std::pair<std::string, std::string>, LedgerRow> ledger;
     for (const FateTally& tally : tallies_.fates)
       for (const int p : *tally.points) {
         const auto point = static_cast<std::size_t>(p);
@@ -275,25 +297,54 @@ class Finisher {
             : tally.part == no_part
                 ? ""
                 : experiment_.points[point].parts[static_cast<std::size_t>(tally.part)].placement.name;
-        auto& row = ledger[{std::string(name_of(tally.fate)), where}];
-        row.resize(points_);
-        row[point] += sums_[tally.at];
+        LedgerRow& row = ledger[{std::string(name_of(tally.fate)), where}];
+        row.all.resize(points_);
+        row.by_level.resize(points_ * levels);
+        row.all[point] += sums_[tally.at];
+        for (std::size_t level = 0; tally.ledger != 0 && level < tally.levels; ++level) {
+          const std::size_t at = point * levels + columns[static_cast<std::size_t>(tally.component)] + level;
+          const Sum q = sums_[tally.ledger + (tally.fate == Fate::detected ? LedgerSums::caught(level)
+                                                                           : LedgerSums::ended(level))];
+          row.by_level[at] += q;
+          left[at] -= q;
+        }
       }
-    std::vector<Sum> all(points_);
     for (const auto& [key, row] : ledger) {
-      FateResult fate{key.first, key.second, {}, {}, {}};
-      for (std::size_t p = 0; p < points_; ++p) {
-        fate.quanta_high.push_back(static_cast<std::uint64_t>(row[p] >> 64));
-        fate.quanta_low.push_back(static_cast<std::uint64_t>(row[p]));
-        fate.particles.push_back(particles(row[p]));
-        all[p] += row[p];
+      FateResult fate{key.first, key.second, {}, {}, {}, shown(row.by_level)};
+      for (const Sum q : row.all) {
+        fate.quanta_high.push_back(static_cast<std::uint64_t>(q >> 64));
+        fate.quanta_low.push_back(static_cast<std::uint64_t>(q));
+        fate.particles.push_back(particles(q));
       }
       result_.fates.push_back(std::move(fate));
     }
-    for (std::size_t p = 0; p < points_; ++p)
-      if (all[p] != emitted_[p].q)
+    for (std::size_t p = 0; p < points_; ++p) {
+      Sum all = 0;
+      for (const auto& [key, row] : ledger) all += row.all[p];
+      if (all != emitted_[p].q)
         throw std::logic_error(
             fmt::format("the fates of scan point {} do not add up to what was emitted", p));
+    }
+    if (std::any_of(left.begin(), left.end(), [](Sum q) { return q != 0; }))
+      throw std::logic_error(
+          "the fates of the particles prepared in a level do not add up to what was emitted");
+  }
+
+  /// Labels the columns of the ledger by level; returns where those of each species begin.
+  std::vector<std::size_t> ledger_columns() {
+    std::vector<std::size_t> begin(experiment_.points.front().species.size());
+    for (std::size_t k = 0; k < begin.size(); ++k) {
+      begin[k] = result_.ledger_levels.size();
+      for (const PlanTree& tree : plan_.trees) {
+        if (static_cast<std::size_t>(tree.component) != k || tree.ledger_levels == 0) continue;
+        const Beamline& beamline = experiment_.points[static_cast<std::size_t>(tree.points.front())];
+        const int levels = static_cast<int>(tree.ledger_levels);
+        for (int level = 0; level < levels; ++level)
+          result_.ledger_levels.push_back(label_of(beamline, tree.component, levels, level));
+        break;
+      }
+    }
+    return begin;
   }
 
   const Experiment& experiment_;

@@ -73,6 +73,8 @@ struct FateResult {
   std::vector<std::uint64_t> quanta_high,
       quanta_low;                 // [points] exact sum in quanta of 2^-40 particle: high * 2^64 + low
   std::vector<double> particles;  // [points] the same in particles
+  std::vector<double>
+      by_level;  // [points][levels] of those prepared in each; NaN where a point has no ledger
 };
 
 /// The text of an input file, for provenance.
@@ -108,6 +110,8 @@ struct Result {
   std::vector<MonitorResult> monitors;
   std::vector<TallyResult> tallies;
   std::vector<FateResult> fates;
+  std::vector<std::string> ledger_levels;  // of the ledger by prepared level; empty where there is none
+  std::vector<double> emitted_by_level;    // [points][levels] in particles; NaN where a point has no ledger
   Provenance provenance;
 };
 

@@ -39,6 +39,9 @@ struct FateTally {
   int part;  // no_part where it does not apply
   std::size_t at;
   const std::vector<int>* points;
+  int component = 0;       // of the beam
+  std::size_t ledger = 0;  // where LedgerSums begin, or 0
+  std::size_t levels = 0;  // of the ledger
 };
 constexpr int no_part = -2;
 
@@ -57,6 +60,7 @@ struct Tallies {
   struct Stand {
     std::size_t at;
     const std::vector<int>* points;
+    std::size_t ledger = 0;
   };
   void visit(const PlanNode&);
   void visit_way(const PlanNode&, const PlanNode::Way&);
@@ -74,6 +78,7 @@ struct Tallies {
   void add(const Census&, const Stand&);
   void add(const Histogram&, const Stand&);
   void add_screen(const Screen&, const Stand&);
+  void add_fate(Fate, int part, std::size_t at, const Stand&);
 
   const PlanTree* tree_ = nullptr;
 };

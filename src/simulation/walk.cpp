@@ -10,7 +10,8 @@ bool leaves_untouched(const PlanNode& node) {
   return only_reads(node.stage) && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
 }
 
-void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* sums) {
+void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* all) {
+  Sum* sums = all + tree.sums;
   const EmissionSums layout = sums_of(tree.source);
   Moments emitted;
   for (int i = 0; i < batch.count; ++i) {
@@ -19,10 +20,33 @@ void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* sums) {
   }
   sums[EmissionSums::q()] += emitted.q;
   sums[EmissionSums::q2()] += emitted.q2;
+  for (int i = 0; i < batch.count && tree.ledger_levels > 0; ++i)
+    all[tree.ledger + batch.prepared[i]] += batch.weight[i];
   if (!layout.weights_differ) return;
   for (int i = 0; i < batch.count; ++i)
     sums[EmissionSums::group(batch.particle[i] % group_count)] += batch.weight[i];
 }
+
+/// Books what ended at a stage by the level that it was prepared in.
+class LedgerBook {
+ public:
+  explicit LedgerBook(const BatchView& batch) : batch_(batch) {
+    for (int i = 0; i < batch.count; ++i) before_[i] = batch.weight[i] & batch.flying[i];
+  }
+  void book(Sum* sums) const {
+    for (int i = 0; i < batch_.count; ++i) {
+      if (before_[i] == 0) continue;
+      const std::uint64_t flying = batch_.weight[i] & batch_.flying[i];
+      const std::uint64_t caught = batch_.flying[i] == 0 && batch_.caught_by[i] != 0 ? batch_.weight[i] : 0;
+      sums[LedgerSums::caught(batch_.prepared[i])] += caught;
+      sums[LedgerSums::ended(batch_.prepared[i])] += before_[i] - flying - caught;
+    }
+  }
+
+ private:
+  const BatchView& batch_;
+  std::uint64_t before_[Batch::capacity];  // [quanta] of what flew
+};
 
 }  // namespace
 
@@ -38,7 +62,7 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
         static_cast<int>(std::min<std::uint64_t>(last - begin, static_cast<std::uint64_t>(batch_size_)));
     start.view().padded = (start.view().count + 7) / 8 * 8;
     kernels_.emit(tree.source, begin, start.view());
-    count_emitted(tree, start.view(), &sums[tree.sums]);
+    count_emitted(tree, start.view(), sums.data());
     walk(tree.next, 0, tree.source.key, sums);
   }
 }
@@ -47,7 +71,7 @@ void Walker::follow_branches(const PlanNode& node, const Batch& batch, const Ran
   std::vector<ChainLink> chain;
   for (const PlanNode* next = &node; !next->next.empty();) {
     next = &next->next.front();
-    chain.push_back({&next->stage, next->sums});
+    chain.push_back({&next->stage, next->sums, next->ledger});
   }
   branches_.fly(batch, chain, node.levels, kernels_, key);
   for (const PlanNode::Way& way : node.ways) branches_.book(way.projection, sums.data(), way.shift);
@@ -65,7 +89,13 @@ void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const R
       continue;
     }
     Flight flight{kernels_, key, batch(own), sums.data() + nodes[i].sums};
-    advance(nodes[i].stage, flight);
+    if (nodes[i].ledger != 0) {
+      const LedgerBook book(batch(own).view());
+      advance(nodes[i].stage, flight);
+      book.book(sums.data() + nodes[i].ledger);
+    } else {
+      advance(nodes[i].stage, flight);
+    }
     walk(nodes[i].next, own, key, sums);
   }
 }

@@ -229,6 +229,18 @@ void write_fates(const GroupWriter& entry, const Result& result) {
   fates.dataset("quanta_high", {lines, points}, high,
                 {{"units", "1"}, {"long_name", "quanta, upper 64 bits"}});
   fates.dataset("quanta_low", {lines, points}, low, {{"units", "1"}, {"long_name", "quanta, lower 64 bits"}});
+  if (const std::size_t levels = result.ledger_levels.size(); levels > 0) {
+    std::vector<double> by_level;
+    for (const FateResult& line : result.fates)
+      by_level.insert(by_level.end(), line.by_level.begin(), line.by_level.end());
+    fates.dataset("level", {levels}, result.ledger_levels,
+                  {{"long_name", "level that particles were prepared in"}});
+    fates.dataset("particles_by_level", {lines, points, levels}, by_level,
+                  {{"units", "1"}, {"long_name", "particles by the level that they were prepared in"}});
+    fates.dataset(
+        "emitted_by_level", {points, levels}, result.emitted_by_level,
+        {{"units", "1"}, {"long_name", "particles emitted by the level that they were prepared in"}});
+  }
   fates.dataset("emitted", {points}, result.emitted, {{"units", "1"}, {"long_name", "particles emitted"}});
   fates.dataset("emitted_quanta_high", {points}, result.emitted_quanta_high,
                 {{"units", "1"}, {"long_name", "quanta emitted, upper 64 bits"}});

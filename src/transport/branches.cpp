@@ -74,6 +74,7 @@ void Branches::keep_undecided(const Batch& batch) {
   const BatchView& from = batch.view();
   BatchView& to = asked_.view();
   decided_.assign(chain_.size(), 0);
+  decided_by_level_.assign(chain_.size() * most_levels, 0);
   int kept = 0;
   for (int i = 0; i < from.count; ++i) {
     if (from.flying[i] == 0) continue;
@@ -84,12 +85,14 @@ void Branches::keep_undecided(const Batch& batch) {
     });
     if (alike) {
       decided_[first.link[at]] += from.weight[i];
+      decided_by_level_[first.link[at] * most_levels + from.prepared[i]] += from.weight[i];
       continue;
     }
     number_[static_cast<std::size_t>(kept)] = static_cast<std::uint16_t>(i);
     for (const auto column : {&BatchView::vy, &BatchView::t, &BatchView::sx, &BatchView::sy, &BatchView::sz})
       (to.*column)[kept] = (from.*column)[i];
     to.level[kept] = from.level[i];
+    to.prepared[kept] = from.prepared[i];
     to.weight[kept] = from.weight[i];
     to.particle[kept] = from.particle[i];
     ++kept;
@@ -104,7 +107,8 @@ void Branches::keep_undecided(const Batch& batch) {
 }
 
 /// Books the shares of one particle that no screen counts; returns how many others there are.
-int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught) const {
+int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught) {
+  const std::uint64_t prepared = asked_.view().prepared[i];
   const auto number = static_cast<std::size_t>(number_[static_cast<std::size_t>(i)]);
   const auto padded = static_cast<std::size_t>(asked_.view().padded);
   int count = 0;
@@ -115,8 +119,10 @@ int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Cau
     const Ends& ends = ends_[n];
     const std::uint8_t link = ends.link[number];
     const Screen* screen = screen_of(chain_[link]);
+    std::uint64_t* ledger = &ledger_[(link * most_levels + prepared) * 2];
     if (screen == nullptr) {
       ended[link] += q;
+      ledger[1] += q;
       continue;
     }
     const std::uint64_t counted =
@@ -125,6 +131,8 @@ int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Cau
             ? q
             : static_cast<std::uint64_t>(std::floor(static_cast<double>(q) * screen->efficiency));
     lost[link] += q - counted;
+    ledger[0] += counted;
+    ledger[1] += q - counted;
     if (counted != 0) caught[count++] = {counted, ends.bin[number], link, ends.level[number]};
   }
   return count;
@@ -170,6 +178,7 @@ void Branches::book(const LevelProjection& projection, Sum* sums, std::size_t sh
   sums += shift;
   const BatchView& asked = asked_.view();
   std::array<std::uint64_t, 256> ended{}, lost{};
+  ledger_.assign(chain_.size() * most_levels * 2, 0);
   if (asked.count > 0) {
     kernels_->outcomes(question_of(projection, key_), asked, asked.weight, shares_.data());
     Caught caught[most_levels];
@@ -180,6 +189,12 @@ void Branches::book(const LevelProjection& projection, Sum* sums, std::size_t sh
   }
   for (std::size_t k = 0; k < chain_.size(); ++k) {
     const Screen* screen = screen_of(chain_[k]);
+    for (std::size_t level = 0; chain_[k].ledger != 0 && level < static_cast<std::size_t>(projection.levels);
+         ++level) {
+      const std::size_t at = k * most_levels + level;
+      sums[chain_[k].ledger + 2 * level] += ledger_[2 * at];
+      sums[chain_[k].ledger + 2 * level + 1] += ledger_[2 * at + 1] + decided_by_level_[at];
+    }
     if (screen != nullptr)
       sums[chain_[k].sums + sums_of(*screen).lost()] += lost[k] + decided_[k];
     else if (ended[k] + decided_[k] != 0)

@@ -9,10 +9,12 @@
 
 namespace rabiline {
 
-/// One stage behind a projection, and where its sums begin.
+/// One stage behind a projection, where its sums begin, and those of the ledger by prepared level, or 0: for
+/// each level what was caught and what ended there.
 struct ChainLink {
   const Stage* stage;
   std::size_t sums;
+  std::size_t ledger;
 };
 
 /// Whether a stage behind a projection can be booked afterwards: paths, and levels that no field changes any
@@ -45,17 +47,19 @@ class Branches {
 
   void fly_in(int level, const Batch& batch);
   void keep_undecided(const Batch& batch);
-  int count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught) const;
+  int count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught);
   void tally(int i, const Caught* caught, int count, Sum* sums);
 
   std::vector<ChainLink> chain_;
   std::vector<int> stretch_;  // for each link that is a screen, the link that asks for its levels, or -1
   const Kernels* kernels_ = nullptr;
   RandomKey key_;
-  std::vector<int> levels_;             // that are flown
-  std::vector<Ends> ends_;              // of each level
-  std::vector<Sum> unused_;             // what the stages themselves would add
-  std::vector<std::uint64_t> decided_;  // [quanta] that end at each link whatever the level
+  std::vector<int> levels_;                      // that are flown
+  std::vector<Ends> ends_;                       // of each level
+  std::vector<Sum> unused_;                      // what the stages themselves would add
+  std::vector<std::uint64_t> decided_;           // [quanta] that end at each link whatever the level
+  std::vector<std::uint64_t> decided_by_level_;  // [link][prepared level] the same
+  std::vector<std::uint64_t> ledger_;            // [link][prepared level][caught, ended] of one way
   Batch flown_;
   Batch asked_;                                   // those whose end depends on the level
   std::array<std::uint16_t, capacity> number_{};  // of each of them in the batch
