@@ -13,5 +13,6 @@ inline constexpr double boltzmann = 1.380649e-23;             // [J/K] k_B, exac
 inline constexpr double atomic_mass = 1.66053906892e-27;      // [kg] u
 inline constexpr double nuclear_magneton = 5.0507837393e-27;  // [J/T] mu_N
 inline constexpr double bohr_magneton = 9.2740100657e-24;     // [J/T] mu_B
+inline constexpr double vacuum_permeability = 1.25663706127e-6;  // [T m/A] mu_0
 
 }  // namespace rabiline::constants

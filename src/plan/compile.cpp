@@ -53,9 +53,10 @@ Sections sections_of(const Beamline& beamline) {
 /// Compiles one chain; each member function adds stages for one thing.
 class Compiler {
  public:
-  Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids)
+  Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids, SampledTables& tables)
       : beamline_(beamline),
         grids_(grids),
+        tables_(tables),
         species_(species),
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
@@ -108,18 +109,10 @@ class Compiler {
   void stop_at_chamber(double y) {
     if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
   }
-  /// A particle is in one level while it is deflected: the fields before act now, and the level is drawn.
   void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
     stop_at_chamber(plane.y);
     chain_.push_back(Drift{plane.y});
-    const bool along_z = quantum_ && spins_.start_before(plane) == UnitVector{};
-    std::vector<SpinZone> zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
-    const bool level_known = along_z && zones.empty();
-    if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    if (quantum_ && !level_known)
-      chain_.push_back(LevelDraw{levels(), plane.part, majorana_table(species_.spin.twice).coefficients});
-    if (magnet.gap) chain_.push_back(Passage{aperture_of(plane.y, *magnet.gap, magnet.offset), plane.part});
-    chain_.push_back(deflection_of(plane, magnet, species_, levels()));
+    add_magnet_stages(plane, magnet, species_, levels(), spins_, tables_, chain_);
     may_reach_chamber_ = true;
   }
   void aligned_along(const Vector3& axis) {
@@ -365,6 +358,7 @@ class Compiler {
 
   const Beamline& beamline_;
   const ScreenGrids& grids_;
+  SampledTables& tables_;
   const Species& species_;
   const Sections sections_;
   const bool quantum_;
@@ -381,8 +375,9 @@ class Compiler {
 
 }  // namespace
 
-std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids) {
-  return Compiler(beamline, component.species, grids).compile();
+std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,
+                           SampledTables& tables) {
+  return Compiler(beamline, component.species, grids, tables).compile();
 }
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "plan/magnets.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -23,6 +25,9 @@ double cost_of(const std::vector<SpinZone>& zones, double speed) {
   for (const SpinZone& zone : zones)
     sum += zone.step > 0 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
   return sum;
+}
+double cost_of(const Steering& steering, double speed) {
+  return outlook_of(steering, speed).steps * 4 * cost_of_step;
 }
 double cost_of(const Precession& precession, double speed) { return cost_of(precession.zones, speed); }
 double cost_of(const SpinStretch& stretch, double speed) {
@@ -124,7 +129,7 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
                       emission_of(beamline, component, {beamline.seed, stream}, tables)};
       auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
       if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
-      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids)});
+      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables)});
     }
   }
   return groups;

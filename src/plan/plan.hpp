@@ -44,13 +44,13 @@ struct PlanTree {
 
 struct Plan {
   std::vector<PlanTree> trees;
-  std::shared_ptr<const SampledTables> tables;  // what the trees' sources draw from
+  std::shared_ptr<const SampledTables> tables;  // what the trees' sources and stages read
   std::size_t sums = 0;                         // how many in all
   int points = 0;
 };
 
-/// One scan point's chain of stages for one species.
-std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&);
+/// One scan point's chain of stages for one species, which the tables must outlive.
+std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);
 /// The fields along the whole beam as one species sees them.
 std::vector<SpinZone> zones_along(const Beamline&, const Component&);
 /// How the particles of a beamline start. What it draws from stays in the tables, which must outlive it.

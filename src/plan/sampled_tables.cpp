@@ -111,4 +111,11 @@ const ChannelTables& SampledTables::channel(double length_over_radius) {
   return channels_.try_emplace(length_over_radius, length_over_radius).first->second;
 }
 
+const MomentTable& SampledTables::moments(const Structure& structure) {
+  const auto found = std::find_if(moments_.begin(), moments_.end(),
+                                  [&](const auto& entry) { return entry.first == structure; });
+  if (found != moments_.end()) return found->second;
+  return moments_.emplace_back(structure, MomentTable(coupled_spins(structure))).second;
+}
+
 }  // namespace rabiline

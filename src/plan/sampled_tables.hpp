@@ -1,12 +1,15 @@
 #pragma once
-// Tables that emission draws from, made once for a plan however many scan points and species use them.
+// Tables that kernels read, made once for a plan however many scan points and species use them.
+#include <list>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "particle/channel.hpp"
+#include "particle/species.hpp"
 #include "particle/speed.hpp"
+#include "spin/moment_table.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -54,12 +57,14 @@ class SampledTables {
   const SampledTable& spectrum(const std::shared_ptr<const Spectrum>&);
   const SampledTable& lines(const std::vector<double>& speeds, const std::vector<double>& weights);
   const ChannelTables& channel(double length_over_radius);
+  const MomentTable& moments(const Structure&);
 
  private:
   std::map<double, SampledTable> supersonic_;
   std::map<std::shared_ptr<const Spectrum>, SampledTable> spectra_;
   std::map<std::vector<double>, SampledTable> lines_;
   std::map<double, ChannelTables> channels_;
+  std::list<std::pair<Structure, MomentTable>> moments_;
 };
 
 }  // namespace rabiline

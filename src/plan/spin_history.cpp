@@ -32,7 +32,9 @@ const Plane* SpinHistory::last_known_spin(const Plane& before) const {
 
 std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane);
-  const double from = last != nullptr ? last->y : 0;
+  double from = last != nullptr ? last->y : 0;
+  const auto* magnet = last != nullptr ? std::get_if<MagnetTerm>(&last->term) : nullptr;
+  if (magnet != nullptr && magnet->shape.kind != MagnetKind::gradient) from = magnet->end;  // spins follow it
   std::vector<SpinZone> zones;
   for (const Section& section : sections_.sections) {
     SpinZone zone = zones_.zone_of(section);

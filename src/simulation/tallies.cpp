@@ -28,6 +28,10 @@ void Tallies::add(const Deflection& deflection, const PlanNode& node) {
   fates.push_back({Fate::stopped, deflection.part, node.sums, &node.points});
 }
 
+void Tallies::add(const Steering& steering, const PlanNode& node) {
+  fates.push_back({Fate::stopped, steering.part, node.sums, &node.points});
+}
+
 void Tallies::add(const Exit&, const PlanNode& node) {
   fates.push_back({Fate::passed, no_part, node.sums, &node.points});
 }

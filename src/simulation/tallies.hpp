@@ -60,6 +60,7 @@ struct Tallies {
   void add(const Filter&, const PlanNode&);
   void add(const LevelDraw&, const PlanNode&) {}
   void add(const Deflection&, const PlanNode&);
+  void add(const Steering&, const PlanNode&);
   void add(const Passage&, const PlanNode&);
   void add(const Exit&, const PlanNode&);
   void add(const SpinStretch&, const PlanNode&);

@@ -14,6 +14,7 @@ void precess(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
 std::uint64_t filter(const Filter&, BatchView&);
 void collapse(const Collapse&, const RandomKey&, BatchView&);
 std::uint64_t deflect(const Deflection&, BatchView&);
+std::uint64_t steer(const Steering&, BatchView&);
 void project(const Projection&, const BatchView&, LevelSums&);
 void turn(const Region&, BatchView&, const StepRecorder*);
 void cross(const Aperture&, const BatchView&, std::uint64_t* weights);

@@ -73,7 +73,7 @@ struct SpinStretch {
   bool operator==(const SpinStretch&) const = default;
 };
 
-using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelDraw, Deflection,
+using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelDraw, Deflection, Steering,
                            TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
 
 /// Whether a stage leaves the batch as it is, so that it may be asked beside what follows.
