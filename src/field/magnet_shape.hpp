@@ -47,7 +47,7 @@ template <class Number, class Root>
     const Number right = 1.0 / ((x - a) * (x - a) + z * z), left = 1.0 / ((x + a) * (x + a) + z * z);
     const Number size = root(right * left) * (b0 * (a * a + shape.height * shape.height));
     return {size, -(size * ((x - a) * right + (x + a) * left)), -(size * (z * (right + left))),
-            2.0 * size * (right + left), right + left};
+            2.0 * size * (right + left), 2.0 * (right + left)};
   }
   const double inverse = 1 / shape.radius, b0 = shape.field < 0 ? -shape.field : shape.field;
   const Number u = x * inverse, v = z * inverse, r2 = u * u + v * v;
@@ -56,8 +56,10 @@ template <class Number, class Root>
   if (shape.power > 1 && shape.power % 2 == 1) lower = root(r2);
   for (int k = 3; k < shape.power; k += 2) lower = lower * r2;
   const double slope = shape.power * b0 * inverse, order = shape.power > 2 ? shape.power - 1 : 1;
-  const Number sharpness =
-      shape.power == 1 ? inverse * inverse / (r2 + 1e-18) : none + (shape.power == 2 ? 0 : inverse * inverse);
+  // r/r is not smooth on the axis, nor is r^2 r/r.
+  Number sharpness = none + (shape.power == 2 ? 0 : order * order * inverse * inverse);
+  if (shape.power == 1 || shape.power == 3)
+    sharpness = inverse * inverse / (r2 + (shape.power == 1 ? 1e-18 : 1e-3));
   return {lower * r2 * b0, lower * u * slope, lower * v * slope, lower * (slope * inverse * order),
           sharpness};
 }

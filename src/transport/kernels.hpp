@@ -193,7 +193,7 @@ struct Steering {
 /// Walls are asked about at the begin and behind every step: between them a path may cut a convex wall by
 /// (v h)^2/8R, less than step_angle^2/8 of its radius R.
 namespace steering {
-inline constexpr double step_angle = 0.1, most_steps = 4096;
+inline constexpr double step_angle = 0.06, most_steps = 4096;
 }  // namespace steering
 
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
