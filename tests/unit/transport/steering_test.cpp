@@ -189,8 +189,12 @@ TEST(Steering, LeavesWhereAFineIntegrationDoes) {
                                                         {"ten poles", magnet(multipole(4))},
                                                         {"twelve poles", magnet(multipole(5))}};
   for (auto& [name, s] : magnets) {
-    if (s.shape.kind == MagnetKind::multipole) s.walls.circles[0] = {0, 0, 5e-3, -1};
-    s.walls.circles[1] = {s.shape.half_distance, 0, 1e-3, s.shape.kind == MagnetKind::two_wire ? 1 : 0};
+    if (s.shape.kind == MagnetKind::multipole) {
+      s.walls.circles[0] = {0, 0, 5e-3, -1};
+    } else {
+      s.walls.circles[0] = {2e-3, 0, 1e-3, 1};
+      s.walls.circles[1] = {-2e-3, 0, 1e-3, 1};
+    }
     const double worst = worst_exit(s, 2);
     RecordProperty(name, std::to_string(worst));
     EXPECT_LT(worst, 1) << name;
