@@ -6,12 +6,13 @@
 namespace rabiline::constants {
 
 inline constexpr double two_pi = 2 * std::numbers::pi;
-inline constexpr double elementary_charge = 1.602176634e-19;  // [C] e, exact
-inline constexpr double planck = 6.62607015e-34;              // [J s] h, exact
-inline constexpr double hbar = planck / two_pi;               // [J s]
-inline constexpr double boltzmann = 1.380649e-23;             // [J/K] k_B, exact
-inline constexpr double atomic_mass = 1.66053906892e-27;      // [kg] u
-inline constexpr double nuclear_magneton = 5.0507837393e-27;  // [J/T] mu_N
-inline constexpr double bohr_magneton = 9.2740100657e-24;     // [J/T] mu_B
+inline constexpr double elementary_charge = 1.602176634e-19;     // [C] e, exact
+inline constexpr double planck = 6.62607015e-34;                 // [J s] h, exact
+inline constexpr double hbar = planck / two_pi;                  // [J s]
+inline constexpr double boltzmann = 1.380649e-23;                // [J/K] k_B, exact
+inline constexpr double atomic_mass = 1.66053906892e-27;         // [kg] u
+inline constexpr double nuclear_magneton = 5.0507837393e-27;     // [J/T] mu_N
+inline constexpr double bohr_magneton = 9.2740100657e-24;        // [J/T] mu_B
+inline constexpr double vacuum_permeability = 1.25663706127e-6;  // [T m/A] mu_0
 
 }  // namespace rabiline::constants

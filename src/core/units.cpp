@@ -35,6 +35,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::energy, "energy", "25 meV", "J"},
     DimensionRow{Dimension::rate, "rate", "1e6 1/s", "1/s"},
     DimensionRow{Dimension::field_gradient, "field gradient", "1000 T/m", "T/m"},
+    DimensionRow{Dimension::current, "current", "100 A", "A"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -237,6 +238,9 @@ const std::vector<UnitSymbol>& unit_table() {
       {"mT/m", field_gradient, 1e-3},
       {"G/cm", field_gradient, 1e-2},
       {"kG/cm", field_gradient, 1e1},
+      {"A", current, 1},
+      {"mA", current, 1e-3},
+      {"kA", current, 1e3},
   };
   return table;
 }

@@ -22,9 +22,10 @@ enum class Dimension {
   temperature,     // K, absolute
   energy,          // J
   rate,            // 1/s: what happens so many times a second; never a frequency
-  field_gradient   // T/m
+  field_gradient,  // T/m
+  current          // A
 };
-inline constexpr Dimension last_dimension = Dimension::field_gradient;
+inline constexpr Dimension last_dimension = Dimension::current;
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);

@@ -70,10 +70,20 @@ inline bool is_field(const Part& part) {
       part);
 }
 
+inline double end_of(const PlacedPart& part) {
+  return part.placement.at + std::visit(
+                                 [](const auto& any) {
+                                   if constexpr (requires { any.length; }) return any.length;
+                                   return 0.0;
+                                 },
+                                 part.part);
+}
+
 inline std::string metres(double y) { return pretty_quantity(y, Dimension::length); }
 
 // One file for each; all report into the Reading.
 void check_fields(const Beamline&, const PartNodes&, Reading&);
+void check_magnets(const Beamline&, const PartNodes&, Reading&);
 void check_detectors(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_source(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_tallies(const Beamline&, const PartNodes&, Reading&);

@@ -130,15 +130,6 @@ bool turns_paths(const Beamline& beamline) {
                      [](const Component& c) { return c.species.charge != 0; });
 }
 
-double end_of(const PlacedPart& part) {
-  return part.placement.at + std::visit(
-                                 [](const auto& any) {
-                                   if constexpr (requires { any.length; }) return any.length;
-                                   return 0.0;
-                                 },
-                                 part.part);
-}
-
 void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   for (const PlacedPart& part : beamline.parts) {
     if (!std::holds_alternative<SpinFilter>(part.part)) continue;
@@ -160,38 +151,6 @@ void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& re
                       "only be passed in one direction",
                       part.placement.name, field->placement.name),
           "move it out of the field, or leave it away under this law");
-  }
-}
-
-/// Where a particle is deflected in one level, nothing else may act or ask about it.
-void check_magnets(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
-  if (std::holds_alternative<DoradoLaw>(beamline.law)) return;
-  for (const PlacedPart& magnet : beamline.parts) {
-    const auto* field = std::get_if<GradientMagnet>(&magnet.part);
-    if (!field) continue;
-    if (std::abs(field->along.y) > 1e-9)
-      reading.error(place_in(nodes, magnet, "along"),
-                    fmt::format("the gradient of `{}` has a part along the beam", magnet.placement.name),
-                    "write `x` or `z`, or `[1, 0, 1]` for one between");
-    for (const Component& c : beamline.species)
-      if (c.species.charge != 0)
-        reading.error(
-            place_in(nodes, magnet, "kind"),
-            fmt::format(
-                "`{}` cannot deflect `{}`, which has a charge: the Lorentz force would be larger by far",
-                magnet.placement.name, c.species.name),
-            "deflecting magnets are for neutral particles");
-    for (const PlacedPart& part : beamline.parts) {
-      const bool is_static = std::holds_alternative<UniformField>(part.part);
-      const double begin = part.placement.at, end = end_of(part);
-      const bool overlaps = begin < end ? begin < end_of(magnet) && end > magnet.placement.at
-                                        : begin > magnet.placement.at && begin < end_of(magnet);
-      if (&part == &magnet || is_static || !overlaps) continue;
-      reading.error(place_in(nodes, part, "at"),
-                    fmt::format("`{}` stands in the deflecting magnet `{}` ({} to {})", part.placement.name,
-                                magnet.placement.name, metres(magnet.placement.at), metres(end_of(magnet))),
-                    "move it out of the magnet");
-    }
   }
 }
 
@@ -243,7 +202,6 @@ void check_fields(const Beamline& beamline, const PartNodes& nodes, Reading& rea
   check_guides(beamline, nodes, reading);
   check_coils(beamline, nodes, reading);
   check_filters(beamline, nodes, reading);
-  check_magnets(beamline, nodes, reading);
   check_bores(beamline, nodes, reading);
 }
 

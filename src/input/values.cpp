@@ -134,6 +134,13 @@ std::string example_for(const Row& row) {
       {"seed", "1"},
       {"particles", "10000"},
       {"points", "21"},
+      {"poles", "6"},
+      {"pole_field", "1 T"},
+      {"half_distance", "2 mm"},
+      {"wire_radius", "1.5 mm"},
+      {"beam_height", "2.4 mm"},
+      {"convex", "2 mm"},
+      {"concave", "3 mm"},
       {"parameter", "H0.frequency"}};
   for (const auto& [key, example] : familiar)
     if (row.key == key &&

@@ -5,9 +5,20 @@
 namespace rabiline {
 
 void contribute(const GradientMagnet& part, const Placement& place, SectionBuilder& builder) {
-  const double end = place.at + part.length;
-  builder.plane(place.at, MagnetTerm{end, part.gradient, part.along, part.gap, part.offset});
-  builder.uniform(place.at, end, {{0, 0, part.field}});
+  MagnetTerm term{place.at + part.length, {}, {}, {}, {}};
+  term.shape.field = part.field;
+  term.shape.gradient = part.gradient;
+  term.shape.along_x = part.along.x;
+  term.shape.along_z = part.along.z;
+  if (part.gap) {
+    term.walls.rectangle = true;
+    term.walls.x = part.offset.x;
+    term.walls.z = part.offset.z;
+    term.walls.half_x = part.gap->width / 2;
+    term.walls.half_z = part.gap->height / 2;
+  }
+  builder.plane(place.at, term);
+  builder.uniform(place.at, term.end, {{0, 0, part.field}});
 }
 
 }  // namespace rabiline

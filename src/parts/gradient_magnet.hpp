@@ -7,8 +7,8 @@ class SectionBuilder;
 
 /// A deflecting magnet with a constant gradient: B_z = field + gradient s along `along`, and F = mu_z dB_z/ds
 /// on the moment's part along z. Under `quantum` a particle is in one level all along, drawn where it enters;
-/// under `classical` its S_z stays what it is. The hypothesis replaces this force, so there the field is
-/// uniform. Its gap is a wall.
+/// under `classical` its S_z stays what it is. A level of a species with structure feels mu(|B|) grad |B|.
+/// The hypothesis replaces this force, so there the field is uniform. Its gap is a wall.
 struct GradientMagnet {
   static constexpr std::string_view kind = "gradient_magnet",
                                     meaning = "a deflecting magnet: a field along z with a constant gradient";

@@ -8,12 +8,15 @@
 #include "parts/detector.hpp"
 #include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
+#include "parts/iron_magnet.hpp"
 #include "parts/monitor.hpp"
+#include "parts/multipole_magnet.hpp"
 #include "parts/oscillating_field.hpp"
 #include "parts/polarizer.hpp"
 #include "parts/rotating_field.hpp"
 #include "parts/slit.hpp"
 #include "parts/spin_filter.hpp"
+#include "parts/two_wire_magnet.hpp"
 #include "parts/uniform_field.hpp"
 
 namespace rabiline {
@@ -26,6 +29,9 @@ using Part = std::variant<Polarizer,         //
                           OscillatingField,  //
                           Coil,              //
                           GradientMagnet,    //
+                          TwoWireMagnet,     //
+                          IronMagnet,        //
+                          MultipoleMagnet,   //
                           Slit,              //
                           Collimator,        //
                           BeamStop,          //

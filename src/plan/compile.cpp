@@ -56,6 +56,7 @@ class Compiler {
   Compiler(const Beamline& beamline, const Species& species, const ScreenGrids& grids, SampledTables& tables)
       : beamline_(beamline),
         grids_(grids),
+        tables_(tables),
         species_(species),
         sections_(sections_of(beamline)),
         quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
@@ -110,15 +111,13 @@ class Compiler {
   void stop_at_chamber(double y) {
     if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
   }
-  /// A particle is in one level while it is deflected: the fields before act now, and the level is drawn.
   void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
     stop_at_chamber(plane.y);
     chain_.push_back(Drift{plane.y});
     std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
-    if (magnet.gap) chain_.push_back(Passage{aperture_of(plane.y, *magnet.gap, magnet.offset), plane.part});
-    chain_.push_back(deflection_of(plane, magnet, species_, levels()));
+    add_deflection(plane, magnet, species_, levels(), tables_, chain_);
     may_reach_chamber_ = true;
   }
   void aligned_along(const Vector3& axis) {
@@ -353,6 +352,7 @@ class Compiler {
 
   const Beamline& beamline_;
   const ScreenGrids& grids_;
+  SampledTables& tables_;
   const Species& species_;
   const Sections sections_;
   const bool quantum_;

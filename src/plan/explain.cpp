@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "plan/magnets.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -134,6 +136,21 @@ class Explainer {
           "at about {:.3g} m",
           name_of(d.part), pretty_quantity(bent, Dimension::length), pretty_quantity(room, Dimension::length),
           speed_, d.begin + (d.end - d.begin) * std::sqrt(room / 2 / bent)));
+  }
+  void show(const Steering& s) {
+    const double stay = (s.end - s.begin) / speed_;
+    const SteeringOutlook out = outlook_of(s, speed_);
+    const bool multipole = s.shape.kind == MagnetKind::multipole;
+    line("{}  {}: steers up to {}, about {:.0f} steps{}", metres(s.begin), name_of(s.part), metres(s.end),
+         out.steps, reuse());
+    line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
+         multipole ? "halfway to the poles" : "at the beam",
+         pretty_quantity(out.field, Dimension::magnetic_field),
+         pretty_quantity(out.gradient, Dimension::field_gradient),
+         pretty_quantity(out.acceleration * stay * stay / 2, Dimension::length));
+    if (multipole && s.shape.power == 2 && s.moments.coefficients == nullptr && out.rate > 0)
+      line("{:>16}a quarter of its oscillation takes {}", "",
+           pretty_quantity(std::numbers::pi / 2 * speed_ / out.rate, Dimension::length));
   }
   void show(const Score& s) {
     line("{}  {}: catches and histograms, {} x {} bins{}{}{}", metres(s.screen.y), name_of(s.screen.part),

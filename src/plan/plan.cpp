@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "plan/magnets.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -23,6 +25,9 @@ double cost_of(const std::vector<SpinZone>& zones, double speed) {
   for (const SpinZone& zone : zones)
     sum += zone.step > 0 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
   return sum;
+}
+double cost_of(const Steering& steering, double speed) {
+  return outlook_of(steering, speed).steps * 4 * cost_of_step;
 }
 double cost_of(const Precession& precession, double speed) { return cost_of(precession.zones, speed); }
 double cost_of(const SpinStretch& stretch, double speed) {
@@ -58,8 +63,8 @@ const LevelProjection* split_at(const Chain& chain, std::size_t depth) {
 /// Whether particles end at a stage.
 bool ends_particles(const Stage& stage) {
   return std::holds_alternative<Passage>(stage) || std::holds_alternative<Filter>(stage) ||
-         std::holds_alternative<Deflection>(stage) || std::holds_alternative<Score>(stage) ||
-         std::holds_alternative<Exit>(stage);
+         std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage) ||
+         std::holds_alternative<Score>(stage) || std::holds_alternative<Exit>(stage);
 }
 
 /// Merges chains into a tree and gives each stage its place among the sums.
@@ -223,7 +228,8 @@ std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& 
   for (const Chain* chain : chains)
     for (const Stage& stage : chain->stages) {
       if (std::holds_alternative<TurningRegion>(stage)) return 0;
-      deflects = deflects || std::holds_alternative<Deflection>(stage);
+      deflects =
+          deflects || std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage);
     }
   return deflects || of_atom ? static_cast<std::size_t>(root.source.levels) : 0;
 }

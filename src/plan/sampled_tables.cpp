@@ -142,4 +142,11 @@ void SampledTables::tabulate_transitions() {
   if (error) std::rethrow_exception(error);
 }
 
+const MomentTable& SampledTables::moments(const Structure& structure) {
+  const auto found = std::find_if(moments_.begin(), moments_.end(),
+                                  [&](const auto& entry) { return entry.first == structure; });
+  if (found != moments_.end()) return found->second;
+  return moments_.emplace_back(structure, MomentTable(coupled_spins(structure))).second;
+}
+
 }  // namespace rabiline

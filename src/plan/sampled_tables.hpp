@@ -1,5 +1,5 @@
 #pragma once
-// Tables that emission draws from, made once for a plan however many scan points and species use them.
+// Tables that kernels read, made once for a plan however many scan points and species use them.
 #include <list>
 #include <map>
 #include <memory>
@@ -9,6 +9,7 @@
 #include "particle/channel.hpp"
 #include "particle/species.hpp"
 #include "particle/speed.hpp"
+#include "spin/moment_table.hpp"
 #include "spin/transition_table.hpp"
 #include "transport/kernels.hpp"
 
@@ -64,6 +65,7 @@ class SampledTables {
   const TransitionTable& transitions(const Structure&, const std::vector<LevelZone>&, double from, double to);
   /// Works out the tables that were asked for, on all cores.
   void tabulate_transitions();
+  const MomentTable& moments(const Structure&);
 
  private:
   struct Driven {
@@ -77,6 +79,7 @@ class SampledTables {
   std::map<std::vector<double>, SampledTable> lines_;
   std::map<double, ChannelTables> channels_;
   std::list<Driven> driven_;
+  std::list<std::pair<Structure, MomentTable>> moments_;
 };
 
 }  // namespace rabiline

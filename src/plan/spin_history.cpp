@@ -32,7 +32,10 @@ const Plane* SpinHistory::last_known_spin(const Plane& before) const {
 
 double SpinHistory::known_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane);
-  return last != nullptr ? last->y : 0;
+  if (last == nullptr) return 0;
+  // In a magnet whose field points elsewhere from place to place spins follow it.
+  const auto* magnet = std::get_if<MagnetTerm>(&last->term);
+  return magnet != nullptr && magnet->shape.kind != MagnetKind::gradient ? magnet->end : last->y;
 }
 
 std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {

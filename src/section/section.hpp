@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "field/magnet_shape.hpp"
 #include "field/terms.hpp"
 #include "particle/opening.hpp"
 #include "particle/speed.hpp"
@@ -63,13 +64,13 @@ struct FilterTerm {
   double up = 1, down = 0;  // transmissions of the spin S along and against the axis
   bool operator==(const FilterTerm&) const = default;
 };
-/// A deflecting magnet begins: B_z grows by `gradient` along an axis across the beam, up to the place `end`.
+/// A deflecting magnet begins, and reaches to the place `end`.
 struct MagnetTerm {
-  double end = 0;       // [m]
-  double gradient = 0;  // [T/m]
-  Vector3 along{0, 0, 1};
-  std::optional<Rectangle> gap{};
-  Offset offset{};
+  double end = 0;  // [m]
+  MagnetShape shape{};
+  MagnetWalls walls{};
+  Offset offset{};  // of the magnet's frame: of the point (0, shape.height) in it
+  Roll tilt{};      // of the magnet's frame, about that point
   bool operator==(const MagnetTerm&) const = default;
 };
 /// What hits the screen is caught and histogrammed.

@@ -40,6 +40,10 @@ void Tallies::add(const Filter& filter, const Stand& sums) {
   add_fate(Fate::stopped, filter.part, sums.at, sums);
 }
 
+void Tallies::add(const Steering& steering, const Stand& sums) {
+  add_fate(Fate::stopped, steering.part, sums.at, sums);
+}
+
 void Tallies::add(const Deflection& deflection, const Stand& sums) {
   add_fate(Fate::stopped, deflection.part, sums.at, sums);
 }

@@ -70,6 +70,7 @@ struct Tallies {
   void add(const Filter&, const Stand&);
   void add(const LevelProjection&, const Stand&) {}
   void add(const Deflection&, const Stand&);
+  void add(const Steering&, const Stand&);
   void add(const Passage&, const Stand&);
   void add(const Exit&, const Stand&);
   void add(const SpinStretch&, const Stand&);

@@ -52,6 +52,8 @@ class Tracer {
     if (precession != nullptr) record_straight(precession->zones.back().end);
     if (const auto* deflection = std::get_if<Deflection>(&node.stage))
       deflect(*deflection, flight);
+    else if (const auto* steering = std::get_if<Steering>(&node.stage))
+      deflect(*steering, flight);
     else
       advance(node.stage, flight);
     if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage) ||
@@ -64,15 +66,17 @@ class Tracer {
     if (!flying()) end(node.stage);
   }
 
-  /// The parabola of a deflecting magnet, in pieces.
-  void deflect(const Deflection& whole, Flight& flight) {
+  /// The path in a deflecting magnet, in pieces; where it is stepped, the spin follows the field.
+  template <class Magnet>
+  void deflect(const Magnet& whole, Flight& flight) {
     constexpr int pieces = 32;
     for (int i = 1; i <= pieces && flying(); ++i) {
-      Deflection piece = whole;
+      Magnet piece = whole;
       piece.begin = batch_.view().y;
       piece.end =
           i == pieces ? whole.end : std::lerp(whole.begin, whole.end, static_cast<double>(i) / pieces);
       advance(piece, flight);
+      if constexpr (std::is_same_v<Magnet, Steering>) spin_at_ = piece.end;
       record_at(piece.end);
     }
   }
@@ -98,6 +102,7 @@ class Tracer {
     if (const auto* passage = std::get_if<Passage>(&stage)) set_fate("stopped", name(passage->part));
     if (const auto* filter = std::get_if<Filter>(&stage)) set_fate("stopped", name(filter->part));
     if (const auto* magnet = std::get_if<Deflection>(&stage)) set_fate("stopped", name(magnet->part));
+    if (const auto* magnet = std::get_if<Steering>(&stage)) set_fate("stopped", name(magnet->part));
     if (const auto* score = std::get_if<Score>(&stage))
       set_fate(batch_.view().caught_by[0] != 0 ? "detected" : "stopped", name(score->screen.part));
     if (std::holds_alternative<Exit>(stage)) set_fate("passed", "");

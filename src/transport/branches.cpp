@@ -18,7 +18,8 @@ bool can_be_booked(const Stage& stage) {
     return stretch->zones.empty() && stretch->transitions == nullptr;
   return std::holds_alternative<Drift>(stage) || std::holds_alternative<Passage>(stage) ||
          std::holds_alternative<LevelProjection>(stage) || std::holds_alternative<Deflection>(stage) ||
-         std::holds_alternative<Score>(stage) || std::holds_alternative<Exit>(stage);
+         std::holds_alternative<Steering>(stage) || std::holds_alternative<Score>(stage) ||
+         std::holds_alternative<Exit>(stage);
 }
 
 void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain, std::uint64_t levels,

@@ -15,6 +15,7 @@ std::uint64_t filter(const Filter&, BatchView&);
 void outcomes(const LevelQuestion&, const BatchView&, const std::uint64_t* weights, std::uint64_t* shares);
 void collapse(const LevelQuestion&, int part, BatchView&);
 std::uint64_t deflect(const Deflection&, BatchView&);
+std::uint64_t steer(const Steering&, BatchView&);
 void project(const Projection&, const BatchView&, LevelSums&);
 void turn(const Region&, BatchView&, const StepRecorder*);
 void cross(const Aperture&, const BatchView&, std::uint64_t* weights);

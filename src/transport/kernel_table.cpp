@@ -4,7 +4,7 @@
 namespace rabiline::RABILINE_ISA {
 
 extern const Kernels table;
-const Kernels table{emit,     drift,   pass,    screen, align, precess, filter,      outcomes,
-                    collapse, deflect, project, turn,   cross, measure, measure_spin};
+const Kernels table{emit,     drift,   pass,  screen,  align, precess, filter,  outcomes,
+                    collapse, deflect, steer, project, turn,  cross,   measure, measure_spin};
 
 }  // namespace rabiline::RABILINE_ISA

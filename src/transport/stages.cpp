@@ -15,6 +15,7 @@ std::size_t needed(const Precession&) { return 0; }
 std::size_t needed(const Filter&) { return 1; }
 std::size_t needed(const LevelProjection&) { return 0; }
 std::size_t needed(const Deflection&) { return 1; }
+std::size_t needed(const Steering&) { return 1; }
 std::size_t needed(const TurningRegion& region) {
   std::size_t sums = RegionSums{region.zones.size()}.screens();
   for (const RegionEdge& edge : region.edges)
@@ -75,6 +76,10 @@ void pass(const LevelProjection& projection, Flight& flight) {
 
 void pass(const Deflection& deflection, Flight& flight) {
   flight.sums[0] += flight.kernels.deflect(deflection, flight.batch.view());
+}
+
+void pass(const Steering& steering, Flight& flight) {
+  flight.sums[0] += flight.kernels.steer(steering, flight.batch.view());
 }
 
 void pass(const Score& score, Flight& flight) {

@@ -89,7 +89,7 @@ struct SpinStretch {
 };
 
 using Stage = std::variant<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection,
-                           TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
+                           Steering, TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
 
 /// Whether a stage leaves the batch as it is, so that it may be asked beside what follows.
 inline bool only_reads(const Stage& stage) {

@@ -91,7 +91,8 @@ std::string snippet_of(std::string_view topic) {
 
 TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
   const auto path = std::filesystem::temp_directory_path() / "rabiline_describe_test.yaml";
-  for (const char* kind : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor"}) {
+  for (const char* kind : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor",
+                           "two_wire_magnet", "iron_magnet", "multipole_magnet"}) {
     std::ofstream(path)
         << "rabiline: 1\nspecies: neutron\nparticles: 1\nseed: 1\n"
         << snippet_of("law").substr(0, 12) << "\nsource:\n  " << snippet_of("speed") << "  "

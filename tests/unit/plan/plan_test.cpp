@@ -12,16 +12,17 @@ using test::place;
 using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
-/// E exit, L spins on levels, M a monitor's count, H a tally.
+/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFVBRSELMH"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFVBWRSELMH"[stage.index()];
   return text;
 }
-std::string compiled(const Beamline& b) {
+std::vector<Stage> chain_of(const Beamline& b) {
   SampledTables tables;
-  return letters(compile(b, b.species.front(), screen_grids({b}), tables));
+  return compile(b, b.species.front(), screen_grids({b}), tables);
 }
+std::string compiled(const Beamline& b) { return letters(chain_of(b)); }
 
 std::size_t nodes_of(const std::vector<PlanNode>& nodes) {
   std::size_t count = nodes.size();
@@ -62,8 +63,7 @@ TEST(Compile, CutsARegionAtSlitsAndScreensInsideIt) {
   Beamline b = suggested(291e3);
   b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
   b.parts.insert(b.parts.begin() + 4, place("inner", 0.45, Detector{Rectangle{1e-3, 1e-3}, {2, 2}, {}}));
-  SampledTables tables;
-  const auto chain = compile(b, b.species.front(), screen_grids({b}), tables);
+  const auto chain = chain_of(b);
   const auto& region = std::get<TurningRegion>(chain.at(2));
   ASSERT_EQ(region.zones.size(), 4U);  // 0.30-0.35, 0.35-0.45, a zone of no length, 0.45-0.55
   ASSERT_EQ(region.edges.size(), 3U);
@@ -158,6 +158,28 @@ TEST(Explain, WarnsOfAFieldThatTurnsAgainstThePrecession) {
   std::get<UniformField>(b.parts[1].part).field = -10e-3;
   const Experiment e = scan({b});
   EXPECT_NE(explain(e, make_plan(e)).find("against the precession"), std::string::npos);
+}
+
+TEST(Compile, StepsInAMagnetWhoseForceDependsOnThePlaceAndNotUnderTheHypothesis) {
+  Beamline b = suggested(291e3);
+  b.law = QuantumLaw{};
+  b.chamber.reset();
+  MultipoleMagnet sextupole;
+  sextupole.length = 0.1;
+  sextupole.pole_field = 1;
+  sextupole.radius = 5e-3;
+  b.parts.insert(b.parts.begin(), place("S", 0, sextupole));
+  EXPECT_EQ(compiled(b).substr(0, 2), "DW");
+  b.law = DoradoLaw{};
+  EXPECT_EQ(compiled(b).find('W'), std::string::npos);
+}
+
+TEST(SampledTables, MakeTheMomentsOfOneStructureOnce) {
+  SampledTables tables;
+  const Structure h = *find_species("H atom")->structure, cs = *find_species("Cs-133 atom")->structure;
+  const MomentTable& first = tables.moments(h);
+  EXPECT_NE(&tables.moments(cs), &first);
+  EXPECT_EQ(&tables.moments(h), &first);
 }
 
 }  // namespace

@@ -1,0 +1,17 @@
+#include "parts/multipole_magnet.hpp"
+
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuilder& builder) {
+  MagnetTerm term{place.at + part.length, {}, {}, part.offset, {}};
+  term.shape.kind = MagnetKind::multipole;
+  term.shape.field = part.pole_field;
+  term.shape.power = static_cast<int>(part.poles) / 2 - 1;
+  term.shape.radius = part.radius;
+  term.walls.circles[0] = {0, 0, part.radius, -1};
+  builder.plane(place.at, term);
+}
+
+}  // namespace rabiline
