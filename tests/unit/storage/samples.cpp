@@ -50,8 +50,12 @@ DetectorResult detector(const std::string& name, std::size_t points, double offs
 }
 
 FateResult fate(const std::string& name, const std::string& where, std::size_t points, double particles) {
-  return {name, where, std::vector<std::uint64_t>(points, 3),
-          std::vector<std::uint64_t>(points, 0xfedcba9876543210), std::vector<double>(points, particles)};
+  return {name,
+          where,
+          std::vector<std::uint64_t>(points, 3),
+          std::vector<std::uint64_t>(points, 0xfedcba9876543210),
+          std::vector<double>(points, particles),
+          {}};
 }
 
 Provenance provenance() {
