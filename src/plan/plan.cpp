@@ -257,15 +257,10 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
 
 }  // namespace
 
-/// Of transitions below half a quantum a particle gets no share.
 std::uint64_t levels_found(const LevelProjection& projection) {
   if (projection.transitions == nullptr) return (std::uint64_t{1} << projection.levels) - 1;
-  const TransitionTable& table = *projection.transitions;
   std::uint64_t mask = 0;
-  for (int point = 0; point < table.points; ++point)
-    for (int from = 0; from < table.levels; ++from)
-      for (int to = 0; to < table.levels; ++to)
-        if (table.row(point, from)[to] > 0x1p-41) mask |= std::uint64_t{1} << to;
+  for (const int to : projection.transitions->targets) mask |= std::uint64_t{1} << to;
   return mask;
 }
 

@@ -7,32 +7,45 @@
 namespace rabiline {
 namespace {
 
+/// All probabilities at every point, while a table is made.
+struct DenseTable {
+  int levels = 0;
+  double first = 0, step = 0;  // [s/m]
+  int points = 0;
+  std::vector<double> values{};  // [point][from][to]
+  double error = 0;
+
+  const double* row(int point, int from) const {
+    return values.data() + (static_cast<std::ptrdiff_t>(point) * levels + from) * levels;
+  }
+};
+
 /// Lagrange's weights of the values at 0, 1, 2, 3.
 std::array<double, 4> cubic_weights(double x) {
   return {-(x - 1) * (x - 2) * (x - 3) / 6, x * (x - 2) * (x - 3) / 2, -x * (x - 1) * (x - 3) / 2,
           x * (x - 1) * (x - 2) / 6};
 }
 
-void fill_point(const DrivenLevels& driven, TransitionTable& table, int point, double slowness) {
+void fill_point(const DrivenLevels& driven, DenseTable& table, int point, double slowness) {
   const Eigen::MatrixXd p = driven.probabilities(slowness);
-  double* row = table.values.data() + static_cast<std::ptrdiff_t>(point) * table.levels * table.stride();
-  for (int from = 0; from < table.levels; ++from, row += table.stride())
+  double* row = table.values.data() + static_cast<std::ptrdiff_t>(point) * table.levels * table.levels;
+  for (int from = 0; from < table.levels; ++from, row += table.levels)
     for (int to = 0; to < table.levels; ++to) row[to] = p(from, to);
 }
 
-TransitionTable empty_table(const DrivenLevels& driven, double from, double to, int points) {
-  TransitionTable table;
+DenseTable empty_table(const DrivenLevels& driven, double from, double to, int points) {
+  DenseTable table;
   table.levels = driven.levels();
   table.first = from;
   table.step = points > 1 ? (to - from) / (points - 1) : 0;
   table.points = points;
-  table.values.assign(static_cast<std::size_t>(points) * table.levels * table.stride(), 0.0);
+  table.values.assign(static_cast<std::size_t>(points) * table.levels * table.levels, 0.0);
   return table;
 }
 
 /// The largest difference between the table and the odd points of one twice as fine.
-double largest_error(const TransitionTable& table, const TransitionTable& fine) {
-  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(table.levels) * table.stride();
+double largest_error(const DenseTable& table, const DenseTable& fine) {
+  const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(table.levels) * table.levels;
   double largest = 0;
   for (int k = 0; k + 1 < table.points; ++k) {
     const int start = std::clamp(k - 1, 0, table.points - 4);
@@ -47,9 +60,18 @@ double largest_error(const TransitionTable& table, const TransitionTable& fine) 
   return largest;
 }
 
+double probability(const DenseTable& table, int from, int to, double slowness) {
+  const double x = std::clamp((slowness - table.first) / table.step, 0.0, table.points - 1.0);
+  const int start = std::clamp(static_cast<int>(x) - 1, 0, table.points - 4);
+  const std::array<double, 4> w = cubic_weights(x - start);
+  double sum = 0;
+  for (int k = 0; k < 4; ++k) sum += w[k] * table.row(start + k, from)[to];
+  return sum;
+}
+
 /// The largest error at a few places that no regular pattern hits: a fast oscillation that looks slow at the
 /// points and midway between them shows here.
-double error_at_odd_places(const DrivenLevels& driven, const TransitionTable& table) {
+double error_at_odd_places(const DrivenLevels& driven, const DenseTable& table) {
   constexpr int places = 16;
   constexpr double golden = 0.6180339887498949;
   double largest = 0;
@@ -64,12 +86,9 @@ double error_at_odd_places(const DrivenLevels& driven, const TransitionTable& ta
   return largest;
 }
 
-}  // namespace
-
-TransitionTable tabulate(const DrivenLevels& driven, double from, double to, double tolerance,
-                         int most_points) {
+DenseTable fill(const DrivenLevels& driven, double from, double to, double tolerance, int most_points) {
   if (!(to > from)) {
-    TransitionTable table = empty_table(driven, from, from, 1);
+    DenseTable table = empty_table(driven, from, from, 1);
     fill_point(driven, table, 0, from);
     return table;
   }
@@ -77,12 +96,12 @@ TransitionTable tabulate(const DrivenLevels& driven, double from, double to, dou
   const int most_at_first = std::max(least_points, (most_points + 1) / 2);
   const double wanted = std::min(points_of_cycle * driven.fastest() * (to - from), double{1 << 28});
   const int points = std::clamp(static_cast<int>(wanted), least_points, most_at_first);
-  TransitionTable table = empty_table(driven, from, to, points);
+  DenseTable table = empty_table(driven, from, to, points);
   for (int k = 0; k < points; ++k) fill_point(driven, table, k, from + k * table.step);
 
   for (double before = 0;;) {
-    TransitionTable fine = empty_table(driven, from, to, 2 * table.points - 1);
-    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(table.levels) * table.stride();
+    DenseTable fine = empty_table(driven, from, to, 2 * table.points - 1);
+    const std::ptrdiff_t size = static_cast<std::ptrdiff_t>(table.levels) * table.levels;
     for (int k = 0; k < fine.points; ++k) {
       if (k % 2 == 0)
         std::copy_n(table.row(k / 2, 0), size, fine.values.data() + k * size);
@@ -101,13 +120,48 @@ TransitionTable tabulate(const DrivenLevels& driven, double from, double to, dou
   }
 }
 
+/// What is less than half of 2^-40 in all of the table is nothing to a particle of 2^40 quanta.
+TransitionTable without_zeros(const DenseTable& dense) {
+  constexpr double nothing = 0x1p-41, rounding = 0x1p-24;
+  TransitionTable table{dense.levels, dense.first, dense.step, dense.points,
+                        {0},          {},          {},         dense.error + rounding};
+  for (int from = 0; from < dense.levels; ++from) {
+    for (int to = 0; to < dense.levels; ++to) {
+      bool found = false;
+      for (int point = 0; point < dense.points && !found; ++point)
+        found = std::abs(dense.row(point, from)[to]) > nothing;
+      if (found) table.targets.push_back(to);
+    }
+    table.begin.push_back(static_cast<int>(table.targets.size()));
+  }
+  table.values.reserve(static_cast<std::size_t>(dense.points) * table.targets.size() + 8);
+  for (int point = 0; point < dense.points; ++point)
+    for (int from = 0; from < dense.levels; ++from)
+      for (int t = table.begin[from]; t < table.begin[from + 1]; ++t)
+        table.values.push_back(static_cast<float>(dense.row(point, from)[table.targets[t]]));
+  table.values.resize(table.values.size() + 8, 0);
+  return table;
+}
+
+}  // namespace
+
+TransitionTable tabulate(const DrivenLevels& driven, double from, double to, double tolerance,
+                         int most_points) {
+  return without_zeros(fill(driven, from, to, tolerance, most_points));
+}
+
 double probability(const TransitionTable& table, int from, int to, double slowness) {
-  if (table.points < 4) return std::clamp(table.row(0, from)[to], 0.0, 1.0);
+  const auto begin = table.targets.begin() + table.begin[from],
+             end = table.targets.begin() + table.begin[from + 1];
+  const auto found = std::lower_bound(begin, end, to);
+  if (found == end || *found != to) return 0;
+  const int target = static_cast<int>(found - table.targets.begin());
+  if (table.points < 4) return std::clamp(table.at(0, target), 0.0, 1.0);
   const double x = std::clamp((slowness - table.first) / table.step, 0.0, table.points - 1.0);
   const int start = std::clamp(static_cast<int>(x) - 1, 0, table.points - 4);
   const std::array<double, 4> w = cubic_weights(x - start);
   double sum = 0;
-  for (int k = 0; k < 4; ++k) sum += w[k] * table.row(start + k, from)[to];
+  for (int k = 0; k < 4; ++k) sum += w[k] * table.at(start + k, target);
   return std::clamp(sum, 0.0, 1.0);
 }
 

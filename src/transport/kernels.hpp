@@ -267,14 +267,17 @@ struct SpinGauge {
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
 };
 
-/// P(from -> to) between the levels of an atom on a stretch of the beam, at slownesses of equal distance;
-/// cubic between them, and beyond the ends as at the ends. Rows stand at (point levels + from) stride.
+/// P(from -> to) between the levels of an atom on a stretch of the beam, as TransitionTable has them: at
+/// slownesses of equal distance, cubic between them, and beyond the ends as at the ends.
 struct Transitions {
-  const double* values = nullptr;  // null: the levels are not those of an atom, or nothing drives them
+  const float* values =
+      nullptr;  // [point][row]; null: the levels are not those of an atom, or nothing drives them
+  const int* begin = nullptr;  // [levels + 1] where the targets of each level begin in a row
+  const int* targets = nullptr;
   double first = 0;                // [s/m]
   double points_per_slowness = 0;  // [m/s]
   int points = 1;                  // 1, or at least 4
-  int levels = 0, stride = 0;
+  int row = 0;
 };
 
 /// In which level along the field a state is found, after a straight flight through the zones: the image of z

@@ -200,8 +200,13 @@ void advance(const Stage& stage, Flight& flight) {
 
 Transitions transitions_view(const TransitionTable* table) {
   if (table == nullptr) return {};
-  return {table->values.data(), table->first,  table->step > 0 ? 1 / table->step : 0,
-          table->points,        table->levels, table->stride()};
+  return {table->values.data(),
+          table->begin.data(),
+          table->targets.data(),
+          table->first,
+          table->step > 0 ? 1 / table->step : 0,
+          table->points,
+          table->row()};
 }
 
 void share_levels(int levels, const TransitionTable* table, const Flight& flight,
