@@ -222,12 +222,13 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
   return groups;
 }
 
-/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them.
+/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them. What a
+/// polarizer prepares anew does not end in the level that it was emitted in.
 std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& chains, bool of_atom) {
   bool deflects = false;
   for (const Chain* chain : chains)
     for (const Stage& stage : chain->stages) {
-      if (std::holds_alternative<TurningRegion>(stage)) return 0;
+      if (std::holds_alternative<TurningRegion>(stage) || std::holds_alternative<Alignment>(stage)) return 0;
       deflects =
           deflects || std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage);
     }
