@@ -48,13 +48,16 @@ class LedgerBook {
   std::uint64_t before_[Batch::capacity];  // [quanta] of what flew
 };
 
-/// Whether a link behind a projection asks for the levels of what a screen in front of it caught.
-bool asks_in_front(const ChainLink& link, const std::vector<ChainLink>& chain) {
+/// Whether a link behind a projection looks at what a screen in front of it caught.
+bool looks_in_front(const ChainLink& link, const std::vector<ChainLink>& chain) {
   const auto* stretch = std::get_if<SpinStretch>(link.stage);
-  return stretch != nullptr && std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
-           const auto* score = std::get_if<Score>(other.stage);
-           return score != nullptr && score->screen.part == stretch->part;
-         });
+  const auto* histogram = std::get_if<Histogram>(link.stage);
+  if (stretch == nullptr && (histogram == nullptr || !histogram->caught)) return false;
+  const int part = stretch != nullptr ? stretch->part : histogram->part;
+  return std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
+    const auto* score = std::get_if<Score>(other.stage);
+    return score != nullptr && score->screen.part == part;
+  });
 }
 
 }  // namespace
@@ -86,7 +89,7 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
   for (const PlanNode::Way& way : node.ways) {
     branches_.book(way.projection, sums.data(), way.shift);
     for (const ChainLink& link : chain) {
-      if (!asks_in_front(link, chain)) continue;
+      if (!looks_in_front(link, chain)) continue;
       Flight flight{kernels_, key, batch, sums.data() + link.sums + way.shift};
       advance(*link.stage, flight);
     }

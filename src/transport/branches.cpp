@@ -17,12 +17,17 @@ std::size_t number(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
 bool can_be_booked(const Stage& stage) {
+  if (const auto* histogram = std::get_if<Histogram>(&stage))
+    return histogram->zones.empty() && histogram->transitions == nullptr &&
+           std::all_of(histogram->axes.begin(), histogram->axes.end(), [](const HistogramAxis& axis) {
+             return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
+           });
   if (const auto* stretch = std::get_if<SpinStretch>(&stage))
     return stretch->zones.empty() && stretch->transitions == nullptr;
   return std::holds_alternative<Drift>(stage) || std::holds_alternative<Passage>(stage) ||
          std::holds_alternative<LevelProjection>(stage) || std::holds_alternative<Deflection>(stage) ||
          std::holds_alternative<Steering>(stage) || std::holds_alternative<Score>(stage) ||
-         std::holds_alternative<Exit>(stage);
+         std::holds_alternative<Exit>(stage) || std::holds_alternative<Census>(stage);
 }
 
 // ---- paths ----
@@ -39,6 +44,14 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain, std:
   for (int level = 0; level < most_levels; ++level)
     if ((levels >> level & 1) != 0) levels_.push_back(level);
   ends_.resize(levels_.size());
+  monitors_.clear();
+  histograms_.clear();
+  for (std::size_t link = 0; link < chain.size(); ++link) {
+    if (std::holds_alternative<Census>(*chain[link].stage))
+      monitors_.push_back({link, std::vector<std::array<std::uint64_t, capacity>>(levels_.size())});
+    if (std::holds_alternative<Histogram>(*chain[link].stage))
+      histograms_.push_back({link, std::vector<HistogramPlaces>(levels_.size())});
+  }
   for (const int level : levels_) fly_in(level, batch);
   keep_undecided(batch);
   masks_.clear();
@@ -47,8 +60,9 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain, std:
 }
 
 void Branches::fly_in(int level, const Batch& batch) {
-  Ends& ends =
-      ends_[number(static_cast<int>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin()))];
+  const auto path =
+      static_cast<std::size_t>(std::find(levels_.begin(), levels_.end(), level) - levels_.begin());
+  Ends& ends = ends_[path];
   flown_.copy_from(batch);
   BatchView& b = flown_.view();
   std::fill_n(b.level, b.padded, static_cast<std::uint64_t>(level));
@@ -57,7 +71,10 @@ void Branches::fly_in(int level, const Batch& batch) {
   std::fill_n(b.sz, b.padded, 1.0);
   std::array<std::uint64_t, capacity> flying;
   for (std::size_t k = 0; k < chain_.size(); ++k) {
-    if (only_reads(*chain_[k].stage)) continue;
+    if (only_reads(*chain_[k].stage)) {
+      look(k, path);
+      continue;
+    }
     std::copy_n(b.flying, b.count, flying.begin());
     Flight flight{*kernels_, key_, flown_, unused_.data()};
     advance(*chain_[k].stage, flight);
@@ -68,6 +85,20 @@ void Branches::fly_in(int level, const Batch& batch) {
       ends.level[i] = static_cast<std::uint8_t>(b.level[i]);
       ends.bin[i] = is_screen ? static_cast<std::uint32_t>(b.scratch[i]) : not_counted;
     }
+  }
+}
+
+/// What a tally sees of the particles on a path where they are now.
+void Branches::look(std::size_t link, std::size_t path) {
+  Flight flight{*kernels_, key_, flown_, unused_.data()};
+  for (HistogramBook& book : histograms_)
+    if (book.link == link) find_places(std::get<Histogram>(*chain_[link].stage), flight, book.places[path]);
+  for (MonitorBook& book : monitors_) {
+    if (book.link != link) continue;
+    const BatchView& b = flown_.view();
+    alignas(64) std::uint64_t weights[capacity];
+    kernels_->cross(std::get<Census>(*chain_[link].stage).face, b, weights);
+    for (std::size_t i = 0; i < number(b.count); ++i) book.crossed[path][i] = weights[i] != 0 ? yes : 0;
   }
 }
 
@@ -84,7 +115,7 @@ void Branches::keep_undecided(const Batch& batch) {
     const bool alike = std::all_of(ends_.begin(), ends_.end(), [&](const Ends& e) {
       return e.link[at] == first.link[at] && e.bin[at] == not_counted;
     });
-    if (alike)
+    if (alike && monitors_.empty())
       decided_[first.link[at] * most_levels + from.prepared[i]] += from.weight[i];
     else
       undecided[from.prepared[i]].push_back(i);
@@ -185,6 +216,11 @@ void Branches::book(const LevelProjection& projection, Sum* sums, std::size_t sh
     kernels_->outcomes(question_of(projection, key_), asked, asked.weight, shares_.data());
     book_stops(sums);
     for (const ScreenBook& screen : screens_) book_screen(screen, sums);
+    for (const MonitorBook& monitor : monitors_) book_monitor(monitor, sums);
+    for (const HistogramBook& histogram : histograms_)
+      if (!std::get<Histogram>(*chain_[histogram.link].stage).caught)
+        book_histogram(
+            histogram, [&](std::size_t path, int k) { return share_of(path, k); }, sums);
   }
   for (std::size_t k = 0; k < chain_.size(); ++k) {
     const Screen* screen = screen_of(chain_[k]);
@@ -232,10 +268,10 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
   own[layout.total()] += by_path.q[levels_.size()];
   own[layout.total() + 1] +=
       joined(by_path.squares_high[levels_.size()], by_path.squares_low[levels_.size()]);
-  const std::uint8_t* path = book.cell_paths.data();
+  const std::uint8_t* listed = book.cell_paths.data();
   for (const Cell& cell : book.cells) {
     std::uint64_t q = 0;
-    for (int n = 0; n < cell.paths; ++n) q += counts_[*path++ * padded + cell.particle];
+    for (int n = 0; n < cell.paths; ++n) q += counts_[*listed++ * padded + cell.particle];
     own[layout.bin(cell.bin)] += q;
     own[layout.bin(cell.bin) + 1] += static_cast<Sum>(q) * q;
   }
@@ -257,6 +293,56 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
     sums[link.ledger + 2 * group.prepared + 1] += lost;
   }
   if (book.stretch >= 0) book_levels(book, by_path, sums);
+  const auto counted = [&](std::size_t path, int k) { return counts_[path * padded + number(k)]; };
+  for (const HistogramBook& histogram : histograms_) {
+    const auto& stage = std::get<Histogram>(*chain_[histogram.link].stage);
+    if (stage.caught && stage.part == screen.part) book_histogram(histogram, counted, sums);
+  }
+}
+
+void Branches::book_monitor(const MonitorBook& book, Sum* sums) const {
+  const BatchView& asked = asked_.view();
+  Sum* own = sums + chain_[book.link].sums;
+  for (int k = 0; k < asked.count; ++k) {
+    std::uint64_t q = 0;
+    for (std::size_t path = 0; path < levels_.size(); ++path)
+      q += share_of(path, k) & book.crossed[path][number_[number(k)]];
+    own[CensusSums::total()] += q;
+    own[CensusSums::total() + 1] += static_cast<Sum>(q) * q;
+    own[CensusSums::group(asked.particle[k] % group_count)] += q;
+  }
+}
+
+/// `weight(path, k)` is what counts of a particle's share on a path.
+template <class Weight>
+void Branches::book_histogram(const HistogramBook& book, const Weight& weight, Sum* sums) const {
+  const HistogramSums layout = sums_of(std::get<Histogram>(*chain_[book.link].stage));
+  const BatchView& asked = asked_.view();
+  Sum* own = sums + chain_[book.link].sums;
+  for (int k = 0; k < asked.count; ++k) {
+    const std::size_t at = number_[number(k)];
+    std::array<std::uint32_t, most_levels> bins{};
+    std::array<std::uint64_t, most_levels> scores{};
+    std::size_t found = 0;
+    for (std::size_t path = 0; path < levels_.size(); ++path) {
+      const std::uint32_t bin = book.places[path].bin[at];
+      const std::uint64_t q = bin == HistogramPlaces::nowhere ? 0 : weight(path, k);
+      if (q == 0) continue;
+      std::size_t cell = 0;
+      while (cell < found && bins[cell] != bin) ++cell;
+      if (cell == found) bins[found++] = bin;
+      scores[cell] += q;
+      if (bin == HistogramPlaces::beyond) continue;
+      for (std::size_t axis = 0; axis < layout.axes; ++axis) {
+        Sum* moments = own + layout.moments(axis, asked.particle[k] % moment_groups);
+        const Sum u = book.places[path].steps[axis][at];
+        moments[0] += q;
+        moments[1] += q * u;
+        moments[2] += q * u * u;
+      }
+    }
+    for (std::size_t cell = 0; cell < found; ++cell) add_score(layout, bins[cell], scores[cell], own);
+  }
 }
 
 void Branches::book_levels(const ScreenBook& book, const LevelSums& by_path, Sum* sums) const {

@@ -61,13 +61,30 @@ class Branches {
     std::vector<std::uint8_t> cell_paths;
   };
 
+  /// What a tally behind the projection sees of each path.
+  struct MonitorBook {
+    std::size_t link;
+    std::vector<std::array<std::uint64_t, capacity>> crossed;  // [path] masks
+  };
+  struct HistogramBook {
+    std::size_t link;
+    std::vector<HistogramPlaces> places;  // [path]
+  };
+
   void fly_in(int level, const Batch& batch);
+  void look(std::size_t link, std::size_t path);
   void keep_undecided(const Batch& batch);
   void keep(const BatchView& from, int i);
   void find_stops();
   void find_hits();
   void book_stops(Sum* sums) const;
   void book_screen(const ScreenBook& book, Sum* sums);
+  void book_monitor(const MonitorBook& book, Sum* sums) const;
+  template <class Weight>
+  void book_histogram(const HistogramBook& book, const Weight& weight, Sum* sums) const;
+  std::uint64_t share_of(std::size_t path, int k) const {
+    return shares_[static_cast<std::size_t>(levels_[path] * asked_.view().padded + k)];
+  }
   void book_levels(const ScreenBook& book, const LevelSums& by_path, Sum* sums) const;
   std::size_t new_mask();
 
@@ -81,6 +98,8 @@ class Branches {
   std::vector<Group> groups_;
   std::vector<Stop> stops_;
   std::vector<ScreenBook> screens_;
+  std::vector<MonitorBook> monitors_;
+  std::vector<HistogramBook> histograms_;
   std::vector<std::uint64_t> masks_;
   Batch flown_;
   Batch asked_;                                   // those whose end depends on the level
