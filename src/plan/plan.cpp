@@ -258,16 +258,23 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
 
 }  // namespace
 
-std::uint64_t levels_found(const LevelProjection& projection) {
-  if (projection.transitions == nullptr) return (std::uint64_t{1} << projection.levels) - 1;
-  std::uint64_t mask = 0;
-  for (const int to : projection.transitions->targets) mask |= std::uint64_t{1} << to;
-  return mask;
+void add_reach(const LevelProjection& projection, std::vector<std::uint64_t>& reach) {
+  reach.resize(static_cast<std::size_t>(projection.levels));
+  for (std::size_t from = 0; from < reach.size(); ++from) {
+    if (projection.transitions == nullptr) {
+      reach[from] = (std::uint64_t{1} << projection.levels) - 1;
+      continue;
+    }
+    const TransitionTable& table = *projection.transitions;
+    for (int t = table.begin[from]; t < table.begin[from + 1]; ++t)
+      reach[from] |= std::uint64_t{1} << table.targets[static_cast<std::size_t>(t)];
+    if (table.begin[from] == table.begin[from + 1]) reach[from] |= std::uint64_t{1} << from;
+  }
 }
 
-void find_levels(PlanNode& node) {
-  for (const PlanNode::Way& way : node.ways) node.levels |= levels_found(way.projection);
-  for (PlanNode& next : node.next) find_levels(next);
+void find_reach(PlanNode& node) {
+  for (const PlanNode::Way& way : node.ways) add_reach(way.projection, node.reach);
+  for (PlanNode& next : node.next) find_reach(next);
 }
 
 Plan make_plan(const Experiment& experiment, double most_cost) {
@@ -291,7 +298,7 @@ Plan make_plan(const Experiment& experiment, double most_cost) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
       plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, plan.sums));
-      for (PlanNode& node : plan.trees.back().next) find_levels(node);
+      for (PlanNode& node : plan.trees.back().next) find_reach(node);
     }
   }
   return plan;

@@ -29,7 +29,8 @@ struct PlanNode {
     std::size_t shift = 0;  // of its sums behind those of the first way
   };
   std::vector<Way> ways{};
-  std::uint64_t levels = 0;  // that any of the ways can find, as a mask
+  std::vector<std::uint64_t>
+      reach{};  // levels that any of the ways can find, as a mask for each level before
 };
 
 /// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.

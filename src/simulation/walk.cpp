@@ -85,7 +85,7 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_.fly(batch, chain, node.levels, kernels_, key);
+  branches_.fly(batch, chain, node.reach, kernels_, key);
   for (const PlanNode::Way& way : node.ways) {
     branches_.book(way.projection, sums.data(), way.shift);
     for (const ChainLink& link : chain) {

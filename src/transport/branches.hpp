@@ -17,14 +17,17 @@ struct ChainLink {
   std::size_t ledger;
 };
 
+/// The screen that a link is, or nullptr.
+const Screen* screen_of(const ChainLink&);
 /// Whether a stage behind a projection can be booked afterwards: paths, and levels that no field changes any
 /// more.
 bool can_be_booked(const Stage&);
 
 class Branches {
  public:
-  /// Flies what flies of the batch, once in each level of the mask, through the chain.
-  void fly(const Batch& batch, const std::vector<ChainLink>& chain, std::uint64_t levels,
+  /// Flies what flies of the batch, once in each level that it can be found in, through the chain. `reach`:
+  /// these levels as a mask, for each level that a particle is in.
+  void fly(const Batch& batch, const std::vector<ChainLink>& chain, const std::vector<std::uint64_t>& reach,
            const Kernels& kernels, const RandomKey& key);
   /// Shares the weights by a projection, and adds what each share comes to, to the sums of the chain; those
   /// begin `shift` behind what the links say.
@@ -32,10 +35,12 @@ class Branches {
 
  private:
   static constexpr std::size_t capacity = Batch::capacity;
+  static std::size_t number(int i) { return static_cast<std::size_t>(i); }
   static constexpr std::uint32_t not_counted = ~std::uint32_t{0};
+  static constexpr std::uint8_t not_flown = 0xff;
   /// How the particles in one level end.
   struct Ends {
-    std::array<std::uint8_t, capacity> link, level;  // where in the chain; in which level
+    std::array<std::uint8_t, capacity> link, level;  // where in the chain, or not_flown; in which level
     std::array<std::uint32_t, capacity> bin;         // on a screen, or not_counted
   };
   /// Particles one after the other that were prepared in one level.
@@ -71,7 +76,8 @@ class Branches {
     std::vector<HistogramPlaces> places;  // [path]
   };
 
-  void fly_in(int level, const Batch& batch);
+  void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach);
+  void gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reach);
   void look(std::size_t link, std::size_t path);
   void keep_undecided(const Batch& batch);
   void keep(const BatchView& from, int i);
@@ -102,8 +108,9 @@ class Branches {
   std::vector<HistogramBook> histograms_;
   std::vector<std::uint64_t> masks_;
   Batch flown_;
-  Batch asked_;                                   // those whose end depends on the level
-  std::array<std::uint16_t, capacity> number_{};  // of each of them in the batch
+  std::array<std::uint16_t, capacity> flown_number_{};  // of each of them in the batch
+  Batch asked_;                                         // those whose end depends on the level
+  std::array<std::uint16_t, capacity> number_{};        // of each of them in the batch
   alignas(64) std::array<std::uint64_t, most_levels * capacity> shares_{}, counts_{};
   alignas(64) std::array<std::uint64_t, capacity> totals_{};
 };
