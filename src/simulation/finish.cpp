@@ -173,6 +173,8 @@ class Finisher {
           m->q += s[screen.layout.bin(b)];
           m->q2 += s[screen.layout.bin(b) + 1];
         }
+      for (std::size_t x = 0; x < nx; ++x) own_x[x].q2 += s[screen.layout.across_column(x)];
+      for (std::size_t z = 0; z < nz; ++z) own_z[z].q2 += s[screen.layout.across_row(z)];
       const double n = static_cast<double>(screen.tree->last - screen.tree->first);
       bins.add(own, n, each);
       along_x.add(own_x, n, each);

@@ -35,7 +35,7 @@ void Branches::book_stops(Sum* sums) const {
   const std::size_t padded = number(asked_.view().padded);
   for (const Stop& stop : stops_) {
     const std::uint64_t* shares = &shares_[number(levels_[stop.path]) * padded];
-    const std::uint64_t* ends_here = &masks_[stop.mask];
+    const std::uint64_t* ends_here = masks() + stop.mask;
     const ChainLink& link = chain_[stop.link];
     const Screen* screen = screen_of(link);
     const std::size_t at = link.sums + (screen != nullptr ? sums_of(*screen).lost() : 0);
@@ -57,7 +57,7 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
   const ScreenSums layout = sums_of(screen);
   Sum* own = sums + link.sums;
   LevelSums by_path;
-  const ShareCount shares{shares_.data(), &masks_[book.hits],
+  const ShareCount shares{shares_.data(), masks() + book.hits,
                           levels_.data(), static_cast<int>(levels_.size()),
                           asked.padded,   screen.efficiency};
   kernels_->count_shares(shares, counts_.data(), totals_.data(), by_path);
@@ -65,11 +65,24 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
   own[layout.total() + 1] +=
       joined(by_path.squares_high[levels_.size()], by_path.squares_low[levels_.size()]);
   const std::uint8_t* listed = book.cell_paths.data();
-  for (const Cell& cell : book.cells) {
+  std::array<std::uint64_t, most_levels> scores;  // of one particle, in its cells
+  std::size_t first = 0;
+  for (std::size_t c = 0; c < book.cells.size(); ++c) {
+    const Cell& cell = book.cells[c];
     std::uint64_t q = 0;
     for (int n = 0; n < cell.paths; ++n) q += counts_[*listed++ * padded + cell.particle];
     own[layout.bin(cell.bin)] += q;
     own[layout.bin(cell.bin) + 1] += static_cast<Sum>(q) * q;
+    if (book.cells[first].particle != cell.particle) first = c;
+    scores[c - first] = q;
+    for (std::size_t other = first; other < c; ++other) {
+      const Sum twice_product = static_cast<Sum>(2 * q) * scores[other - first];
+      const std::uint32_t bin = book.cells[other].bin;
+      if (bin / layout.rows == cell.bin / layout.rows)
+        own[layout.across_column(bin / layout.rows)] += twice_product;
+      if (bin % layout.rows == cell.bin % layout.rows)
+        own[layout.across_row(bin % layout.rows)] += twice_product;
+    }
   }
   for (const Group& group : groups_) {
     std::uint64_t counted = 0, hit = 0;
@@ -81,7 +94,7 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
       for (std::size_t n = 0; n < levels_.size(); ++n)
         for (int i = group.begin; i < group.end; ++i)
           hit +=
-              shares_[number(levels_[n]) * padded + number(i)] & masks_[book.hits + n * padded + number(i)];
+              shares_[number(levels_[n]) * padded + number(i)] & masks()[book.hits + n * padded + number(i)];
     const std::uint64_t lost = screen.efficiency != 1 ? hit - counted : 0;
     own[layout.lost()] += lost;
     if (link.ledger == 0) continue;

@@ -191,8 +191,9 @@ void Branches::keep(const BatchView& from, int i) {
 }
 
 std::size_t Branches::new_mask() {
-  masks_.resize(masks_.size() + number(asked_.view().padded), 0);
-  return masks_.size() - number(asked_.view().padded);
+  const std::size_t begin = masks_.size();
+  masks_.resize(begin + number(asked_.view().padded) / 8, Line{});
+  return 8 * begin;
 }
 
 void Branches::find_stops() {
@@ -205,7 +206,7 @@ void Branches::find_stops() {
       auto stop = std::find_if(stops_.begin() + static_cast<std::ptrdiff_t>(known), stops_.end(),
                                [&](const Stop& s) { return s.link == link; });
       if (stop == stops_.end()) stop = stops_.insert(stops_.end(), {path, link, new_mask()});
-      masks_[stop->mask + k] = yes;
+      masks()[stop->mask + k] = yes;
     }
   }
 }
@@ -215,7 +216,7 @@ void Branches::find_hits() {
   for (std::size_t link = 0; link < chain_.size(); ++link) {
     const Screen* screen = screen_of(chain_[link]);
     if (screen == nullptr) continue;
-    ScreenBook book{link, -1, masks_.size(), {}, {}};
+    ScreenBook book{link, -1, 8 * masks_.size(), {}, {}};
     for (std::size_t k = link; k < chain_.size(); ++k)
       if (const auto* stretch = std::get_if<SpinStretch>(chain_[k].stage);
           stretch && stretch->part == screen->part)
@@ -229,7 +230,7 @@ void Branches::find_hits() {
         const std::size_t at = number_[k];
         const std::uint32_t bin = ends_[path].bin[at];
         if (ends_[path].link[at] != link || bin == not_counted) continue;
-        masks_[book.hits + path * padded + k] = yes;
+        masks()[book.hits + path * padded + k] = yes;
         // Paths of one cell stand one after the other: there are few in a bin.
         auto cell = std::find_if(book.cells.begin() + static_cast<std::ptrdiff_t>(cells), book.cells.end(),
                                  [&](const Cell& c) { return c.bin == bin; });

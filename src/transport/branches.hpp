@@ -93,6 +93,8 @@ class Branches {
   }
   void book_levels(const ScreenBook& book, const LevelSums& by_path, Sum* sums) const;
   std::size_t new_mask();
+  std::uint64_t* masks() { return reinterpret_cast<std::uint64_t*>(masks_.data()); }
+  const std::uint64_t* masks() const { return reinterpret_cast<const std::uint64_t*>(masks_.data()); }
 
   std::vector<ChainLink> chain_;
   const Kernels* kernels_ = nullptr;
@@ -106,7 +108,11 @@ class Branches {
   std::vector<ScreenBook> screens_;
   std::vector<MonitorBook> monitors_;
   std::vector<HistogramBook> histograms_;
-  std::vector<std::uint64_t> masks_;
+  /// Eight words, aligned as kernels want their columns.
+  struct alignas(64) Line {
+    std::uint64_t words[8];
+  };
+  std::vector<Line> masks_;
   Batch flown_;
   std::array<std::uint16_t, capacity> flown_number_{};  // of each of them in the batch
   Batch asked_;                                         // those whose end depends on the level

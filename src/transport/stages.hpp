@@ -113,17 +113,21 @@ inline Sum joined(std::uint64_t high, std::int64_t low) {
 }
 
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
-/// particles, then q of what hit it and was not counted.
+/// particles, then q of what hit it and was not counted; then, of each column and each row of bins, what (sum
+/// of q)^2 of a particle has beyond the squares of its bins, where it is split over several of them.
 struct ScreenSums {
-  std::size_t bins;
+  std::size_t columns, rows;
+  std::size_t bins() const { return columns * rows; }
   std::size_t bin(std::size_t i) const { return 2 * i; }
-  std::size_t total() const { return 2 * bins; }
-  std::size_t group(std::size_t g) const { return 2 * bins + 2 + g; }
-  std::size_t lost() const { return 2 * bins + 2 + group_count; }
-  std::size_t size() const { return 2 * bins + 3 + group_count; }
+  std::size_t total() const { return 2 * bins(); }
+  std::size_t group(std::size_t g) const { return 2 * bins() + 2 + g; }
+  std::size_t lost() const { return 2 * bins() + 2 + group_count; }
+  std::size_t across_column(std::size_t x) const { return 2 * bins() + 3 + group_count + x; }
+  std::size_t across_row(std::size_t z) const { return across_column(columns) + z; }
+  std::size_t size() const { return across_row(rows); }
 };
 inline ScreenSums sums_of(const Screen& s) {
-  return {static_cast<std::size_t>(s.bins_x) * static_cast<std::size_t>(s.bins_z)};
+  return {static_cast<std::size_t>(s.bins_x), static_cast<std::size_t>(s.bins_z)};
 }
 
 /// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
