@@ -314,8 +314,8 @@ def quadratic_shift(field):
     return 9192631770 * (np.sqrt(1 + x**2) - 1)
 
 
-def clock(run, *arguments):
-    file = run("caesium-clock", "--particles", "5000", *arguments)
+def clock(run, *arguments, particles=5000):
+    file = run("caesium-clock", "--particles", str(particles), *arguments)
     return file["entry/scan/first_frequency"][:], file["entry/scan/detected"][:]
 
 
@@ -334,16 +334,16 @@ def peak_centre(x, y):
 
 def test_the_caesium_clock_shows_the_second_and_its_quadratic_shift(run):
     assert abs(quadratic_shift(6e-6) - 427.45 * 0.06**2) < 1e-3
-    for field, tolerance in ((6, 0.01), (60, 0.5)):
+    # All levels: those with other m add 1 % of ripples. The two with m = 0 alone: 1 % of the shift is 0.015 and 1.5 Hz.
+    selected = ("--set", "source.spin={kind: levels, levels: [F=4 m=0, F=3 m=0]}")
+    for field, tolerance, particles, *more in ((6, 0.01, 5000, *selected), (60, 0.01, 5000, *selected), (6, 0.2, 20000)):
         line = 9192631770 + quadratic_shift(field * 1e-6)
         x, y = clock(run, "--set", f"C.field={field} uT", "--scan",
-                     f"first.frequency={hz(line - 97)}:{hz(line + 103)}:41")
+                     f"first.frequency={hz(line - 97)}:{hz(line + 103)}:41", *more, particles=particles)
         assert abs(peak_centre(x, y) - line) < tolerance, peak_centre(x, y) - line
     # Width: half a period of the fringes of the speeds that arrive.
     left, right = crossings(x, y, (y.max() + y.min()) / 2)
-    file = run("caesium-clock", "--particles", "5000", "--set", "first.frequency=9192631771.5 Hz")
-    middle = np.argmin(abs(file["entry/scan/first_frequency"][:] - 9192631771.539))
-    speeds = file["entry/behind_speeds/counts"][middle]
+    speeds = run("caesium-clock", "--particles", "5000")["entry/behind_speeds/counts"][50]
     speed = (speeds * (np.arange(80) + 0.5) * 10).sum() / speeds.sum()
     assert abs((right - left) / (speed / 2) - 1) < 0.15
 
@@ -460,7 +460,7 @@ def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(
     matrix = (counts / counts.sum(axis=1, keepdims=True))[:0:-1, :0:-1]  # from the highest label down, without F = 0
     assert np.abs(matrix[:2] - expected[:2]).max() < 0.002 and np.abs(matrix[2] - expected[2]).max() < 0.01
     detected = file["entry/scan/detected"][:]
-    assert off @ nuclear > 0 and on @ nuclear < -0.88 and 0.8 < on @ electron < 0.9
+    assert abs(off @ nuclear) < 0.05 and on @ nuclear < -0.88 and 0.8 < on @ electron < 0.9
     assert 0.5 < detected[1] / detected[0] < 0.6
     # The same from the ledger: atoms of m = +1 are thrown out, those of m = 0 stay.
     assert np.allclose(ledger.sum(axis=1), fates["particles"][row], rtol=1e-9)
