@@ -416,6 +416,20 @@ def sextupoles(moment, n=200000):
     return p, np.sqrt(p * (1 - p) / n)
 
 
+def weak_transition(hydrogen, amplitude, speeds):
+    """P(from -> to) of m = 1, 0, -1 behind 5 cm of the field at 1.4 MHz, in the frame that turns with it, over the speeds."""
+    v = 1000 + (np.arange(160) + 0.5) * 10
+    levels, basis = by_m(1 / 2, 1 / 2, *hydrogen, 0.1e-3), np.zeros((4, 3))
+    for column, m in enumerate((1, 0, -1)):
+        basis[levels[m][0], column] = levels[m][2][:, -1]
+    half_x = spin_matrices(1 / 2)[1]
+    moment = hydrogen[1] * np.kron(half_x, np.eye(2)) + hydrogen[2] * np.kron(np.eye(2), half_x)
+    h = np.diag([levels[m][1][-1] - m * 1.4e6 for m in (1, 0, -1)])
+    energy, vectors = np.linalg.eigh(h + BOHR / PLANCK * amplitude / 2 * basis.T @ moment @ basis)
+    turned = vectors @ (np.exp(-2j * np.pi * np.outer(0.05 / v, energy))[:, :, None] * vectors.T)
+    return np.average(abs(turned)**2, axis=0, weights=speeds)
+
+
 def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(run):
     file = run("hydrogen-source")
     labels = [label.decode() for label in file["entry/target_levels/level_index_labels"][:]]
@@ -445,20 +459,12 @@ def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(
         assert abs(ledger[0, level] / emitted[level] - p) < 4 * np.hypot(error, np.sqrt(p * (1 - p) / emitted[level]))
     expected = (arrive[0][0] + arrive[1][0] * nuclear[1]) / (arrive[0][0] + arrive[1][0])
     assert abs(off @ nuclear - expected) < 0.025  # 4 standard errors
-    # Behind the transition: three levels in the frame that turns with the field, over the speeds of what is there.
-    counts, speeds = file["entry/behind_states/counts"][1], file["entry/behind_speeds/counts"][1]
-    v = 1000 + (np.arange(160) + 0.5) * 10
-    weak = by_m(1 / 2, 1 / 2, *hydrogen, 0.1e-3)
-    full = np.zeros((4, 3))
-    for column, m in enumerate((1, 0, -1)):
-        full[weak[m][0], column] = weak[m][2][:, -1]
-    turn = hydrogen[1] * np.kron(spin_matrices(1 / 2)[1], np.eye(2)) + hydrogen[2] * np.kron(np.eye(2), spin_matrices(1 / 2)[1])
-    h = np.diag([weak[m][1][-1] - m * 1.4e6 for m in (1, 0, -1)]) + BOHR / PLANCK * 2.61e-6 / 2 * full.T @ turn @ full
-    energy, vectors = np.linalg.eigh(h)
-    turned = vectors @ (np.exp(-2j * np.pi * np.outer(0.05 / v, energy))[:, :, None] * vectors.T)
-    expected = np.average(abs(turned)**2, axis=0, weights=speeds)
-    matrix = (counts / counts.sum(axis=1, keepdims=True))[:0:-1, :0:-1]  # from the highest label down, without F = 0
-    assert np.abs(matrix[:2] - expected[:2]).max() < 0.002 and np.abs(matrix[2] - expected[2]).max() < 0.01
+    half = run("hydrogen-source", "--scan", "RF.amplitude=0 uT,1.305 uT")
+    for flown, amplitude in ((file, 2.61e-6), (half, 1.305e-6)):
+        counts, speeds = flown["entry/behind_states/counts"][1], flown["entry/behind_speeds/counts"][1]
+        expected = weak_transition(hydrogen, amplitude, speeds)
+        matrix = (counts / counts.sum(axis=1, keepdims=True))[:0:-1, :0:-1]  # from the highest label down, F = 1
+        assert np.abs(matrix[:2] - expected[:2]).max() < 0.002 and np.abs(matrix[2] - expected[2]).max() < 0.01
     detected = file["entry/scan/detected"][:]
     assert abs(off @ nuclear) < 0.05 and on @ nuclear < -0.88 and 0.8 < on @ electron < 0.9
     assert 0.5 < detected[1] / detected[0] < 0.6
