@@ -534,6 +534,16 @@ def test_shared_out_weights_and_drawn_levels_agree(run, name, tmp_path):
     assert (deviations**2).mean() < 1.3
 
 
+def test_errors_of_shared_out_weights_are_how_results_scatter(run):
+    results = [run("rabi-licl", "--particles", "2000", "--set", f"seed={seed}", "--set", "scan.particles=independent")
+               for seed in range(1, 31)]
+    detected, errors = (np.array([file[f"entry/scan/{name}"][:] for file in results])
+                        for name in ("detected", "detected_errors"))
+    ratio = (errors**2).mean(axis=0) / detected.var(axis=0, ddof=1)  # of each, 1 within 26 %
+    assert abs(ratio.mean() - 29 / 27) < 0.15
+    assert ratio.min() > 0.4 and ratio.max() < 3
+
+
 @pytest.mark.parametrize("name", ["suggested-experiment", "two-species"])
 def test_standard_laws_see_a_flat_line_in_the_experiments_of_the_hypothesis(run, name):
     file = run(name, "--scan", "law=quantum,classical", "--particles", "500")
