@@ -55,7 +55,8 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
         number = f"{value / factor:.10g}"
     else:
         if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
-            unit_shown, factor = _prefixed(error, unit)
+            whole = 1e-3 <= error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
+            unit_shown, factor = _prefixed(1.0 if whole else error, unit)
         digits = max(0, 1 - floor(log10(error / factor)))
         number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
     return f"{number} {unit_shown}".strip()

@@ -60,6 +60,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     "plot-image laws.h5",
     "plot-image point.h5",
     "plot-image two.h5 --detector far --points 0,20,40",
+    "plot-profiles only_laws.h5",
+    "plot-profiles point.h5 only_laws.h5 --along x --title both",
     "plot-tracks straight.h5 turned.h5 --region B=0.30:0.55 --region H0=0.35:0.55",
     "plot-tracks straight.h5",
 ])
@@ -136,6 +138,7 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
                                  "--detector"),
     ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
     ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture"),
+    ("plot-profiles point.h5 dorado.h5", "rabiline: 42 profiles are too many for one picture"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),
     ("plot-image dorado.h5 --points a", "rabiline: --points a is not a list of numbers, such as 0,50"),
     ("plot-tracks dorado.h5", "rabiline: dorado.h5: no tracks in it: not a file of `rabiline trace`"),
