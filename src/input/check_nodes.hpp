@@ -84,6 +84,7 @@ inline std::string metres(double y) { return pretty_quantity(y, Dimension::lengt
 // One file for each; all report into the Reading.
 void check_fields(const Beamline&, const PartNodes&, Reading&);
 void check_magnets(const Beamline&, const PartNodes&, Reading&);
+void check_atoms(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_detectors(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_source(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_tallies(const Beamline&, const PartNodes&, Reading&);

@@ -168,6 +168,7 @@ void check_beamline(const Beamline& beamline, const Node& root, Reading& reading
   check_source(beamline, root, nodes, reading);
   check_fields(beamline, nodes, reading);
   check_magnets(beamline, nodes, reading);
+  check_atoms(beamline, root, nodes, reading);
   check_chamber(beamline, root, nodes, reading);
 }
 

@@ -68,8 +68,10 @@ void check_oscillators(const Beamline& beamline, const PartNodes& nodes, Reading
 /// `co` and `counter` follow the sign of gamma; one field cannot follow two.
 void check_senses(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   const Species *positive = nullptr, *negative = nullptr;
+  const bool quantum = std::holds_alternative<QuantumLaw>(beamline.law);
   for (const Component& component : beamline.species)
-    (component.species.gyromagnetic_ratio < 0 ? negative : positive) = &component.species;
+    if (!quantum || !component.species.structure)
+      (component.species.gyromagnetic_ratio < 0 ? negative : positive) = &component.species;
   if (!positive || !negative) return;
   for (const PlacedPart& part : beamline.parts) {
     const auto* zone = std::get_if<RotatingField>(&part.part);
@@ -134,7 +136,8 @@ void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& re
   for (const PlacedPart& part : beamline.parts) {
     if (!std::holds_alternative<SpinFilter>(part.part)) continue;
     for (const Component& c : beamline.species)
-      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice > 1)
+      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice > 1 &&
+          !c.species.structure)
         reading.error(place_in(nodes, part, "kind"),
                       fmt::format("`{}` filters spins 1/2, but {} has another spin", part.placement.name,
                                   c.species.name),
