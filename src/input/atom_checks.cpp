@@ -47,6 +47,30 @@ void check_dorado(const Beamline& beamline, const Species& atom, const Node& roo
                 "`{name: ..., mass: ..., charge: 0 e, spin: 1/2, gyromagnetic_ratio: ...}`");
 }
 
+/// What the Hamiltonian cannot mean.
+void check_constants(const Species& species, const Node& root, Reading& reading) {
+  const Structure& s = *species.structure;
+  const Entry* entry = root.find("species");
+  const Entry* own = entry && entry->value.is_mapping() ? entry->value.find("structure") : nullptr;
+  if (!own) return;
+  if (s.quadrupole != 0 && (s.i.twice < 2 || s.j.twice < 2))
+    reading.error(
+        place_of(own->value, "quadrupole"),
+        fmt::format("the quadrupole interaction acts on spins of 1 or more, but I is {} and J is {}",
+                    write_half(s.i.twice), write_half(s.j.twice)),
+        "leave `quadrupole` away");
+  if (s.coupling == 0 && s.quadrupole == 0)
+    reading.error(
+        place_of(own->value, "coupling"),
+        fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),
+        "a species with one moment has `spin` and `gyromagnetic_ratio` instead of `structure`");
+  else if (s.g_j == s.g_i)
+    reading.error(
+        place_of(own->value, "g_J"),
+        fmt::format("`g_J` and `g_I` of `{}` are equal: no field could mix its levels", species.name),
+        "g_I is that of the nucleus in Bohr magnetons, about 1e-3 or smaller");
+}
+
 /// Levels are counted by their numbers, which mean the same for all particles.
 void check_mixture(const Beamline& beamline, const Species& atom, const Node& root, Reading& reading) {
   if (beamline.species.size() < 2) return;
@@ -62,6 +86,7 @@ void check_structures(const Beamline& beamline, const Node& root, Reading& readi
   for (std::size_t i = 0; i < beamline.species.size(); ++i) {
     const Species& species = beamline.species[i].species;
     if (!species.structure) continue;
+    check_constants(species, root, reading);
     if (species.levels() > most_levels)
       reading.error(place_of_species(root, i),
                     fmt::format("`{}` has {} levels, (2I + 1)(2J + 1), and {} are the most", species.name,
@@ -179,8 +204,8 @@ void check_rotating(const PlacedPart& part, const RotatingField& field, const Sp
     reading.error(place_in(nodes, part, "sense"),
                   fmt::format("`{}` cannot say which way `{}` turns: levels of `{}` precess both ways",
                               *field.sense == Sense::co ? "co" : "counter", name, atom.name),
-                  "write `positive`, from x to y, for transitions to m + 1 upwards in energy, or `negative` "
-                  "for those to m - 1");
+                  "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
+                  "for m - 1");
 }
 
 void check_drives(const Beamline& beamline, const Species& atom, const PartNodes& nodes, Reading& reading) {
