@@ -52,19 +52,20 @@ void check_constants(const Species& species, const Node& root, Reading& reading)
   const Structure& s = *species.structure;
   const Entry* entry = root.find("species");
   const Entry* own = entry && entry->value.is_mapping() ? entry->value.find("structure") : nullptr;
-  if (!own) return;
-  if (s.quadrupole != 0 && (s.i.twice < 2 || s.j.twice < 2))
+  if (!own || !own->value.is_mapping()) return;
+  const auto given = [&](std::string_view key) { return own->value.find(key) != nullptr; };
+  if (s.quadrupole != 0 && s.i.twice > 0 && s.j.twice > 0 && (s.i.twice < 2 || s.j.twice < 2))
     reading.error(
         place_of(own->value, "quadrupole"),
         fmt::format("the quadrupole interaction acts on spins of 1 or more, but I is {} and J is {}",
                     write_half(s.i.twice), write_half(s.j.twice)),
         "leave `quadrupole` away");
-  if (s.coupling == 0 && s.quadrupole == 0)
+  if (given("coupling") && s.coupling == 0 && s.quadrupole == 0)
     reading.error(
         place_of(own->value, "coupling"),
         fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),
         "a species with one moment has `spin` and `gyromagnetic_ratio` instead of `structure`");
-  else if (s.g_j == s.g_i)
+  else if (given("g_J") && given("g_I") && s.g_j == s.g_i)
     reading.error(
         place_of(own->value, "g_J"),
         fmt::format("`g_J` and `g_I` of `{}` are equal: no field could mix its levels", species.name),
