@@ -54,6 +54,22 @@ void check_constants(const Species& species, const Node& root, Reading& reading)
   const Entry* own = entry && entry->value.is_mapping() ? entry->value.find("structure") : nullptr;
   if (!own || !own->value.is_mapping()) return;
   const auto given = [&](std::string_view key) { return own->value.find(key) != nullptr; };
+  for (const Diagnostic& error : reading.errors)
+    for (const Entry& constant : own->value.entries)
+      if (error.place.text == constant.value.place.text && error.place.line == constant.value.place.line &&
+          error.place.column == constant.value.place.column)
+        return;  // what could not be read counts as zero
+  const auto refuse_size = [&](std::string_view key, double value, double most, std::string_view unit) {
+    if (std::abs(value) > most)
+      reading.error(place_of(own->value, key),
+                    fmt::format("`{}` of `{}` is {:.4g}{}, more than {:.4g}{}", key, species.name, value,
+                                unit, most, unit),
+                    "no atom has that; is the unit wrong?");
+  };
+  refuse_size("coupling", s.coupling, 1e16, " Hz");
+  refuse_size("quadrupole", s.quadrupole, 1e16, " Hz");
+  refuse_size("g_J", s.g_j, 1e3, "");
+  refuse_size("g_I", s.g_i, 1e3, "");
   if (s.quadrupole != 0 && s.i.twice > 0 && s.j.twice > 0 && (s.i.twice < 2 || s.j.twice < 2))
     reading.error(
         place_of(own->value, "quadrupole"),
@@ -178,6 +194,36 @@ void check_static_fields(const Beamline& beamline, const Species& atom, const Pa
   }
 }
 
+/// Fields beyond any laboratory: phases and moments would be lost in rounding.
+void check_sizes(const Beamline& beamline, const Species& atom, const Node& root, const PartNodes& nodes,
+                 Reading& reading) {
+  constexpr double most = 1e4;  // [T]
+  const auto check = [&](double field, const Place& place, std::string_view whose) {
+    if (std::abs(field) > most)
+      reading.error(place,
+                    fmt::format("{} is {}, more than {} at which levels of `{}` are followed", whose,
+                                pretty_quantity(field, Dimension::magnetic_field),
+                                pretty_quantity(most, Dimension::magnetic_field), atom.name),
+                    "no laboratory has that; is the unit wrong?");
+  };
+  for (const PlacedPart& part : beamline.parts)
+    std::visit(
+        [&](const auto& p) {
+          const std::string whose = fmt::format("the field of `{}`", part.placement.name);
+          if constexpr (requires { double{p.field}; }) check(p.field, place_in(nodes, part, "field"), whose);
+          if constexpr (requires { double{p.amplitude}; })
+            check(p.amplitude, place_in(nodes, part, "amplitude"), whose);
+          if constexpr (requires { double{p.pole_field}; })
+            check(p.pole_field, place_in(nodes, part, "pole_field"), whose);
+        },
+        part.part);
+  if (const auto* thermal = std::get_if<ThermalSpin>(&beamline.source.spin)) {
+    const Entry* source = root.find("source");
+    const Entry* spin = source ? source->value.find("spin") : nullptr;
+    if (spin) check(thermal->field, place_of(spin->value, "field"), "the field at the source");
+  }
+}
+
 // ---- fields that drive transitions ----
 
 bool drives(const Part& part) {
@@ -270,8 +316,39 @@ void check_atoms(const Beamline& beamline, const Node& root, const PartNodes& no
   check_structures(beamline, root, reading);
   check_parts(beamline, *atom, nodes, reading);
   check_static_fields(beamline, *atom, nodes, reading);
+  check_sizes(beamline, *atom, root, nodes, reading);
   check_drives(beamline, *atom, nodes, reading);
   check_spin_tallies(beamline, *atom, nodes, reading);
+}
+
+/// The ledger of fates has one list of levels for all points.
+void check_scanned_levels(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  const auto deflects = [](const PlacedPart& p) {
+    return std::holds_alternative<GradientMagnet>(p.part) || std::holds_alternative<TwoWireMagnet>(p.part) ||
+           std::holds_alternative<IronMagnet>(p.part) || std::holds_alternative<MultipoleMagnet>(p.part);
+  };
+  const auto has_ledger = [&](const Beamline& b) {
+    return std::holds_alternative<QuantumLaw>(b.law) &&
+           (atom_of(b) != nullptr || std::any_of(b.parts.begin(), b.parts.end(), deflects));
+  };
+  const Beamline* first = nullptr;
+  for (const Beamline& point : points) {
+    if (!has_ledger(point)) continue;
+    if (!first) first = &point;
+    for (std::size_t i = 0; i < std::min(point.species.size(), first->species.size()); ++i) {
+      const Species &a = first->species[i].species, &b = point.species[i].species;
+      const bool alike = a.structure && b.structure
+                             ? a.structure->i == b.structure->i && a.structure->j == b.structure->j
+                             : !a.structure && !b.structure && a.spin == b.spin;
+      if (alike) continue;
+      return reading.error(
+          axis.place,
+          fmt::format("`{}` cannot be scanned: fates are counted by level, and `{}` and `{}` have different "
+                      "ones",
+                      axis.parameter, a.name, b.name),
+          "make one run for each");
+    }
+  }
 }
 
 }  // namespace rabiline

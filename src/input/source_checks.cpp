@@ -243,6 +243,7 @@ void check_levels(const Beamline& beamline, const Node& root, Reading& reading) 
   const Place& place = node.is_mapping() ? place_of(node, "kind") : node.place;
   for (const Component& component : beamline.species) {
     const Species& species = component.species;
+    if (!(species.mass > 0)) continue;  // it could not be read
     if (names_levels && !quantum)
       return reading.error(
           place,

@@ -57,6 +57,10 @@ std::string name_of(const Structure& structure, const Transition& t) {
   return fmt::format("{} - {}", names[static_cast<std::size_t>(t.upper)],
                      names[static_cast<std::size_t>(t.lower)]);
 }
+std::string left_out(double neglected) {
+  return std::isfinite(neglected) ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
+                                  : std::string("what it leaves out is resonant itself");
+}
 std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_field); }
 
 /// The nearest transitions, a line each.
@@ -214,9 +218,7 @@ std::vector<std::string> DrivenParts::lines(int part, double speed) const {
         "probabilities from a table of {} points in 1/v, to {:.2g}; from {:.4g} to {:.4g} m/s, and at most "
         "1e-4 of the particles are slower or faster and take those at its end",
         points, error, 1 / driven.to, 1 / driven.from));
-  if (neglected > 0)
-    out.push_back(
-        fmt::format("rotating-wave approximation: amplitudes up to {:.2g} are left out", neglected));
+  if (neglected > 0) out.push_back("rotating-wave approximation: " + left_out(neglected));
   return out;
 }
 
@@ -273,10 +275,10 @@ std::vector<std::string> DrivenParts::warnings() const {
           "each other",
           name, error));
     if (neglected > 0.1)
-      add(
-          fmt::format("the rotating-wave approximation before `{}` is poor: amplitudes up to {:.2g} are left "
-                      "out; a smaller field helps, or one that turns: a `rotating_field`",
-                      name, neglected));
+      add(fmt::format(
+          "the rotating-wave approximation before `{}` is poor: {}; a smaller field helps, or one "
+          "that turns: a `rotating_field`",
+          name, left_out(neglected)));
   }
   return out;
 }

@@ -110,6 +110,7 @@ std::optional<double> stopped_at(const Steering& s, int level, double speed) {
   for (int i = 0; i <= steps; ++i) {
     if (!is_free<bool>(s.walls, x, z)) return s.begin + length * i / steps;
     const auto field = field_size(s.shape, x, z, [](double q) { return std::sqrt(q); });
+    if (!std::isfinite(field.size)) return std::nullopt;
     const double pull = moment_of(s, level, field.size) / s.mass;
     vx += h * pull * field.along_x;
     vz += h * pull * field.along_z;
