@@ -1,5 +1,5 @@
-"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-tally | plot-tracks | summary |
-compare-scans`.
+"""The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
+plot-tracks | summary | compare-scans`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -12,7 +12,7 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import image_plots, level_plots, results, scan_plots, style, tally_plots, track_plots, tracks
+from . import image_plots, level_plots, profile_plots, results, scan_plots, style, tally_plots, track_plots, tracks
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -99,6 +99,21 @@ def plot_image(options: argparse.Namespace) -> None:
     _save(image_plots.draw_images(file, file.detectors[name], shots), options.output)
 
 
+def plot_profiles(options: argparse.Namespace) -> None:
+    """Profiles on a detector, of all scan points of one or several files, in one picture."""
+    files = [results.read(path) for path in options.files]
+    shots = [(file, point) for file in files for point in range(len(file.laws))]
+    if len(shots) > MOST_CURVES:
+        raise InputError(f"{len(shots)} profiles are too many for one picture")
+    about = [", ".join(filter(None, (law_name(file.laws[point]), file.species[point],
+                                     image_plots.shot_of(file, point).heading if _scans_values(file) else "")))
+             for file, point in shots]
+    labels = _distinct(about, [file.path.stem for file, _ in shots])
+    profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
+                for (file, point), label in zip(shots, labels)]
+    _save(profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title), options.output)
+
+
 def plot_tally(options: argparse.Namespace) -> None:
     """A tally of a monitor or a detector, over one or two of its axes."""
     file = results.read(options.file)
@@ -164,6 +179,8 @@ def _parser() -> Parser:
     image = command("plot-image", plot_image, many=False)
     image.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
                                                         "and the middle of its deepest dip or peak")
+    profiles = command("plot-profiles", plot_profiles, many=True)
+    profiles.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
     tally = command("plot-tally", plot_tally, many=False)
     tally.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
     tally.add_argument("--axes", metavar="A,B", help="one or two of its axes; the first ones by default, the others are "
@@ -175,11 +192,11 @@ def _parser() -> Parser:
     report = command("summary", print_summary, many=False, draws=False)
     pair = command("compare-scans", compare_scans, many=False, draws=False)
     pair.add_argument("other", metavar="OTHER", type=Path)
-    for one in (levels, image):
+    for one in (levels, image, profiles):
         one.add_argument("--detector", metavar="NAME", help="the first one by default")
     for each in (scan, report, pair):
         each.add_argument("--detector", metavar="NAME", help="all by default")
-    for plot in (scan, levels, flights):
+    for plot in (scan, levels, profiles, flights):
         plot.add_argument("--title", help="instead of the file's own")
     return parser
 
@@ -188,6 +205,10 @@ def _detector(file: results.Results, name: str | None) -> str:
     if name is not None and name not in file.detectors:
         raise InputError(f"{file.path}: no detector `{name}` (there is {', '.join(file.detectors)})")
     return name or file.scan.detectors[0]
+
+
+def _scans_values(file: results.Results) -> bool:
+    return any(axis.parameter != "law" for axis in file.scan.axes)
 
 
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:

@@ -49,6 +49,11 @@ RABILINE_LANES words load(const unsigned long long* p) {
   return *reinterpret_cast<const words_in_memory*>(p);
 }
 RABILINE_LANES words load(const unsigned long* p) { return *reinterpret_cast<const words_in_memory*>(p); }
+/// Single-precision numbers, aligned to nothing more than themselves; conversion is exact.
+RABILINE_LANES real load(const float* p) {
+  using floats = float __attribute__((vector_size(4 * lane_count), aligned(4), may_alias));
+  return __builtin_convertvector(*reinterpret_cast<const floats*>(p), real);
+}
 RABILINE_LANES void store(double* p, real x) { *reinterpret_cast<real_in_memory*>(p) = x; }
 RABILINE_LANES void store(unsigned long long* p, words x) { *reinterpret_cast<words_in_memory*>(p) = x; }
 RABILINE_LANES void store(unsigned long* p, words x) { *reinterpret_cast<words_in_memory*>(p) = x; }

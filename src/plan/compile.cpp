@@ -87,7 +87,14 @@ class Compiler {
   // ---- fields as the species sees them ----
 
   double speed() const { return mean_speed(beamline_.source.speed, species_.mass); }
+  void require_one_moment(int part) const {
+    if (quantum_ && species_.structure)
+      throw std::invalid_argument(
+          fmt::format("`{}` prepares spins of one moment, and {} has the levels of two spins",
+                      beamline_.parts[static_cast<std::size_t>(part)].placement.name, species_.name));
+  }
   Alignment alignment_of(const AlignTerm& term, int part) const {
+    require_one_moment(part);
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
     return {term.probability,
             spin_along_field * term.field_sign,
@@ -132,6 +139,7 @@ class Compiler {
     tip_ = 1;
   }
   Filter filter_of(const FilterTerm& term, int part) const {
+    require_one_moment(part);
     if (quantum_ && species_.spin.twice != 1)
       throw std::invalid_argument(
           fmt::format("`{}` filters spins 1/2 only, and {} has spin {}/2 under the law `quantum`\n  help: a "

@@ -13,10 +13,13 @@ namespace rabiline {
 /// that swing, or one is stated by a species' own precession.
 std::vector<LevelZone> driven_zones(const Species&, const std::vector<Section>&, double from, double to);
 
-/// Slownesses 1/v [s/m] of a source, but for at most 1e-4 of its particles.
+/// The largest angle [rad] to +y at which the source sends anything that may reach a plane, or most of it.
+double steepest_before(const Plane&, const Beamline&, const Sections&);
+
+/// Slownesses along the beam 1/v_y [s/m] of what flies at that angle at most, but for at most 1e-4 of it.
 struct SlownessRange {
   double from = 0, to = 0;
 };
-SlownessRange slownesses_of(const Source&, double mass);
+SlownessRange slownesses_of(const Source&, double mass, double steepest);
 
 }  // namespace rabiline

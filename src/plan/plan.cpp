@@ -222,12 +222,13 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
   return groups;
 }
 
-/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them.
+/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them. What a
+/// polarizer prepares anew does not end in the level that it was emitted in.
 std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& chains, bool of_atom) {
   bool deflects = false;
   for (const Chain* chain : chains)
     for (const Stage& stage : chain->stages) {
-      if (std::holds_alternative<TurningRegion>(stage)) return 0;
+      if (std::holds_alternative<TurningRegion>(stage) || std::holds_alternative<Alignment>(stage)) return 0;
       deflects =
           deflects || std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage);
     }
@@ -257,15 +258,10 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
 
 }  // namespace
 
-/// Of transitions below half a quantum a particle gets no share.
 std::uint64_t levels_found(const LevelProjection& projection) {
   if (projection.transitions == nullptr) return (std::uint64_t{1} << projection.levels) - 1;
-  const TransitionTable& table = *projection.transitions;
   std::uint64_t mask = 0;
-  for (int point = 0; point < table.points; ++point)
-    for (int from = 0; from < table.levels; ++from)
-      for (int to = 0; to < table.levels; ++to)
-        if (table.row(point, from)[to] > 0x1p-41) mask |= std::uint64_t{1} << to;
+  for (const int to : projection.transitions->targets) mask |= std::uint64_t{1} << to;
   return mask;
 }
 

@@ -163,9 +163,13 @@ class Finisher {
     for (const ScreenTally& screen : tallies_.screens) {
       if (screen.part != part || !concerns(*screen.points, p)) continue;
       const Sum* s = &sums_[screen.at];
-      std::vector<Moments> own(nx * nz), own_x(nx), own_z(nz), own_total(1);
+      // A particle's shares in several bins are one score: its square is not the sum of theirs.
+      const Moments whole{s[screen.layout.total()], s[screen.layout.total() + 1]};
+      std::vector<Moments> own(nx * nz), own_x(nx), own_z(nz), own_total{whole};
+      all.q += whole.q;
+      all.q2 += whole.q2;
       for (std::size_t b = 0; b < own.size(); ++b)
-        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz], &own_total[0], &all}) {
+        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz]}) {
           m->q += s[screen.layout.bin(b)];
           m->q2 += s[screen.layout.bin(b) + 1];
         }

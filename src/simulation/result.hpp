@@ -123,7 +123,8 @@ struct Track {
   std::vector<double> t;           // [s]
   std::vector<double> x, y, z;     // [m]
   std::vector<double> vx, vy, vz;  // [m/s]
-  std::vector<double> sx, sy, sz;  // the spin's expectation over its size, <S>/(hbar I)
+  /// The spin's expectation over its size, <S>/(hbar I); of an atom m_F/(I + J) along z.
+  std::vector<double> sx, sy, sz;
 };
 
 }  // namespace rabiline

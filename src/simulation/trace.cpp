@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "spin/level_labels.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -25,7 +27,7 @@ class Tracer {
     kernels_.emit(tree.source, particle, batch_.view());
     const Component& component = beamline.species[static_cast<std::size_t>(tree.component)];
     zones_ = zones_along(beamline, component);
-    spin_ = component.species.spin.value();
+    along_ = parts_along(component.species, tree.source.levels);
   }
 
   Track fly() {
@@ -36,6 +38,21 @@ class Tracer {
   }
 
  private:
+  /// m/I of a point moment, m_F/(I + J) of an atom; empty under a vector law.
+  static std::vector<double> parts_along(const Species& species, int levels) {
+    std::vector<double> parts;
+    if (levels == 0) return parts;
+    if (!species.structure) {
+      for (int level = 0; level < levels; ++level)
+        parts.push_back((species.spin.value() - level) / species.spin.value());
+      return parts;
+    }
+    const CoupledSpins spins = coupled_spins(*species.structure);
+    for (const LevelLabel& label : level_labels(spins))
+      parts.push_back(static_cast<double>(label.twice_m) / (spins.twice_i + spins.twice_j));
+    return parts;
+  }
+
   bool flying() const { return batch_.view().flying[0] != 0; }
 
   void pass(const PlanNode& node) {
@@ -156,9 +173,7 @@ class Tracer {
   }
   /// `spin` is the vector itself, or under `quantum` the image of the axis that the level m belongs to.
   void record(double t, const double* place, const double* velocity, const double* spin) {
-    const int levels = tree_.source.levels;
-    const double part =
-        levels > 0 ? (spin_ - static_cast<double>(batch_.view().level[0])) / spin_ : 1;  // m/I
+    const double part = along_.empty() ? 1 : along_[batch_.view().level[0]];
     const double sx = part * spin[0], sy = part * spin[1], sz = part * spin[2];
     if (!track_.t.empty() && track_.t.back() == t && track_.y.back() == place[1] && track_.sx.back() == sx &&
         track_.sy.back() == sy && track_.sz.back() == sz)
@@ -180,7 +195,7 @@ class Tracer {
   const Kernels& kernels_;
   Batch batch_;
   std::vector<SpinZone> zones_;  // along the whole beam
-  double spin_ = 0.5;            // I
+  std::vector<double> along_;    // of each level, what its spin has along z or the image of z
   double spin_at_ = 0;           // [m] where the batch's spin is the particle's
   Track track_;
 };

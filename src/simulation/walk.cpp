@@ -48,6 +48,18 @@ class LedgerBook {
   std::uint64_t before_[Batch::capacity];  // [quanta] of what flew
 };
 
+/// Whether a link behind a projection looks at what a screen in front of it caught.
+bool looks_in_front(const ChainLink& link, const std::vector<ChainLink>& chain) {
+  const auto* stretch = std::get_if<SpinStretch>(link.stage);
+  const auto* histogram = std::get_if<Histogram>(link.stage);
+  if (stretch == nullptr && (histogram == nullptr || !histogram->caught)) return false;
+  const int part = stretch != nullptr ? stretch->part : histogram->part;
+  return std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
+    const auto* score = std::get_if<Score>(other.stage);
+    return score != nullptr && score->screen.part == part;
+  });
+}
+
 }  // namespace
 
 Batch& Walker::batch(std::size_t depth) {
@@ -67,14 +79,21 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
   }
 }
 
-void Walker::follow_branches(const PlanNode& node, const Batch& batch, const RandomKey& key, Sums& sums) {
+void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
   std::vector<ChainLink> chain;
   for (const PlanNode* next = &node; !next->next.empty();) {
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
   branches_.fly(batch, chain, node.levels, kernels_, key);
-  for (const PlanNode::Way& way : node.ways) branches_.book(way.projection, sums.data(), way.shift);
+  for (const PlanNode::Way& way : node.ways) {
+    branches_.book(way.projection, sums.data(), way.shift);
+    for (const ChainLink& link : chain) {
+      if (!looks_in_front(link, chain)) continue;
+      Flight flight{kernels_, key, batch, sums.data() + link.sums + way.shift};
+      advance(*link.stage, flight);
+    }
+  }
 }
 
 void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const RandomKey& key, Sums& sums) {

@@ -15,7 +15,7 @@ class Walker {
 
  private:
   void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
-  void follow_branches(const PlanNode&, const Batch&, const RandomKey&, Sums&);
+  void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
   const Kernels& kernels_;

@@ -334,6 +334,22 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
   }
 }
 
+std::vector<std::pair<int, int>> DrivenLevels::connected() const {
+  std::vector<std::pair<int, int>> pairs;
+  for (const Block& block : blocks_)
+    for (const int from : block.levels)
+      for (const int to : block.levels) pairs.emplace_back(from, to);
+  return pairs;
+}
+
+void DrivenLevels::put_probabilities(double slowness, double* out) const {
+  for (const Block& block : blocks_) {
+    const Eigen::MatrixXd p = block.evolution.probabilities(slowness);
+    for (Eigen::Index from = 0; from < p.rows(); ++from)
+      for (Eigen::Index to = 0; to < p.cols(); ++to) *out++ = p(from, to);
+  }
+}
+
 Eigen::MatrixXd DrivenLevels::probabilities(double slowness) const {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(levels_, levels_);
   for (const Block& block : blocks_)

@@ -2,6 +2,7 @@
 // Transitions between the levels of two coupled spins that cross static fields along +z and fields that drive
 // them.
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "spin/coupled_spins.hpp"
@@ -27,6 +28,10 @@ class DrivenLevels {
   int levels() const { return levels_; }
   /// P(from -> to), row from, column to, by the levels' numbers; the mean over random start phases.
   Eigen::MatrixXd probabilities(double slowness) const;
+  /// Pairs of levels (from, to) between which particles can go; all others have the probability 0.
+  std::vector<std::pair<int, int>> connected() const;
+  /// Their probabilities, in the same order.
+  void put_probabilities(double slowness, double* out) const;
   /// Largest amplitude |V_ij| / |detuning| of the couplings that the rotating-wave approximation leaves out;
   /// 0 for rotating fields.
   double neglected() const { return neglected_; }

@@ -32,38 +32,80 @@ class Branches {
 
  private:
   static constexpr std::size_t capacity = Batch::capacity;
+  static constexpr std::uint32_t not_counted = ~std::uint32_t{0};
   /// How the particles in one level end.
   struct Ends {
     std::array<std::uint8_t, capacity> link, level;  // where in the chain; in which level
     std::array<std::uint32_t, capacity> bin;         // on a screen, or not_counted
   };
-  static constexpr std::uint32_t not_counted = ~std::uint32_t{0};
-  /// A share that a screen has counted.
-  struct Caught {
-    std::uint64_t q;
+  /// Particles one after the other that were prepared in one level.
+  struct Group {
+    int begin, end;
+    std::size_t prepared;
+  };
+  /// What ends uncounted at a link, of the particles on one path.
+  struct Stop {
+    std::size_t path, link, mask;  // masks_ begin there
+  };
+  /// What one particle has in one bin: the sum over one to all of its paths.
+  struct Cell {
     std::uint32_t bin;
-    std::uint8_t link, level;
+    std::uint16_t particle;
+    std::uint16_t paths;  // how many; cell_paths_ lists them
+  };
+  struct ScreenBook {
+    std::size_t link;
+    int stretch;       // the link that asks for the levels of what it caught, or -1
+    std::size_t hits;  // masks_ begin there, one column for each path
+    std::vector<Cell> cells;
+    std::vector<std::uint8_t> cell_paths;
+  };
+
+  /// What a tally behind the projection sees of each path.
+  struct MonitorBook {
+    std::size_t link;
+    std::vector<std::array<std::uint64_t, capacity>> crossed;  // [path] masks
+  };
+  struct HistogramBook {
+    std::size_t link;
+    std::vector<HistogramPlaces> places;  // [path]
   };
 
   void fly_in(int level, const Batch& batch);
+  void look(std::size_t link, std::size_t path);
   void keep_undecided(const Batch& batch);
-  int count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught);
-  void tally(int i, const Caught* caught, int count, Sum* sums);
+  void keep(const BatchView& from, int i);
+  void find_stops();
+  void find_hits();
+  void book_stops(Sum* sums) const;
+  void book_screen(const ScreenBook& book, Sum* sums);
+  void book_monitor(const MonitorBook& book, Sum* sums) const;
+  template <class Weight>
+  void book_histogram(const HistogramBook& book, const Weight& weight, Sum* sums) const;
+  std::uint64_t share_of(std::size_t path, int k) const {
+    return shares_[static_cast<std::size_t>(levels_[path] * asked_.view().padded + k)];
+  }
+  void book_levels(const ScreenBook& book, const LevelSums& by_path, Sum* sums) const;
+  std::size_t new_mask();
 
   std::vector<ChainLink> chain_;
-  std::vector<int> stretch_;  // for each link that is a screen, the link that asks for its levels, or -1
   const Kernels* kernels_ = nullptr;
   RandomKey key_;
-  std::vector<int> levels_;                      // that are flown
-  std::vector<Ends> ends_;                       // of each level
-  std::vector<Sum> unused_;                      // what the stages themselves would add
-  std::vector<std::uint64_t> decided_;           // [quanta] that end at each link whatever the level
-  std::vector<std::uint64_t> decided_by_level_;  // [link][prepared level] the same
-  std::vector<std::uint64_t> ledger_;            // [link][prepared level][caught, ended] of one way
+  std::vector<int> levels_;             // that are flown: one path each
+  std::vector<Ends> ends_;              // of each path
+  std::vector<Sum> unused_;             // what the stages themselves would add
+  std::vector<std::uint64_t> decided_;  // [link][prepared level] [quanta] that end there whatever the level
+  std::vector<Group> groups_;
+  std::vector<Stop> stops_;
+  std::vector<ScreenBook> screens_;
+  std::vector<MonitorBook> monitors_;
+  std::vector<HistogramBook> histograms_;
+  std::vector<std::uint64_t> masks_;
   Batch flown_;
   Batch asked_;                                   // those whose end depends on the level
   std::array<std::uint16_t, capacity> number_{};  // of each of them in the batch
-  alignas(64) std::array<std::uint64_t, most_levels * capacity> shares_{};
+  alignas(64) std::array<std::uint64_t, most_levels * capacity> shares_{}, counts_{};
+  alignas(64) std::array<std::uint64_t, capacity> totals_{};
 };
 
 }  // namespace rabiline

@@ -65,7 +65,36 @@ class Filler {
       if (weights_[i] != 0) score(i);
   }
 
+  void find_places(HistogramPlaces& places) {
+    places.bin.fill(HistogramPlaces::nowhere);
+    if (!weigh()) return;
+    measure();
+    for (int i = 0; i < batch_.count; ++i)
+      if (weights_[i] != 0) find_place(i, places);
+  }
+
  private:
+  void find_place(int i, HistogramPlaces& places) {
+    std::int64_t shares[most_levels];
+    int found = 0;
+    if (measured_) {
+      share(i, shares);
+      found = static_cast<int>(std::max_element(shares, shares + histogram_.levels) - shares);
+    }
+    const auto at = static_cast<std::size_t>(i);
+    std::size_t bin = 0, ranged = 0;
+    for (std::size_t a = 0; a < rulers_.size(); ++a) {
+      const Mark mark = rulers_[a].mark(is_measured(histogram_.axes[a]) ? outcome(a, found) : values_[a][i]);
+      if (mark.bin == outside_axis) {
+        places.bin[at] = HistogramPlaces::beyond;
+        return;
+      }
+      bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(mark.bin);
+      if (!rulers_[a].of_levels()) places.steps[ranged++][at] = static_cast<std::uint32_t>(mark.u);
+    }
+    places.bin[at] = static_cast<std::uint32_t>(bin);
+  }
+
   bool is_measured(const HistogramAxis& axis) const {
     return histogram_.levels > 0 && asks_for_spin(axis.quantity);
   }
@@ -177,14 +206,12 @@ class Filler {
     }
   }
   void flush_bin() {
-    flight_.sums[layout_.bin(bin_)] += inside_;
-    flight_.sums[layout_.bin(bin_) + 1] += square(inside_);
+    add_score(layout_, static_cast<std::uint32_t>(bin_), inside_, flight_.sums);
     inside_ = 0;
   }
   void flush() {
     if (inside_ != 0) flush_bin();
-    flight_.sums[layout_.outside()] += outside_;
-    flight_.sums[layout_.outside() + 1] += square(outside_);
+    add_score(layout_, HistogramPlaces::beyond, outside_, flight_.sums);
     outside_ = 0;
   }
 
@@ -224,6 +251,16 @@ void pass(const Census& census, Flight& flight) {
     flight.sums[CensusSums::total() + 1] += square(weights[i]);
     flight.sums[CensusSums::group(batch.particle[i] % group_count)] += weights[i];
   }
+}
+
+void add_score(const HistogramSums& layout, std::uint32_t bin, std::uint64_t q, Sum* sums) {
+  Sum* at = sums + (bin == HistogramPlaces::beyond ? layout.outside() : layout.bin(bin));
+  at[0] += q;
+  at[1] += square(q);
+}
+
+void find_places(const Histogram& histogram, Flight& flight, HistogramPlaces& places) {
+  Filler(histogram, flight).find_places(places);
 }
 
 void pass(const Histogram& histogram, Flight& flight) { Filler(histogram, flight).fill(); }

@@ -1,10 +1,13 @@
 #pragma once
 // Tallies as stages: read the batch and change nothing in it.
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "spin/transition_table.hpp"
 #include "tally/sums.hpp"
+#include "tally/tally.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -69,7 +72,19 @@ struct HistogramSums {
 };
 HistogramSums sums_of(const Histogram&);
 
+/// Where each particle of a batch stands in a histogram, as long as no measurement has several outcomes.
+struct HistogramPlaces {
+  static constexpr std::uint32_t beyond = ~std::uint32_t{0};       // the range of an axis
+  static constexpr std::uint32_t nowhere = ~std::uint32_t{0} - 1;  // does not count
+  std::array<std::uint32_t, Batch::capacity> bin;
+  std::array<std::array<std::uint32_t, Batch::capacity>, most_tally_axes>
+      steps;  // of the axes that have moments
+};
+
 struct Flight;
+void find_places(const Histogram&, Flight&, HistogramPlaces&);
+/// Adds what one particle has in one bin, or beyond an axis, to the sums of a histogram.
+void add_score(const HistogramSums&, std::uint32_t bin, std::uint64_t q, Sum* sums);
 void pass(const Census&, Flight&);
 void pass(const Histogram&, Flight&);
 

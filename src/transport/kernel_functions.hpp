@@ -13,6 +13,7 @@ void align(const Alignment&, const RandomKey&, BatchView&);
 void precess(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
 std::uint64_t filter(const Filter&, BatchView&);
 void outcomes(const LevelQuestion&, const BatchView&, const std::uint64_t* weights, std::uint64_t* shares);
+void count_shares(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&);
 void collapse(const LevelQuestion&, int part, BatchView&);
 std::uint64_t deflect(const Deflection&, BatchView&);
 std::uint64_t steer(const Steering&, BatchView&);

@@ -4,7 +4,7 @@
 namespace rabiline::RABILINE_ISA {
 
 extern const Kernels table;
-const Kernels table{emit,     drift,   pass,  screen,  align, precess, filter,  outcomes,
+const Kernels table{emit,     drift,   pass,  screen,  align, precess, filter,  outcomes,    count_shares,
                     collapse, deflect, steer, project, turn,  cross,   measure, measure_spin};
 
 }  // namespace rabiline::RABILINE_ISA

@@ -240,11 +240,12 @@ struct Projection {
   int zone_count = 0;
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
 };
-/// Sums over the particles that the detector caught: of q and of q^2 = high 2^40 + low.
+/// Sums over the particles that the detector caught: of q and of q^2 = high 2^40 + low. One more than levels:
+/// of all of them.
 struct LevelSums {
-  std::uint64_t q[most_levels] = {};
-  std::uint64_t squares_high[most_levels] = {};
-  std::int64_t squares_low[most_levels] = {};
+  std::uint64_t q[most_levels + 1] = {};
+  std::uint64_t squares_high[most_levels + 1] = {};
+  std::int64_t squares_low[most_levels + 1] = {};
   /// Of q times the particle's whole weight, for more than two levels; of two it follows from the squares.
   std::uint64_t products_high[most_levels] = {};
   std::int64_t products_low[most_levels] = {};
@@ -266,14 +267,17 @@ struct SpinGauge {
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
 };
 
-/// P(from -> to) between the levels of an atom on a stretch of the beam, at slownesses of equal distance;
-/// cubic between them, and beyond the ends as at the ends. Rows stand at (point levels + from) stride.
+/// P(from -> to) between the levels of an atom on a stretch of the beam, as TransitionTable has them: at
+/// slownesses of equal distance, cubic between them, and beyond the ends as at the ends.
 struct Transitions {
-  const double* values = nullptr;  // null: the levels are not those of an atom, or nothing drives them
+  const float* values =
+      nullptr;  // [point][row]; null: the levels are not those of an atom, or nothing drives them
+  const int* begin = nullptr;  // [levels + 1] where the targets of each level begin in a row
+  const int* targets = nullptr;
   double first = 0;                // [s/m]
   double points_per_slowness = 0;  // [m/s]
   int points = 1;                  // 1, or at least 4
-  int levels = 0, stride = 0;
+  int row = 0;
 };
 
 /// In which level along the field a state is found, after a straight flight through the zones: the image of z
@@ -286,6 +290,15 @@ struct LevelQuestion {
   int zone_count = 0;
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
   Transitions transitions;
+};
+
+/// Shares of particles that follow a path each, of which some are counted by a screen.
+struct ShareCount {
+  const std::uint64_t* shares = nullptr;  // [level][padded]
+  const std::uint64_t* hits = nullptr;    // [path][padded] masks: whether that path is counted
+  const int* levels = nullptr;            // [path] whose shares follow it
+  int paths = 0, padded = 0;
+  double efficiency = 1;  // share that is counted
 };
 
 enum class EdgeKind { open, plate, screen, align };
@@ -346,6 +359,9 @@ struct Kernels {
   /// the rest.
   void (*outcomes)(const LevelQuestion&, const BatchView&, const std::uint64_t* weights,
                    std::uint64_t* shares);
+  /// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums
+  /// are by path; of particles they come last, at index `paths`.
+  void (*count_shares)(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&);
   /// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
   /// drawn for that part.
   void (*collapse)(const LevelQuestion&, int part, BatchView&);

@@ -62,8 +62,13 @@ void share_by_flip(const LevelQuestion& q, const BatchView& batch, const std::ui
       continue;
     }
     real parts[most_levels];
-    for (int to = 0; to < q.levels; ++to)
-      parts[to] = floor(weight * outcome_probability(q.polynomials, q.levels, from, to, p));
+    for (int to = 0; to < q.levels; ++to) parts[to] = broadcast(0);
+    for (int start = 0; start < q.levels; ++start) {
+      const mask here = from == broadcast_word(static_cast<unsigned long long>(start));
+      if (!any(here)) continue;
+      for (int to = 0; to < q.levels; ++to)
+        parts[to] = select(here, floor(weight * majorana(q.polynomials, q.levels, start, to, p)), parts[to]);
+    }
     give_rest_to_largest(parts, q.levels, weight);
     for (int to = 0; to < q.levels; ++to) store(shares + to * batch.padded + i, weight_of(parts[to]));
   }
@@ -89,30 +94,29 @@ Stencil stencil_at(const Transitions& t, double slowness) {
 void share_by_table(const LevelQuestion& q, const BatchView& batch, const std::uint64_t* weights,
                     std::uint64_t* shares) {
   const Transitions& t = q.transitions;
+  for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
   for (int i = 0; i < batch.padded; ++i) {
-    if (weights[i] == 0) {
-      for (int to = 0; to < q.levels; ++to) shares[to * batch.padded + i] = 0;
-      continue;
-    }
+    if (weights[i] == 0) continue;
     const Stencil s = stencil_at(t, 1 / batch.vy[i]);
-    const int row = t.levels * t.stride;
-    const double* base = t.values + s.point * row + static_cast<int>(batch.level[i]) * t.stride;
+    const int begin = t.begin[batch.level[i]], end = t.begin[batch.level[i] + 1];
+    const float* base = t.values + static_cast<std::int64_t>(s.point) * t.row;
     const double weight = static_cast<double>(weights[i]);
     std::uint64_t rest = weights[i], largest = 0;
-    int largest_level = 0;
-    for (int to = 0; to < q.levels; to += lane_count) {
-      real p = broadcast(s.weight[0]) * load(base + to);
+    int largest_level = static_cast<int>(batch.level[i]);
+    for (int target = begin; target < end; target += lane_count) {
+      real p = broadcast(s.weight[0]) * load(base + target);
       if (t.points > 1)
-        for (int k = 1; k < 4; ++k) p = fma(broadcast(s.weight[k]), load(base + k * row + to), p);
+        for (int k = 1; k < 4; ++k) p = fma(broadcast(s.weight[k]), load(base + k * t.row + target), p);
       const words part = weight_of(floor(weight * max(broadcast(0), min(broadcast(1), p))));
-      for (int k = 0; k < lane_count && to + k < q.levels; ++k) {
+      for (int k = 0; k < lane_count && target + k < end; ++k) {
         // Interpolated shares may add up to more than all by rounding.
         const std::uint64_t share = lane(part, k) < rest ? lane(part, k) : rest;
-        shares[(to + k) * batch.padded + i] = share;
+        const int to = t.targets[target + k];
+        shares[to * batch.padded + i] = share;
         rest -= share;
         if (share > largest) {
           largest = share;
-          largest_level = to + k;
+          largest_level = to;
         }
       }
     }

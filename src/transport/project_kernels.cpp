@@ -122,6 +122,32 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
 
 }  // namespace
 
+void count_shares(const ShareCount& c, std::uint64_t* counts, std::uint64_t* totals, LevelSums& sums) {
+  for (int i = 0; i < c.padded; i += lane_count) store(totals + i, words{});
+  for (int path = 0; path < c.paths; ++path) {
+    Accumulator sum;
+    const std::uint64_t* shares = c.shares + c.levels[path] * c.padded;
+    for (int i = 0; i < c.padded; i += lane_count) {
+      real q = number_of(load(shares + i) & load(c.hits + path * c.padded + i));
+      if (c.efficiency != 1) q = floor(q * c.efficiency);
+      sum.add(q);
+      const words counted = weight_of(q);
+      store(counts + path * c.padded + i, counted);
+      store(totals + i, load(totals + i) + counted);
+    }
+    sum.flush(sums, path);
+  }
+  Accumulator all;
+  for (int i = 0; i < c.padded; i += lane_count) all.add(number_of(load(totals + i)));
+  all.flush(sums, c.paths);
+  for (int path = 0; path < c.paths; ++path) {
+    Accumulator products;
+    for (int i = 0; i < c.padded; i += lane_count)
+      products.add_product(number_of(load(counts + path * c.padded + i)), number_of(load(totals + i)));
+    products.flush_products(sums, path);
+  }
+}
+
 void project(const Projection& p, const BatchView& batch, LevelSums& sums) {
   if (p.levels > 2)
     project_many(p, batch, sums);

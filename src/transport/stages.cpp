@@ -145,11 +145,6 @@ void pass(const TurningRegion& region, Flight& flight) {
     if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
 }
 
-/// A sum of products from its pieces; a negative lower one borrows, as unsigned numbers do.
-Sum joined(std::uint64_t high, std::int64_t low) {
-  return (static_cast<Sum>(high) << 40) + static_cast<Sum>(low);
-}
-
 /// The levels of atoms: those that they are in, or by their transitions.
 void project_atoms(const SpinStretch& stretch, Flight& flight) {
   const BatchView& batch = flight.batch.view();
@@ -205,8 +200,13 @@ void advance(const Stage& stage, Flight& flight) {
 
 Transitions transitions_view(const TransitionTable* table) {
   if (table == nullptr) return {};
-  return {table->values.data(), table->first,  table->step > 0 ? 1 / table->step : 0,
-          table->points,        table->levels, table->stride()};
+  return {table->values.data(),
+          table->begin.data(),
+          table->targets.data(),
+          table->first,
+          table->step > 0 ? 1 / table->step : 0,
+          table->points,
+          table->row()};
 }
 
 void share_levels(int levels, const TransitionTable* table, const Flight& flight,

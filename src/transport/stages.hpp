@@ -107,6 +107,11 @@ struct LevelLayout {
   std::size_t size() const { return (has_products() ? 3 : 2) * levels; }
 };
 
+/// A sum of products from its pieces; a negative lower one borrows, as unsigned numbers do.
+inline Sum joined(std::uint64_t high, std::int64_t low) {
+  return (static_cast<Sum>(high) << 40) + static_cast<Sum>(low);
+}
+
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
 /// particles, then q of what hit it and was not counted.
 struct ScreenSums {

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int frequencies = 101;
 constexpr std::uint64_t beam_particles = 1 << 20, scan_particles = 1 << 16, dorado_particles = 1 << 13;
-constexpr int dorado_points = 8;
+constexpr std::uint64_t rabi_particles = 1 << 16;
+constexpr int dorado_points = 8, rabi_points = 201;
 
 template <class Work>
 void time_it(benchmark::State& state, double items, Work work) {
@@ -51,6 +52,9 @@ void scan_program(benchmark::State& state) {
 }
 void dorado_program(benchmark::State& state) {
   program(state, suggested_experiment(dorado_points, dorado_particles), dorado_steps());
+}
+void rabi_program(benchmark::State& state, int points, int twice_spin) {
+  program(state, rabis_apparatus(points, rabi_particles, twice_spin), double{rabi_particles} * points);
 }
 /// By processor time all threads' times count together: on a machine that others use too, the clock shows
 /// them as well.
@@ -101,6 +105,11 @@ void register_all() {
   benchmark::RegisterBenchmark("beam/program", beam_program);
   benchmark::RegisterBenchmark("scan/program", scan_program);
   benchmark::RegisterBenchmark("dorado/program", dorado_program);
+  for (const int twice_spin : {1, 3}) {
+    const std::string name = fmt::format("rabi {}/2", twice_spin);
+    benchmark::RegisterBenchmark((name + "/one").c_str(), rabi_program, 1, twice_spin);
+    benchmark::RegisterBenchmark((name + "/scan").c_str(), rabi_program, rabi_points, twice_spin);
+  }
   for (const bool busy : {false, true}) {
     const std::string by = busy ? "by processor time" : "by the clock";
     for (const int threads : {1, 2}) {
@@ -115,6 +124,8 @@ const std::vector<Row> rows{
     {"two-level beamline, closed form [particles]", "beam/limit", "beam/program", 0.3, 0.5},
     {"  against flux-weighted speeds [particles]", "beam/flux-weighted limit", "beam/program"},
     {"frequency scan, tracks reused [particles x frequencies]", "scan/limit", "scan/program", 0.25, 0.6},
+    {"Rabi's apparatus, 201 points against one, spin 1/2", "rabi 1/2/one", "rabi 1/2/scan"},
+    {"  spin 3/2 [particles x frequencies]", "rabi 3/2/one", "rabi 3/2/scan"},
     {"dorado region [steps]", "dorado/limit", "dorado/program", 0.4, 0.7},
     {"dorado scan, two threads against one, by the clock [steps]", "threads by the clock/1",
      "threads by the clock/2", 1.85, 1.95},

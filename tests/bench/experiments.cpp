@@ -56,6 +56,43 @@ Experiment two_level_beamline(int points, std::uint64_t particles, bool polarise
   return scan(b, points, 20e3);
 }
 
+Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) {
+  Beamline b = test::suggested(larmor);
+  b.law = QuantumLaw{};
+  // LiCl at 850 K with the moment of Li-7, whatever its spin here.
+  constexpr double gamma = 2 * std::numbers::pi * 16.54828e6;
+  b.species = {{{"LiCl", 42.4 * 1.66053906892e-27, 0, {twice_spin}, gamma, ""}, 1}};
+  b.source = {EffusiveSpeed{850}, Rectangle{2e-3, 20e-6}, BoxDirection{0.5e-3, 30e-6}};
+  b.chamber.reset();
+  b.particles = particles;
+  GradientMagnet a;
+  a.length = 0.52;
+  a.field = 1;
+  a.gradient = 300;
+  a.gap = Rectangle{4e-3, 1e-3};
+  GradientMagnet undo = a;
+  undo.length = 0.58;
+  undo.gradient = -813.457;
+  RotatingField drive;
+  drive.length = 0.04;
+  drive.amplitude = 0.525e-3;
+  drive.sense = Sense::co;
+  b.parts = {test::place("first", 0.05, Slit{Rectangle{4e-3, 30e-6}, {}}),
+             test::place("A", 0.10, a),
+             test::place("second", 0.65, Slit{Rectangle{4e-3, 60e-6}, {}}),
+             test::place("C", 0.68, UniformField{0.16, 0.2126, {}}),
+             test::place("RF", 0.74, drive),
+             test::place("B", 0.90, undo),
+             test::place("wire", 1.60, Detector{Rectangle{10e-3, 80e-6}, {20, 20}, {}})};
+  Experiment experiment;
+  for (int i = 0; i < points; ++i) {
+    experiment.points.push_back(b);
+    std::get<RotatingField>(experiment.points.back().parts[4].part).frequency =
+        3.518e6 + 100e3 * (i - points / 2) / points;
+  }
+  return experiment;
+}
+
 Experiment suggested_experiment(int points, std::uint64_t particles) {
   Beamline b = test::suggested(larmor);
   b.particles = particles;

@@ -1,5 +1,5 @@
-#include "spin/hamiltonian.hpp"
 #include "spin/levels.hpp"
+#include "spin/hamiltonian.hpp"
 
 #include <gsl/gsl_complex_math.h>
 #include <gsl/gsl_eigen.h>

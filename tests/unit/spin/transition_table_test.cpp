@@ -41,7 +41,7 @@ double worst_of(const TransitionTable& table, const DrivenLevels& driven, double
 
 TEST(TransitionTable, StaysBelowItsBoundEverywhere) {
   const DrivenLevels driven = sodium();
-  for (const double tolerance : {1e-3, 1e-6, 1e-8}) {
+  for (const double tolerance : {1e-3, 1e-5, 1e-6}) {
     const TransitionTable table = tabulate(driven, 1e-3, 4e-3, tolerance, 1 << 16);
     EXPECT_LT(table.error, tolerance);
     EXPECT_LT(worst_of(table, driven, 1e-3, 4e-3), table.error);
@@ -56,34 +56,37 @@ TEST(TransitionTable, TellsItsErrorWhenItMayNotHaveEnoughPoints) {
   EXPECT_LT(worst_of(table, driven, 1e-3, 4e-3), table.error);
 }
 
-TEST(TransitionTable, OfOneSlownessIsExactThere) {
+TEST(TransitionTable, OfOneSlownessIsExactThereToSinglePrecision) {
   const DrivenLevels driven = sodium();
   const TransitionTable table = tabulate(driven, 2e-3, 2e-3);
   EXPECT_EQ(table.points, 1);
   EXPECT_EQ(table.step, 0);
-  EXPECT_EQ(table.error, 0);
+  EXPECT_LT(table.error, 1e-7);
   const Eigen::MatrixXd p = driven.probabilities(2e-3);
   for (int from = 0; from < 8; ++from)
-    for (int to = 0; to < 8; ++to) EXPECT_EQ(probability(table, from, to, 2e-3), p(from, to));
+    for (int to = 0; to < 8; ++to) EXPECT_NEAR(probability(table, from, to, 2e-3), p(from, to), table.error);
 }
 
-TEST(TransitionTable, HasRowsFilledUpWithZerosAndItsEndsOutsideItsRange) {
+TEST(TransitionTable, KeepsWhatALevelCanGoToAndHoldsItsEndsOutsideItsRange) {
   const CoupledSpins spins = coupled_spins(*find_atom("H"));
   LevelDrive drive;
   drive.amplitude = 1e-7;
   drive.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
   const DrivenLevels driven(spins, {{0, 0.1, 1e-5, drive}}, 4e-3);
   const TransitionTable table = tabulate(driven, 1e-3, 4e-3, 1e-4);
-  EXPECT_EQ(table.stride(), 8);
-  EXPECT_EQ(table.values.size(), static_cast<std::size_t>(table.points) * 4 * 8);
+  // F = 1 keeps to itself but for what the other level takes, and rows add up.
+  ASSERT_EQ(table.begin.size(), 5U);
+  EXPECT_EQ(table.values.size(), static_cast<std::size_t>(table.points * table.row()) + 8);
   for (int point = 0; point < table.points; ++point)
     for (int from = 0; from < 4; ++from) {
-      const double* row = table.row(point, from);
-      EXPECT_TRUE(std::all_of(row + 4, row + 8, [](double p) { return p == 0; }));
-      EXPECT_NEAR(row[0] + row[1] + row[2] + row[3], 1, 1e-12);
+      double sum = 0;
+      for (int t = table.begin[static_cast<std::size_t>(from)];
+           t < table.begin[static_cast<std::size_t>(from) + 1]; ++t)
+        sum += table.at(point, t);
+      EXPECT_NEAR(sum, 1, 1e-6);
     }
-  EXPECT_EQ(probability(table, 0, 1, 5e-4), table.row(0, 0)[1]);
-  EXPECT_NEAR(probability(table, 0, 1, 9e-3), table.row(table.points - 1, 0)[1], 1e-15);
+  EXPECT_EQ(probability(table, 0, 1, 5e-4), probability(table, 0, 1, 1e-3));
+  EXPECT_EQ(probability(table, 0, 1, 9e-3), probability(table, 0, 1, 4e-3));
   EXPECT_NEAR(table.first + table.step * (table.points - 1), 4e-3, 1e-15);
 }
 

@@ -1,0 +1,64 @@
+"""The profiles of beams on a detector, one over the other: the smear and the lines of a deflection."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+from .results import Results
+from .style import looks
+from .units import fitting_scale
+
+
+@dataclass(frozen=True)
+class Profile:
+    """What one scan point leaves on a detector along one axis."""
+
+    label: str
+    law: str
+    edges: np.ndarray  # [n + 1] m
+    density: np.ndarray  # [n] 1/m, of all that was emitted
+    errors: np.ndarray  # [n]
+
+
+def profile_of(results: Results, detector: str, point: int, along: str, label: str) -> Profile:
+    """The profile of a detector along "x" or "z", summed over the other axis."""
+    seen = results.detectors[detector]
+    edges, counts, errors = (seen.x_edges, seen.counts_x, seen.errors_x) if along == "x" else \
+        (seen.z_edges, seen.counts_z, seen.errors_z)
+    each = results.emitted[point] * np.diff(edges)
+    return Profile(label, results.laws[point], edges, counts[point] / each, errors[point] / each)
+
+
+def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure:
+    """Steps with error bars, in shares of the emitted beam per length."""
+    edges = np.concatenate([profile.edges for profile in profiles])
+    scale = fitting_scale(edges, "m")
+    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    for profile, look in zip(profiles, looks([profile.law for profile in profiles])):
+        at = np.asarray(scale.apply(profile.edges))
+        y, errors = profile.density * scale.factor, profile.errors * scale.factor
+        axes.stairs(y, at, color=look.colour, linewidth=1.2, label=profile.label)
+        hit = y > 0
+        axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], errors[hit], fmt="none", ecolor=look.colour,
+                      elinewidth=0.9)
+    axes.set_xlim(*_span(profiles, scale.factor))
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel(scale.label(along))
+    axes.set_ylabel(f"detected / emitted per {scale.unit}\n(bars: one standard error)")
+    axes.grid(axis="y")
+    figure.suptitle(title, fontsize=11.5)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(profiles) < 4 else 2)
+    return figure
+
+
+def _span(profiles: Sequence[Profile], factor: float) -> tuple[float, float]:
+    """Where anything was detected, with a margin."""
+    edges = [edge for p in profiles for edge in (p.edges[:-1][p.density > 0], p.edges[1:][p.density > 0])]
+    hit = np.concatenate(edges)
+    low, high = (hit.min(), hit.max()) if hit.size else (profiles[0].edges[0], profiles[0].edges[-1])
+    margin = 0.05 * (high - low)
+    return (low - margin) / factor, (high + margin) / factor
