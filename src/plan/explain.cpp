@@ -169,7 +169,7 @@ class Explainer {
     line("{}  {}: steers up to {}, about {:.0f} steps{}", metres(s.begin), name_of(s.part), metres(s.end),
          outlook_of(s, speed_).steps, reuse());
     tell(text_of(s, name_of(s.part), speed_,
-                 {on_axis_, 1 / slownesses_of(beamline_.source, species_->mass).from}));
+                 {on_axis_, 1 / slownesses_of(beamline_.source, species_->mass, 0).from}));
   }
   void tell(const MagnetText& text) {
     for (const std::string& told : text.lines) line("{:>16}{}", "", told);

@@ -268,7 +268,7 @@ std::vector<std::string> DrivenParts::warnings() const {
                       megahertz(b.zone->drive->frequency), list.empty() ? "none" : list));
     }
     const std::string& name = experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name;
-    if (error > transition_tolerance)
+    if (error > 10 * transition_tolerance)
       add(fmt::format(
           "the probabilities of transitions before `{}` are known to {:.2g} only: they change too "
           "often with the speed for a table; a narrower law of speeds helps, or fields nearer to "
