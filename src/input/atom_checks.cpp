@@ -1,6 +1,7 @@
 // What atoms with levels cannot fly through, or be asked about.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "input/check_nodes.hpp"
 #include "section/section_builder.hpp"
@@ -147,46 +148,53 @@ void check_parts(const Beamline& beamline, const Species& atom, const PartNodes&
 
 bool is_along_z(const Vector3& field) { return field.x == 0 && field.y == 0 && field.z >= 0; }
 
+/// A part's static field, if it has one that does not turn along the beam. Levels follow those of magnets
+/// that point elsewhere from place to place.
+std::optional<Vector3> static_field_of(const Part& part) {
+  if (const auto* uniform = std::get_if<UniformField>(&part))
+    return uniform->field * turned(uniform->direction, uniform->tilt);
+  if (const auto* guide = std::get_if<GuideField>(&part); guide && guide->from == guide->to)
+    return guide->field * turned(guide->from, guide->tilt);
+  if (const auto* magnet = std::get_if<GradientMagnet>(&part)) return Vector3{0, 0, magnet->field};
+  return std::nullopt;
+}
+
 /// The key that turns a field away from +z.
-std::string_view key_that_turns(const UniformField& field) {
-  if (!(field.tilt == Tilt{})) return "tilt";
-  return field.direction == UnitVector{} ? "field" : "direction";
+std::string_view key_that_turns(const Part& part) {
+  if (const auto* uniform = std::get_if<UniformField>(&part)) {
+    if (!(uniform->tilt == Tilt{})) return "tilt";
+    return uniform->direction == UnitVector{} ? "field" : "direction";
+  }
+  if (const auto* guide = std::get_if<GuideField>(&part)) return guide->tilt == Tilt{} ? "from" : "tilt";
+  return "field";
 }
 
 /// Fields add up where they overlap: only their sum must point along +z.
 void check_static_fields(const Beamline& beamline, const Species& atom, const PartNodes& nodes,
                          Reading& reading) {
-  std::vector<const PlacedPart*> fields;
+  std::vector<std::pair<const PlacedPart*, Vector3>> fields;
   SectionBuilder builder(Wall{});
-  for (const PlacedPart& part : beamline.parts)
-    if (const auto* uniform = std::get_if<UniformField>(&part.part)) {
-      fields.push_back(&part);
-      contribute(*uniform, part.placement, builder);
-    } else if (const auto* guide = std::get_if<GuideField>(&part.part)) {
-      contribute(*guide, part.placement, builder);
-      if (guide->field != 0 && guide->from != guide->to)
-        reading.error(place_in(nodes, part, "to"),
-                      fmt::format("`{}` turns its field along the beam, and `{}` is followed through fields "
-                                  "along +z only",
-                                  part.placement.name, atom.name),
-                      "a `uniform_field` along z keeps the levels that they are");
-      else
-        fields.push_back(&part);
+  for (const PlacedPart& part : beamline.parts) {
+    const auto* guide = std::get_if<GuideField>(&part.part);
+    if (const std::optional<Vector3> own = static_field_of(part.part)) {
+      fields.emplace_back(&part, *own);
+      builder.uniform(part.placement.at, end_of(part), {*own});
+    } else if (guide && guide->field != 0) {
+      reading.error(place_in(nodes, part, "to"),
+                    fmt::format("`{}` turns its field along the beam, and `{}` is followed through fields "
+                                "along +z only",
+                                part.placement.name, atom.name),
+                    "a `uniform_field` along z keeps the levels that they are");
     }
+  }
   const std::vector<Section> sections = builder.build().sections;
-  for (const PlacedPart* part : fields) {
-    const auto* uniform = std::get_if<UniformField>(&part->part);
-    const auto* guide = std::get_if<GuideField>(&part->part);
-    const Vector3 own = uniform ? uniform->field * turned(uniform->direction, uniform->tilt)
-                                : guide->field * turned(guide->from, guide->tilt);
+  for (const auto& [part, own] : fields) {
+    const double begin = part->placement.at, end = end_of(*part);
     const bool wrong = std::any_of(sections.begin(), sections.end(), [&](const Section& s) {
-      return s.begin < end_of(*part) && s.end > part->placement.at && !is_along_z(s.field);
+      return s.begin < end && s.end > begin && !is_along_z(s.field);
     });
     if (!wrong || is_along_z(own)) continue;
-    reading.error(place_in(nodes, *part,
-                           uniform                 ? key_that_turns(*uniform)
-                           : guide->tilt == Tilt{} ? "from"
-                                                   : "tilt"),
+    reading.error(place_in(nodes, *part, key_that_turns(part->part)),
                   fmt::format("`{}` does not point along +z, and `{}` is followed through fields along +z "
                               "only",
                               part->placement.name, atom.name),
