@@ -11,6 +11,7 @@
 
 #include "commands/common.hpp"
 #include "core/version.hpp"
+#include "plan/explain_atoms.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 #include "storage/checkpoint_file.hpp"
@@ -184,6 +185,8 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
 
   const Plan plan = make_plan(loaded.experiment);
   require_memory(plan, a.machine.thread_count());
+  for (const std::string& warning : warnings_of_atoms(loaded.experiment, plan))
+    fmt::print(stderr, "warning: {}\n", warning);
   if (start != nullptr && start->sums_low.size() != plan.sums)
     throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,

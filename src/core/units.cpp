@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
@@ -294,7 +295,9 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "K mK uK",
                                                     "MeV keV eV meV ueV neV",
                                                     "1/s",
-                                                    "T/m mT/m"};
+                                                    "T/m mT/m",
+                                                    "kA A mA"};
+  static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));

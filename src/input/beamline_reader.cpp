@@ -5,6 +5,7 @@
 
 #include "input/checks.hpp"
 #include "input/reader.hpp"
+#include "input/species_names.hpp"
 
 namespace rabiline {
 namespace {
@@ -13,23 +14,6 @@ constexpr Row fraction_row{"fraction",
                            Dimension::number,
                            {0, 1, false, true, "greater than 0 and at most 1"},
                            "share of all particles"};
-
-/// "did you mean `Rb-87`?"; for an element, its isotopes.
-std::string suggest_species(std::string_view name) {
-  std::vector<std::string> names;
-  std::vector<Word> isotopes;
-  for (const Species& species : species_with_levels()) names.push_back(species.name);
-  for (const Species& species : species_library()) {
-    names.push_back(species.name);
-    if (!name.empty() && species.name.starts_with(fmt::format("{}-", name)))
-      isotopes.push_back({species.name, species.source});
-  }
-  const std::string near = closest(name, names);
-  if (!isotopes.empty()) return fmt::format("write which isotope: {}", list_of(isotopes));
-  if (!near.empty())
-    return fmt::format("did you mean `{}`? `rabiline describe species` lists them all", near);
-  return "`rabiline describe species` lists them, and says how to define one of your own";
-}
 
 bool find_in_library(const Node& name, Reading& reading, Species& out) {
   const Species* found = find_species(name.scalar);

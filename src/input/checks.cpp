@@ -138,6 +138,7 @@ bool is_reserved(std::string_view name) {
 
 void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
   check_scanned_tallies(axis, points, reading);
+  check_scanned_levels(axis, points, reading);
   for (const Beamline& point : points)
     if (point.source.rate != points.front().source.rate)
       return reading.error(
@@ -168,6 +169,7 @@ void check_beamline(const Beamline& beamline, const Node& root, Reading& reading
   check_source(beamline, root, nodes, reading);
   check_fields(beamline, nodes, reading);
   check_magnets(beamline, nodes, reading);
+  check_atoms(beamline, root, nodes, reading);
   check_chamber(beamline, root, nodes, reading);
 }
 

@@ -9,7 +9,6 @@
 
 #include "core/constants.hpp"
 #include "core/units.hpp"
-#include "spin/breit_rabi.hpp"
 
 namespace rabiline {
 namespace {
@@ -43,34 +42,6 @@ void align_points(std::vector<std::array<std::string, 6>>& rows, std::size_t col
   for (std::size_t i = 1; i < rows.size(); ++i) before = std::max(before, point_of(rows[i][column]));
   for (std::size_t i = 1; i < rows.size(); ++i)
     rows[i][column].insert(0, before - point_of(rows[i][column]), ' ');
-}
-
-/// The ground state with its electron: splitting, levels in a field, and where their moments vanish.
-std::string describe_atom(const HyperfineAtom& atom) {
-  constexpr double field = 0.1;                                                         // [T]
-  const double splitting = std::abs(atom.hyperfine_constant) * (atom.twice_i + 1) / 2;  // A (I + 1/2)
-  std::string out = fmt::format(
-      "\nThe atom with its electron, I = {}, J = 1/2 (beams take the point moment above)\n"
-      "  {:20}{:.9g} MHz, A = {:.9g} MHz\n  {:20}g_J = {:.10g}, g_I' = {:.8g} (mu_I = -g_I' mu_B I)\n",
-      name_of(HalfInteger{atom.twice_i}), "hyperfine splitting", splitting / 1e6,
-      atom.hyperfine_constant / 1e6, "g factors", atom.g_j, atom.g_i);
-  if (atom.twice_i % 2 == 1)
-    out += fmt::format("  {:20}{:.6g} Hz/G^2 of the line between the levels m = 0\n", "quadratic shift",
-                       clock_quadratic_shift(atom) / 1e8);
-  out += fmt::format("  {:20}moment -dE/dB at {} [Bohr magnetons], and the field where it vanishes\n",
-                     "levels", pretty_quantity(field, Dimension::magnetic_field));
-  for (const int twice_f : {atom.twice_i + 1, atom.twice_i - 1})
-    for (int twice_m = twice_f; twice_m >= -twice_f; twice_m -= 2) {
-      const auto vanishes = zero_moment_field(atom, twice_f, twice_m);
-      const auto half = [](int twice) {
-        return twice % 2 == 0 ? fmt::format("{:+d}", twice / 2) : fmt::format("{:+d}/2", twice);
-      };
-      out += fmt::format(
-          "  {:20}F = {:4} m = {:5} {:+.6f}{}\n", "", half(twice_f).substr(1), half(twice_m),
-          breit_rabi(atom, twice_f, twice_m, field).moment / bohr_magneton,
-          vanishes ? fmt::format("   {}", pretty_quantity(*vanishes, Dimension::magnetic_field)) : "");
-    }
-  return out + fmt::format("  {:20}{}\n", "source", atom.source);
 }
 
 }  // namespace
@@ -121,7 +92,8 @@ std::string describe_species_of_library(const Species& s) {
   line("source", s.source);
   for (const auto& [name, work] : references)
     if (s.source.find(name) != std::string::npos) line("", fmt::format("{}: {}", name, work));
-  if (const HyperfineAtom* atom = find_atom(s.name)) out += describe_atom(*atom);
+  if (find_species(s.name + " atom") != nullptr)
+    line("with its electron", fmt::format("`rabiline describe \"{} atom\"`", s.name));
   return out + fmt::format("\nExample\n  species: {}\n", s.name);
 }
 

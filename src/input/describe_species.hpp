@@ -10,4 +10,12 @@ namespace rabiline {
 std::string species_table();
 std::string describe_species_of_library(const Species&);
 
+/// Those with levels: one line for each; and one with its constants and levels.
+std::string table_of_species_with_levels();
+std::string describe_species_with_levels(const Species&);
+
+/// The pages `species` and `structure`.
+std::string describe_species();
+std::string describe_structure();
+
 }  // namespace rabiline

@@ -68,8 +68,10 @@ void check_oscillators(const Beamline& beamline, const PartNodes& nodes, Reading
 /// `co` and `counter` follow the sign of gamma; one field cannot follow two.
 void check_senses(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   const Species *positive = nullptr, *negative = nullptr;
+  const bool quantum = std::holds_alternative<QuantumLaw>(beamline.law);
   for (const Component& component : beamline.species)
-    (component.species.gyromagnetic_ratio < 0 ? negative : positive) = &component.species;
+    if (!quantum || !component.species.structure)
+      (component.species.gyromagnetic_ratio < 0 ? negative : positive) = &component.species;
   if (!positive || !negative) return;
   for (const PlacedPart& part : beamline.parts) {
     const auto* zone = std::get_if<RotatingField>(&part.part);
@@ -130,27 +132,12 @@ bool turns_paths(const Beamline& beamline) {
                      [](const Component& c) { return c.species.charge != 0; });
 }
 
-/// Polarizers and filters know spins of one moment, along which an atom's levels do not lie.
-void check_preparation_of_atoms(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
-  if (!std::holds_alternative<QuantumLaw>(beamline.law)) return;
-  for (const PlacedPart& part : beamline.parts) {
-    if (!std::holds_alternative<SpinFilter>(part.part) && !std::holds_alternative<Polarizer>(part.part))
-      continue;
-    for (const Component& c : beamline.species)
-      if (c.species.structure)
-        reading.error(place_in(nodes, part, "kind"),
-                      fmt::format("`{}` prepares spins of one moment, and {} has the levels of two spins",
-                                  part.placement.name, c.species.name),
-                      "let the source prepare them: `spin: {kind: levels, levels: [F=1 m=0]}`, or part them "
-                      "by a deflecting magnet");
-  }
-}
-
 void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   for (const PlacedPart& part : beamline.parts) {
     if (!std::holds_alternative<SpinFilter>(part.part)) continue;
     for (const Component& c : beamline.species)
-      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice > 1)
+      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice > 1 &&
+          !c.species.structure)
         reading.error(place_in(nodes, part, "kind"),
                       fmt::format("`{}` filters spins 1/2, but {} has another spin", part.placement.name,
                                   c.species.name),
@@ -217,7 +204,6 @@ void check_fields(const Beamline& beamline, const PartNodes& nodes, Reading& rea
   check_polarizers(beamline, nodes, reading);
   check_guides(beamline, nodes, reading);
   check_coils(beamline, nodes, reading);
-  check_preparation_of_atoms(beamline, nodes, reading);
   check_filters(beamline, nodes, reading);
   check_bores(beamline, nodes, reading);
 }

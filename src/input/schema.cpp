@@ -127,7 +127,8 @@ std::string schema_of_species() {
   for (const auto& library : {species_library(), species_with_levels()})
     for (const Species& species : library) names.push_back({species.name, species.source});
   const std::string fraction = R"({"type": "number", "exclusiveMinimum": 0, "maximum": 1})";
-  Mapping named, share;
+  Mapping named, share, alone;
+  alone.add("name", schema_of_words(names), true);
   named.add("name", schema_of_words(names), true);
   named.add("fraction", fraction, true);
   share.add("fraction", fraction, true);
@@ -137,6 +138,7 @@ std::string schema_of_species() {
   std::vector<std::string> out = schemas_of_rows<Species>();
   for (std::string& own : schemas_of_rows<SpeciesWithLevels>()) out.push_back(std::move(own));
   out.push_back(schema_of_words(names));
+  out.push_back(alone.schema());
   out.push_back(fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})", any_of(items)));
   return any_of(out);
 }

@@ -243,6 +243,7 @@ void check_levels(const Beamline& beamline, const Node& root, Reading& reading) 
   const Place& place = node.is_mapping() ? place_of(node, "kind") : node.place;
   for (const Component& component : beamline.species) {
     const Species& species = component.species;
+    if (!(species.mass > 0)) continue;  // it could not be read
     if (names_levels && !quantum)
       return reading.error(
           place,
@@ -257,12 +258,16 @@ void check_levels(const Beamline& beamline, const Node& root, Reading& reading) 
     if (names_axis && species.structure && quantum)
       return reading.error(
           place, fmt::format("the levels of `{}` are no levels of one spin along an axis", species.name),
-          "write `spin: unpolarised`, or name levels: `{kind: levels, levels: [F=1 m=0]}`");
+          fmt::format("write `spin: unpolarised`, or name levels: `{{kind: levels, levels: [{}]}}`",
+                      names_of_levels(coupled_spins(*species.structure)).front()));
   }
 }
 
-/// "F=4 (m = -4 to 4) and F=3 (m = -3 to 3)"
-std::string levels_of(const CoupledSpins& spins) {
+/// "F=4 with m from -4 to 4, F=3 with m from -3 to 3"; of names in a strong field those.
+std::string levels_of(const CoupledSpins& spins, bool strong_field) {
+  if (strong_field)
+    return fmt::format("m_J from {} to {} and m_I from {} to {}", write_half(-spins.twice_j),
+                       write_half(spins.twice_j), write_half(-spins.twice_i), write_half(spins.twice_i));
   std::string text;
   int last = -1;
   for (const LevelLabel& label : level_labels(spins)) {
@@ -278,18 +283,26 @@ void check_named_levels(const Beamline& beamline, const Node& root, Reading& rea
   const auto* named = std::get_if<LevelsSpin>(&beamline.source.spin);
   if (named == nullptr) return;
   const Node& list = node_below_source(root, {"spin", "levels"});
-  if (named->levels.empty() && list.is_sequence() && list.items.empty())
-    return reading.error(list.place, "`levels` names no level", "write `levels: [F=1 m=0]`");
   if (!list.is_sequence() || list.items.size() != named->levels.size()) return;
   for (const Component& component : beamline.species) {
     if (!component.species.structure) continue;
     const CoupledSpins spins = coupled_spins(*component.species.structure);
     const std::vector<LevelLabel> labels = level_labels(spins);
-    for (std::size_t i = 0; i < named->levels.size(); ++i)
-      if (!find_level(labels, named->levels[i]))
-        reading.error(list.items[i].place,
-                      fmt::format("`{}` has no level {}", component.species.name, quote(list.items[i])),
-                      fmt::format("it has {}", levels_of(spins)));
+    for (std::size_t i = 0; i < named->levels.size(); ++i) {
+      const Node& item = list.items[i];
+      if (!item.is_scalar() || !parse_level_name(item.scalar)) continue;  // which was said
+      const std::optional<int> level = find_level(labels, named->levels[i]);
+      if (!level)
+        reading.error(item.place, fmt::format("`{}` has no level {}", component.species.name, quote(item)),
+                      fmt::format("it has {}", levels_of(spins, named->levels[i].strong_field)));
+      for (std::size_t k = 0; level && k < i; ++k)
+        if (find_level(labels, named->levels[k]) == level) {
+          reading.error(item.place,
+                        fmt::format("{} is the level {} again", quote(item), quote(list.items[k])),
+                        "name each level once; `shares` tells how many particles start in it");
+          break;
+        }
+    }
   }
   if (!named->shares || !reading.errors.empty()) return;
   const Node& shares = node_below_source(root, {"spin", "shares"});

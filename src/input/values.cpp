@@ -119,6 +119,9 @@ std::string example_for(const Row& row) {
       {"name", "my_name"},
       {"target", "my_slit"},
       {"kappa", "1"},
+      {"coupling", "2298.158 MHz"},
+      {"g_J", "2.0023"},
+      {"g_I", "-0.0004"},
       {"gyromagnetic_ratio", "16.5 MHz/T"},
       {"weight", "1"},
       {"temperature", "300 K"},
@@ -250,6 +253,8 @@ bool ValueType<HalfInteger>::read(const Node& node, const Row& row, Reading& rea
   const double twice = 2 * parsed.value;
   if (parsed.error.empty() && twice >= 1 && twice <= 9 && twice == std::floor(twice))
     help = fmt::format("write it as `{}`", written[static_cast<std::size_t>(twice)]);
+  if ((row.key == "I" || row.key == "J") && parsed.error.empty() && twice == 0)
+    help = "a species without it is a point: give `spin` and `gyromagnetic_ratio` instead of `structure`";
   reading.error(
       node.place,
       fmt::format("`{}` is a whole or half number from 1/2 to 9/2, but {} stands here", row.key, quote(node)),

@@ -1,10 +1,15 @@
 #include "plan/explain.hpp"
 
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 
+#include "plan/explain_atoms.hpp"
+#include "plan/explain_magnets.hpp"
+#include "plan/level_history.hpp"
 #include "plan/magnets.hpp"
 
 namespace rabiline {
@@ -19,7 +24,10 @@ std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_p
 class Explainer {
  public:
   Explainer(const Experiment& experiment, const Plan& plan)
-      : experiment_(experiment), beamline_(experiment.points.front()), plan_(plan) {}
+      : experiment_(experiment),
+        beamline_(experiment.points.front()),
+        plan_(plan),
+        driven_(experiment, plan) {}
 
   std::string text() {
     head();
@@ -27,6 +35,7 @@ class Explainer {
       if (serves_first_point(tree.points) && !seen_component_[static_cast<std::size_t>(tree.component)])
         component(tree);
     cost();
+    for (std::string& warning : driven_.warnings()) warnings_.push_back(std::move(warning));
     for (const std::string& warning : warnings_) out_ += "warning: " + warning + "\n";
     return std::move(out_);
   }
@@ -48,7 +57,12 @@ class Explainer {
     line("law        {}", describe(beamline_.law));
     for (const ScanAxis& axis : experiment_.axes) {
       const auto show = [&](std::size_t i) {
-        return axis.dimension ? pretty_quantity(axis.values[i], *axis.dimension) : axis.labels[i];
+        if (!axis.dimension) return axis.labels[i];
+        const double value = axis.values[i];
+        return pretty_quantity(axis.values.front(), *axis.dimension) !=
+                       pretty_quantity(axis.values.back(), *axis.dimension)
+                   ? pretty_quantity(value, *axis.dimension)
+                   : fmt::format("{:.12g} {}", value, si_unit_of(*axis.dimension));
       };
       const std::size_t last = axis.values.size() - 1;
       line("scan       {}: {} to {}, {} points", axis.parameter, show(0), show(last), last + 1);
@@ -66,9 +80,15 @@ class Explainer {
     species_ = &beamline_.species[static_cast<std::size_t>(tree.component)].species;
     const Species& s = *species_;
     line("");
-    line("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T, {:.6g} u, charge {:+g} e; {} particles", s.name,
-         s.spin.twice, s.gyromagnetic_ratio / two_pi / 1e6, s.mass / 1.66053906892e-27,
-         s.charge / 1.602176634e-19, tree.last - tree.first);
+    atom_ = s.structure && std::holds_alternative<QuantumLaw>(beamline_.law);
+    on_axis_ = levels_on_axis(beamline_.source, s, beamline_.law);
+    line("{}, {:.6g} u, charge {:+g} e; {} particles",
+         atom_ ? headline_of(s)
+               : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
+                             s.gyromagnetic_ratio / two_pi / 1e6),
+         s.mass / 1.66053906892e-27, s.charge / 1.602176634e-19, tree.last - tree.first);
+    if (s.structure && !atom_)
+      line("            its levels are left out under this law: the spin is that of J alone");
     speed_ = tree.source.speed;
     tip_ = 0;
     const std::size_t law = beamline_.source.speed.index();
@@ -79,12 +99,19 @@ class Explainer {
              : fmt::format("{}, {:.6g} m/s on average",
                            std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), speed_));
     walk(tree.next);
+    const std::string gaps = atom_ ? field_free_gaps(beamline_) : "";
+    if (!gaps.empty())
+      line(
+          "            no field from {}: levels keep their names there, as a weak guiding field would make "
+          "them",
+          gaps);
   }
 
   void walk(const std::vector<PlanNode>& nodes) {
     for (const PlanNode& node : nodes)
       if (serves_first_point(node.points)) {
         shared_ = node.points.size();
+        node_ = &node;
         std::visit([&](const auto& stage) { show(stage); }, node.stage);
         walk(node.next);
       }
@@ -123,34 +150,31 @@ class Explainer {
     line("            {}: each particle is in one level from here on, {}{}", name_of(asked.part),
          asked.split ? "all are followed with their shares of its weight" : "drawn by its probability",
          reuse());
+    if (node_->ways.size() > 1)
+      line("{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them",
+           "", std::popcount(node_->levels), node_->ways.size());
+    if (atom_ && !on_axis_.empty()) on_axis_ = all_levels(*species_);
+    show_driven(asked.part);
+  }
+  /// What drives an atom's levels before a part asks for them, once for each.
+  void show_driven(int part) {
+    if (!told_.insert(part).second) return;
+    for (const std::string& text : driven_.lines(part, speed_)) line("{:>16}{}", "", text);
   }
   void show(const Deflection& d) {
-    const double stay = (d.end - d.begin) / speed_, bent = std::abs(d.acceleration) * stay * stay / 2;
-    line("{}  {}: deflects up to {}, m = I by {} there{}", metres(d.begin), name_of(d.part), metres(d.end),
-         pretty_quantity(bent, Dimension::length), reuse());
-    const double room = 2 * (std::abs(d.along_z) > std::abs(d.along_x) ? d.half_z : d.half_x);
-    if (d.has_gap && bent > room)
-      warnings_.push_back(fmt::format(
-          "`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} m/s, and "
-          "stops them "
-          "at about {:.3g} m",
-          name_of(d.part), pretty_quantity(bent, Dimension::length), pretty_quantity(room, Dimension::length),
-          speed_, d.begin + (d.end - d.begin) * std::sqrt(room / 2 / bent)));
+    line("{}  {}: deflects up to {}{}", metres(d.begin), name_of(d.part), metres(d.end), reuse());
+    tell(text_of(d, name_of(d.part), speed_));
   }
   void show(const Steering& s) {
-    const double stay = (s.end - s.begin) / speed_;
-    const SteeringOutlook out = outlook_of(s, speed_);
-    const bool multipole = s.shape.kind == MagnetKind::multipole;
     line("{}  {}: steers up to {}, about {:.0f} steps{}", metres(s.begin), name_of(s.part), metres(s.end),
-         out.steps, reuse());
-    line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
-         multipole ? "halfway to the poles" : "at the beam",
-         pretty_quantity(out.field, Dimension::magnetic_field),
-         pretty_quantity(out.gradient, Dimension::field_gradient),
-         pretty_quantity(out.acceleration * stay * stay / 2, Dimension::length));
-    if (multipole && s.shape.power == 2 && s.moments.coefficients == nullptr && out.rate > 0)
-      line("{:>16}a quarter of its oscillation takes {}", "",
-           pretty_quantity(std::numbers::pi / 2 * speed_ / out.rate, Dimension::length));
+         outlook_of(s, speed_).steps, reuse());
+    tell(text_of(s, name_of(s.part), speed_,
+                 {on_axis_, 1 / slownesses_of(beamline_.source, species_->mass, 0).from}));
+  }
+  void tell(const MagnetText& text) {
+    for (const std::string& told : text.lines) line("{:>16}{}", "", told);
+    warnings_.insert(warnings_.end(), text.warnings.begin(), text.warnings.end());
+    on_axis_.clear();
   }
   void show(const Score& s) {
     line("{}  {}: catches and histograms, {} x {} bins{}{}{}", metres(s.screen.y), name_of(s.screen.part),
@@ -174,6 +198,7 @@ class Explainer {
                           histogram.zones.back().end);
     line("            {} tallies {}: {}; {:.4g} KiB of sums{}", name_of(histogram.part), name, axes,
          static_cast<double>(sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
+    if (histogram.transitions != nullptr && !histogram.caught) show_driven(histogram.part);
   }
   static std::string_view word_of(Quantity quantity) {
     for (const auto& choice : choices<Quantity>)
@@ -195,12 +220,14 @@ class Explainer {
   }
   void show(const SpinStretch& stretch) {
     line("            spins at {}: {} levels, {}{}", name_of(stretch.part), stretch.levels,
-         stretch.zones.empty() ? "as they arrive"
+         stretch.transitions != nullptr ? "coherent through the fields below, which drive them"
+         : stretch.zones.empty()        ? "as they arrive"
          : stretch.from_level && stretch.zones.size() == 1 && stretch.zones.front().kind == ZoneKind::rotating
              ? "closed form"
              : "coherent through the zones below",
          reuse());
     for (const SpinZone& zone : stretch.zones) show_zone(zone);
+    show_driven(stretch.part);
   }
 
   /// The derived numbers of one zone.
@@ -336,6 +363,11 @@ class Explainer {
   static constexpr double large_tip = 0.05;  // [rad]
   double speed_ = 0, tip_ = 0;
   bool tip_is_large_ = false;
+  const DrivenParts driven_;
+  const PlanNode* node_ = nullptr;  // that is shown
+  bool atom_ = false;
+  std::vector<int> on_axis_;  // levels of a beam that nothing has bent yet
+  std::set<int> told_;
   std::size_t shared_ = 0;
   std::vector<bool> seen_component_;
   std::vector<std::string> warnings_;

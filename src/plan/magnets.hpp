@@ -1,5 +1,6 @@
 #pragma once
 // Deflecting magnets as one species sees them.
+#include <optional>
 #include <vector>
 
 #include "beamline/beamline.hpp"
@@ -25,5 +26,8 @@ struct SteeringOutlook {
   double steps = 0;                // about, at that speed
 };
 SteeringOutlook outlook_of(const Steering&, double speed);
+
+/// Where what enters along the beam's axis in a level meets a wall [m]; nothing where it comes through.
+std::optional<double> stopped_at(const Steering&, int level, double speed);
 
 }  // namespace rabiline

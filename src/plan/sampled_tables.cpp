@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <numbers>
+#include <stdexcept>
 
 namespace rabiline {
 
@@ -123,6 +124,13 @@ const TransitionTable& SampledTables::transitions(const Structure& structure,
   return driven_.back().table;
 }
 
+const SampledTables::Driven& SampledTables::driven_by(const TransitionTable* table) const {
+  const auto found =
+      std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) { return &d.table == table; });
+  if (found == driven_.end()) throw std::invalid_argument("a table of transitions of another plan");
+  return *found;
+}
+
 void SampledTables::tabulate_transitions() {
   std::vector<Driven*> open;
   for (Driven& driven : driven_)
@@ -132,8 +140,9 @@ void SampledTables::tabulate_transitions() {
   for (std::size_t i = 0; i < open.size(); ++i) {
     try {
       Driven& d = *open[i];
-      d.table = tabulate(DrivenLevels(coupled_spins(d.structure), d.zones, d.to), d.from, d.to,
-                         transition_tolerance);
+      const DrivenLevels driven(coupled_spins(d.structure), d.zones, d.to);
+      d.table = tabulate(driven, d.from, d.to, transition_tolerance);
+      d.neglected = driven.neglected();
     } catch (...) {
 #pragma omp critical
       error = std::current_exception();

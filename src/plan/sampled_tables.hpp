@@ -63,17 +63,21 @@ class SampledTables {
   const ChannelTables& channel(double length_over_radius);
   /// Transitions along driven zones, filled in by tabulate_transitions().
   const TransitionTable& transitions(const Structure&, const std::vector<LevelZone>&, double from, double to);
-  /// Works out the tables that were asked for, on all cores.
-  void tabulate_transitions();
-  const MomentTable& moments(const Structure&);
-
- private:
+  /// A table of transitions with what it was made for.
   struct Driven {
     Structure structure;
     std::vector<LevelZone> zones;
     double from = 0, to = 0;  // [s/m]
     TransitionTable table{};
+    double neglected = 0;  // DrivenLevels::neglected()
   };
+  /// The one that a stage has the table of; it must be of these tables.
+  const Driven& driven_by(const TransitionTable*) const;
+  /// Works out the tables that were asked for, on all cores.
+  void tabulate_transitions();
+  const MomentTable& moments(const Structure&);
+
+ private:
   std::map<double, SampledTable> supersonic_;
   std::map<std::shared_ptr<const Spectrum>, SampledTable> spectra_;
   std::map<std::vector<double>, SampledTable> lines_;

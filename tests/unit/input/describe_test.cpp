@@ -82,6 +82,52 @@ TEST(Describe, SuggestsSpeciesAsWellAsKinds) {
   EXPECT_EQ(help("quark"), "`rabiline describe` lists what there is, `rabiline describe species` what flies");
 }
 
+TEST(Describe, ListsSpeciesWithLevels) {
+  const std::string text = describe("species");
+  EXPECT_THAT(text, HasSubstr("  Cs-133 atom  7/2  1/2  16      F=3, F=4 at +9192.63177 MHz"));
+  EXPECT_THAT(text, HasSubstr("  Ag-107 atom  1/2  1/2  4       F=1, F=0 at +1712.51211 MHz"));
+  EXPECT_THAT(text, HasSubstr("  ortho-H2     1    1    9 "));
+  EXPECT_THAT(describe("Cs-133"), HasSubstr("`rabiline describe \"Cs-133 atom\"`"));
+  for (const Species& s : species_with_levels())
+    EXPECT_THAT(describe(s.name), testing::StartsWith(s.name + ": a species"));
+}
+
+TEST(Describe, ShowsTheLevelsOfAnAtom) {
+  const std::string caesium = describe("Cs-133 atom");
+  // Moments at 0.1 T and fields where they vanish: Breit and Rabi's formula (spin/breit_rabi.hpp).
+  for (const char* line :
+       {"I = 7/2, J = 1/2: 16 levels", "427.453 Hz/G^2", "gamma/2pi = -28028.04 MHz/T",
+        "F=4 m=-1     m_J=+1/2 m_I=-3/2       3883.545563  -0.057151  81.85 mT", "species: Cs-133 atom\n"})
+    EXPECT_THAT(caesium, HasSubstr(line));
+  EXPECT_THAT(describe("ortho-H2"), HasSubstr("in nuclear magnetons"));
+  EXPECT_THAT(describe("ortho-H2"), testing::Not(HasSubstr("clock shift")));
+}
+
+TEST(Describe, LeadsFromElementsToSpecies) {
+  const auto help = [](const char* topic) {
+    try {
+      describe(topic);
+    } catch (const InputError& e) {
+      return e.diagnostics().front().suggestion;
+    }
+    return std::string{};
+  };
+  EXPECT_EQ(help("Cs atom"), "did you mean `Cs-133 atom`?");
+  EXPECT_EQ(help("Cs133 atom"), "did you mean `Cs-133 atom`?");
+  EXPECT_EQ(help("rubidium"),
+            "write which isotope: `Rb-85` or `Rb-87`, or with the electron `Rb-85 atom` or `Rb-87 atom`");
+  EXPECT_EQ(help("Rb atom"), "write which isotope: `Rb-85 atom` or `Rb-87 atom`");
+  EXPECT_EQ(help("hydrogen"), "write `H`, or with the electron `H atom`");
+  EXPECT_EQ(help("H2"), "did you mean `ortho-H2`?");
+}
+
+TEST(Describe, ShowsEveryKindOfSpin) {
+  EXPECT_THAT(describe("spin"),
+              HasSubstr("spin: {kind: levels, levels: [F=4 m=0, F=3 m=0], shares: [0.9, 0.1]}"));
+  EXPECT_THAT(describe("spin"), HasSubstr("spin: {kind: thermal, temperature: 400 K}"));
+  EXPECT_THAT(describe("structure"), HasSubstr("A I.J"));
+}
+
 /// The lines after "Example", without their indentation.
 std::string snippet_of(std::string_view topic) {
   const std::string text = describe(topic);

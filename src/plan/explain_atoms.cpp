@@ -1,0 +1,324 @@
+#include "plan/explain_atoms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "core/units.hpp"
+#include "spin/level_names.hpp"
+#include "spin/levels.hpp"
+#include "spin/rotating_frame.hpp"
+
+namespace rabiline {
+namespace {
+
+/// A transition that a field can drive: between which levels, and how far it is.
+struct Transition {
+  int upper = 0, lower = 0;
+  double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
+};
+
+/// Those that the direction of a field and its sense allow, the nearest first.
+std::vector<Transition> transitions_near(const Structure& structure, const LevelZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const LevelDrive& drive = *zone.drive;
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, drive);
+  const bool swings = drive.kind == DriveKind::oscillating;
+  const int turn = drive.kind == DriveKind::rotating_positive ? 2 : -2;
+  std::vector<Transition> out;
+  for (int i = 0; i < spins.levels(); ++i)
+    for (int k = 0; k < spins.levels(); ++k) {
+      const double apart = states.energy(i) - states.energy(k);
+      const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
+      const bool turns = swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == turn;
+      if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
+      out.push_back(
+          {i, k, apart, drive.frequency - apart, (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
+    }
+  std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
+    return std::abs(a.detuning) < std::abs(b.detuning);
+  });
+  return out;
+}
+
+/// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
+bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
+
+std::string megahertz(double f) {
+  return std::abs(f) < 1e5 ? pretty_quantity(f, Dimension::frequency) : fmt::format("{:.10g} MHz", f / 1e6);
+}
+std::string name_of(const Structure& structure, const Transition& t) {
+  const std::vector<std::string> names = names_of_levels(coupled_spins(structure));
+  return fmt::format("{} - {}", names[static_cast<std::size_t>(t.upper)],
+                     names[static_cast<std::size_t>(t.lower)]);
+}
+std::string left_out(double neglected) {
+  return std::isfinite(neglected) ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
+                                  : std::string("what it leaves out is resonant itself");
+}
+std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_field); }
+
+/// The nearest transitions, a line each.
+void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t most,
+                      std::vector<std::string>& out) {
+  const std::vector<Transition> near = transitions_near(structure, zone);
+  if (near.empty()) out.emplace_back("    no transition turns with it");
+  for (std::size_t i = 0; i < near.size() && i < most; ++i) {
+    const Transition& t = near[i];
+    std::string flips;
+    if (const double rate = std::hypot(t.rabi, t.detuning);
+        zone.drive->envelope == Envelope::rectangular && rate > 0)
+      flips = fmt::format(", alone it flips {:.3g}",
+                          std::pow(t.rabi / rate * std::sin(std::numbers::pi * rate / width), 2));
+    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}", name_of(structure, t),
+                              megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
+                              pretty_quantity(t.rabi, Dimension::frequency), flips));
+  }
+}
+
+std::vector<const LevelZone*> driven_zones_of(const SampledTables::Driven& driven) {
+  std::vector<const LevelZone*> out;
+  for (const LevelZone& zone : driven.zones)
+    if (zone.drive) out.push_back(&zone);
+  return out;
+}
+
+bool is_magnet_or_field(const Part& part) {
+  if (const auto* field = std::get_if<UniformField>(&part)) return field->field != 0;
+  return std::holds_alternative<GuideField>(part) || std::holds_alternative<GradientMagnet>(part) ||
+         std::holds_alternative<TwoWireMagnet>(part) || std::holds_alternative<IronMagnet>(part) ||
+         std::holds_alternative<MultipoleMagnet>(part);
+}
+double length_of(const Part& part) {
+  return std::visit(
+      [](const auto& p) {
+        if constexpr (requires { p.length; }) return p.length;
+        return 0.0;
+      },
+      part);
+}
+
+}  // namespace
+
+std::string headline_of(const Species& atom) {
+  const Structure& s = *atom.structure;
+  const CoupledSpins spins = coupled_spins(s);
+  std::vector<std::pair<double, int>> terms;  // energy and 2F
+  for (int twice_f = std::abs(s.i.twice - s.j.twice); twice_f <= s.i.twice + s.j.twice; twice_f += 2)
+    terms.emplace_back(zero_field_energy(spins, twice_f), twice_f);
+  std::sort(terms.begin(), terms.end());
+  std::string apart;
+  for (std::size_t i = 1; i < terms.size() && i < 4; ++i)
+    apart += fmt::format(", F={} above F={} by {}", write_half(terms[i].second),
+                         write_half(terms[i - 1].second), megahertz(terms[i].first - terms[i - 1].first));
+  return fmt::format("{}: I = {}, J = {}, {} levels{}", atom.name, write_half(s.i.twice),
+                     write_half(s.j.twice), s.levels(), apart);
+}
+
+DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
+    : experiment_(experiment), plan_(plan) {
+  for (const PlanTree& tree : plan.trees) collect(tree.next);
+}
+
+void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
+  for (const PlanNode& node : nodes) {
+    if (const auto* asked = std::get_if<LevelProjection>(&node.stage))
+      collect(asked->transitions, asked->part, node.points);
+    if (const auto* stretch = std::get_if<SpinStretch>(&node.stage))
+      collect(stretch->transitions, stretch->part, node.points);
+    if (const auto* histogram = std::get_if<Histogram>(&node.stage))
+      collect(histogram->transitions, histogram->part, node.points);
+    for (const PlanNode::Way& way : node.ways)
+      collect(way.projection.transitions, way.projection.part, way.points);
+    collect(node.next);
+  }
+}
+
+void DrivenParts::collect(const TransitionTable* table, int part, const std::vector<int>& points) {
+  if (table == nullptr) return;
+  std::vector<const Driven*>& at = parts_[part];
+  at.resize(experiment_.points.size());
+  const Driven* driven = &plan_.tables->driven_by(table);
+  for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
+}
+
+/// The field that drives levels there.
+std::string DrivenParts::name_at(double y) const {
+  for (const PlacedPart& part : experiment_.points.front().parts) {
+    const bool drives = std::holds_alternative<RotatingField>(part.part) ||
+                        std::holds_alternative<OscillatingField>(part.part);
+    if (drives && part.placement.at <= y && y < part.placement.at + length_of(part.part))
+      return part.placement.name;
+  }
+  return fmt::format("the field at {:.4g} m", y);
+}
+
+double DrivenParts::speed_at(std::size_t point) const {
+  const Beamline& beamline = experiment_.points[point];
+  return mean_speed(beamline.source.speed, beamline.species.front().species.mass);
+}
+
+void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
+                           std::vector<std::string>& out) const {
+  const std::size_t last = at.size() - 1;
+  const LevelZone* before = nullptr;
+  for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
+    if (at[point] == nullptr) continue;
+    const std::vector<const LevelZone*> zones = driven_zones_of(*at[point]);
+    if (number >= zones.size()) continue;
+    const LevelZone& zone = *zones[number];
+    if (before && *before == zone) continue;
+    before = &zone;
+    const double width = speed / (zone.end - zone.begin);
+    out.push_back(fmt::format("at B = {}{}: {}, width v/L {}", tesla(zone.field),
+                              last == 0 ? "" : fmt::format(", scan point {}", point + 1),
+                              megahertz(zone.drive->frequency),
+                              pretty_quantity(width, Dimension::frequency)));
+    tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, out);
+  }
+}
+
+std::vector<std::string> DrivenParts::lines(int part, double speed) const {
+  std::vector<std::string> out;
+  const auto found = parts_.find(part);
+  if (found == parts_.end()) return out;
+  const std::vector<const Driven*>& at = found->second;
+  const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
+  const Driven& driven = **first;
+  std::vector<std::vector<std::string>> told;
+  const std::vector<const LevelZone*> zones = driven_zones_of(driven);
+  for (std::size_t i = 0; i < zones.size(); ++i) {
+    told.emplace_back();
+    add_zone(i, at, speed, told.back());
+    const auto same =
+        static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
+    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", name_at(zones[i]->begin),
+                              zones[i]->begin, zones[i]->end,
+                              same == i ? "" : fmt::format(", as {} does", name_at(zones[same]->begin))));
+    if (same == i)
+      for (const std::string& line : told.back()) out.push_back("  " + line);
+  }
+  double error = 0, neglected = 0;
+  int points = 0;
+  for (const Driven* d : at) {
+    if (d == nullptr) continue;
+    error = std::max(error, d->table.error);
+    neglected = std::max(neglected, d->neglected);
+    points = std::max(points, d->table.points);
+  }
+  if (points == 1)
+    out.emplace_back("probabilities at its one speed, exact");
+  else
+    out.push_back(fmt::format(
+        "probabilities from a table of {} points in 1/v, to {:.2g}; from {:.4g} to {:.4g} m/s, and at most "
+        "1e-4 of the particles are slower or faster and take those at its end",
+        points, error, 1 / driven.to, 1 / driven.from));
+  if (neglected > 0) out.push_back("rotating-wave approximation: " + left_out(neglected));
+  return out;
+}
+
+std::vector<std::string> DrivenParts::warnings() const {
+  std::vector<std::string> out;
+  const auto add = [&](std::string text) {
+    if (std::find(out.begin(), out.end(), text) == out.end()) out.push_back(std::move(text));
+  };
+  struct Best {
+    std::vector<Transition> near{};
+    double distance = 0;  // in widths and Rabi frequencies
+    const LevelZone* zone = nullptr;
+    const Structure* structure = nullptr;
+    bool useful = false;
+  };
+  for (const auto& [part, at] : parts_) {
+    std::vector<Best> best;
+    const Driven* before = nullptr;
+    double error = 0, neglected = 0;
+    for (std::size_t point = 0; point < at.size(); ++point) {
+      const Driven* driven = at[point];
+      if (driven == nullptr || driven == before) continue;
+      before = driven;
+      error = std::max(error, driven->table.error);
+      neglected = std::max(neglected, driven->neglected);
+      const std::vector<const LevelZone*> zones = driven_zones_of(*driven);
+      best.resize(std::max(best.size(), zones.size()));
+      for (std::size_t i = 0; i < zones.size(); ++i) {
+        if (best[i].useful) continue;
+        const double width = speed_at(point) / (zones[i]->end - zones[i]->begin);
+        std::vector<Transition> near = transitions_near(driven->structure, *zones[i]);
+        best[i].useful =
+            std::any_of(near.begin(), near.end(), [&](const Transition& t) { return !is_far(t, width); });
+        const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
+        if (best[i].zone && distance >= best[i].distance) continue;
+        best[i] = {std::move(near), distance, zones[i], &driven->structure, best[i].useful};
+      }
+    }
+    for (const Best& b : best) {
+      if (b.useful || b.zone == nullptr) continue;
+      std::string list;
+      for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
+        list += fmt::format("{}{} at {}", i == 0 ? "" : ", ", name_of(*b.structure, b.near[i]),
+                            megahertz(b.near[i].frequency));
+      add(fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
+                      experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
+                      megahertz(b.zone->drive->frequency), list.empty() ? "none" : list));
+    }
+    const std::string& name = experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name;
+    if (error > 10 * transition_tolerance)
+      add(fmt::format(
+          "the probabilities of transitions before `{}` are known to {:.2g} only: they change too "
+          "often with the speed for a table; a narrower law of speeds helps, or fields nearer to "
+          "each other",
+          name, error));
+    if (neglected > 0.1)
+      add(fmt::format(
+          "the rotating-wave approximation before `{}` is poor: {}; a smaller field helps, or one "
+          "that turns: a `rotating_field`",
+          name, left_out(neglected)));
+  }
+  return out;
+}
+
+std::string field_free_gaps(const Beamline& beamline) {
+  std::vector<std::pair<double, double>> fields;
+  for (const PlacedPart& part : beamline.parts)
+    if (is_magnet_or_field(part.part))
+      fields.emplace_back(part.placement.at, part.placement.at + length_of(part.part));
+  std::sort(fields.begin(), fields.end());
+  std::string gaps;
+  double reach = fields.empty() ? 0 : fields.front().second;
+  for (const auto& [begin, end] : fields) {
+    if (begin > reach + 1e-9)
+      gaps += fmt::format("{}{:.4g} to {:.4g} m", gaps.empty() ? "" : ", ", reach, begin);
+    reach = std::max(reach, end);
+  }
+  return gaps;
+}
+
+std::vector<int> all_levels(const Species& species) {
+  std::vector<int> levels(static_cast<std::size_t>(species.levels()));
+  std::iota(levels.begin(), levels.end(), 0);
+  return levels;
+}
+
+std::vector<int> levels_on_axis(const Source& source, const Species& species, const Law& law) {
+  if (!std::holds_alternative<QuantumLaw>(law) || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
+    return {};
+  const auto* named = std::get_if<LevelsSpin>(&source.spin);
+  if (!named || !species.structure) return all_levels(species);
+  const std::vector<LevelLabel> labels = level_labels(coupled_spins(*species.structure));
+  std::set<int> levels;
+  for (const LevelName& name : named->levels)
+    if (const auto level = find_level(labels, name)) levels.insert(*level);
+  return {levels.begin(), levels.end()};
+}
+
+std::vector<std::string> warnings_of_atoms(const Experiment& experiment, const Plan& plan) {
+  return DrivenParts(experiment, plan).warnings();
+}
+
+}  // namespace rabiline

@@ -1,0 +1,51 @@
+#pragma once
+// What a plan does to the levels of atoms, in words.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "plan/plan.hpp"
+
+namespace rabiline {
+
+/// "Cs-133 atom: I = 7/2, J = 1/2, 16 levels, F=4 above F=3 by 9192.6318 MHz".
+std::string headline_of(const Species& atom);
+
+/// What drives levels before each part that asks for them, at each scan point.
+class DrivenParts {
+ public:
+  DrivenParts(const Experiment&, const Plan&);
+
+  /// The fields that drive transitions before a part, and how well they are known; a line each, without
+  /// indentation. At the first, the middle and the last scan point.
+  std::vector<std::string> lines(int part, double speed) const;
+  /// Fields that drive nothing at any point; tables that are not as exact as they should be.
+  std::vector<std::string> warnings() const;
+
+ private:
+  using Driven = SampledTables::Driven;
+  void collect(const std::vector<PlanNode>&);
+  void collect(const TransitionTable*, int part, const std::vector<int>& points);
+  std::string name_at(double y) const;
+  void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
+                std::vector<std::string>& out) const;
+  double speed_at(std::size_t point) const;
+
+  const Experiment& experiment_;
+  const Plan& plan_;
+  std::map<int, std::vector<const Driven*>> parts_;  // null where nothing drives them
+};
+
+/// Where no field is between two that are, and an atom's levels keep their labels; empty where there is none.
+std::string field_free_gaps(const Beamline&);
+
+std::vector<int> all_levels(const Species&);
+/// The levels that a source prepares, where its beam begins on the axis and along it; else none. None under
+/// a vector law.
+std::vector<int> levels_on_axis(const Source&, const Species&, const Law&);
+
+/// What a run should say of atoms before it begins.
+std::vector<std::string> warnings_of_atoms(const Experiment&, const Plan&);
+
+}  // namespace rabiline

@@ -1,0 +1,111 @@
+// What `check` says of atoms: of files as people write them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "input/experiment.hpp"
+#include "plan/explain.hpp"
+#include "plan/explain_atoms.hpp"
+#include "plan/plan.hpp"
+
+namespace rabiline {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// A beam of caesium through a magnet A, a field C with an RF zone R, and a detector D.
+constexpr const char* clock_file = R"(rabiline: 1
+species: Cs-133 atom
+law: quantum
+source:
+  speed: {kind: single, value: 250 m/s}
+  opening: {radius: 0.1 mm}
+  direction: parallel
+parts:
+  - {name: A, kind: iron_magnet, at: 0.1 m, length: 0.1 m, field: 0.1 T, half_distance: 1 mm, convex: 0.8 mm, concave: 1.8 mm, width: 2 mm, beam_height: 1.3 mm}
+  - {name: C, kind: uniform_field, at: 0.3 m, length: 0.6 m, field: 10 uT}
+  - {name: R, kind: oscillating_field, at: 0.5 m, length: 25 mm, amplitude: 1 uT, direction: z, frequency: 9192.632 MHz, approximation: rotating_wave, phase: random}
+  - {name: D, kind: detector, at: 1.2 m, width: 40 mm, height: 40 mm, bins: [8, 8]}
+particles: 100
+seed: 1
+)";
+
+class ExplainAtoms : public testing::Test {
+ protected:
+  ExplainAtoms() { std::ofstream(path_) << clock_file; }
+  ~ExplainAtoms() override { std::filesystem::remove(path_); }
+  std::string check(std::vector<std::string> set = {}, std::vector<std::string> scan = {}) const {
+    CommandLine line;
+    line.set = std::move(set);
+    line.scan = std::move(scan);
+    const Experiment experiment = load_experiment(path_, line).experiment;
+    return explain(experiment, make_plan(experiment));
+  }
+  std::filesystem::path path_ = std::filesystem::temp_directory_path() / "rabiline_explain_atoms_test.yaml";
+};
+
+TEST_F(ExplainAtoms, BeginsWithLevelsInsteadOfOneMoment) {
+  EXPECT_THAT(check(),
+              HasSubstr("Cs-133 atom: I = 7/2, J = 1/2, 16 levels, F=4 above F=3 by 9192.63177 MHz"));
+  EXPECT_THAT(check({"law=classical", "R.frequency=1 kHz"}),
+              HasSubstr("Cs-133 atom: spin 1/2, gamma/2pi -28028 MHz/T"));
+}
+
+TEST_F(ExplainAtoms, NamesTheNearestTransitions) {
+  const std::string text = check();
+  EXPECT_THAT(text, HasSubstr("spins at D: 16 levels, coherent through the fields below"));
+  EXPECT_THAT(text, HasSubstr("R drives from 0.5000 to 0.5250 m\n"));
+  EXPECT_THAT(text, HasSubstr("at B = 10 uT: 9192.632 MHz, width v/L 10 kHz"));
+  // 9192.63177 MHz + 427.45 Hz/G^2 (0.1 G)^2; (g_J - g_I') mu_B B/2h = 14.02 kHz each way for 1 uT.
+  EXPECT_THAT(
+      text, HasSubstr("F=4 m=0 - F=3 m=0 at 9192.631774 MHz, detuned by 225.7 Hz, Rabi frequency 14.02 kHz"));
+  EXPECT_THAT(text, HasSubstr("probabilities at its one speed, exact"));
+  EXPECT_THAT(text, HasSubstr("no field from 0.2 to 0.3 m: levels keep their names"));
+  EXPECT_THAT(text, Not(HasSubstr("warning")));
+}
+
+TEST_F(ExplainAtoms, WarnsWhereAFieldDrivesNothing) {
+  const char* message =
+      "`R` drives no transition: at B = 10 uT and 9000 MHz, nearest are F=4 m=-3 - F=3 m=-3 at";
+  EXPECT_THAT(check({"R.frequency=9 GHz"}), HasSubstr(message));
+  EXPECT_THAT(check({"R.frequency=9 GHz", "R.amplitude=300 uT"}), Not(HasSubstr("drives no transition")));
+}
+
+TEST_F(ExplainAtoms, WarnsOfAScanOnlyWhereNoPointDrivesAnything) {
+  EXPECT_THAT(check({}, {"R.frequency=9 GHz:9.1 GHz:5"}),
+              HasSubstr("`R` drives no transition at any scan point"));
+  EXPECT_THAT(check({}, {"R.frequency=9 GHz:9192.632 MHz:5"}), Not(HasSubstr("drives no transition")));
+}
+
+TEST_F(ExplainAtoms, TellsHowWellATableHoldsTheProbabilities) {
+  EXPECT_THAT(check({"source.speed={kind: gaussian, mean: 250 m/s, sigma: 20 m/s}"}),
+              HasSubstr("points in 1/v, to "));
+}
+
+TEST_F(ExplainAtoms, WarnsWhereEveryLevelMeetsTheWalls) {
+  const std::string text = check({"A.field=3 T"});
+  EXPECT_THAT(text, HasSubstr("16 of 16 levels meet its walls"));
+  EXPECT_THAT(text, HasSubstr("warning: `A` pushes every level into its walls: at 250 m/s"));
+  EXPECT_THAT(text, HasSubstr("nothing that flies along the axis can arrive"));
+  EXPECT_THAT(check(), Not(HasSubstr("meet its walls")));
+}
+
+TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
+  std::string text = clock_file;
+  const std::size_t screen = text.find("  - {name: D");
+  text.insert(
+      screen,
+      "  - {name: B, kind: gradient_magnet, at: 1 m, length: 0.1 m, field: 1 T, gradient: 100 T/m}\n");
+  std::ofstream(path_) << text;
+  const std::string told = check({}, {"R.frequency=9192.6 MHz:9192.66 MHz:5"});
+  EXPECT_THAT(told, HasSubstr("B: each particle is in one level from here on, all are followed"));
+  EXPECT_THAT(told,
+              HasSubstr("its paths in 16 levels are flown once, and 5 ways to share the weights are booked"));
+  EXPECT_THAT(told, HasSubstr("scan point 3: 9192.63 MHz"));
+}
+
+}  // namespace
+}  // namespace rabiline
