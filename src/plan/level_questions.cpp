@@ -23,8 +23,8 @@ const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) co
   const std::vector<LevelZone> zones =
       driven_zones(species_, sections_.sections, spins_.known_before(plane), plane.y);
   if (zones.empty()) return nullptr;
-  const SlownessRange range = slownesses_of(beamline_.source, species_.mass,
-                                            steepest_before(plane, beamline_, sections_));
+  const SlownessRange range =
+      slownesses_of(beamline_.source, species_.mass, steepest_before(plane, beamline_, sections_));
   return &tables_.transitions(*species_.structure, zones, range.from, range.to);
 }
 
