@@ -165,10 +165,16 @@ class Finisher {
       const Sum* s = &sums_[screen.at];
       std::vector<Moments> own(nx * nz), own_x(nx), own_z(nz), own_total(1);
       for (std::size_t b = 0; b < own.size(); ++b)
-        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz], &own_total[0], &all}) {
+        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz]}) {
           m->q += s[screen.layout.bin(b)];
           m->q2 += s[screen.layout.bin(b) + 1];
         }
+      for (std::size_t x = 0; x < nx; ++x) own_x[x].q2 += s[screen.layout.more_in_x(x)];
+      for (std::size_t z = 0; z < nz; ++z) own_z[z].q2 += s[screen.layout.more_in_z(z)];
+      for (Moments* m : {&own_total[0], &all}) {
+        m->q += s[screen.layout.total()];
+        m->q2 += s[screen.layout.total() + 1];
+      }
       const double n = static_cast<double>(screen.tree->last - screen.tree->first);
       bins.add(own, n, each);
       along_x.add(own_x, n, each);

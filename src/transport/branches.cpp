@@ -145,23 +145,31 @@ void Branches::tally(int i, const Caught* caught, int count, Sum* sums) {
   for (int n = 0; n < count; ++n) {
     const Caught& now = caught[n];
     const auto link = static_cast<std::size_t>(now.link);
-    std::uint64_t in_bin = 0, in_screen = 0, in_level = 0;
+    const ScreenSums layout = sums_of(*screen_of(chain_[link]));
+    const std::size_t x = now.bin / layout.bins_z, z = now.bin % layout.bins_z;
+    std::uint64_t in_bin = 0, in_screen = 0, in_level = 0, beside_in_x = 0, beside_in_z = 0;
     for (int before = 0; before < n; ++before) {
       if (caught[before].link != now.link) continue;
       in_screen += caught[before].q;
-      if (caught[before].bin == now.bin) in_bin += caught[before].q;
+      if (caught[before].bin == now.bin)
+        in_bin += caught[before].q;
+      else if (caught[before].bin / layout.bins_z == x)
+        beside_in_x += caught[before].q;
+      else if (caught[before].bin % layout.bins_z == z)
+        beside_in_z += caught[before].q;
       if (caught[before].level == now.level) in_level += caught[before].q;
     }
     const auto square = [&](std::uint64_t earlier) {
       return static_cast<Sum>(now.q) * (now.q + 2 * earlier);
     };
-    const ScreenSums layout = sums_of(*screen_of(chain_[link]));
     Sum* screen = sums + chain_[link].sums;
     screen[layout.bin(now.bin)] += now.q;
     screen[layout.bin(now.bin) + 1] += square(in_bin);
     screen[layout.total()] += now.q;
     screen[layout.total() + 1] += square(in_screen);
     screen[layout.group(particle % group_count)] += now.q;
+    screen[layout.more_in_x(x)] += 2 * static_cast<Sum>(now.q) * beside_in_x;
+    screen[layout.more_in_z(z)] += 2 * static_cast<Sum>(now.q) * beside_in_z;
     if (stretch_[link] < 0) continue;
     const ChainLink& asks = chain_[static_cast<std::size_t>(stretch_[link])];
     const LevelLayout levels{static_cast<std::size_t>(std::get<SpinStretch>(*asks.stage).levels)};

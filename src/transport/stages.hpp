@@ -108,17 +108,21 @@ struct LevelLayout {
 };
 
 /// The sums of a screen: q and q^2 of every bin, then of the whole screen, then q of every group of
-/// particles, then q of what hit it and was not counted.
+/// particles, then q of what hit it and was not counted. Of a particle that several bins got shares of, the
+/// square of what all bins of one x, or of one z, got is more than that of each: the rest comes last.
 struct ScreenSums {
-  std::size_t bins;
+  std::size_t bins, bins_x, bins_z;
   std::size_t bin(std::size_t i) const { return 2 * i; }
   std::size_t total() const { return 2 * bins; }
   std::size_t group(std::size_t g) const { return 2 * bins + 2 + g; }
   std::size_t lost() const { return 2 * bins + 2 + group_count; }
-  std::size_t size() const { return 2 * bins + 3 + group_count; }
+  std::size_t more_in_x(std::size_t ix) const { return 2 * bins + 3 + group_count + ix; }
+  std::size_t more_in_z(std::size_t iz) const { return 2 * bins + 3 + group_count + bins_x + iz; }
+  std::size_t size() const { return 2 * bins + 3 + group_count + bins_x + bins_z; }
 };
 inline ScreenSums sums_of(const Screen& s) {
-  return {static_cast<std::size_t>(s.bins_x) * static_cast<std::size_t>(s.bins_z)};
+  const auto x = static_cast<std::size_t>(s.bins_x), z = static_cast<std::size_t>(s.bins_z);
+  return {x * z, x, z};
 }
 
 /// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
