@@ -63,7 +63,7 @@ void Branches::fly_in(int level, const Batch& batch) {
     const bool is_screen = screen_of(chain_[k]) != nullptr;
     for (std::size_t i = 0; i < static_cast<std::size_t>(b.count); ++i) {
       if (flying[i] == 0 || b.flying[i] != 0) continue;
-      ends.link[i] = static_cast<std::uint8_t>(k);
+      ends.link[i] = static_cast<std::uint16_t>(k);
       ends.level[i] = static_cast<std::uint8_t>(b.level[i]);
       ends.bin[i] = is_screen ? static_cast<std::uint32_t>(b.scratch[i]) : not_counted;
     }
@@ -108,7 +108,7 @@ void Branches::keep_undecided(const Batch& batch) {
 }
 
 /// Books the shares of one particle that no screen counts; returns how many others there are.
-int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught) {
+int Branches::count_shares(int i, Caught* caught) {
   const std::uint64_t prepared = asked_.view().prepared[i];
   const auto number = static_cast<std::size_t>(number_[static_cast<std::size_t>(i)]);
   const auto padded = static_cast<std::size_t>(asked_.view().padded);
@@ -118,11 +118,11 @@ int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Cau
         shares_[static_cast<std::size_t>(levels_[n]) * padded + static_cast<std::size_t>(i)];
     if (q == 0) continue;
     const Ends& ends = ends_[n];
-    const std::uint8_t link = ends.link[number];
+    const std::uint16_t link = ends.link[number];
     const Screen* screen = screen_of(chain_[link]);
     std::uint64_t* ledger = &ledger_[(link * most_levels + prepared) * 2];
     if (screen == nullptr) {
-      ended[link] += q;
+      ended_[link] += q;
       ledger[1] += q;
       continue;
     }
@@ -131,7 +131,7 @@ int Branches::count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Cau
         : screen->efficiency == 1
             ? q
             : static_cast<std::uint64_t>(std::floor(static_cast<double>(q) * screen->efficiency));
-    lost[link] += q - counted;
+    lost_[link] += q - counted;
     ledger[0] += counted;
     ledger[1] += q - counted;
     if (counted != 0) caught[count++] = {counted, ends.bin[number], link, ends.level[number]};
@@ -186,13 +186,14 @@ void Branches::tally(int i, const Caught* caught, int count, Sum* sums) {
 void Branches::book(const LevelProjection& projection, Sum* sums, std::size_t shift) {
   sums += shift;
   const BatchView& asked = asked_.view();
-  std::array<std::uint64_t, 256> ended{}, lost{};
+  ended_.assign(chain_.size(), 0);
+  lost_.assign(chain_.size(), 0);
   ledger_.assign(chain_.size() * most_levels * 2, 0);
   if (asked.count > 0) {
     kernels_->outcomes(question_of(projection, key_), asked, asked.weight, shares_.data());
     Caught caught[most_levels];
     for (int i = 0; i < asked.count; ++i) {
-      const int count = count_shares(i, ended.data(), lost.data(), caught);
+      const int count = count_shares(i, caught);
       if (count > 0) tally(i, caught, count, sums);
     }
   }
@@ -205,9 +206,9 @@ void Branches::book(const LevelProjection& projection, Sum* sums, std::size_t sh
       sums[chain_[k].ledger + 2 * level + 1] += ledger_[2 * at + 1] + decided_by_level_[at];
     }
     if (screen != nullptr)
-      sums[chain_[k].sums + sums_of(*screen).lost()] += lost[k] + decided_[k];
-    else if (ended[k] + decided_[k] != 0)
-      sums[chain_[k].sums] += ended[k] + decided_[k];
+      sums[chain_[k].sums + sums_of(*screen).lost()] += lost_[k] + decided_[k];
+    else if (ended_[k] + decided_[k] != 0)
+      sums[chain_[k].sums] += ended_[k] + decided_[k];
   }
 }
 

@@ -34,20 +34,22 @@ class Branches {
   static constexpr std::size_t capacity = Batch::capacity;
   /// How the particles in one level end.
   struct Ends {
-    std::array<std::uint8_t, capacity> link, level;  // where in the chain; in which level
-    std::array<std::uint32_t, capacity> bin;         // on a screen, or not_counted
+    std::array<std::uint16_t, capacity> link;  // where in the chain
+    std::array<std::uint8_t, capacity> level;  // in which level
+    std::array<std::uint32_t, capacity> bin;   // on a screen, or not_counted
   };
   static constexpr std::uint32_t not_counted = ~std::uint32_t{0};
   /// A share that a screen has counted.
   struct Caught {
     std::uint64_t q;
     std::uint32_t bin;
-    std::uint8_t link, level;
+    std::uint16_t link;
+    std::uint8_t level;
   };
 
   void fly_in(int level, const Batch& batch);
   void keep_undecided(const Batch& batch);
-  int count_shares(int i, std::uint64_t* ended, std::uint64_t* lost, Caught* caught);
+  int count_shares(int i, Caught* caught);
   void tally(int i, const Caught* caught, int count, Sum* sums);
 
   std::vector<ChainLink> chain_;
@@ -59,6 +61,7 @@ class Branches {
   std::vector<Sum> unused_;                      // what the stages themselves would add
   std::vector<std::uint64_t> decided_;           // [quanta] that end at each link whatever the level
   std::vector<std::uint64_t> decided_by_level_;  // [link][prepared level] the same
+  std::vector<std::uint64_t> ended_, lost_;      // [quanta] at each link in one way
   std::vector<std::uint64_t> ledger_;            // [link][prepared level][caught, ended] of one way
   Batch flown_;
   Batch asked_;                                   // those whose end depends on the level
