@@ -5,6 +5,7 @@
 
 #include "input/checks.hpp"
 #include "input/reader.hpp"
+#include "transport/kernels.hpp"
 
 namespace rabiline {
 namespace {
@@ -56,6 +57,13 @@ bool read_species(const Node& node, Keys& keys, Species& out) {
     good = read_rows(keys, own);
     out = with_levels(own.name, own.mass, own.structure, own.source);
     out.charge = own.charge;
+    if (good && out.levels() > most_levels) {
+      keys.reading().error(place_of(node, "structure"),
+                           fmt::format("I and J of `{}` make {} levels, and {} are the most", out.name,
+                                       out.levels(), most_levels),
+                           "(2I + 1)(2J + 1) is their number");
+      return false;
+    }
   } else {
     good = read_rows(keys, out);
   }
