@@ -229,7 +229,7 @@ void check_scanned_tallies(const Axis& axis, const std::vector<Beamline>& points
                       part.placement.name, bins, points.size(), bins * points.size(), most_bins),
           "scan fewer points, or give the axes fewer bins");
     for (const Beamline& point : points) {
-      if (levels && levels_of(point) != levels_of(points.front()))
+      if (levels && !has_same_levels(point.species.front().species, points.front().species.front().species))
         return reading.error(axis.place,
                              fmt::format("`{}` cannot be scanned: a tally of `{}` counts levels, and the "
                                          "spins at the scan points differ",
