@@ -423,6 +423,68 @@ TEST(Scan, OfAnythingGivesAtEachPointWhatASingleRunGives) {
     }
 }
 
+TEST(Scan, OverSpeciesOfOtherLevelsKeepsTheirLedgersApart) {
+  std::vector<Beamline> points;
+  for (const auto& [name, s] : several()) {
+    Apparatus one = s;
+    one.particles = 1000;
+    points.push_back(beamline_of(one));
+  }
+  const Result scan = run_points(points);
+  const std::size_t columns = scan.ledger_levels.size();
+  EXPECT_EQ(columns, 2U + 2U + 16U + 4U);  // m = +-1/2 are levels of both moments
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Result single = run_points({points[p]});
+    EXPECT_EQ(scan.detectors[0].detected[p], single.detectors[0].detected[0]);
+    for (std::size_t i = 0; i < columns; ++i) {
+      const auto own =
+          std::find(single.ledger_levels.begin(), single.ledger_levels.end(), scan.ledger_levels[i]);
+      const double found = scan.emitted_by_level[p * columns + i];
+      if (own == single.ledger_levels.end())
+        EXPECT_TRUE(std::isnan(found)) << p << scan.ledger_levels[i];
+      else
+        EXPECT_EQ(found,
+                  single.emitted_by_level[static_cast<std::size_t>(own - single.ledger_levels.begin())]);
+    }
+  }
+}
+
+TEST(ManyParts, BehindASplitChangeNothingWhereTheyStopNothing) {
+  Apparatus s = several()[2].second;
+  s.particles = 1000;
+  Beamline few = beamline_of(s), many = few;
+  few.parts.back().placement.at = many.parts.back().placement.at = 1.4;
+  for (int i = 0; i < 300; ++i)
+    many.parts.insert(many.parts.end() - 1,
+                      place("slit" + std::to_string(i), 1.21 + 5e-4 * i, Slit{Rectangle{1, 1}, {}}));
+  expect_same(run_points({many}), 0, run_points({few}), "many ");
+}
+
+TEST(ThreeMagnets, AgreeWhetherTheFirstQuestionIsSplitOrAllAreDrawn) {
+  for (auto [name, s] : several()) {
+    s.particles = 100000;
+    Beamline b = beamline_of(s);
+    RotatingField again = std::get<RotatingField>(b.parts[2].part);
+    again.length = 0.1;
+    b.parts.insert(b.parts.end() - 1,
+                   {place("C2", 1.25, UniformField{0.1, std::get<UniformField>(b.parts[1].part).field, {}}),
+                    place("R2", 1.25, again), place("D", 1.4, gradient_magnet(0.2, 1, -s.b))});
+    b.parts.back().placement.at = 1.8;
+    const DetectorResult split = run_points({b}).detectors.at(0);
+    b.law = QuantumLaw{Outcomes::sample};
+    b.seed += 1;
+    const DetectorResult sample = run_points({b}).detectors.at(0);
+    EXPECT_GT(split.detected[0], 0.02) << name;
+    EXPECT_NEAR(split.detected[0], sample.detected[0],
+                4.5 * std::hypot(split.detected_errors[0], sample.detected_errors[0]))
+        << name;
+    for (std::size_t i = 0; i < split.levels.size(); ++i)
+      EXPECT_NEAR(split.levels[i], sample.levels[i],
+                  4.5 * std::hypot(split.levels_errors[i], sample.levels_errors[i]) + 1e-5)
+          << name << " level " << i;
+  }
+}
+
 TEST(DetectorInFrontOfAMagnet, TellsLevelsWhereThoseBehindAreSplit) {
   for (auto [name, s] : several()) {
     s.particles = 3000;

@@ -109,6 +109,25 @@ TEST(ZeemanResonance, OfAFieldThatSwingsIsThatOfItsTurningHalf) {
         3e-3, "swings");
 }
 
+TEST(ZeemanResonance, OfAProfileTurnsByItsArea) {
+  const double field = 1e-6, speed = 600, length = 0.8, sigma = 0.1, w1 = 2000;
+  const double per_tesla = zeeman("H", 2);
+  const auto stays = [&](const AmplitudeProfile& profile) {
+    Beamline b = atoms("H atom", speed, in_level(1, 1));
+    RotatingField rf = turning(length, w1 / (two_pi * per_tesla), per_tesla * field, Sense::positive);
+    rf.profile = profile;
+    b.parts = {place("C", 0.1, UniformField{1, field, {}}), place("R", 0.2, rf), wide_screen(2)};
+    return levels_of(b).at(0);
+  };
+  const auto expected = [&](double area) {
+    return [=](double scale) { return std::pow(std::cos(scale * w1 * area / speed / 2), 4); };
+  };
+  expect_agreement(stays(HalfSineProfile{}), expected(2 * length / pi), 3e-3, "half sine");
+  expect_agreement(stays(GaussianProfile{sigma}),
+                   expected(sigma * std::sqrt(two_pi) * std::erf(length / 2 / sigma / std::sqrt(2.0))), 3e-3,
+                   "gaussian");
+}
+
 // ---- the caesium clock ----
 
 /// Ramsey's zones of one oscillator for (4,0)-(3,0), fields along z as the C field.
