@@ -275,6 +275,21 @@ TEST(CaesiumClock, SeesTheFieldInsideAZoneLessThanHalfItsPhase) {
   EXPECT_GT(moved, 3);
 }
 
+TEST(CaesiumClock, OfAPulsedBeamHasOneClockAndIsRefusedForTwo) {
+  Clock c;
+  Beamline b = clock_at(c, clock_line);
+  const double still = levels_of(b).at(12);
+  b.source.pulse = RectanglePulse{1e-3};
+  EXPECT_NEAR(levels_of(b).at(12), still, 1e-9);
+  auto& second = std::get<OscillatingField>(b.parts[2].part);
+  second.oscillator.reset();
+  second.frequency = clock_line + 400;
+  std::get<OscillatingField>(b.parts[1].part).phase = {Phase::Kind::locked, 0};
+  EXPECT_THROW(levels_of(b), std::invalid_argument);
+  second.phase = {Phase::Kind::random, 0};
+  EXPECT_NO_THROW(levels_of(b));
+}
+
 // ---- ovens ----
 
 TEST(ThermalSpin, FillsTheLevelsOfHydrogenByBoltzmann) {
