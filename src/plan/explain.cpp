@@ -123,6 +123,17 @@ class Explainer {
     line("            {}: each particle is in one level from here on, {}{}", name_of(asked.part),
          asked.split ? "all are followed with their shares of its weight" : "drawn by its probability",
          reuse());
+    show_table(asked.transitions, asked.part);
+  }
+  void show_table(const TransitionTable* table, int part) {
+    if (table == nullptr) return;
+    line("{:>16}transitions from level to level at {} speeds, to {:.1g}", "", table->points, table->error);
+    constexpr double poor = 1e-3;
+    if (table->error > poor)
+      warnings_.push_back(fmt::format(
+          "the transitions in front of `{}` change too fast with the speed to be tabulated: their "
+          "probabilities are known to {:.1g} only",
+          name_of(part), table->error));
   }
   void show(const Deflection& d) {
     const double stay = (d.end - d.begin) / speed_, bent = std::abs(d.acceleration) * stay * stay / 2;
@@ -195,12 +206,14 @@ class Explainer {
   }
   void show(const SpinStretch& stretch) {
     line("            spins at {}: {} levels, {}{}", name_of(stretch.part), stretch.levels,
-         stretch.zones.empty() ? "as they arrive"
+         stretch.transitions != nullptr ? "by the transitions that fields drive"
+         : stretch.zones.empty()        ? "as they arrive"
          : stretch.from_level && stretch.zones.size() == 1 && stretch.zones.front().kind == ZoneKind::rotating
              ? "closed form"
              : "coherent through the zones below",
          reuse());
     for (const SpinZone& zone : stretch.zones) show_zone(zone);
+    show_table(stretch.transitions, stretch.part);
   }
 
   /// The derived numbers of one zone.
