@@ -82,13 +82,16 @@ void check_charges(const Beamline& beamline, const PlacedPart& magnet, const Par
           "deflecting magnets are for neutral particles");
 }
 
+/// Parts may touch a magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
 void check_overlaps(const Beamline& beamline, const PlacedPart& magnet, const PartNodes& nodes,
                     Reading& reading) {
+  constexpr double rounding = 1e-12;  // [m]
   for (const PlacedPart& part : beamline.parts) {
     const bool is_static = std::holds_alternative<UniformField>(part.part);
     const double begin = part.placement.at, end = end_of(part);
-    const bool overlaps = begin < end ? begin < end_of(magnet) && end > magnet.placement.at
-                                      : begin > magnet.placement.at && begin < end_of(magnet);
+    const double magnet_begin = magnet.placement.at + rounding, magnet_end = end_of(magnet) - rounding;
+    const bool overlaps =
+        begin < end ? begin < magnet_end && end > magnet_begin : begin > magnet_begin && begin < magnet_end;
     if (&part == &magnet || is_static || !overlaps) continue;
     reading.error(place_in(nodes, part, "at"),
                   fmt::format("`{}` stands in the deflecting magnet `{}` ({} to {})", part.placement.name,

@@ -60,6 +60,26 @@ void check_size(const Tally& tally, const Node& node, int levels, Reading& readi
                   "give its axes fewer bins, or make several tallies of it");
 }
 
+/// Whether the levels have the same names.
+bool has_same_levels(const Species& a, const Species& b) {
+  if (a.spin != b.spin || a.structure.has_value() != b.structure.has_value()) return false;
+  return !a.structure || a.structure->i == b.structure->i;
+}
+
+/// The levels of an atom are no projections of one spin.
+void check_spins_of_atoms(const Beamline& beamline, const Tally& tally, const Node& node, Reading& reading) {
+  if (!std::holds_alternative<QuantumLaw>(beamline.law)) return;
+  for (std::size_t i = 0; i < tally.axes.size(); ++i)
+    for (const Component& component : beamline.species)
+      if (tally.axes[i].quantity == Quantity::spin && component.species.structure) {
+        reading.error(quantity_place(axis_node(node, i)),
+                      fmt::format("`spin` is the projection of one spin, and `{}` has the levels of two",
+                                  component.species.name),
+                      "tally its levels: `{name: levels, axes: [level]}`");
+        break;
+      }
+}
+
 /// Levels are those of the law `quantum`, and of one spin.
 void check_levels(const Beamline& beamline, const Tally& tally, const Node& node, Reading& reading) {
   const bool quantum = std::holds_alternative<QuantumLaw>(beamline.law);
@@ -73,13 +93,15 @@ void check_levels(const Beamline& beamline, const Tally& tally, const Node& node
                     "a spin that is a vector has a projection: "
                     "`{quantity: spin, axis: z, from: -1, to: 1, bins: 20}`");
     for (const Component& component : beamline.species)
-      if (quantum && component.species.spin != beamline.species.front().species.spin) {
+      if (quantum && !has_same_levels(component.species, beamline.species.front().species)) {
         reading.error(
             quantity_place(axis_node(node, i)),
             fmt::format("`{}` cannot have bins for the levels of both `{}` and `{}`, whose spins "
                         "differ",
                         word_of(quantity), beamline.species.front().species.name, component.species.name),
-            "tally `spin` along `axis: z`, in units of I, or fly one of them at a time");
+            component.species.structure || beamline.species.front().species.structure
+                ? "fly one of them at a time"
+                : "tally `spin` along `axis: z`, in units of I, or fly one of them at a time");
         break;
       }
   }
@@ -182,6 +204,7 @@ void check_tallies(const Beamline& beamline, const PartNodes& nodes, Reading& re
       check_axes((*tallies)[i], *node, reading);
       check_size((*tallies)[i], *node, levels_of(beamline), reading);
       check_levels(beamline, (*tallies)[i], *node, reading);
+      check_spins_of_atoms(beamline, (*tallies)[i], *node, reading);
       check_directions(beamline, (*tallies)[i], *node, reading);
     }
   }
@@ -206,7 +229,7 @@ void check_scanned_tallies(const Axis& axis, const std::vector<Beamline>& points
                       part.placement.name, bins, points.size(), bins * points.size(), most_bins),
           "scan fewer points, or give the axes fewer bins");
     for (const Beamline& point : points) {
-      if (levels && levels_of(point) != levels_of(points.front()))
+      if (levels && !has_same_levels(point.species.front().species, points.front().species.front().species))
         return reading.error(axis.place,
                              fmt::format("`{}` cannot be scanned: a tally of `{}` counts levels, and the "
                                          "spins at the scan points differ",

@@ -146,13 +146,18 @@ class Explainer {
     line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}", metres(y),
          name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
+  static int levels_found(const PlanNode& node) {
+    std::uint64_t levels = 0;
+    for (const std::uint64_t mask : node.reach) levels |= mask;
+    return std::popcount(levels);
+  }
   void show(const LevelProjection& asked) {
     line("            {}: each particle is in one level from here on, {}{}", name_of(asked.part),
          asked.split ? "all are followed with their shares of its weight" : "drawn by its probability",
          reuse());
     if (node_->ways.size() > 1)
       line("{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them",
-           "", std::popcount(node_->levels), node_->ways.size());
+           "", levels_found(*node_), node_->ways.size());
     if (atom_ && !on_axis_.empty()) on_axis_ = all_levels(*species_);
     show_driven(asked.part);
   }

@@ -10,6 +10,9 @@
 namespace rabiline {
 namespace {
 
+/// [m] Where parts touch, rounding may leave a section of this length between them.
+constexpr double rounding = 1e-12;
+
 [[noreturn]] void refuse(const Species& species, const Section& section, const char* why, const char* help) {
   throw std::invalid_argument(fmt::format("{} between {:.6g} m and {:.6g} m: {}\n  help: {}", species.name,
                                           section.begin, section.end, why, help));
@@ -161,7 +164,7 @@ std::vector<LevelZone> driven_zones(const Species& species, const std::vector<Se
   std::vector<LevelZone> zones;
   std::size_t last = 0;
   for (const Section& section : sections) {
-    if (std::max(section.begin, from) >= std::min(section.end, to)) continue;
+    if (std::max(section.begin, from) + rounding >= std::min(section.end, to)) continue;
     LevelZone zone = zone_of(section, species);
     zone.begin = std::max(zone.begin, from);
     zone.end = std::min(zone.end, to);

@@ -287,9 +287,10 @@ Plan make_plan(const Experiment& experiment, double most_cost) {
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
-    const bool of_atom = experiment.points.front()
-                             .species[static_cast<std::size_t>(group.root.component)]
-                             .species.structure.has_value();
+    const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(), [&](const Chain& chain) {
+      const Beamline& beamline = experiment.points[static_cast<std::size_t>(chain.point)];
+      return beamline.species[static_cast<std::size_t>(group.root.component)].species.structure.has_value();
+    });
     std::size_t unused = 0;
     const double cost = 64 * make_tree(group.root, chains, of_atom, unused).cost;
     const auto parts =

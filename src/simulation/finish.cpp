@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -274,23 +275,21 @@ class Finisher {
   };
 
   void add_fates() {
-    const std::vector<std::size_t> columns = ledger_columns();
+    name_ledger_columns();
     const std::size_t levels = result_.ledger_levels.size();
     std::vector<Sum> left(points_ * levels);
-    std::vector<bool> has_ledger(points_);
+    std::vector<bool> has_ledger(points_ * levels);
     for (const PlanTree& tree : plan_.trees)
       for (const int p : tree.points)
         for (std::size_t level = 0; level < tree.ledger_levels; ++level) {
-          const std::size_t at = static_cast<std::size_t>(p) * levels +
-                                 columns[static_cast<std::size_t>(tree.component)] + level;
+          const std::size_t at = ledger_place(p, tree.component, level);
           left[at] += sums_[tree.ledger + level];
-          has_ledger[static_cast<std::size_t>(p)] = true;
+          has_ledger[at] = true;
         }
     const auto shown = [&](const std::vector<Sum>& sums) {
       std::vector<double> out;
       for (std::size_t at = 0; at < sums.size(); ++at)
-        out.push_back(has_ledger[at / levels] ? particles(sums[at])
-                                              : std::numeric_limits<double>::quiet_NaN());
+        out.push_back(has_ledger[at] ? particles(sums[at]) : std::numeric_limits<double>::quiet_NaN());
       return out;
     };
     result_.emitted_by_level = shown(left);
@@ -308,7 +307,7 @@ class Finisher {
         row.by_level.resize(points_ * levels);
         row.all[point] += sums_[tally.at];
         for (std::size_t level = 0; tally.ledger != 0 && level < tally.levels; ++level) {
-          const std::size_t at = point * levels + columns[static_cast<std::size_t>(tally.component)] + level;
+          const std::size_t at = ledger_place(p, tally.component, level);
           const Sum q = sums_[tally.ledger + (tally.fate == Fate::detected ? LedgerSums::caught(level)
                                                                            : LedgerSums::ended(level))];
           row.by_level[at] += q;
@@ -336,21 +335,36 @@ class Finisher {
           "the fates of the particles prepared in a level do not add up to what was emitted");
   }
 
-  /// Labels the columns of the ledger by level; returns where those of each species begin.
-  std::vector<std::size_t> ledger_columns() {
-    std::vector<std::size_t> begin(experiment_.points.front().species.size());
-    for (std::size_t k = 0; k < begin.size(); ++k) {
-      begin[k] = result_.ledger_levels.size();
-      for (const PlanTree& tree : plan_.trees) {
-        if (static_cast<std::size_t>(tree.component) != k || tree.ledger_levels == 0) continue;
-        const Beamline& beamline = experiment_.points[static_cast<std::size_t>(tree.points.front())];
-        const int levels = static_cast<int>(tree.ledger_levels);
-        for (int level = 0; level < levels; ++level)
-          result_.ledger_levels.push_back(label_of(beamline, tree.component, levels, level));
-        break;
+  /// One column of the ledger by level for every label that occurs.
+  void name_ledger_columns() {
+    using Levels = std::tuple<std::string, int, int, std::size_t>;  // species, I, J, how many
+    std::map<std::pair<int, Levels>, std::vector<std::size_t>> known;
+    ledger_columns_.resize(points_);
+    for (const PlanTree& tree : plan_.trees)
+      for (const int p : tree.points) {
+        if (tree.ledger_levels == 0) continue;
+        const Beamline& beamline = experiment_.points[static_cast<std::size_t>(p)];
+        const Species& species = beamline.species[static_cast<std::size_t>(tree.component)].species;
+        const Levels key{species.name, species.structure ? species.structure->i.twice : -1,
+                         species.spin.twice, tree.ledger_levels};
+        std::vector<std::size_t>& columns = known[{tree.component, key}];
+        for (std::size_t level = columns.size(); level < tree.ledger_levels; ++level)
+          columns.push_back(ledger_column(label_of(
+              beamline, tree.component, static_cast<int>(tree.ledger_levels), static_cast<int>(level))));
+        ledger_columns_[static_cast<std::size_t>(p)][tree.component] = columns;
       }
+  }
+  std::size_t ledger_column(const std::string& label) {
+    const auto found = std::find(result_.ledger_levels.begin(), result_.ledger_levels.end(), label);
+    if (found == result_.ledger_levels.end()) {
+      result_.ledger_levels.push_back(label);
+      return result_.ledger_levels.size() - 1;
     }
-    return begin;
+    return static_cast<std::size_t>(found - result_.ledger_levels.begin());
+  }
+  std::size_t ledger_place(int point, int component, std::size_t level) const {
+    const auto p = static_cast<std::size_t>(point);
+    return p * result_.ledger_levels.size() + ledger_columns_[p].at(component)[level];
   }
 
   const Experiment& experiment_;
@@ -358,9 +372,10 @@ class Finisher {
   const Sums& sums_;
   const Tallies tallies_;
   const std::size_t points_;
-  std::vector<Moments> emitted_;                                        // [points]
-  std::map<std::string, std::vector<std::vector<double>>> deviations_;  // detector: [points][groups]
-  std::map<std::string, std::vector<Moments>> totals_;                  // detector: [points]
+  std::vector<std::map<int, std::vector<std::size_t>>> ledger_columns_;  // [points]: component, [levels]
+  std::vector<Moments> emitted_;                                         // [points]
+  std::map<std::string, std::vector<std::vector<double>>> deviations_;   // detector: [points][groups]
+  std::map<std::string, std::vector<Moments>> totals_;                   // detector: [points]
   std::map<std::string, std::vector<double>> rate_errors_;  // detector: [points] of what was counted
   std::map<std::string, std::map<std::size_t, std::map<int, Moments>>>
       component_weights_;  // of what was counted

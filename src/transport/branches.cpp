@@ -109,7 +109,7 @@ void Branches::fly_on(std::size_t path, const Batch& batch, const std::vector<st
     for (std::size_t n = 0; n < number(b.count); ++n) {
       if (flying[n] == 0 || b.flying[n] != 0) continue;
       const std::size_t i = flown_number_[n];
-      ends.link[i] = static_cast<std::uint8_t>(k);
+      ends.link[i] = static_cast<std::uint16_t>(k);
       ends.level[i] = static_cast<std::uint8_t>(b.level[n]);
       ends.bin[i] = is_screen ? static_cast<std::uint32_t>(b.scratch[n]) : not_counted;
     }

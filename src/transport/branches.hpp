@@ -37,11 +37,12 @@ class Branches {
   static constexpr std::size_t capacity = Batch::capacity;
   static std::size_t number(int i) { return static_cast<std::size_t>(i); }
   static constexpr std::uint32_t not_counted = ~std::uint32_t{0};
-  static constexpr std::uint8_t not_flown = 0xff;
+  static constexpr std::uint16_t not_flown = 0xffff;
   /// How the particles in one level end.
   struct Ends {
-    std::array<std::uint8_t, capacity> link, level;  // where in the chain, or not_flown; in which level
-    std::array<std::uint32_t, capacity> bin;         // on a screen, or not_counted
+    std::array<std::uint16_t, capacity> link;  // where in the chain, or not_flown
+    std::array<std::uint8_t, capacity> level;  // in which level
+    std::array<std::uint32_t, capacity> bin;   // on a screen, or not_counted
   };
   /// Particles one after the other that were prepared in one level.
   struct Group {
