@@ -66,20 +66,6 @@ bool has_same_levels(const Species& a, const Species& b) {
   return !a.structure || a.structure->i == b.structure->i;
 }
 
-/// The levels of an atom are no projections of one spin.
-void check_spins_of_atoms(const Beamline& beamline, const Tally& tally, const Node& node, Reading& reading) {
-  if (!std::holds_alternative<QuantumLaw>(beamline.law)) return;
-  for (std::size_t i = 0; i < tally.axes.size(); ++i)
-    for (const Component& component : beamline.species)
-      if (tally.axes[i].quantity == Quantity::spin && component.species.structure) {
-        reading.error(quantity_place(axis_node(node, i)),
-                      fmt::format("`spin` is the projection of one spin, and `{}` has the levels of two",
-                                  component.species.name),
-                      "tally its levels: `{name: levels, axes: [level]}`");
-        break;
-      }
-}
-
 /// Levels are those of the law `quantum`, and of one spin.
 void check_levels(const Beamline& beamline, const Tally& tally, const Node& node, Reading& reading) {
   const bool quantum = std::holds_alternative<QuantumLaw>(beamline.law);
@@ -204,7 +190,6 @@ void check_tallies(const Beamline& beamline, const PartNodes& nodes, Reading& re
       check_axes((*tallies)[i], *node, reading);
       check_size((*tallies)[i], *node, levels_of(beamline), reading);
       check_levels(beamline, (*tallies)[i], *node, reading);
-      check_spins_of_atoms(beamline, (*tallies)[i], *node, reading);
       check_directions(beamline, (*tallies)[i], *node, reading);
     }
   }

@@ -44,7 +44,11 @@ class ExplainAtoms : public testing::Test {
     const Experiment experiment = load_experiment(path_, line).experiment;
     return explain(experiment, make_plan(experiment));
   }
-  std::filesystem::path path_ = std::filesystem::temp_directory_path() / "rabiline_explain_atoms_test.yaml";
+  /// Tests run side by side.
+  const std::filesystem::path path_ =
+      std::filesystem::temp_directory_path() /
+      (std::string("rabiline_explain_atoms_") +
+       testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
 };
 
 TEST_F(ExplainAtoms, BeginsWithLevelsInsteadOfOneMoment) {
