@@ -329,34 +329,4 @@ void check_atoms(const Beamline& beamline, const Node& root, const PartNodes& no
   check_spin_tallies(beamline, *atom, nodes, reading);
 }
 
-/// The ledger of fates has one list of levels for all points.
-void check_scanned_levels(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
-  const auto deflects = [](const PlacedPart& p) {
-    return std::holds_alternative<GradientMagnet>(p.part) || std::holds_alternative<TwoWireMagnet>(p.part) ||
-           std::holds_alternative<IronMagnet>(p.part) || std::holds_alternative<MultipoleMagnet>(p.part);
-  };
-  const auto has_ledger = [&](const Beamline& b) {
-    return std::holds_alternative<QuantumLaw>(b.law) &&
-           (atom_of(b) != nullptr || std::any_of(b.parts.begin(), b.parts.end(), deflects));
-  };
-  const Beamline* first = nullptr;
-  for (const Beamline& point : points) {
-    if (!has_ledger(point)) continue;
-    if (!first) first = &point;
-    for (std::size_t i = 0; i < std::min(point.species.size(), first->species.size()); ++i) {
-      const Species &a = first->species[i].species, &b = point.species[i].species;
-      const bool alike = a.structure && b.structure
-                             ? a.structure->i == b.structure->i && a.structure->j == b.structure->j
-                             : !a.structure && !b.structure && a.spin == b.spin;
-      if (alike) continue;
-      return reading.error(
-          axis.place,
-          fmt::format("`{}` cannot be scanned: fates are counted by level, and `{}` and `{}` have different "
-                      "ones",
-                      axis.parameter, a.name, b.name),
-          "make one run for each");
-    }
-  }
-}
-
 }  // namespace rabiline

@@ -85,8 +85,6 @@ inline std::string metres(double y) { return pretty_quantity(y, Dimension::lengt
 void check_fields(const Beamline&, const PartNodes&, Reading&);
 void check_magnets(const Beamline&, const PartNodes&, Reading&);
 void check_atoms(const Beamline&, const Node& root, const PartNodes&, Reading&);
-/// Species whose levels the ledger of one run cannot tell apart.
-void check_scanned_levels(const Axis&, const std::vector<Beamline>& points, Reading&);
 void check_detectors(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_source(const Beamline&, const Node& root, const PartNodes&, Reading&);
 void check_tallies(const Beamline&, const PartNodes&, Reading&);

@@ -138,7 +138,6 @@ bool is_reserved(std::string_view name) {
 
 void check_axis(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
   check_scanned_tallies(axis, points, reading);
-  check_scanned_levels(axis, points, reading);
   for (const Beamline& point : points)
     if (point.source.rate != points.front().source.rate)
       return reading.error(

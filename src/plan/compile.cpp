@@ -278,6 +278,7 @@ class Compiler {
   RegionZone region_zone(const Section& section, double begin, double end) {
     RegionZone zone;
     zone.field = zones_.zone_of(section);
+    zones_.require_known_phases(zone.field);
     zone.field.begin = begin;
     zone.field.end = end;
     zone.wall_radius = section.wall.radius;

@@ -64,7 +64,6 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
   for (const RotatingTerm& term : section.rotating)
     if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term, axis, size);
   choose_frame(zone, axis, size != 0);
-  require_known_phases(zone);
   if (zone.kind == ZoneKind::general || zone.kind == ZoneKind::profiled) {
     double rate = rate_of(zone), shortest = std::numeric_limits<double>::infinity();
     if (zone.kind == ZoneKind::profiled) {

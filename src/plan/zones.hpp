@@ -28,8 +28,10 @@ class ZoneMaker {
         speed_(speed),
         latest_start_(latest_start) {}
 
-  /// Throws std::invalid_argument where too many fields overlap or phases would be lost.
+  /// Throws std::invalid_argument where too many fields overlap.
   SpinZone zone_of(const Section&) const;
+  /// Throws std::invalid_argument where so many turns in a zone lose the phase.
+  void require_known_phases(const SpinZone&) const;
   /// Sum of everything static in a section [T].
   Vector3 static_field(const Section&) const;
   /// The fastest turning in a zone [rad/s], of field, spin or velocity.
@@ -38,7 +40,6 @@ class ZoneMaker {
  private:
   DriveTerm drive_of(const RotatingTerm&, const Vector3& axis, double static_field) const;
   void choose_frame(SpinZone&, const Vector3& axis, bool is_static) const;
-  void require_known_phases(const SpinZone&) const;
 
   const Species& species_;
   const Species& coil_species_;

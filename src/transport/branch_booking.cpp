@@ -65,25 +65,17 @@ void Branches::book_screen(const ScreenBook& book, Sum* sums) {
   own[layout.total() + 1] +=
       joined(by_path.squares_high[levels_.size()], by_path.squares_low[levels_.size()]);
   const std::uint8_t* listed = book.cell_paths.data();
-  std::array<std::uint64_t, most_levels> scores;  // of one particle, in its cells
-  std::size_t first = 0;
+  scores_.resize(book.cells.size());
   for (std::size_t c = 0; c < book.cells.size(); ++c) {
     const Cell& cell = book.cells[c];
     std::uint64_t q = 0;
     for (int n = 0; n < cell.paths; ++n) q += counts_[*listed++ * padded + cell.particle];
+    scores_[c] = q;
     own[layout.bin(cell.bin)] += q;
     own[layout.bin(cell.bin) + 1] += static_cast<Sum>(q) * q;
-    if (book.cells[first].particle != cell.particle) first = c;
-    scores[c - first] = q;
-    for (std::size_t other = first; other < c; ++other) {
-      const Sum twice_product = static_cast<Sum>(2 * q) * scores[other - first];
-      const std::uint32_t bin = book.cells[other].bin;
-      if (bin / layout.rows == cell.bin / layout.rows)
-        own[layout.across_column(bin / layout.rows)] += twice_product;
-      if (bin % layout.rows == cell.bin % layout.rows)
-        own[layout.across_row(bin % layout.rows)] += twice_product;
-    }
   }
+  for (const Neighbours& pair : book.neighbours)
+    own[pair.sum] += static_cast<Sum>(2 * scores_[pair.first]) * scores_[pair.second];
   for (const Group& group : groups_) {
     std::uint64_t counted = 0, hit = 0;
     for (int i = group.begin; i < group.end; ++i) {

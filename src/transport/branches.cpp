@@ -211,12 +211,26 @@ void Branches::find_stops() {
   }
 }
 
+std::vector<Branches::Neighbours> Branches::neighbours_of(const std::vector<Cell>& cells,
+                                                          const ScreenSums& layout) {
+  std::vector<Neighbours> found;
+  for (std::uint32_t second = 1; second < cells.size(); ++second)
+    for (std::uint32_t first = second; first-- > 0 && cells[first].particle == cells[second].particle;) {
+      const std::size_t a = cells[first].bin, b = cells[second].bin;
+      if (a / layout.rows == b / layout.rows)
+        found.push_back({first, second, layout.across_column(a / layout.rows)});
+      else if (a % layout.rows == b % layout.rows)
+        found.push_back({first, second, layout.across_row(a % layout.rows)});
+    }
+  return found;
+}
+
 void Branches::find_hits() {
   screens_.clear();
   for (std::size_t link = 0; link < chain_.size(); ++link) {
     const Screen* screen = screen_of(chain_[link]);
     if (screen == nullptr) continue;
-    ScreenBook book{link, -1, 8 * masks_.size(), {}, {}};
+    ScreenBook book{link, -1, 8 * masks_.size(), {}, {}, {}};
     for (std::size_t k = link; k < chain_.size(); ++k)
       if (const auto* stretch = std::get_if<SpinStretch>(chain_[k].stage);
           stretch && stretch->part == screen->part)
@@ -244,6 +258,7 @@ void Branches::find_hits() {
                                static_cast<std::uint8_t>(path));
       }
     }
+    book.neighbours = neighbours_of(book.cells, sums_of(*screen));
     screens_.push_back(std::move(book));
   }
 }

@@ -59,12 +59,18 @@ class Branches {
     std::uint16_t particle;
     std::uint16_t paths;  // how many; cell_paths_ lists them
   };
+  /// Two cells of one particle in one column or one row of bins, and the sum that (a + b)^2 adds 2ab to.
+  struct Neighbours {
+    std::uint32_t first, second;
+    std::size_t sum;
+  };
   struct ScreenBook {
     std::size_t link;
     int stretch;       // the link that asks for the levels of what it caught, or -1
     std::size_t hits;  // masks_ begin there, one column for each path
     std::vector<Cell> cells;
     std::vector<std::uint8_t> cell_paths;
+    std::vector<Neighbours> neighbours;
   };
 
   /// What a tally behind the projection sees of each path.
@@ -84,6 +90,7 @@ class Branches {
   void keep(const BatchView& from, int i);
   void find_stops();
   void find_hits();
+  static std::vector<Neighbours> neighbours_of(const std::vector<Cell>& cells, const ScreenSums& layout);
   void book_stops(Sum* sums) const;
   void book_screen(const ScreenBook& book, Sum* sums);
   void book_monitor(const MonitorBook& book, Sum* sums) const;
@@ -120,6 +127,7 @@ class Branches {
   std::array<std::uint16_t, capacity> number_{};        // of each of them in the batch
   alignas(64) std::array<std::uint64_t, most_levels * capacity> shares_{}, counts_{};
   alignas(64) std::array<std::uint64_t, capacity> totals_{};
+  std::vector<std::uint64_t> scores_;  // of each cell of a screen
 };
 
 }  // namespace rabiline
