@@ -231,8 +231,13 @@ def tails(true: Model, other: Model, number: int = TRIALS, seed: int = SEED) -> 
     generator = np.random.default_rng(seed)
     drawn, logs = (np.concatenate(parts, axis=-1) for parts in
                    zip(*(trials(model, [true, other], generator, number) for model in (true, other))))
-    ratio = drawn[1] - drawn[0]
-    weights = special.expit(logs[1] - logs[0]) / number
+    return _tails(drawn[1] - drawn[0], logs[1] - logs[0], number)
+
+
+def _tails(ratio: np.ndarray, logs: np.ndarray, number: int) -> np.ndarray:
+    """[number] Under the other law, the probabilities of a likelihood ratio at or above each of the first `number` of
+    `ratio` [2 number], from all of them and ln(L_other/L_true) in `logs`: see `ratio_p`."""
+    weights = special.expit(logs) / number
     order = np.argsort(-ratio, kind="stable")
     last = np.searchsorted(-ratio[order], -ratio[:number] + 1e-9, side="right") - 1  # ties count
     return np.cumsum(weights[order])[last]
@@ -242,12 +247,21 @@ def _by_trials(true: Model, other: Model, sigmas: float, start: float) -> float:
     """The least exposure at which half of the trials reach `sigmas`, to one per cent; from a tenth to ten times
     `start`."""
     low, high = np.log(start / 10), np.log(start * 10)
+    generator = np.random.default_rng(SEED)
     while high - low > 0.01:
         exposure = np.exp((low + high) / 2)
-        models = [Model(exposure * model.signal, model.background, model.k) for model in (true, other)]
-        reached = np.mean(tails(*models) < stats.norm.sf(sigmas)) >= 0.5
+        under = [_ratios(model.signal * exposure, true.signal, other.signal, generator) for model in (true, other)]
+        drawn = np.concatenate(under) - exposure * 2 * (true.signal - other.signal).sum()
+        reached = np.mean(_tails(drawn, -drawn / 2, TRIALS) < stats.norm.sf(sigmas)) >= 0.5
         low, high = (low, np.log(exposure)) if reached else (np.log(exposure), high)
     return float(np.exp(high))
+
+
+def _ratios(mu: np.ndarray, a: np.ndarray, b: np.ndarray, generator: np.random.Generator) -> np.ndarray:
+    """[TRIALS] 2 Σ n ln(a/b) of counts n that are drawn one by one, as there are few, where mu are expected."""
+    numbers = generator.poisson(mu.sum(), TRIALS)
+    cells = generator.choice(mu.size, numbers.sum(), p=mu / mu.sum())
+    return np.bincount(np.repeat(np.arange(TRIALS), numbers), 2 * np.log(a / b)[cells], TRIALS)
 
 
 def same(one: Model, other: Model) -> bool:
