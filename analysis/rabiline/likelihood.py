@@ -20,6 +20,7 @@ from scipy import special, stats
 TRIALS = 2000  # simulated experiments behind a p-value
 SIGMAS = 5.0
 SEED = 1938  # of the simulated experiments: the same answer every time
+PEARSON = 5  # expected counts of a cell in χ² (Cochran 1954)
 FEW = 10  # counts that tell laws apart, below which their number is no longer as good as normally distributed
 MOST_DRAWS = 2**22  # counts drawn at a time
 
@@ -90,10 +91,17 @@ class Model:
         """[...] -2 ln L of counts n [..., cells], over its largest possible value."""
         return self.deviances(n).sum(axis=-1)
 
-    def pearson(self, n: np.ndarray) -> float:
-        """Pearson's χ² of counts n [cells], with the variance of the expectation added."""
-        mu = self.at(n)
-        return float(np.sum((n - mu.expected) ** 2 / (mu.expected + mu.expected**2 / mu.support)))
+    def pearson(self, n: np.ndarray) -> tuple[float, int]:
+        """Pearson's χ² of counts n [cells], with the variance of the expectation added, and its degrees of freedom. Cells
+        that expect fewer than `PEARSON` counts are one together, or χ² would not follow its distribution."""
+        model = self.at(n)
+        mu, variance = model.expected, model.expected + model.expected**2 / model.support
+        many = mu >= PEARSON
+        squares = np.sum((n - mu)[many] ** 2 / variance[many])
+        rest = mu[~many].sum() >= PEARSON
+        if rest:
+            squares += (n - mu)[~many].sum() ** 2 / variance[~many].sum()
+        return float(squares), max(int(many.sum()) + int(rest) - int(self.free), 0)
 
     def draw(self, generator: np.random.Generator, trials: int) -> np.ndarray:
         """[trials, cells] Counts of repeated measurements, each with a truth that the simulation allows: gamma
@@ -112,22 +120,6 @@ class Model:
         spread = special.gammaln(n + finite) - special.gammaln(finite) \
             - (n + finite) * np.log1p(mu / finite) + special.xlogy(n, mu / finite)
         return np.where(np.isinf(k), special.xlogy(n, mu) - mu, spread)
-
-
-@dataclass(frozen=True)
-class Fit:
-    """How counts fit one law."""
-
-    deviance: float  # -2 ln L, over the largest possible L
-    pearson: float  # χ²
-    freedom: int
-    p: float  # share of the trials under this law with a deviance at least as large
-    fitted: int  # parameters: 1 where the flux is free
-
-    @property
-    def aic(self) -> float:
-        """Akaike's criterion, -2 ln L + 2 parameters; only differences mean something."""
-        return self.deviance + 2 * self.fitted
 
 
 def trials(model: Model, statistics: list[Model], generator: np.random.Generator,
