@@ -24,10 +24,13 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     if result.quoted is not None:
         low, high = result.quoted.low, result.quoted.high
         axes.axvspan(low, high, color="#009E73", alpha=0.18, linewidth=0,
-                     label=f"connected to κ = 0: {low:.3g} to {high:.3g}")
+                     label=f"bound, connected to κ = 0: {low:.3g} to {high:.3g}")
     for other in result.others:
         axes.axvspan(other.low, other.high, color=GREY, alpha=0.15, linewidth=0)
-    near = np.flatnonzero(result.interpolated <= SHOWN * result.level)
+    shown = result.interpolated <= SHOWN * result.level
+    if result.quoted is not None:
+        shown |= (result.fine >= result.quoted.low) & (result.fine <= result.quoted.high)
+    near = np.flatnonzero(shown)
     axes.set_ylim(-0.04 * SHOWN * result.level, SHOWN * result.level)
     margin = max(0.15 * np.ptp(result.fine[near]), 0.02 * np.ptp(result.fine))
     axes.set_xlim(max(result.fine[0] - margin / 3, result.fine[near[0]] - margin),

@@ -41,7 +41,8 @@ Data. A table has a line of names, then one line for each bin: counts; x and z, 
 and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x (mm)`, `H0.frequency (kHz)`. Without x and
 z, counts are those of the whole detector. Scan points that are not listed were not measured; bins that are not listed
 hold no counts. A result of `rabiline run` under one law may stand in for data; let its scan points be
-independent (--set scan.particles=independent) and its seed another one.
+independent (--set scan.particles=independent) and its seed another one. It emits a fixed number of particles, and a beam
+does not: where nearly all are caught, p comes out near 1.
 
   H0.frequency (kHz),counts
   288.1,4967

@@ -71,7 +71,7 @@ def _draw_maps(figure: SubFigure, axes: np.ndarray, made: Templates, screen: Scr
     most = max(float(template.max()) for template in templates) or 1.0
     for ax, template, name in zip(axes, templates, names):
         mesh = ax.pcolormesh(across, up, template, cmap=COUNTS, vmin=0, vmax=most, rasterized=True)
-        ax.set_title(name)
+        ax.set_title(name.replace(", ", "\n", 1))
     figure.colorbar(mesh, ax=axes[:2], label="counts in a bin / emitted" + ("\nmean over the scan" if image
                                                                                        and made.points > 1 else ""))
     limit = float(np.abs(difference).max()) * 100 or 1.0
@@ -104,22 +104,23 @@ def _draw_lines(upper: Axes, lower: Axes, made: Templates, screen: Screen, pair:
     if along is None:
         scale, label = _scale(made), made.axis.parameter if made.axis else ""
         x = scale.apply(made.axis.values) if made.axis else np.zeros(1)
-        edges, shares = _between(x), signed.sum(axis=(1, 2))
+        edges, summed = _between(x), (1, 2)
         values = [(screen.totals[i], screen.total_errors[i]) for i in pair]
         upper.set_ylabel("detected / emitted")
     else:
         place = "xz".index(along)
         scale, label = fitting_scale(screen.edges[place], "m"), along
         edges = scale.apply(screen.edges[place])
-        x, shares = (edges[:-1] + edges[1:]) / 2, signed[0].sum(axis=1 - place)
+        x, summed = (edges[:-1] + edges[1:]) / 2, (0, 2 - place)
         values = [(screen.counts[i, 0].sum(axis=1 - place), np.sqrt(screen.variances[i, 0].sum(axis=1 - place)))
                   for i in pair]
         upper.set_ylabel("counts in a bin / emitted")
     for (y, errors), name, colour, marker in zip(values, looks_of[0], looks_of[1], "oD"):
         upper.errorbar(x, y, errors, color=colour, marker=marker, markersize=3.2, linewidth=1, elinewidth=0.9, capsize=2,
                        markeredgewidth=0, label=f"{name} (bars: Monte Carlo)")
-    colours = [looks_of[1][0] if share >= 0 else looks_of[1][1] for share in shares]
-    lower.bar((edges[:-1] + edges[1:]) / 2, 100 * shares, width=np.diff(edges), color=colours, linewidth=0)
+    for sign, colour in zip((1, -1), looks_of[1]):
+        shares = sign * np.maximum(sign * signed, 0).sum(axis=summed)
+        lower.bar((edges[:-1] + edges[1:]) / 2, 100 * shares, width=np.diff(edges), color=colour, linewidth=0)
     lower.axhline(0, color=GREY, linewidth=0.8)
     lower.set_ylabel("share of\n-2 ln(L ratio) (%)")
     lower.set_xlabel(scale.label(label) if label else "")

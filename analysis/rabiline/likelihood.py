@@ -21,6 +21,7 @@ TRIALS = 2000  # simulated experiments behind a p-value
 SIGMAS = 5.0
 SEED = 1938  # of the simulated experiments: the same answer every time
 PEARSON = 5  # expected counts of a cell in χ² (Cochran 1954)
+REACHED = 10  # trials, for a tail to be known from them
 FEW = 10  # counts that tell laws apart, below which their number is no longer as good as normally distributed
 MOST_DRAWS = 2**22  # counts drawn at a time
 
@@ -147,10 +148,12 @@ def p_value(observed: float, drawn: np.ndarray, generator: np.random.Generator |
 
 def ratio_p(observed: float, drawn: np.ndarray, own: np.ndarray, other: np.ndarray) -> float:
     """The probability under a law that the statistic is at or above `observed`, from trials [2 trials], half drawn under
-    it and half under the other law, with their log-likelihoods `own` and `other`. The weights 2/(1 + L_other/L_own)
+    it and half under the other law, with their log-likelihoods `own` and `other`; an upper limit of it where too few
+    trials come there. The weights 2/(1 + L_other/L_own)
     of multiple importance sampling (Veach and Guibas 1995, balance heuristic) reach far into the tail."""
-    weights = special.expit(own - other)
-    return float(np.sum(weights[drawn >= observed - 1e-9]) / drawn.size * 2)
+    reached = drawn >= observed - 1e-9
+    p = float(np.sum(special.expit(own - other)[reached]) / drawn.size * 2)
+    return p if reached.sum() >= REACHED else max(p, 6 / drawn.size)  # between two laws far apart: at most 3 in a half
 
 
 @dataclass(frozen=True)
