@@ -157,9 +157,10 @@ def _command(commands: argparse._SubParsersAction, name: str, function: Callable
 
 
 def _positive(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
     if not (np.isfinite(value) and value > 0):
-        raise ValueError(text)
+        raise argparse.ArgumentTypeError(f"`{text}` is no number above 0")
     return value
-
-

@@ -83,7 +83,7 @@ def _pair(made: Templates, beam: Beam, one: int, other: int) -> Iterable[str]:
     if same(a, b):
         yield "  the same prediction in every bin, to the last bit: no number of particles tells them apart here"
         return
-    value, freedom, p = agreement(a, b)
+    value, freedom, p = agreement(a, b.at(a.expected))
     yield f"  templates     {ChiSquared(value, freedom, p)}, within their Monte Carlo errors"
     simulated = models(made, made.emitted)
     apart = [separation(simulated[i], simulated[j]) for i, j in ((one, other), (other, one))]
@@ -186,7 +186,7 @@ def _data(made: Templates, beam: Beam, data: Observation) -> Iterable[str]:
 
 
 def _p(p: float, trials: int) -> str:
-    return f"p < {2 / (trials + 1):.1g}" if p < 1.5 / (trials + 1) else f"p = {p:.2g}"
+    return f"p < {max(1.001 * p, 1e-12):.1g}" if p < 1.5 / (trials + 1) else f"p = {p:.2g}"
 
 
 def _tail(p: float) -> str:

@@ -21,7 +21,7 @@ TRIALS = 2000  # simulated experiments behind a p-value
 SIGMAS = 5.0
 SEED = 1938  # of the simulated experiments: the same answer every time
 PEARSON = 5  # expected counts of a cell in χ² (Cochran 1954)
-REACHED = 10  # trials, for a tail to be known from them
+REACHED = 10  # effective trials (Kish 1965), for a tail to be known from them
 FEW = 10  # counts that tell laws apart, below which their number is no longer as good as normally distributed
 MOST_DRAWS = 2**22  # counts drawn at a time
 
@@ -139,11 +139,12 @@ def trials(model: Model, statistics: list[Model], generator: np.random.Generator
 def p_value(observed: float, drawn: np.ndarray, generator: np.random.Generator | None = None) -> float:
     """The share of `drawn` [trials] at or above `observed`, which counts as one of them. With a generator ties, which
     discrete counts make, are broken at random, so that p is uniform; without it they all count, which is on the safe
-    side (Davison and Hinkley 1997, eq. 4.11)."""
+    side (Davison and Hinkley 1997, eq. 4.11). Far beyond all trials it is Cantelli's limit."""
     above = np.sum(drawn > observed + 1e-9)
     ties = np.sum(np.abs(drawn - observed) <= 1e-9)
     share = 1.0 if generator is None else generator.random()
-    return float((above + share * (ties + 1)) / (drawn.size + 1))
+    p = float((above + share * (ties + 1)) / (drawn.size + 1))
+    return p if above + ties else min(p, _cantelli(observed, float(drawn.mean()), float(drawn.std())))
 
 
 def ratio_p(observed: float, drawn: np.ndarray, own: np.ndarray, other: np.ndarray) -> float:
@@ -151,9 +152,21 @@ def ratio_p(observed: float, drawn: np.ndarray, own: np.ndarray, other: np.ndarr
     it and half under the other law, with their log-likelihoods `own` and `other`; an upper limit of it where too few
     trials come there. The weights 2/(1 + L_other/L_own)
     of multiple importance sampling (Veach and Guibas 1995, balance heuristic) reach far into the tail."""
-    reached = drawn >= observed - 1e-9
-    p = float(np.sum(special.expit(own - other)[reached]) / drawn.size * 2)
-    return p if reached.sum() >= REACHED else max(p, 6 / drawn.size)  # between two laws far apart: at most 3 in a half
+    logs, reached = special.log_expit(own - other), drawn >= observed - 1e-9
+    weights = np.exp(logs) * 2 / drawn.size
+    p = float(weights[reached].sum())
+    relative = np.exp(logs[reached] - logs[reached].max()) if reached.any() else np.zeros(1)
+    if relative.sum() ** 2 >= REACHED * max(np.sum(relative**2), 1e-300):
+        return min(p, 1.0)
+    mean = np.sum(weights * drawn) / weights.sum()
+    deviation = np.sqrt(np.sum(weights * (drawn - mean) ** 2) / weights.sum())
+    return max(p, min(6 / drawn.size, _cantelli(observed, mean, deviation)))  # 6: less than 3 trials of a half
+
+
+def _cantelli(observed: float, mean: float, deviation: float) -> float:
+    """Cantelli's inequality (1928): whatever the distribution, no more than this comes `observed` - `mean` above it."""
+    above = max(observed - mean, 0.0)
+    return float(deviation**2 / (deviation**2 + above**2)) if above > 0 else 1.0
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from .likelihood import SEED, TRIALS, Model, p_value, ratio_p, same, trials
 
 UNFIT = 0.001  # a law whose p is lower does not fit
 REJECTED = float(stats.norm.sf(3))  # three sigmas, for the ratio of two laws
-MOST_COUNTS = 2**23  # drawn for all trials of a law together
+MOST_COUNTS = 2**25  # drawn for all trials of a law together
 LEAST_TRIALS = 300
 
 
@@ -65,7 +65,9 @@ class Verdict:
             return f"{neither}: each of the laws has p < {UNFIT:g}{close}"
         beaten = {pair.other for pair in self.pairs if pair.one in fit and pair.p[1] < REJECTED} \
             | {pair.one for pair in self.pairs if pair.other in fit and pair.p[0] < REJECTED}
-        left = [i for i in fit if i not in beaten] or fit
+        left = [i for i in fit if i not in beaten]
+        if not left:
+            return "neither fits: the likelihood ratio lies between what the laws expect, and far from both"
         if len(left) == 1:
             others = _listed([name for i, name in enumerate(self.names) if i != left[0]], "or")
             return f"the data favour {self.names[left[0]]}: it fits (p = {self.fits[left[0]].p:.2g}), and they do not " \

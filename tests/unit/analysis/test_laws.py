@@ -100,7 +100,7 @@ def test_the_words_say_how_many_particles_and_where(folder: Path, monkeypatch: p
     out, err = run(folder, monkeypatch, capsys, "compare-laws laws.h5")
     assert "quantum against dorado (hypothesis), torque, κ = 1\n" in out and not err
     assert "5 sigma in half of the measurements takes\n      quantum true: " in out
-    assert "at each of 11 points" in out and "half of it is in H0.frequency 286.6 kHz to 296.6 kHz (3 of 11" in out
+    assert "at each of 11 points" in out and "half of it is in H0.frequency 291.6 kHz to 296.6 kHz (2 of 11" in out
 
 
 def test_a_rate_gives_the_time_and_a_background_makes_it_longer(folder: Path, monkeypatch: pytest.MonkeyPatch,
@@ -207,9 +207,16 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     assert capsys.readouterr().err == f"rabiline: {message}\n"
 
 
+def test_a_number_that_is_none_is_one_line(capsys: pytest.CaptureFixture) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["compare-laws", "laws.h5", "--rate", "-3"])
+    assert left.value.code == 2
+    assert capsys.readouterr().err == "rabiline: argument --rate: `-3` is no number above 0 (see --help)\n"
+
+
 @pytest.mark.parametrize(("table", "message"), [
     ("", "an empty table"),
-    ("x,n\n1,2\n", f"line 1: no column `counts` (columns: "),
+    ("x,n\n1,2\n", "line 1: no column `counts` (columns: "),
     ("H0.frequency (kHz),counts,wind\n", "what is the column `wind`?"),
     ("H0.frequency (furlong),counts\n", "line 1, column `H0.frequency (furlong)`: "),
     ("H0.frequency (kHz),counts\n266.6\n", "line 2: 1 values in 2 columns"),
@@ -249,6 +256,7 @@ def test_the_conclusion_follows_from_the_numbers() -> None:
     assert _verdict((0.4, 0.3), (0.5, 1e-9)).startswith("the data favour A")
     assert _verdict((0.3, 0.4), (1e-9, 0.5)).startswith("the data favour B")
     assert _verdict((0.0005, 0.0005), (0.5, 1e-9)).startswith("neither fits")
+    assert _verdict((0.4, 0.4), (1e-5, 1e-5)).startswith("neither fits: the likelihood ratio lies between")
     assert _verdict((0.4, 0.4), (0.3, 0.2)) == "cannot tell A and B apart: the counts are too few for that"
     assert _verdict((0.4, 0.4), (1, 1), same=True).endswith("they predict the same here, to the last bit")
 

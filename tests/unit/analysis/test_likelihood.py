@@ -87,6 +87,18 @@ def test_p_values_count_ties_on_the_safe_side_or_at_random() -> None:
     assert 1 / 5 <= min(shares) < 0.25 and 0.75 < max(shares) <= 4 / 5
 
 
+def test_far_beyond_all_trials_p_is_small_however_few_they_are() -> None:
+    drawn = np.random.default_rng(1).normal(0, 1, 200)
+    assert p_value(1000.0, drawn) == pytest.approx(1e-6, rel=0.3) and p_value(5.0, drawn) == pytest.approx(1 / 201)
+    one, other = exact(1e6 * LINE), exact(1e6 * moved(0.5))
+    generator = np.random.default_rng(5)
+    (d1, l1), (d2, l2) = (trials(model, [one, other], generator, 200) for model in (one, other))
+    ratio = np.concatenate([d1[1] - d1[0], d2[1] - d2[0]])
+    own, its = np.concatenate([l1[1], l2[1]]), np.concatenate([l1[0], l2[0]])
+    assert ratio_p(float(d1[1][0] - d1[0][0]), ratio, own, its) < 1e-12
+    assert ratio_p(0.0, ratio, own, its) < 1e-4  # between the two, where no trial comes
+
+
 def test_weighted_trials_know_the_far_tail() -> None:
     """Against a sum of two Poisson numbers that is known: the probability of few counts is e^-mu times a sum."""
     one, other = exact(np.array([2.0])), exact(np.array([30.0]))
