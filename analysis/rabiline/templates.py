@@ -15,8 +15,8 @@ from .results import Axis, Results
 
 HISTOGRAMS = {"image": "x and z", "x": "x", "z": "z", "detected": "the whole detector"}
 LEAST = 50  # simulated particles in a cell, under one of the laws at least
-UNSEEN = 0.5  # expected particles where none was simulated: the mean of a Poisson expectation after no count, with
-# Jeffreys' prior, which rests on as many (Jeffreys 1946)
+UNSEEN = 0.5  # expected particles in all cells of a point together where none was simulated: the mean of a Poisson
+# expectation after no count, with Jeffreys' prior (1946); it is gamma distributed with this k
 
 
 class NoTemplates(Exception):
@@ -148,9 +148,10 @@ def _cells_of(screen: Screen, emitted: np.ndarray, law: int, exposure: np.ndarra
     point = point_of_cell(screen)
     counts, variances = gather(screen, screen.counts[law]), gather(screen, screen.variances[law])
     seen = counts > 0
+    unseen = (UNSEEN / np.maximum(np.bincount(point, ~seen), 1))[point]  # all empty cells of a point share half a particle
     with np.errstate(divide="ignore", invalid="ignore"):
-        k = np.where(seen, counts**2 / np.where(seen, variances, 1), UNSEEN)
-    floors = np.where(seen, counts, UNSEEN / emitted[point])
+        k = np.where(seen, counts**2 / np.where(seen, variances, 1), unseen)
+    floors = np.where(seen, counts, unseen / emitted[point])
     kept = np.maximum(np.bincount(point, counts), UNSEEN / emitted) / np.bincount(point, floors)
     counts = floors * kept[point]  # the screen as a whole keeps what it has, or half a particle
     area = gather(screen, np.ones(1)) / screen.cells[0].size
