@@ -16,6 +16,10 @@ CONFIDENCE = 0.95
 FINE = 200  # interpolated places between two scan points
 LEAST_POINTS = 3  # of the scan within the interval, from 0 on, for the interpolation to be trusted
 UNFIT = 0.001
+MOST_CELLS = 32  # for each scan point and detector: fewer have smaller Monte Carlo errors, and a shift is seen by all
+ROUGH = 0.1  # below this it is not worth a word
+NEAR = 40.0  # above the least -2 ln L, where its roughness is looked at
+MOST_NOISE = 1.0  # of -2 ln L by Monte Carlo errors, where each strength has its own
 
 
 class NoBound(Exception):
@@ -43,6 +47,7 @@ class Profile:
     level: float  # accepted below this
     connected: Interval | None  # to κ = 0; None where κ = 0 itself is not accepted
     others: tuple[Interval, ...]
+    rough: float = 0.0  # one standard deviation from point to point; twice this is part of the level
 
     @property
     def coarse(self) -> bool:
@@ -98,13 +103,21 @@ def profile(strengths: np.ndarray, values: np.ndarray, confidence: float = CONFI
     fine = np.unique(np.concatenate([*gaps, [strengths[-1]], [0.0]]))
     curve = interpolate.PchipInterpolator(strengths, values)(fine)
     least = curve.min()
-    level = float(stats.chi2.isf(1 - confidence, 1))
+    rough = _roughness(values - least)
+    level = float(stats.chi2.isf(1 - confidence, 1)) + 2 * rough
     inside = np.concatenate([[False], curve - least <= level, [False]])
     begins, ends = np.flatnonzero(~inside[:-1] & inside[1:]), np.flatnonzero(inside[:-1] & ~inside[1:])
     found = [_interval(fine, curve - least - level, begin, end - 1) for begin, end in zip(begins, ends)]
     connected = next((interval for interval in found if interval.low <= 0 <= interval.high), None)
     others = tuple(interval for interval in found if interval is not connected)
-    return Profile(strengths, values - least, fine, curve - least, level, connected, others)
+    return Profile(strengths, values - least, fine, curve - least, level, connected, others, rough)
+
+
+def _roughness(values: np.ndarray) -> float:
+    """The scatter of values about a smooth curve, from third differences of neighbours near the least value: those of a
+    parabola are 0, those of independent errors have 20 times their variance."""
+    thirds = [np.diff(values[i:i + 4], 3)[0] for i in range(values.size - 3) if values[i:i + 4].max() <= NEAR]
+    return float(np.sqrt(np.mean(np.square(thirds)) / 20)) if len(thirds) >= 3 else 0.0
 
 
 def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
@@ -124,10 +137,24 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
     else:
         n, found, free = against_data(made, beam, data)
         source = f"measured: {data.path}"
-    result = profile(made.strengths, np.array([float(model.deviance(n)) for model in found]))
+    values = np.array([float(model.deviance(n)) for model in found])
+    noise = _noise(found[int(np.argmin(values))], n)
+    if made.independent and noise > MOST_NOISE:
+        raise NoBound(f"{made.path}: each κ was simulated with particles of its own, and by that alone -2 ln L scatters by "
+                      f"{noise:.2g} from one κ to the next; run it without scan.particles=independent, or with more "
+                      "particles")
+    result = profile(made.strengths, values)
     best = found[int(np.argmin([model.deviance(n) for model in found]))]
     number = int(np.clip(2**22 // n.size, 300, TRIALS))
     return Bound(result, source, float(n.sum()), free, None if data is None else _p(best, n, number), number)
+
+
+def _noise(model: Model, n: np.ndarray) -> float:
+    """By how much -2 ln L of counts n [cells] scatters between templates with independent Monte Carlo errors: to first
+    order a relative error e of a cell changes it by 2 e (mu - n)/(1 + mu/k), and e² is 1/k for each of two templates."""
+    at = model.at(n)
+    mu, k = at.expected, at.support
+    return float(np.sqrt(2 * np.sum((2 * (mu - n) / (1 + mu / k)) ** 2 / k)))
 
 
 def bound_report(made: Templates, found: Bound) -> Iterable[str]:
@@ -156,6 +183,9 @@ def bound_report(made: Templates, found: Bound) -> Iterable[str]:
         if result.coarse:
             yield "               out to the nearest scan points that are rejected: too few are accepted to interpolate; scan " \
                   "law.kappa in smaller steps"
+    if result.rough > ROUGH:
+        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors make it: accepted " \
+              f"below {result.level:.2f}; more particles tell more"
     for other in result.others:
         yield f"  also         {_in_words(other)} is accepted, not connected to κ = 0"
 

@@ -9,7 +9,7 @@ from typing import Callable
 import numpy as np
 
 from . import observed, results
-from .kappa import NoBound, bound, bound_report
+from .kappa import MOST_CELLS, NoBound, bound, bound_report
 from .kappa_plots import draw_profile
 from .laws_plots import draw_laws
 from .laws_report import Beam, all_pairs, report
@@ -60,13 +60,15 @@ flight. FILE is a result whose scan has law.kappa as an axis, alone or with one 
   python3 -m rabiline bound-kappa kappa.h5 --data counts.csv --emitted 5000 -o profile.png
   python3 -m rabiline bound-kappa kappa.h5 --emitted 5000            # what to expect if κ = 0
 
-Data are those of compare-laws (see its --help).
+Data are those of compare-laws (see its --help). The scan points of FILE should share their particles, as they do by default:
+then -2 ln L is smooth in κ. Simulate ten times as many particles at each point as there are counts.
 """
 
 AFTER_KAPPA = """\
 Accepted at 95 % are the κ with -2 ln L less than 3.84 above its least value over the scan (Wilks 1938; at the edge κ = 0
 this is on the safe side). -2 ln L is interpolated between scan points by a cubic that does not overshoot (Fritsch and
-Carlson 1980). It need not rise all the way: the suggested experiment's beam flies nearly straight again at κ = 2. Other
+Carlson 1980). Where it is rough from point to point, as Monte Carlo errors make it, the 3.84 grow by twice that. Cells are
+coarser than those of compare-laws, about 32 for each point, which makes it smoother. It need not rise all the way: the suggested experiment's beam flies nearly straight again at κ = 2. Other
 accepted intervals are listed, and not part of the bound.
 """
 
@@ -126,7 +128,8 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
         raise NoTemplates(f"{options.data}: its columns are those of --histogram {listed}, not {options.histogram}")
     if options.detector is not None and options.detector not in file.detectors:
         raise NoTemplates(f"{file.path}: no detector `{options.detector}` (there is {', '.join(file.detectors)})")
-    made = templates(file, parameter, options.histogram or listed or "image").choose(options.detector)
+    made = templates(file, parameter, options.histogram or listed or "image",
+                     MOST_CELLS if parameter == "law.kappa" else np.inf).choose(options.detector)
     rate = options.rate or file.rate
     if options.background is not None and rate is None:
         raise NoTemplates("--background needs --rate, the particles that leave the source per second")
@@ -138,10 +141,10 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     beam = Beam(rate, backgrounds, options.free_flux, options.seconds, options.emitted)
     data = observed.read(options.data, made) if options.data else None
     warnings = list(data.warnings) if data else []
-    if made.shared and data and sum(own.sum() for own in data.counts) > made.emitted[0] / 10:
+    if not made.independent and made.points > 1 and data and sum(own.sum() for own in data.counts) > made.emitted[0] / 10:
         warnings.append(f"the scan points of {made.path} share {made.emitted[0]:.6g} particles, and Monte Carlo errors "
-                        "are counted as if each point had its own; with so many data, run it with --set "
-                        "scan.particles=independent or more particles")
+                        "are counted as if each point had its own; with so many data, run it with more particles"
+                        f"{'' if parameter == 'law.kappa' else ', or with --set scan.particles=independent'}")
     for warning in warnings:
         print(f"rabiline: warning: {warning}", file=sys.stderr)
     return made, data, beam

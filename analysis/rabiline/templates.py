@@ -50,7 +50,7 @@ class Templates:
     screens: tuple[Screen, ...]
     emitted: np.ndarray  # [points] simulated particles per law
     seed: str | None
-    shared: bool  # the points fly the same particles
+    independent: bool  # each scan point, and with it each law, flies particles of its own
     rate: float | None  # 1/s that leave the source, as the file states
     aimed: np.ndarray  # [points] share of what leaves the source that is simulated
 
@@ -65,8 +65,8 @@ class Templates:
             screen for screen in self.screens if screen.name == name)})
 
 
-def templates(results: Results, parameter: str, histogram: str = "image") -> Templates:
-    """Of the scan's axis `parameter`; raises NoTemplates."""
+def templates(results: Results, parameter: str, histogram: str = "image", most: float = np.inf) -> Templates:
+    """Of the scan's axis `parameter`, with about `most` cells at most for each point and detector; raises NoTemplates."""
     scan = results.scan
     numbers = [i for i, axis in enumerate(scan.axes) if axis.parameter == parameter]
     if not numbers:
@@ -82,9 +82,9 @@ def templates(results: Results, parameter: str, histogram: str = "image") -> Tem
     return Templates(
         path=str(results.path), title=results.title, names=tuple(results.laws[row[0]] for row in flat),
         strengths=scan.axes[along].values, axis=other,
-        screens=tuple(_screen(results, name, histogram, flat) for name in scan.detectors),
+        screens=tuple(_screen(results, name, histogram, flat, most) for name in scan.detectors),
         emitted=results.emitted[flat[0]], seed=results.simulation.get("seed"),
-        shared=results.simulation.get("particles") != "independent" and flat.shape[1] > 1, rate=results.rate,
+        independent=results.simulation.get("particles") == "independent", rate=results.rate,
         aimed=np.ones(flat.shape[1]) if results.aimed_fraction is None else results.aimed_fraction[flat[0]],
     )
 
@@ -158,7 +158,7 @@ def _cells_of(screen: Screen, emitted: np.ndarray, law: int, exposure: np.ndarra
     return counts * exposure[point], background * area, np.where(np.isnan(k), np.inf, k)
 
 
-def _screen(results: Results, name: str, histogram: str, flat: np.ndarray) -> Screen:
+def _screen(results: Results, name: str, histogram: str, flat: np.ndarray, most: float) -> Screen:
     counts, variances, edges = histogram_of(results, name, histogram, flat)
     # a bin without a count has an error of half a particle; a cell of many such bins has none of its own
     variances = np.where(counts > 0, variances, 0.0)
@@ -168,7 +168,8 @@ def _screen(results: Results, name: str, histogram: str, flat: np.ndarray) -> Sc
     emitted = results.emitted[flat][..., None, None]
     cells, first = [], 0
     for point in range(flat.shape[1]):
-        own = _cut(counts[:, point] / weight[:, point, None, None])
+        particles = counts[:, point] / weight[:, point, None, None]
+        own = _cut(particles, max(LEAST, particles.sum(axis=(1, 2)).max() / most))
         cells.append(own + first)
         first += own.max() + 1
     row = results.scan.detectors.index(name)
@@ -176,9 +177,9 @@ def _screen(results: Results, name: str, histogram: str, flat: np.ndarray) -> Sc
                   results.scan.errors[row, flat], np.array(cells), results.detectors[name].background)
 
 
-def _cut(counts: np.ndarray) -> np.ndarray:
+def _cut(counts: np.ndarray, least: float) -> np.ndarray:
     """[nx, nz] Numbers of cells for counts [laws, nx, nz]: the screen is cut in two as evenly as possible, and each half
-    again, along its longer side or else the other, as long as both halves hold `LEAST` particles under some law."""
+    again, along its longer side or else the other, as long as both halves hold `least` particles under some law."""
     cells = np.zeros(counts.shape[1:], dtype=int)
     number, waiting = 0, [(slice(0, counts.shape[1]), slice(0, counts.shape[2]))]
     while waiting:
@@ -187,7 +188,7 @@ def _cut(counts: np.ndarray) -> np.ndarray:
         for axis in sorted((0, 1), key=lambda axis: -inside.shape[axis + 1]):
             below = np.cumsum(inside.sum(axis=2 - axis), axis=1)  # [laws, n]
             above = below[:, -1:] - below
-            allowed = np.flatnonzero((below.max(axis=0) >= LEAST) & (above.max(axis=0) >= LEAST))
+            allowed = np.flatnonzero((below.max(axis=0) >= least) & (above.max(axis=0) >= least))
             if allowed.size:
                 uneven = np.abs(below - above).sum(axis=0)[allowed]
                 cut = box[axis].start + int(allowed[np.argmin(uneven)]) + 1

@@ -50,6 +50,14 @@ def test_a_coarse_scan_is_bounded_by_the_next_point_that_is_rejected() -> None:
     assert found.coarse and found.quoted.high == 1.0 and found.connected.high < 0.5
 
 
+def test_a_rough_likelihood_raises_the_level() -> None:
+    kappa = np.linspace(0, 1, 41)
+    noise = np.random.default_rng(3).normal(0, 0.5, kappa.size)
+    smooth, rough = profile(kappa, (kappa / 0.2) ** 2), profile(kappa, (kappa / 0.2) ** 2 + noise)
+    assert smooth.rough < 1e-6 and 0.3 < rough.rough < 0.7
+    assert rough.level == pytest.approx(LEVEL + 2 * rough.rough) and rough.connected.high > smooth.connected.high
+
+
 def test_the_order_of_the_points_does_not_matter() -> None:
     kappa = np.linspace(0, 1, 21)
     values = (kappa / 0.3) ** 2
