@@ -174,18 +174,18 @@ def bound_report(made: Templates, found: Bound) -> Iterable[str]:
             yield "  so no κ of this scan fits the counts, and the interval below means nothing"
     interval = result.quoted
     if interval is None:
-        yield f"  bound        none connected to κ = 0: the counts reject κ = 0 at {CONFIDENCE:.0%}, within this family of " \
-              "laws"
+        yield f"  bound        none connected to κ = 0: the counts reject κ = 0 at {CONFIDENCE:.0%}, within this " \
+              "family of laws"
     else:
         yield f"  bound        {_in_words(interval)} at {CONFIDENCE:.0%}, connected to κ = 0"
         if interval.open_high and interval.high > 0:
             yield "               the scan ends before the likelihood falls; a longer range of law.kappa tells more"
         if result.coarse:
-            yield "               out to the nearest scan points that are rejected: too few are accepted to interpolate; scan " \
-                  "law.kappa in smaller steps"
+            yield "               out to the nearest scan points that are rejected: too few are accepted to " \
+                  "interpolate; scan law.kappa in smaller steps"
     if result.rough > ROUGH:
-        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors make it: accepted " \
-              f"below {result.level:.2f}; more particles tell more"
+        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors make " \
+              f"it: accepted below {result.level:.2f}; more particles tell more"
     for other in result.others:
         yield f"  also         {_in_words(other)} is accepted, not connected to κ = 0"
 

@@ -7,20 +7,22 @@ from pathlib import Path
 from typing import Callable
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from . import observed, results
 from .kappa import MOST_CELLS, NoBound, bound, bound_report
 from .kappa_plots import draw_profile
 from .laws_plots import draw_laws
-from .laws_report import Beam, all_pairs, report
-from .templates import HISTOGRAMS, NoTemplates, Templates, templates
+from .laws_report import Beam, all_pairs, report, unit_models
+from .likelihood import same
 from .style import save
+from .templates import HISTOGRAMS, NoTemplates, Templates, templates
 
 BAD_INPUT = (NoTemplates, NoBound)  # their text is the message
 
 ABOUT_LAWS = """\
-How well laws of motion can be told apart, and what measured counts say about them. FILE is a result whose scan has the
-law as an axis, alone or with one parameter more:
+How well laws of motion can be told apart, and what measured counts say about them. FILE is a result whose scan has
+the law as an axis, alone or with one parameter more:
 
   rabiline run FILE.yaml --scan 'law=quantum,dorado' -o laws.h5
   python3 -m rabiline compare-laws laws.h5 -o where.png
@@ -31,45 +33,46 @@ No law is preferred: what is said of A against B is said of B against A. `dorado
 """
 
 AFTER_LAWS = """\
-Numbers. Counts are independent and Poisson, in cells of the histogram of at least 50 simulated particles under one of
-the laws. -2 ln(L_other/L_true) is on average q = 2 Σ [a ln(a/b) - a + b], a and b the counts that both expect; √q is the
-median significance (Cowan et al., Eur. Phys. J. C 71, 1554, 2011), here with the next order of a saddlepoint, and by
-trials where few counts tell. Templates have Monte Carlo errors of their own, one factor for each cell (Barlow and
-Beeston 1993; Dembinski and Abdelmotteleb, Eur. Phys. J. C 82, 1043, 2022).
+Numbers. Counts are independent and Poisson, in cells of the histogram of at least 50 simulated particles under one
+of the laws. -2 ln(L_other/L_true) is on average q = 2 Σ [a ln(a/b) - a + b], a and b the counts that both expect;
+√q is the median significance (Cowan et al., Eur. Phys. J. C 71, 1554, 2011), here with the next order of a
+saddlepoint, and by trials where few counts tell. Templates have Monte Carlo errors of their own, one factor for
+each cell (Barlow and Beeston 1993; Dembinski and Abdelmotteleb, Eur. Phys. J. C 82, 1043, 2022).
 
-Data. A table has a line of names, then one line for each bin: counts; x and z, or one of them (bin centres), or x_from
-and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x (mm)`, `H0.frequency (kHz)`. Without x and
-z, counts are those of the whole detector. Scan points that are not listed were not measured; bins that are not listed
-hold no counts. A result of `rabiline run` under one law may stand in for data; let its scan points be
-independent (--set scan.particles=independent) and its seed another one. It emits a fixed number of particles, and a beam
-does not: where nearly all are caught, p comes out near 1.
+Data. A table has a line of names, then one line for each bin: counts; x and z, or one of them (bin centres), or
+x_from and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x (mm)`, `H0.frequency (kHz)`.
+Without x and z, counts are those of the whole detector. Scan points that are not listed were not measured; bins
+that are not listed hold no counts. A result of `rabiline run` under one law may stand in for data; let its scan
+points be independent (--set scan.particles=independent) and its seed another one. It emits a fixed number of
+particles, and a beam does not: where nearly all are caught, p comes out near 1.
 
   H0.frequency (kHz),counts
   288.1,4967
   291.6,4903
 
-`neither fits` means p < 0.001 for both; a law is favoured where it fits and the likelihood ratio is one that the other law
-makes in less than 0.00135 of measurements (three sigmas); else the data `cannot tell`.
+`neither fits` means p < 0.001 for both; a law is favoured where it fits and the likelihood ratio is one that the
+other law makes in less than 0.00135 of measurements (three sigmas); else the data `cannot tell`.
 """
 
 ABOUT_KAPPA = """\
-Which strengths κ of the hypothesis `dorado` measured counts allow: the interval that is connected to κ = 0, straight
-flight. FILE is a result whose scan has law.kappa as an axis, alone or with one parameter more:
+Which strengths κ of the hypothesis `dorado` measured counts allow: the interval that is connected to κ = 0,
+straight flight. FILE is a result whose scan has law.kappa as an axis, alone or with one parameter more:
 
-  rabiline run FILE.yaml --set 'law={name: dorado, closure: torque, kappa: 0}' --scan 'law.kappa=0:0.004:17' -o kappa.h5
+  rabiline run FILE.yaml --set 'law={name: dorado, kappa: 0}' --scan 'law.kappa=0:0.004:17' -o kappa.h5
   python3 -m rabiline bound-kappa kappa.h5 --data counts.csv --emitted 5000 -o profile.png
   python3 -m rabiline bound-kappa kappa.h5 --emitted 5000            # what to expect if κ = 0
 
-Data are those of compare-laws (see its --help). The scan points of FILE should share their particles, as they do by default:
-then -2 ln L is smooth in κ. Simulate ten times as many particles at each point as there are counts.
+Data are those of compare-laws (see its --help). The scan points of FILE should share their particles, as they do by
+default: then -2 ln L is smooth in κ. Simulate ten times as many particles at each point as there are counts.
 """
 
 AFTER_KAPPA = """\
-Accepted at 95 % are the κ with -2 ln L less than 3.84 above its least value over the scan (Wilks 1938; at the edge κ = 0
-this is on the safe side). -2 ln L is interpolated between scan points by a cubic that does not overshoot (Fritsch and
-Carlson 1980). Where it is rough from point to point, as Monte Carlo errors make it, the 3.84 grow by twice that. Cells are
-coarser than those of compare-laws, about 32 for each point, which makes it smoother. It need not rise all the way: the suggested experiment's beam flies nearly straight again at κ = 2. Other
-accepted intervals are listed, and not part of the bound.
+Accepted at 95 % are the κ with -2 ln L less than 3.84 above its least value over the scan (Wilks 1938; at the edge
+κ = 0 this is on the safe side). -2 ln L is interpolated between scan points by a cubic that does not overshoot
+(Fritsch and Carlson 1980). Where it is rough from point to point, as Monte Carlo errors make it, the 3.84 grow by
+twice that. Cells are coarser than those of compare-laws, about 32 for each point, which makes it smoother. It need
+not rise all the way: the suggested experiment's beam flies nearly straight again at κ = 2. Other accepted intervals
+are listed, and not part of the bound.
 """
 
 
@@ -77,7 +80,9 @@ def add(commands: argparse._SubParsersAction) -> None:
     """Adds both commands to the parser."""
     laws = _command(commands, "compare-laws", compare_laws, "How well laws of motion can be told apart.", ABOUT_LAWS,
                     AFTER_LAWS)
-    laws.add_argument("--reference", metavar="LAW", help="compare this law with each other; all pairs by default")
+    laws.add_argument("--reference", metavar="LAW",
+                      help="compare this law with each other; all pairs by default (the picture shows the first pair "
+                           "that differs)")
     kappa = _command(commands, "bound-kappa", bound_kappa, "Which strengths of the hypothesis counts allow.",
                      ABOUT_KAPPA, AFTER_KAPPA)
     for made in (laws, kappa):
@@ -109,7 +114,9 @@ def compare_laws(options: argparse.Namespace) -> None:
     pairs = all_pairs(made.names, options.reference)
     print("\n".join(report(made, beam, pairs, data)))
     if options.output:
-        save(draw_laws(made, beam, pairs[0], data, options.title), options.output)
+        found = unit_models(made, beam)
+        shown = next((pair for pair in pairs if not same(found[pair[0]], found[pair[1]])), pairs[0])
+        _save(draw_laws(made, beam, shown, data, options.title), options.output)
 
 
 def bound_kappa(options: argparse.Namespace) -> None:
@@ -118,7 +125,7 @@ def bound_kappa(options: argparse.Namespace) -> None:
     found = bound(made, beam, data)
     print("\n".join(bound_report(made, found)))
     if options.output:
-        save(draw_profile(made, found, options.title), options.output)
+        _save(draw_profile(made, found, options.title), options.output)
 
 
 def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, observed.Observation | None, Beam]:
@@ -148,6 +155,13 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     for warning in warnings:
         print(f"rabiline: warning: {warning}", file=sys.stderr)
     return made, data, beam
+
+
+def _save(figure: Figure, path: Path) -> None:
+    try:
+        save(figure, path)
+    except ValueError as problem:  # an ending that matplotlib does not know
+        raise NoTemplates(f"{path}: {problem}") from None
 
 
 def _command(commands: argparse._SubParsersAction, name: str, function: Callable, short: str, about: str,

@@ -47,6 +47,8 @@ def histogram_in(path: Path) -> str | None:
     """Which histogram a table holds, by its columns; None for a result, which holds all."""
     if not path.exists():
         raise FileError(path, "no such file")
+    if not path.is_file() and not path.is_char_device():
+        raise FileError(path, "not a file")
     if h5py.is_hdf5(path):
         return None
     names = {name.removesuffix("_from").removesuffix("_to") for name, _ in _table(path)[0]}

@@ -190,6 +190,7 @@ def test_kappa_is_bounded_next_to_zero_and_the_return_is_told(folder: Path, monk
     ("compare-laws laws.h5 --rate 3 --background 3 --data quantum.csv", "counts without a beam are stated, and not for how "
      "long: --seconds, the time at each scan point of the data"),
     ("compare-laws laws.h5 --detector far", "laws.h5: no detector `far` (there is screen)"),
+    ("compare-laws laws.h5 --data .", ".: not a file"),
     ("compare-laws laws.h5 --data missing.csv", "missing.csv: no such file"),
     ("compare-laws laws.h5 --data quantum.csv --histogram x", "quantum.csv: its columns are those of --histogram detected, "
      "not x"),
@@ -209,6 +210,12 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     monkeypatch.chdir(folder)
     assert main(command.split()) == 2
     assert capsys.readouterr().err == f"rabiline: {message}\n"
+
+
+def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, tmp_path: Path,
+                                                     capsys: pytest.CaptureFixture) -> None:
+    assert main(["compare-laws", str(folder / "laws.h5"), "-o", str(tmp_path / "picture.doc")]) == 2
+    assert "picture.doc: Format 'doc' is not supported" in capsys.readouterr().err
 
 
 def test_a_number_that_is_none_is_one_line(capsys: pytest.CaptureFixture) -> None:
