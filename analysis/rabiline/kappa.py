@@ -175,7 +175,7 @@ def bound_report(made: Templates, found: Bound) -> Iterable[str]:
     interval = result.quoted
     if interval is None:
         yield f"  bound        none connected to κ = 0: the counts reject κ = 0 at {CONFIDENCE:.0%}, within this " \
-              "family of laws"
+              "family of laws (one measurement in twenty does so by chance)"
     else:
         yield f"  bound        {_in_words(interval)} at {CONFIDENCE:.0%}, connected to κ = 0"
         if interval.open_high and interval.high > 0:

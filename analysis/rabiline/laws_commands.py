@@ -71,8 +71,8 @@ Accepted at 95 % are the κ with -2 ln L less than 3.84 above its least value ov
 κ = 0 this is on the safe side). -2 ln L is interpolated between scan points by a cubic that does not overshoot
 (Fritsch and Carlson 1980). Where it is rough from point to point, as Monte Carlo errors make it, the 3.84 grow by
 twice that. Cells are coarser than those of compare-laws, about 32 for each point, which makes it smoother. It need
-not rise all the way: the suggested experiment's beam flies nearly straight again at κ = 2. Other accepted intervals
-are listed, and not part of the bound.
+not rise all the way: at κ = 2 the suggested experiment's beam is not turned sideways any more. Other accepted
+intervals are listed, and not part of the bound.
 """
 
 
