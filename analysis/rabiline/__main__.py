@@ -1,5 +1,5 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
-plot-tracks | summary | compare-scans`.
+plot-tracks | summary | compare-scans | compare-laws | bound-kappa`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -12,7 +12,8 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import image_plots, level_plots, profile_plots, results, scan_plots, style, tally_plots, track_plots, tracks
+from . import (image_plots, laws_commands, level_plots, profile_plots, results, scan_plots, style, tally_plots,
+               track_plots, tracks)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -40,7 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         options.command(options)
-    except (FileError, InputError, NoResonance, NotComparable) as problem:
+    except (FileError, InputError, NoResonance, NotComparable, *laws_commands.BAD_INPUT) as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 2
     except OSError as problem:
@@ -192,6 +193,7 @@ def _parser() -> Parser:
     report = command("summary", print_summary, many=False, draws=False)
     pair = command("compare-scans", compare_scans, many=False, draws=False)
     pair.add_argument("other", metavar="OTHER", type=Path)
+    laws_commands.add(commands)
     for one in (levels, image, profiles):
         one.add_argument("--detector", metavar="NAME", help="the first one by default")
     for each in (scan, report, pair):

@@ -64,6 +64,7 @@ class Detector:
     counts_z: np.ndarray  # [points, nz]
     errors_z: np.ndarray  # [points, nz]
     levels: Levels
+    background: float = 0.0  # 1/s, counts without a beam
 
 
 @dataclass(frozen=True)
@@ -235,6 +236,7 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         counts_z=along_z.numbers("counts", (points, nz)),
         errors_z=along_z.numbers("counts_errors", (points, nz)),
         levels=_read_levels(levels, points),
+        background=float(image.numbers("background").ravel()[0]) if "background" in image else 0.0,
     )
 
 

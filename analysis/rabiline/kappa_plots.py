@@ -1,0 +1,43 @@
+"""The likelihood over the strength of the hypothesis, as a picture."""
+from __future__ import annotations
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+
+from .kappa import CONFIDENCE, Bound
+from .style import GREY, LAWS
+from .templates import Templates
+
+SHOWN = 5  # times the level, at least, on the axis
+
+
+def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
+    """-2 ln L above its least value over κ, its scan points, the level of acceptance and the interval connected to 0."""
+    result, colour = found.profile, LAWS["dorado"][0]
+    figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
+    axes.plot(result.fine, result.interpolated, color=colour, linewidth=1.2, label="interpolated")
+    axes.plot(result.strengths, result.values, color=colour, marker="D", markersize=4, linestyle="none",
+              markeredgewidth=0, label="scan points")
+    axes.axhline(result.level, color=GREY, linestyle=(0, (4, 3)), linewidth=1,
+                 label=f"{result.level:.2f}: accepted below, {CONFIDENCE:.0%}")
+    if result.quoted is not None:
+        low, high = result.quoted.low, result.quoted.high
+        axes.axvspan(low, high, color="#009E73", alpha=0.18, linewidth=0,
+                     label=f"bound, connected to κ = 0: {low:.3g} to {high:.3g}")
+    for other in result.others:
+        axes.axvspan(other.low, other.high, color=GREY, alpha=0.15, linewidth=0)
+    shown = result.interpolated <= SHOWN * result.level
+    if result.quoted is not None:
+        shown |= (result.fine >= result.quoted.low) & (result.fine <= result.quoted.high)
+    near = np.flatnonzero(shown)
+    axes.set_ylim(-0.04 * SHOWN * result.level, SHOWN * result.level)
+    margin = max(0.15 * np.ptp(result.fine[near]), 0.02 * np.ptp(result.fine))
+    axes.set_xlim(max(result.fine[0] - margin / 3, result.fine[near[0]] - margin),
+                  min(result.fine[-1] + margin / 3, result.fine[near[-1]] + margin))
+    axes.set_xlabel("κ, strength of the hypothesis (1: the paper; 0: straight flight)")
+    axes.set_ylabel("-2 ln L above its least value")
+    axes.grid(axis="y")
+    figure.suptitle(f"{title or made.title}\n{found.source}", fontsize=10.5)
+    axes.legend(loc="best")
+    return figure
