@@ -183,7 +183,9 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
     throw ArgumentError("the checkpoint belongs to another state of the input: " +
                         a.experiment.file.string() + " or the program has changed since");
 
-  const Plan plan = make_plan(loaded.experiment);
+  const std::string start_time = now();
+  const auto begin = std::chrono::steady_clock::now();
+  const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
   require_memory(plan, a.machine.thread_count());
   for (const std::string& warning : warnings_of_atoms(loaded.experiment, plan))
     fmt::print(stderr, "warning: {}\n", warning);
@@ -203,8 +205,7 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
 
   watch_signals();
   Provenance provenance = provenance_of(a, loaded, arguments);
-  provenance.start_time = now();
-  const auto begin = std::chrono::steady_clock::now();
+  provenance.start_time = start_time;
   const RunOutcome outcome = run(plan, options);
   provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   provenance.end_time = now();

@@ -277,13 +277,13 @@ void find_reach(PlanNode& node) {
   for (PlanNode& next : node.next) find_reach(next);
 }
 
-Plan make_plan(const Experiment& experiment, double most_cost) {
+Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
   Plan plan;
   plan.points = static_cast<int>(experiment.points.size());
   const auto tables = std::make_shared<SampledTables>();
   plan.tables = tables;
   const std::vector<Group> groups = group_by_source(experiment, *tables);
-  tables->tabulate_transitions();
+  tables->tabulate_transitions(threads);
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);

@@ -86,6 +86,7 @@ double aimed_fraction(const Beamline&, Transmissions&);
 
 /// `most_cost`: no tree costs more than that [s] for one batch pack of 64 particles; larger scans get
 /// several.
-Plan make_plan(const Experiment&, double most_cost = 0.025);
+/// `threads` work out what is tabulated; 0: as many as there are cores.
+Plan make_plan(const Experiment&, int threads = 0, double most_cost = 0.025);
 
 }  // namespace rabiline

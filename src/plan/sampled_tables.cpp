@@ -1,5 +1,7 @@
 #include "plan/sampled_tables.hpp"
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -131,12 +133,13 @@ const SampledTables::Driven& SampledTables::driven_by(const TransitionTable* tab
   return *found;
 }
 
-void SampledTables::tabulate_transitions() {
+void SampledTables::tabulate_transitions(int threads) {
   std::vector<Driven*> open;
   for (Driven& driven : driven_)
     if (driven.table.points == 0) open.push_back(&driven);
   std::exception_ptr error;
-#pragma omp parallel for schedule(dynamic)
+  const int workers = threads > 0 ? threads : omp_get_max_threads();
+#pragma omp parallel for schedule(dynamic) num_threads(workers)
   for (std::size_t i = 0; i < open.size(); ++i) {
     try {
       Driven& d = *open[i];

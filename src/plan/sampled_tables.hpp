@@ -73,8 +73,8 @@ class SampledTables {
   };
   /// The one that a stage has the table of; it must be of these tables.
   const Driven& driven_by(const TransitionTable*) const;
-  /// Works out the tables that were asked for, on all cores.
-  void tabulate_transitions();
+  /// Works out the tables that were asked for, on so many threads; 0: on all cores.
+  void tabulate_transitions(int threads);
   const MomentTable& moments(const Structure&);
 
  private:
