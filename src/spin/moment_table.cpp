@@ -49,7 +49,8 @@ void MomentTable::fill(const CoupledSpins& spins) {
   for (int k = 0; k < 4; ++k)
     powers.row(k) << 1, points(k), points(k) * points(k), points(k) * points(k) * points(k);
   const Eigen::Matrix4d solve = powers.inverse();
-  coefficients_.assign(static_cast<std::size_t>(4 * levels_ * cells_), 0);
+  coefficients_.assign(std::size_t{4} * static_cast<std::size_t>(levels_) * static_cast<std::size_t>(cells_),
+                       0);
   largest_ = error_ = 0;
   Eigen::MatrixXd moments(4, levels_);
   for (int cell = 0; cell < cells_; ++cell) {
@@ -60,7 +61,7 @@ void MomentTable::fill(const CoupledSpins& spins) {
     largest_ = std::max(largest_, moments.cwiseAbs().maxCoeff());
     const Eigen::MatrixXd fitted = solve * moments;
     for (int n = 0; n < levels_; ++n)
-      std::copy_n(fitted.col(n).data(), 4, coefficients_.begin() + 4 * (n * cells_ + cell));
+      std::copy_n(fitted.col(n).data(), 4, coefficients_.begin() + std::ptrdiff_t{4} * (n * cells_ + cell));
   }
   for (int cell = 0; cell < cells_; ++cell) {
     const double field = field_at((cell + 0.5) / cells_);

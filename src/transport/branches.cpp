@@ -156,7 +156,7 @@ void Branches::keep_undecided(const Batch& batch) {
       return e.link[at] == not_flown || (e.link[at] == first.link[at] && e.bin[at] == not_counted);
     });
     if (alike && monitors_.empty())
-      decided_[first.link[at] * most_levels + from.prepared[i]] += from.weight[i];
+      decided_[std::size_t{first.link[at]} * most_levels + from.prepared[i]] += from.weight[i];
     else
       undecided[from.prepared[i]].push_back(i);
   }

@@ -97,7 +97,7 @@ class Branches {
   template <class Weight>
   void book_histogram(const HistogramBook& book, const Weight& weight, Sum* sums) const;
   std::uint64_t share_of(std::size_t path, int k) const {
-    return shares_[static_cast<std::size_t>(levels_[path] * asked_.view().padded + k)];
+    return shares_[number(levels_[path]) * number(asked_.view().padded) + number(k)];
   }
   void book_levels(const ScreenBook& book, const LevelSums& by_path, Sum* sums) const;
   std::size_t new_mask();

@@ -8,8 +8,8 @@ namespace rabiline::bench {
 /// Neutrons from an opening through two slits and one zone of a rotating field to a screen of 80 x 80 bins,
 /// under `quantum`: `points` frequencies around resonance.
 Experiment two_level_beamline(int points, std::uint64_t particles, bool polarised = false);
-/// Rabi's apparatus: an oven, slits, magnet A, a field C with a radio frequency, magnet B that undoes what A did, and
-/// a narrow detector; spin 1/2 or 3/2, weights split over the levels.
+/// Rabi's apparatus: an oven, slits, magnet A, a field C with a radio frequency, magnet B that undoes what A
+/// did, and a narrow detector; spin 1/2 or 3/2, weights split over the levels.
 Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin);
 /// The suggested experiment under `dorado` at `points` frequencies around the Larmor frequency.
 Experiment suggested_experiment(int points, std::uint64_t particles);

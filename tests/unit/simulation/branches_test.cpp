@@ -50,8 +50,8 @@ Beamline apparatus(const Species& species, Outcomes outcomes, double amplitude) 
   detector.tallies = {{"matrix", {over(Quantity::prepared_level), over(Quantity::level)}},
                       {"speeds", {range_of(Quantity::speed, 700, 900, 5)}}};
   b.parts = {place("A", 0.1, magnet(0.1, 8)), place("C", 0.25, UniformField{0.2, 1e-3, {}}),
-             place("drive", 0.3, drive),        place("B", 0.5, magnet(0.1, 20)),
-             place("look", 0.7, monitor),       place("screen", 0.8, detector)};
+             place("drive", 0.3, drive),      place("B", 0.5, magnet(0.1, 20)),
+             place("look", 0.7, monitor),     place("screen", 0.8, detector)};
   b.particles = 3000;
   return b;
 }
