@@ -37,15 +37,4 @@ void add_quadrupole(CoupledSpins& spins, double weight) {
   spins.offset -= weight * (i * (i + 2)) * (j * (j + 2)) / 16;
 }
 
-CoupledSpins ortho_hydrogen() {
-  // c and d as N. Harrick, R. Barnes, P. Bray, N. Ramsey, Phys. Rev. 90, 260 (1953) are quoted for them; b is
-  // rounded to 0.3 %. gamma_p/2pi is that of the free proton, CODATA 2022: the molecule's shielding of 26 ppm
-  // is left out.
-  constexpr double c = 113.904e3, d = 57.671e3;          // [Hz]
-  constexpr double b = 6.71e6, proton = 42.577478461e6;  // [Hz/T]
-  CoupledSpins spins{.twice_i = 2, .twice_j = 2, .coupling = -c, .zeeman_i = -proton, .zeeman_j = -b};
-  add_quadrupole(spins, d);
-  return spins;
-}
-
 }  // namespace rabiline

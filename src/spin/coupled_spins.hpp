@@ -37,9 +37,4 @@ double zero_field_energy(const CoupledSpins& spins, int twice_f);
 /// III).
 void add_quadrupole(CoupledSpins& spins, double weight);
 
-/// Ortho-H2 in its lowest rotational state: total nuclear spin I = 1 of the two protons, rotation J = 1.
-///   H/h = -(gamma_p/2pi) B I_z - b B J_z - c I.J + d [3 (I.J)^2 + (3/2) I.J - 4]
-/// (J. Kellogg, I. Rabi, N. Ramsey, J. Zacharias, Phys. Rev. 56, 728 (1939) and 57, 677 (1940)).
-CoupledSpins ortho_hydrogen();
-
 }  // namespace rabiline

@@ -40,4 +40,20 @@ RABILINE_LANES Shares share(real weight, real first_fraction) {
   return {select(minor, floored, rest), select(minor, rest, floored)};
 }
 
+/// Shares of lanes in real numbers: all are floored, the largest takes what is missing.
+RABILINE_LANES void give_rest_to_largest(real* shares, int levels, real weight) {
+  real rest = weight, largest = broadcast(-1);
+  words largest_level = words{};
+  for (int to = 0; to < levels; ++to) {
+    const mask larger = shares[to] > largest;
+    largest = select(larger, shares[to], largest);
+    largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);
+    rest = rest - shares[to];
+  }
+  for (int to = 0; to < levels; ++to) {
+    const mask takes = largest_level == broadcast_word(static_cast<unsigned long long>(to));
+    shares[to] = shares[to] + select(takes, rest, broadcast(0));
+  }
+}
+
 }  // namespace rabiline::RABILINE_ISA

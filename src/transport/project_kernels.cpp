@@ -39,8 +39,7 @@ struct Accumulator {
 RABILINE_LANES real caught_weight(const Projection& p, const BatchView& batch, int i) {
   const mask caught =
       load(batch.caught_by + i) == broadcast_word(static_cast<unsigned long long>(p.part + 1));
-  const words weight = load(batch.weight + i) & (words)caught;
-  return from_bits(weight | 0x4330000000000000ULL) - 0x1p52;
+  return number_of(load(batch.weight + i) & (words)caught);
 }
 
 /// Slowness of what the detector caught [s/m]; of everything else, whose column may hold anything, one that
@@ -97,21 +96,13 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
             flip_probability(
                 spin_after(p.zones, p.zone_count, p.key, batch, i, caught_slowness(batch, i, weight)).z)));
     real quanta[most_levels];
-    real rest = weight, largest = real{};
-    words largest_level = words{};
-    for (int to = 0; to < p.levels; ++to) {
+    for (int to = 0; to < p.levels; ++to)
       quanta[to] =
           floor(weight * outcome_probability(p.polynomials, p.levels, load(batch.level + i), to, flip));
-      const mask larger = quanta[to] > largest;
-      largest = select(larger, quanta[to], largest);
-      largest_level = select(larger, broadcast_word(static_cast<unsigned long long>(to)), largest_level);
-      rest = rest - quanta[to];
-    }
+    give_rest_to_largest(quanta, p.levels, weight);
     for (int to = 0; to < p.levels; ++to) {
-      const mask takes = largest_level == broadcast_word(static_cast<unsigned long long>(to));
-      const real all = quanta[to] + select(takes, rest, broadcast(0));
-      levels[to].add(all);
-      products[to].add_product(all, weight);
+      levels[to].add(quanta[to]);
+      products[to].add_product(quanta[to], weight);
     }
   }
   for (int to = 0; to < p.levels; ++to) {

@@ -14,6 +14,16 @@ namespace {
 
 using testing::HasSubstr;
 
+/// What is suggested for a topic that there is not.
+std::string help(const char* topic) {
+  try {
+    describe(topic);
+  } catch (const InputError& e) {
+    return e.diagnostics().front().suggestion;
+  }
+  return std::string{};
+}
+
 TEST(Describe, ListsEveryPartAndLaw) {
   const std::string text = describe_overview();
   for (const char* word : {"polarizer", "uniform_field", "rotating_field", "slit", "detector", "monitor",
@@ -68,14 +78,6 @@ TEST(Describe, TellsWhatFollowsFromTheConstantsOfOneSpecies) {
 }
 
 TEST(Describe, SuggestsSpeciesAsWellAsKinds) {
-  const auto help = [](const char* topic) {
-    try {
-      describe(topic);
-    } catch (const InputError& e) {
-      return e.diagnostics().front().suggestion;
-    }
-    return std::string{};
-  };
   EXPECT_EQ(help("rb87"), "did you mean `Rb-87`?");
   EXPECT_EQ(help("nuetron"), "did you mean `neutron`?");
   EXPECT_EQ(help("detektor"), "did you mean `detector`?");
@@ -104,14 +106,6 @@ TEST(Describe, ShowsTheLevelsOfAnAtom) {
 }
 
 TEST(Describe, LeadsFromElementsToSpecies) {
-  const auto help = [](const char* topic) {
-    try {
-      describe(topic);
-    } catch (const InputError& e) {
-      return e.diagnostics().front().suggestion;
-    }
-    return std::string{};
-  };
   EXPECT_EQ(help("Cs atom"), "did you mean `Cs-133 atom`?");
   EXPECT_EQ(help("Cs133 atom"), "did you mean `Cs-133 atom`?");
   EXPECT_EQ(help("rubidium"),

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "particle/species.hpp"
 #include "spin/angular_momentum.hpp"
 #include "spin/atoms.hpp"
 #include "spin/hamiltonian.hpp"
@@ -21,7 +22,8 @@ std::vector<CoupledSpins> systems() {
                         .g_i = -3e-4,
                         .source = "none"};
   return {coupled_spins(*find_atom("Na-23")), coupled_spins(*find_atom("Cs-133")),
-          coupled_spins(*find_atom("Ag-107")), coupled_spins(quartet), ortho_hydrogen()};
+          coupled_spins(*find_atom("Ag-107")), coupled_spins(quartet),
+          coupled_spins(*find_species("ortho-H2")->structure)};
 }
 
 TEST(LevelLabels, AreNumberedFromTheLargestFAndTheLargestMDown) {

@@ -1,5 +1,6 @@
 // The table of moments against diagonalisation and Breit and Rabi, from 0 to 20 T.
 #include "spin/moment_table.hpp"
+#include "particle/species.hpp"
 
 #include <gtest/gtest.h>
 
@@ -45,7 +46,7 @@ TEST(MomentTable, HoldsThoseOfLargerSpinsAndOfAMolecule) {
   expect_table(excited, "J = 3/2");
   expect_table({.twice_i = 9, .twice_j = 3, .coupling = -50e6, .zeeman_i = 1e6, .zeeman_j = 1.8e10},
                "40 levels");
-  expect_table(ortho_hydrogen(), "ortho-H2");
+  expect_table(coupled_spins(*find_species("ortho-H2")->structure), "ortho-H2");
 }
 
 TEST(MomentTable, AgreesWithBreitAndRabi) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/constants.hpp"
+#include "particle/species.hpp"
 #include "spin/levels.hpp"
 
 namespace rabiline {
@@ -45,14 +46,20 @@ double worst(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(OrthoHydrogen, HasSixLinesAboutTheProtonFrequencyInAStrongField) {
-  const double strong = worst(lines_about_the_proton_frequency(ortho_hydrogen(), 30), first_order());
-  const double weaker = worst(lines_about_the_proton_frequency(ortho_hydrogen(), 3), first_order());
+  const double strong =
+      worst(lines_about_the_proton_frequency(coupled_spins(*find_species("ortho-H2")->structure), 30),
+            first_order());
+  const double weaker =
+      worst(lines_about_the_proton_frequency(coupled_spins(*find_species("ortho-H2")->structure), 3),
+            first_order());
   EXPECT_LT(strong, 100);               // Hz
   EXPECT_NEAR(weaker / strong, 10, 1);  // what is left is of second order, like 1/B
 }
 
 TEST(OrthoHydrogen, MissesItsSixLinesWhenAConstantIsOnePercentOff) {
-  CoupledSpins spin_rotation = ortho_hydrogen(), tensor = ortho_hydrogen(), moment = ortho_hydrogen();
+  CoupledSpins spin_rotation = coupled_spins(*find_species("ortho-H2")->structure),
+               tensor = coupled_spins(*find_species("ortho-H2")->structure),
+               moment = coupled_spins(*find_species("ortho-H2")->structure);
   spin_rotation.coupling -= 0.01 * c;
   add_quadrupole(tensor, 0.01 * d);
   moment.zeeman_i *= 1.01;
@@ -62,7 +69,7 @@ TEST(OrthoHydrogen, MissesItsSixLinesWhenAConstantIsOnePercentOff) {
 
 TEST(OrthoHydrogen, HasTheRotationalMomentInItsLinesOfMJ) {
   const double field = 30;
-  const Levels levels = levels_at(ortho_hydrogen(), field);
+  const Levels levels = levels_at(coupled_spins(*find_species("ortho-H2")->structure), field);
   // m_I = 0: m_J = 1 -> 0 and 0 -> -1, first order: b B +- (-1)(3/2) d (3 0 - 2)
   const double up = transition_frequency(levels, *find_strong_field_level(levels.labels, 2, 0),
                                          *find_strong_field_level(levels.labels, 0, 0));
@@ -74,7 +81,7 @@ TEST(OrthoHydrogen, HasTheRotationalMomentInItsLinesOfMJ) {
 
 // At B = 0, x = I.J is 1, -1, -2 for F = 2, 1, 0, and E/h = -c x + d (3x^2 + 1.5x - 4).
 TEST(OrthoHydrogen, HasThreeLevelsAtZeroField) {
-  const Levels levels = levels_at(ortho_hydrogen(), 0);
+  const Levels levels = levels_at(coupled_spins(*find_species("ortho-H2")->structure), 0);
   const double expected[] = {2 * c + 5 * d, c - 2.5 * d, -c + 0.5 * d};
   for (int f = 0; f <= 2; ++f)
     for (int m = -f; m <= f; ++m)
