@@ -12,8 +12,8 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import (image_plots, laws_commands, level_plots, profile_plots, results, scan_plots, style, tally_plots,
-               track_plots, tracks)
+from . import (image_plots, laws_commands, level_plots, profile_plots, results, scan_plots, space_plots, style,
+               tally_plots, track_plots, tracks)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -65,7 +65,11 @@ def plot_scan(options: argparse.Namespace) -> None:
     marks = dict(_mark(text) for text in options.mark)
     lines = [curve for _, curve in found]
     across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
-    if len(lines) <= MOST_CURVES:
+    if options.beside:
+        panels = [scan_plots.Panel(file.title, own, _distinct([curve.label for curve in own], [file.path.stem] * len(own)))
+                  for file in files for own in [[curve for of, curve in found if of is file]]]
+        figure = scan_plots.draw_beside(panels, options.title or "", marks)
+    elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1:
         figure = scan_plots.draw_map(lines, across[0], title, marks)
@@ -138,7 +142,8 @@ def plot_tracks(options: argparse.Namespace) -> None:
     labels = _distinct([law_name(file.law) for file in files], [file.path.stem for file in files])
     regions = [_region(text) for text in options.region]
     title = options.title or files[0].title
-    _save(track_plots.draw_tracks(files, labels, title, regions), options.output)
+    draw = space_plots.draw_paths if options.in_space else track_plots.draw_tracks
+    _save(draw(files, labels, title, regions), options.output)
 
 
 def print_summary(options: argparse.Namespace) -> None:
@@ -173,6 +178,7 @@ def _parser() -> Parser:
         return made
 
     scan = command("plot-scan", plot_scan, many=True)
+    scan.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
     levels = command("plot-levels", plot_levels, many=False)
     for plot in (scan, levels):
         plot.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
@@ -190,6 +196,7 @@ def _parser() -> Parser:
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')
+    flights.add_argument("--in-space", action="store_true", help="in three dimensions")
     report = command("summary", print_summary, many=False, draws=False)
     pair = command("compare-scans", compare_scans, many=False, draws=False)
     pair.add_argument("other", metavar="OTHER", type=Path)

@@ -1,6 +1,7 @@
 """The curves of scans as pictures."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Sequence
 
 import numpy as np
@@ -22,11 +23,50 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
     peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
     or of different ones, their numbers stand in the legend."""
+    figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
+    _draw_panel(axes, curves, labels, marks)
+    limits = _fraction_limits(curves)
+    axes.set_ylabel(f"detected / emitted   ({about_errors(curves, limits)})")
+    axes.set_ylim(*limits)
+    figure.suptitle(title, fontsize=11.5)
+    if len(curves) > 1 or not curves[0].axis.labels:
+        _draw_legend(figure, axes)
+    return figure
+
+
+@dataclass(frozen=True)
+class Panel:
+    """The curves of one file."""
+
+    title: str
+    curves: Sequence[Curve]
+    labels: Sequence[str]
+
+
+def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) -> Figure:
+    """Scans of several files side by side, over the same axis: each panel like draw_scan's, with its legend below."""
+    figure, row = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.5), sharey=True, squeeze=False,
+                               layout="constrained")
+    everything = [curve for panel in panels for curve in panel.curves]
+    limits = _fraction_limits(everything)
+    for axes, panel in zip(row[0], panels):
+        _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
+        axes.set_title(panel.title, pad=18 if marks else 6)
+        axes.set_ylim(*limits)
+    row[0, 0].set_ylabel(f"detected / emitted   ({about_errors(everything, limits)})")
+    figure.suptitle(title, fontsize=11.5)
+    for axes in row[0]:
+        _draw_legend(figure, axes, width=60)
+    return figure
+
+
+def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], marks: dict[str, float],
+                beside: bool = True) -> None:
+    """Curves over their axis; numbers of a single resonance stand beside it, if wanted, else in the legend."""
     axis = curves[0].axis
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
     resonances = [_measured(curve) for curve in curves]
-    beside = sum(map(len, resonances)) == 1  # several would write over each other
-    figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
+    beside = beside and sum(map(len, resonances)) == 1  # several would write over each other
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
     below = [i for i, (curve, _, _, found) in enumerate(drawn)
@@ -45,15 +85,8 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     if axis.labels:
         axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
     axes.set_xlabel(scale.label(axis.parameter))
-    limits = _fraction_limits(curves)
-    axes.set_ylabel(f"detected / emitted   ({about_errors(curves, limits)})")
-    axes.set_ylim(*limits)
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
-    figure.suptitle(title, fontsize=11.5)
-    if len(curves) > 1 or not axis.labels:
-        _draw_legend(figure, axes)
-    return figure
 
 
 def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str, float]) -> Figure:
@@ -149,13 +182,13 @@ def _write_beside(axes: Axes, text: str, resonance: Resonance, curve: Curve, loo
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}, zorder=6)
 
 
-def _draw_legend(figure: Figure, axes: Axes) -> None:
-    """The legend below, in as many columns as fit; the figure grows with its lines."""
+def _draw_legend(figure: Figure, axes: Axes, width: int = 96) -> None:
+    """The legend below, in as many columns as fit the width in letters; the figure grows with its lines."""
     items, labels = axes.get_legend_handles_labels()
     widths = [8 + max(map(len, label.splitlines())) for label in labels]  # in letters
-    columns = len(labels) if sum(widths) < 96 else max(1, 96 // max(widths))
+    columns = len(labels) if sum(widths) < width else max(1, width // max(widths))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
-    figure.set_figheight(4.3 + 0.19 * lines)
+    figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
     axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5)
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rabiline import results
 from rabiline.curves import curves
 from rabiline.level_plots import draw_levels
-from rabiline.scan_plots import draw_scan
+from rabiline.scan_plots import Panel, draw_beside, draw_scan
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
 
@@ -53,6 +53,19 @@ def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
     assert legend(figure) == ["quantum", "classical", "dorado (hypothesis), torque, κ = 1"]
     dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
     assert len(dashed) == 2
+
+
+def test_files_side_by_side_share_their_limits_and_have_a_legend_each(tmp_path: Path) -> None:
+    axis = frequencies(41)
+    flat = results.read(write_results(tmp_path / "a.h5", [axis], np.ones(41), law=["quantum"] * 41, bins=4))
+    dark = results.read(write_results(tmp_path / "b.h5", [axis], dip(axis.values), law=[DORADO] * 41, bins=4))
+    figure = draw_beside([Panel(file.title, curves(file), [line.label for line in curves(file)])
+                          for file in (flat, dark)], "", {"here": 291.6e3})
+    left, right = figure.axes
+    assert left.get_ylim() == right.get_ylim() and left.get_ylim()[0] < 0 < 1 < left.get_ylim()[1]
+    assert [text.get_text() for text in left.get_legend().texts] == ["quantum"]
+    (words,) = (text.get_text() for text in right.get_legend().texts)
+    assert "dorado" in words and "centre 291.6" in words
 
 
 def test_levels_are_drawn_where_something_was_detected_with_their_errors(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 from rabiline import tracks
+from rabiline.space_plots import draw_paths
 from rabiline.track_plots import Region, draw_tracks
 from rabiline.units import law_name
 from synthetic import DORADO, GAMMA, align, fly, write_tracks
@@ -82,3 +83,20 @@ def test_a_picture_names_every_file_and_shows_no_spin_from_before_the_alignment(
     (line,) = tilt.lines
     assert np.nanmax(line.get_ydata()) < 0.2 and tilt.get_ylabel() == "spin's tilt from z (°)"
     assert sphere.get_zlabel() == "$S_y$ (10$^{-3}$)"
+
+
+def test_paths_in_space_are_drawn_whole_in_their_own_units(tmp_path: Path) -> None:
+    flight = spinning(np.zeros(20))
+    flight["x"] = -5e-3 * flight["y"] ** 2
+    bent = tracks.read(write_tracks(tmp_path / "bent.h5", [flight], law=DORADO))
+    straight = tracks.read(write_tracks(tmp_path / "straight.h5", [spinning(np.zeros(20))], law="quantum"))
+    figure = draw_paths([straight, bent], ["quantum", "dorado"], "a title", [Region("B", 0.2, 0.5)])
+    (axes,) = figure.axes
+    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()) == ("x (mm)", "y, along the beam (m)",
+                                                                        "z, along the static field (mm)")
+    low, high = axes.get_xlim()
+    assert low < -5 and high > 0
+    ends = [line.get_data_3d() for line in axes.lines if len(line.get_data_3d()[0]) == 1]
+    assert [float(end[0][0]) for end in ends] == pytest.approx([0, -5])
+    assert "B" in [text.get_text() for text in axes.texts]
+    assert [text.get_text() for text in axes.get_legend().texts] == ["quantum", "dorado"]
