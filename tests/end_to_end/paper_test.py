@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from experiments import EXPERIMENTS, RABILINE, crossings
 
-TESTED = {"trajectories", "rabi-neutrons", "known-guided-neutrons", "known-rf-flipper", "known-turned-guide-field"}
+TESTED = {"trajectories", "rabi-neutrons", "unaligned-beam", "known-guided-neutrons", "known-rf-flipper", "known-turned-guide-field"}
 DOCS = EXPERIMENTS.parent / "docs"
 GAMMA = -2 * np.pi * 29.1646935e6  # rad/(s T), neutron
 LAWS = {"quantum": "quantum", "torque": "{name: dorado, closure: torque}", "larmor": "{name: dorado, closure: larmor}"}
@@ -94,6 +94,23 @@ def test_in_rabis_arrangement_quantum_theory_gives_his_line_and_the_hypothesis_n
     left, right = crossings(x[near], classical[near], 0.5)
     assert right - left > 5500 and abs((left + right) / 2 - centre) < 150
     assert torque.max() == 0 and larmor.max() == 0
+
+
+def test_spins_that_nothing_has_aligned_leave_at_every_frequency_under_the_hypothesis(run):
+    quantum, torque, larmor = run("unaligned-beam")["entry/scan/detected"][:]
+    assert (quantum == 1).all() and torque.max() < 0.005 and larmor.max() == 0
+    # A weak hypothesis: a spin at an angle theta to the field moves by kappa gamma B sum(T (way to the screen)) sin^2 theta,
+    # and isotropic spins have sin^2 theta < s with probability 1 - sqrt(1 - s). Opening and speeds are averaged over.
+    kappa = 4e-6
+    file = run("unaligned-beam", "--scan", f"law={{name: dorado, kappa: {kappa}}}", "--set", "H0.amplitude=0 T",
+               "--particles", "40000", "--scan", "H0.frequency=280 kHz")
+    start, speed = np.meshgrid(np.linspace(-0.995e-4, 0.995e-4, 100), 1000 + 10 * np.linspace(-4, 4, 401))
+    weight = np.exp(-(((speed - 1000) / 10) ** 2) / 2)
+    moved = kappa * abs(GAMMA) * 10e-3 * (0.10 * (1.2 - 0.15) + 0.25 * (1.2 - 0.425)) / speed
+    expected = [np.average(1 - np.sqrt(1 - np.minimum(1, (2e-3 + start) / (moved * factor))), weights=weight)
+                for factor in (1, 1.01)]
+    detected, error = file["entry/scan/detected"][0, 0], file["entry/scan/detected_errors"][0, 0]
+    assert abs(detected - expected[0]) < 3 * error < abs(detected - expected[1])
 
 
 def bound(name, folder, *arguments):
