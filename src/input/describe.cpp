@@ -78,7 +78,7 @@ std::string describe_units() {
     std::string symbols;
     for (const UnitSymbol& unit : unit_table())
       if (unit.dimension == static_cast<Dimension>(d))
-        symbols += fmt::format("{}{}", symbols.empty() ? "" : " ", unit.symbol);
+        symbols += fmt::format("{}{}", symbols.empty() ? "" : ", ", unit.symbol);
     page.row(std::string(name_of(static_cast<Dimension>(d))), symbols, "", "");
   }
   page.line(
