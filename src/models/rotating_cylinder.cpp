@@ -195,14 +195,15 @@ class CylinderFindings {
   }
 
   void conservation() {
-    const double energy = rotational_energy(n_, euler_.front()),
-                 scale = 0.5 * n_.longitudinal * n_.spin_rate * n_.spin_rate, l = n_.angular_momentum;
+    const double energy = rotational_energy(n_, euler_.front());
+    const double scale = largest(euler_, [&](const State& s) { return rotational_energy(n_, s); });
+    const double l = largest(euler_, [](const State& s) { return length_of(s.angular_momentum); });
     const Vector3 momentum = euler_.front().angular_momentum;
-    add("energy_balance", "1",
-        "largest difference of rotational energy and work, over the energy of the spinning",
+    add("energy_balance", "1", "largest difference of rotational energy and work, over the largest energy",
         largest(euler_, [&](const State& s) { return (rotational_energy(n_, s) - energy - s.work) / scale; }),
         0);
-    add("angular_momentum_balance", "1", "largest difference of L and the impulse of the torque, over L",
+    add("angular_momentum_balance", "1",
+        "largest difference of L and the impulse of the torque, over the largest L",
         largest(euler_,
                 [&](const State& s) { return length_of(s.angular_momentum - momentum - s.impulse) / l; }),
         0);
@@ -218,14 +219,13 @@ class CylinderFindings {
     if (!std::holds_alternative<FieldTorque>(model_.torque)) return;
     const Vector3 u = cylinder::pole_of(model_.torque);
     const double height = u.z;
-    add("energy_with_field", "1",
-        "largest change of rotational energy + M u.e3, over the energy of the spinning",
+    add("energy_with_field", "1", "largest change of rotational energy + M u.e3, over the largest energy",
         largest(euler_,
                 [&](const State& s) {
                   return (rotational_energy(n_, s) - energy + size * (dot(u, s.axis) - height)) / scale;
                 }),
         0);
-    add("angular_momentum_along_field", "1", "largest change of L.u, over L",
+    add("angular_momentum_along_field", "1", "largest change of L.u, over the largest L",
         largest(euler_, [&](const State& s) { return dot(u, s.angular_momentum - momentum) / l; }), 0);
   }
 
