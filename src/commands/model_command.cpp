@@ -1,5 +1,7 @@
 // What `check` and `run` do with a model instead of a beamline.
+#include <algorithm>
 #include <chrono>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -20,13 +22,27 @@ std::string value_at(const ScanAxis& axis, std::size_t i) {
   return axis.dimension ? pretty_quantity(axis.values[i], *axis.dimension) : axis.labels[i];
 }
 
+std::string unit_of(const Finding& finding) { return finding.unit == "1" ? "" : " " + finding.unit; }
+
+void print_ranges(const SolvedModel& solved) {
+  fmt::print("  over {} points of {}, {} to {}\n", solved.points.size(), solved.axis->parameter,
+             value_at(*solved.axis, 0), value_at(*solved.axis, solved.points.size() - 1));
+  std::map<std::string, std::pair<double, double>> ranges;
+  for (const ModelResult& point : solved.points)
+    for (const Finding& f : point.findings) {
+      const auto at = ranges.try_emplace(f.name, f.value, f.value).first;
+      at->second = {std::min(at->second.first, f.value), std::max(at->second.second, f.value)};
+    }
+  for (const Finding& f : solved.points.front().findings)
+    fmt::print("  {:<30} from {:.6g} to {:.6g}{}\n", f.name, ranges[f.name].first, ranges[f.name].second,
+               unit_of(f));
+}
+
+/// Each finding with what is expected of it; of a scan its smallest and largest value.
 void print_findings(const SolvedModel& solved) {
-  for (std::size_t i = 0; i < solved.points.size(); ++i) {
-    if (solved.axis) fmt::print("{} = {}\n", solved.axis->parameter, value_at(*solved.axis, i));
-    for (const Finding& f : solved.points[i].findings)
-      fmt::print("  {:<30} {:>13.6g}, expected {:.6g}{}\n", f.name, f.value, f.expected,
-                 f.unit == "1" ? "" : " " + f.unit);
-  }
+  if (solved.axis) return print_ranges(solved);
+  for (const Finding& f : solved.points.front().findings)
+    fmt::print("  {:<30} {:>13.6g}, expected {:.6g}{}\n", f.name, f.value, f.expected, unit_of(f));
 }
 
 }  // namespace
