@@ -40,19 +40,26 @@ void write_motion(const GroupWriter& parent, const std::string& title, const Mot
                                              {"x", "m", "x (m)", x, {}, "spectrum"},
                                              {{"time", "s", "time (s)", motion.time, {}, ""}});
   data.attribute("auxiliary_signals", std::vector<std::string>{"y", "z"});
-  data.attribute("motion", motion.name);
   data.dataset("y", {y.size()}, y, {{"units", "m"}, {"long_name", "y (m)"}});
   data.dataset("z", {z.size()}, z, {{"units", "m"}, {"long_name", "z (m)"}});
   data.text("meaning", motion.meaning);
+  data.attribute("motion", motion.name);
   nexus::Names names = names_of_motion();
-  for (const VectorCourse& course : motion.vectors)
-    data.dataset(names.claim(course.name, {""}), {course.values.size(), 3}, rows_of(course.values),
+  std::vector<std::string> vectors, numbers;
+  for (const VectorCourse& course : motion.vectors) {
+    vectors.push_back(names.claim(course.name, {""}));
+    data.dataset(vectors.back(), {course.values.size(), 3}, rows_of(course.values),
                  {{"units", course.unit},
                   {"long_name", nexus::long_name(course.meaning, course.unit)},
                   {"components", "x, y, z"}});
-  for (const Course& course : motion.numbers)
-    data.dataset(names.claim(course.name, {""}), {course.values.size()}, course.values,
+  }
+  for (const Course& course : motion.numbers) {
+    numbers.push_back(names.claim(course.name, {""}));
+    data.dataset(numbers.back(), {course.values.size()}, course.values,
                  {{"units", course.unit}, {"long_name", nexus::long_name(course.meaning, course.unit)}});
+  }
+  data.attribute("vectors", vectors);
+  data.attribute("courses", numbers);
 }
 
 /// Every finding that any point has, in order of appearance: rows of values over the points.
@@ -139,13 +146,16 @@ void write_motions(const SolvedModel& solved, const std::filesystem::path& path)
     const GroupWriter entry =
         nexus::write_entry(file, path.filename().string(), solved.title, solved.provenance.version);
     entry.text("model", solved.kind, {{"long_name", "kind of the model"}});
+    std::vector<std::string> names;
+    for (const Motion& motion : solved.points.front().motions) names.push_back(motion.name);
+    entry.dataset("motions", {names.size()}, names, {{"long_name", "names of the motions, in order"}});
     const Table table(solved.points);
     if (solved.axis) {
       write_scan(entry, solved, table);
       entry.attribute("default", "findings");
     } else {
       write_columns(entry.group("findings", "NXcollection"), table, {table.names.size()});
-      entry.attribute("default", solved.points.front().motions.front().name);
+      entry.attribute("default", names.front());
     }
     for (std::size_t i = 0; i < solved.points.size(); ++i) {
       if (solved.axis)

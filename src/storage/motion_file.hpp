@@ -27,7 +27,7 @@ struct SolvedModel {
 ///   `expected`
 ///                              are [finding][point], NaN where a point has none, and each finding is a
 ///                              dataset of its own over the scanned parameter
-///   /entry/model               kind of the model
+///   /entry/model, motions      kind of the model, names of its motions in order
 void write_motions(const SolvedModel&, const std::filesystem::path&);
 
 }  // namespace rabiline

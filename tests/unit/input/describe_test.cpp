@@ -36,7 +36,7 @@ TEST(Describe, TellsUnitRangeDefaultAndMeaningOfEachKey) {
   EXPECT_THAT(describe("dorado"), HasSubstr("default torque"));
   EXPECT_THAT(describe("slit"), HasSubstr("for a rectangle"));
   EXPECT_THAT(describe("species"), HasSubstr("Li-7"));
-  EXPECT_THAT(describe("units"), HasSubstr("mT uT"));
+  EXPECT_THAT(describe("units"), HasSubstr("mT, uT"));
 }
 
 TEST(Describe, TellsBothMeaningsOfAWordThatHasTwo) {
