@@ -30,7 +30,7 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     _draw_distances(apart, styled)
     course = figure.add_subplot(grid[1, 1], sharex=apart)
     _draw_course(course, styled)
-    apart.label_outer()
+    apart.tick_params(labelbottom=False)
     course.set_xlabel("time (s)")
     space.legend(loc="lower center", bbox_to_anchor=(0.5, -0.08), ncol=len(motions))
     figure.suptitle(title, fontsize=11.5)
@@ -42,7 +42,7 @@ def draw_findings(file: Motions, title: str) -> Figure:
     assert file.axis is not None
     shown = [finding for finding in file.findings if _varies(finding)][:MOST_PANELS]
     kept = [finding.name for finding in file.findings
-            if not finding.expected.any() and np.nanmax(np.abs(finding.values)) <= ROUNDING]
+            if not _is_expected(finding) and np.nanmax(np.abs(finding.values)) <= ROUNDING]
     columns = min(3, max(1, len(shown)))
     rows = max(1, -(-len(shown) // columns))
     figure, panels = plt.subplots(rows, columns, figsize=(3.9 * columns, 3.1 * rows + 0.6), layout="constrained",
@@ -80,17 +80,19 @@ def _draw_paths(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
     start = styled[0][0].position[:1]
     axes.plot(*start.T, "o", color=GREY, markersize=6, fillstyle="none")
     places = np.concatenate([motion.position for motion, _, _ in styled])
+    # One scale along all axes, so that a plane path looks plane; none thinner than a quarter of the longest.
     extent = np.ptp(places, axis=0)
-    axes.set_box_aspect(np.maximum(extent, 0.25 * (extent.max() or 1.0)), zoom=0.85)
-    if extent[0] < 1e-3 * extent.max():  # a plane path: its noise across is no picture
-        half = 0.125 * extent.max()
-        axes.set_xlim(-half, half)
+    extent = np.maximum(1.05 * extent, 0.25 * (extent.max() or 1.0))
+    middle = (places.max(axis=0) + places.min(axis=0)) / 2
+    axes.set(**{f"{name}lim": (m - e / 2, m + e / 2) for name, m, e in zip("xyz", middle, extent)})
+    axes.set_box_aspect(extent, zoom=0.9)
     axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
     axes.set_title("paths of the centre of mass; the ring is the start", y=1.0)
+    axes.yaxis.labelpad = 9
     axes.view_init(elev=20, azim=-35)
-    for plane in (axes.xaxis, axes.yaxis, axes.zaxis):
+    for plane, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent / extent.max()):
         plane.pane.set_facecolor("white")
-        plane.set_major_locator(MaxNLocator(4))
+        plane.set_major_locator(MaxNLocator(4 if size > 0.5 else 2))
     axes.tick_params(labelsize=8, pad=1)
 
 
@@ -105,12 +107,15 @@ def _draw_distances(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> N
 
 
 def _draw_course(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
+    """Of motions that share the course to the bit, the first one is drawn."""
     course = _first_difference([motion for motion, _, _ in styled])
-    for motion, look, line in styled:
+    drawn: set[bytes] = set()
+    for motion, look, _ in styled:
         for own in motion.courses:
-            if course and own.name == course.name:
-                axes.plot(motion.time, own.values, line, color=look.colour, linewidth=1.0)
-    axes.set_ylabel(_wrapped(course.title) if course else "")
+            if course and own.name == course.name and own.values.tobytes() not in drawn:
+                drawn.add(own.values.tobytes())
+                axes.plot(motion.time, own.values, color=look.colour, linewidth=0.7)
+    axes.set_ylabel(_wrapped(course.title, 34) if course else "")
     axes.grid(axis="y")
 
 
@@ -129,6 +134,11 @@ def _varies(finding: Finding) -> bool:
     return bool(size > ROUNDING and np.nanmax(finding.values) - np.nanmin(finding.values) > ROUNDING * size)
 
 
+def _is_expected(finding: Finding) -> bool:
+    """Whether a value other than zero is expected anywhere."""
+    return bool(np.nan_to_num(finding.expected).any())
+
+
 def _spans_decades(values: np.ndarray) -> bool:
     finite = values[np.isfinite(values)]
     return finite.size > 1 and bool(finite.min() > 0) and bool(finite.max() >= 20 * finite.min())
@@ -137,7 +147,7 @@ def _spans_decades(values: np.ndarray) -> bool:
 def _draw_finding(axes: Axes, x: np.ndarray, finding: Finding) -> None:
     colour, marker = LAWS["dorado"]
     axes.plot(x, finding.values, marker=marker, markersize=4, color=colour, linewidth=1.2, label="found")
-    if finding.expected.any():
+    if _is_expected(finding):
         axes.plot(x, finding.expected, "--", color=GREY, linewidth=1.2, label="expected")
         axes.legend()
     if _spans_decades(finding.values):

@@ -55,10 +55,12 @@ void check_scan(const Node& root, const ScanPlan& plan, Reading& reading) {
     reading.error(plan.axes[1].place, "a model is scanned over one parameter",
                   "set the other one with --set");
   const Entry* scan = root.find("scan");
-  const Entry* particles = scan ? scan->value.find("particles") : nullptr;
-  if (particles)
-    reading.error(particles->key_place, "`particles` has no meaning for a model: it is solved, not flown",
-                  "leave it away");
+  if (!scan) return;
+  const std::vector<Node> one{scan->value};
+  for (const Node& node : scan->value.is_sequence() ? scan->value.items : one)
+    if (const Entry* particles = node.find("particles"))
+      reading.error(particles->key_place, "`particles` has no meaning for a model: it is solved, not flown",
+                    "leave it away");
 }
 
 /// Every point keeps its motions until all are written.

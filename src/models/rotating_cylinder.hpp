@@ -80,6 +80,10 @@ struct RotatingCylinder {
                                     meaning =
                                         "a cylinder that spins about its long axis, flies, and feels a "
                                         "torque: the first system of the paper";
+  /// For help: values that go together.
+  static constexpr std::string_view example =
+      "mass: 1 kg, radius: 5 cm, length: 20 cm, spin: 100 Hz, speed: 2 m/s, torque: {kind: body_fixed, size: "
+      "0.5 N m}, axis_start: at_rest, duration: 10 s, samples: 2001";
   double mass = 0;    // [kg]
   double radius = 0;  // [m]
   double length = 0;  // [m]
