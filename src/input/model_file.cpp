@@ -10,18 +10,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double most_samples = 2e6;  // of all scan points together: some GiB
-
-std::vector<Fault> faults_in(const Model& model) {
-  return std::visit(
-      [](const auto& any) -> std::vector<Fault> {
-        if constexpr (requires { faults_of(any); })
-          return faults_of(any);
-        else
-          return {};
-      },
-      model);
-}
+constexpr double most_samples = 1e6;  // of all scan points together: a GiB
 
 ModelFile read_model(const Node& root, Reading& reading) {
   ModelFile out;
@@ -33,7 +22,7 @@ ModelFile read_model(const Node& root, Reading& reading) {
     return has_key<Beamline>(key) || key == "geometry" ? std::string("a beamline") : std::string{};
   });
   if (!good) return out;
-  for (Fault& fault : faults_in(out.model))
+  for (Fault& fault : std::visit([](const auto& any) { return faults_of(any); }, out.model))
     reading.error(place_of(root.find("model")->value, fault.key), std::move(fault.message),
                   std::move(fault.suggestion));
   return out;
