@@ -1,5 +1,5 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
-plot-tracks | summary | compare-scans | compare-laws | bound-kappa`.
+plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -12,8 +12,8 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import (image_plots, laws_commands, level_plots, profile_plots, results, scan_plots, space_plots, style,
-               tally_plots, track_plots, tracks)
+from . import (image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
+               space_plots, style, tally_plots, track_plots, tracks)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -146,6 +146,19 @@ def plot_tracks(options: argparse.Namespace) -> None:
     _save(draw(files, labels, title, regions), options.output)
 
 
+def plot_motion(options: argparse.Namespace) -> None:
+    """Motions of a model, or its findings over a scan."""
+    file = motions.read(options.file)
+    title = options.title or file.title
+    if file.axis is not None and options.point is None:
+        _save(motion_plots.draw_findings(file, title), options.output)
+        return
+    point = options.point or 0
+    if not 0 <= point < len(file.points):
+        raise InputError(f"--point {point}: the scan points are 0 to {len(file.points) - 1}")
+    _save(motion_plots.draw_motions(file.points[point], title), options.output)
+
+
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
     file = results.read(options.file)
@@ -197,6 +210,8 @@ def _parser() -> Parser:
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')
     flights.add_argument("--in-space", action="store_true", help="in three dimensions")
+    motion = command("plot-motion", plot_motion, many=False)
+    motion.add_argument("--point", metavar="I", type=int, help="of a scan: the motions at this point, not the findings")
     report = command("summary", print_summary, many=False, draws=False)
     pair = command("compare-scans", compare_scans, many=False, draws=False)
     pair.add_argument("other", metavar="OTHER", type=Path)
@@ -205,7 +220,7 @@ def _parser() -> Parser:
         one.add_argument("--detector", metavar="NAME", help="the first one by default")
     for each in (scan, report, pair):
         each.add_argument("--detector", metavar="NAME", help="all by default")
-    for plot in (scan, levels, profiles, flights):
+    for plot in (scan, levels, profiles, flights, motion):
         plot.add_argument("--title", help="instead of the file's own")
     return parser
 

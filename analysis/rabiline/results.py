@@ -144,6 +144,8 @@ class Results:
 def read(path: Path | str) -> Results:
     """Reads a file of `rabiline run`; raises FileError with the file and the reason."""
     with open_entry(path) as entry:
+        if "findings" in entry:
+            raise entry.error("holds the motions of a model, not the result of a beamline: see plot-motion")
         if "scan" not in entry:
             raise entry.error("no `scan`: not a file of `rabiline run`, or one without a detector")
         scan = _read_scan(entry.group("scan"))

@@ -12,8 +12,10 @@ void add_check(CLI::App& app) {
   auto options = std::make_shared<ExperimentOptions>();
   options->add_to(*verb);
   verb->callback([options] {
-    const LoadedExperiment loaded = load_experiment(options->file, options->changes);
-    fmt::print("{}", explain(loaded.experiment, make_plan(loaded.experiment)));
+    const Loaded loaded = load(options->file, options->changes);
+    if (const auto* model = std::get_if<LoadedModel>(&loaded)) return fmt::print("{}", check_model(*model));
+    const Experiment& experiment = std::get<LoadedExperiment>(loaded).experiment;
+    fmt::print("{}", explain(experiment, make_plan(experiment)));
   });
 }
 

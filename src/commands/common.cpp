@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <thread>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <omp.h>
+#include <sys/utsname.h>
 
 #include "core/version.hpp"
 #include "storage/storage_error.hpp"
@@ -109,6 +112,23 @@ Isa MachineOptions::instruction_set() const {
     throw ArgumentError(
         fmt::format("--isa: this processor has no {}; the best one here is {}", isa, name_of(best_isa())));
   return *parsed;
+}
+
+std::string now() {
+  const std::time_t t = std::time(nullptr);
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(t));
+}
+
+Provenance provenance_of(const std::vector<std::string>& arguments, const std::vector<InputText>& inputs) {
+  Provenance p;
+  p.arguments = arguments;
+  p.inputs = inputs;
+  p.version = version;
+  p.compiler = compiler;
+  utsname machine{};
+  if (uname(&machine) == 0) p.host = machine.nodename;
+  p.start_time = now();
+  return p;
 }
 
 std::string fingerprint(const LoadedExperiment& loaded, const CommandLine& changes) {

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/isa.hpp"
-#include "input/experiment.hpp"
+#include "input/model_file.hpp"
 #include "simulation/snapshot.hpp"
 
 namespace rabiline {
@@ -44,6 +44,11 @@ struct MachineOptions {
 const std::atomic<bool>& stop_requested();
 void watch_signals();
 
+/// This moment as ISO 8601 with offset, for provenance.
+std::string now();
+/// What is known of a run before it starts: program, machine, command line and inputs.
+Provenance provenance_of(const std::vector<std::string>& arguments, const std::vector<InputText>& inputs);
+
 /// Identifies an experiment with its changes: a checkpoint of another one is refused.
 std::string fingerprint(const LoadedExperiment&, const CommandLine&);
 
@@ -53,6 +58,11 @@ void add_check(CLI::App&);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_resume(CLI::App&, int& exit);
+
+/// What `check` and `run` do for a model.
+std::string check_model(const LoadedModel&);
+void run_model(const LoadedModel&, const std::filesystem::path& output,
+               const std::vector<std::string>& arguments);
 
 /// The whole program: parses the arguments (without the program's name), runs the verb, explains what went
 /// wrong.

@@ -7,14 +7,14 @@
 namespace rabiline {
 
 void add_describe(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("describe", "explain parts, species, laws and their keys");
+  CLI::App* verb = app.add_subcommand("describe", "explain parts, species, laws, models and their keys");
   auto topic = std::make_shared<std::string>();
-  verb->add_option(
-      "KIND", *topic,
-      "a part, a law, a species such as Rb-87, source, species, scan or units; an overview where it is "
-      "missing");
+  verb->add_option("KIND", *topic,
+                   "a part, a law, a model, a species such as Rb-87, source, species, scan or units; an "
+                   "overview where it is "
+                   "missing");
   auto schema = std::make_shared<bool>(false);
-  verb->add_flag("--schema", *schema, "print the JSON Schema of beamline files, for editors");
+  verb->add_flag("--schema", *schema, "print the JSON Schema of beamlines and models, for editors");
   verb->callback([topic, schema] {
     if (*schema) return fmt::print("{}\n", json_schema());
     fmt::print("{}", topic->empty() ? describe_overview() : describe(*topic));

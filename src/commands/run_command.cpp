@@ -1,16 +1,12 @@
-// rabiline run: flies the experiment and writes one HDF5 file.
+// rabiline run: flies the experiment, or solves the model, and writes one HDF5 file.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/utsname.h>
 #include <unistd.h>
 
 #include "commands/common.hpp"
-#include "core/version.hpp"
 #include "plan/explain_atoms.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
@@ -29,11 +25,6 @@ struct RunArguments {
   std::string progress = "auto";
   int batch = Batch::capacity;
 };
-
-std::string now() {
-  const std::time_t t = std::time(nullptr);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(t));
-}
 
 std::string duration(double seconds) {
   const long s = std::lround(seconds);
@@ -73,20 +64,6 @@ class ProgressLine {
   bool terminal_, json_, quiet_, shown_ = false;
   double next_ = 0;
 };
-
-Provenance provenance_of(const RunArguments& a, const LoadedExperiment& loaded,
-                         const std::vector<std::string>& arguments) {
-  Provenance p;
-  p.arguments = arguments;
-  p.inputs = loaded.inputs;
-  p.version = version;
-  p.compiler = compiler;
-  p.instruction_set = name_of(a.machine.instruction_set());
-  p.threads = a.machine.thread_count();
-  utsname machine{};
-  if (uname(&machine) == 0) p.host = machine.nodename;
-  return p;
-}
 
 void print_summary(const Result& result, const std::filesystem::path& output, double seconds) {
   const std::size_t points = result.emitted.size();
@@ -170,20 +147,37 @@ void require_memory(const Plan& plan, int threads) {
         plan.points, needed / 1073741824, threads, there / 1073741824));
 }
 
-int run_command(const RunArguments& a, const std::vector<std::string>& arguments, const Snapshot* start) {
+/// What has a meaning for particles alone.
+void refuse_for_a_model(const CLI::App& verb) {
+  for (const char* option : {"--threads", "--isa", "--batch", "--progress"})
+    if (verb.count(option) > 0)
+      throw ArgumentError(fmt::format(
+          "{} has no meaning for a model: it is solved, not flown\n  help: leave it away", option));
+}
+
+int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
+                const Snapshot* start) {
   const std::filesystem::path output = a.output.empty()
                                            ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
                                            : std::filesystem::path(a.output);
   if (a.batch < 8 || a.batch > Batch::capacity || a.batch % 8 != 0)
     throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
-  const LoadedExperiment loaded = load_experiment(a.experiment.file, a.experiment.changes);
+  const Loaded file = load(a.experiment.file, a.experiment.changes);
+  if (std::holds_alternative<LoadedModel>(file)) refuse_for_a_model(verb);
   require_writable(output);
+  if (const auto* model = std::get_if<LoadedModel>(&file)) {
+    run_model(*model, output, arguments);
+    return exit_code::done;
+  }
+  const auto& loaded = std::get<LoadedExperiment>(file);
   const std::string identity = fingerprint(loaded, a.experiment.changes);
   if (start != nullptr && start->fingerprint != identity)
     throw ArgumentError("the checkpoint belongs to another state of the input: " +
                         a.experiment.file.string() + " or the program has changed since");
 
-  const std::string start_time = now();
+  Provenance provenance = provenance_of(arguments, loaded.inputs);
+  provenance.instruction_set = name_of(a.machine.instruction_set());
+  provenance.threads = a.machine.thread_count();
   const auto begin = std::chrono::steady_clock::now();
   const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
   require_memory(plan, a.machine.thread_count());
@@ -204,8 +198,6 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
   options.start = start;
 
   watch_signals();
-  Provenance provenance = provenance_of(a, loaded, arguments);
-  provenance.start_time = start_time;
   const RunOutcome outcome = run(plan, options);
   provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   provenance.end_time = now();
@@ -227,7 +219,8 @@ int run_command(const RunArguments& a, const std::vector<std::string>& arguments
 }  // namespace
 
 void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Snapshot* start, int& exit) {
-  CLI::App* verb = app.add_subcommand("run", "fly the experiment and write an HDF5 file");
+  CLI::App* verb =
+      app.add_subcommand("run", "fly the experiment, or solve the model, and write an HDF5 file");
   auto a = std::make_shared<RunArguments>();
   a->experiment.add_to(*verb);
   verb->add_option("-o,--output", a->output,
@@ -239,7 +232,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Sna
       ->type_name("N");
   verb->add_option("--progress", a->progress, "auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
-  verb->callback([a, &arguments, start, &exit] { exit = run_command(*a, arguments, start); });
+  verb->callback([a, verb, &arguments, start, &exit] { exit = run_command(*a, *verb, arguments, start); });
 }
 
 void add_resume(CLI::App& app, int& exit) {

@@ -37,6 +37,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::rate, "rate", "1e6 1/s", "1/s"},
     DimensionRow{Dimension::field_gradient, "field gradient", "1000 T/m", "T/m"},
     DimensionRow{Dimension::current, "current", "100 A", "A"},
+    DimensionRow{Dimension::torque, "torque", "0.5 N m", "N m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -242,6 +243,11 @@ const std::vector<UnitSymbol>& unit_table() {
       {"A", current, 1},
       {"mA", current, 1e-3},
       {"kA", current, 1e3},
+      {"N m", torque, 1},
+      {"Nm", torque, 1},
+      {"kN m", torque, 1e3},
+      {"mN m", torque, 1e-3},
+      {"uN m", torque, 1e-6},
   };
   return table;
 }
@@ -283,27 +289,28 @@ std::string pretty_quantity(double si_value, Dimension d) {
   // The symbols a physicist would choose from, largest first; the first that leaves one digit before the
   // point.
   static constexpr std::string_view choices_of[] = {"",
-                                                    "km m mm um nm",
-                                                    "s ms us ns",
-                                                    "km/s m/s mm/s",
-                                                    "kg g u",
-                                                    "C e",
-                                                    "T mT uT nT pT",
-                                                    "THz GHz MHz kHz Hz mHz",
-                                                    "rad mrad urad nrad",
-                                                    "GHz/T MHz/T kHz/T Hz/T",
-                                                    "K mK uK",
-                                                    "MeV keV eV meV ueV neV",
+                                                    "km|m|mm|um|nm",
+                                                    "s|ms|us|ns",
+                                                    "km/s|m/s|mm/s",
+                                                    "kg|g|u",
+                                                    "C|e",
+                                                    "T|mT|uT|nT|pT",
+                                                    "THz|GHz|MHz|kHz|Hz|mHz",
+                                                    "rad|mrad|urad|nrad",
+                                                    "GHz/T|MHz/T|kHz/T|Hz/T",
+                                                    "K|mK|uK",
+                                                    "MeV|keV|eV|meV|ueV|neV",
                                                     "1/s",
-                                                    "T/m mT/m",
-                                                    "kA A mA"};
+                                                    "T/m|mT/m",
+                                                    "kA|A|mA",
+                                                    "kN m|N m|mN m|uN m"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));
   const UnitSymbol* unit = nullptr;
   while (!list.empty()) {
-    const std::size_t end = std::min(list.find(' '), list.size());
+    const std::size_t end = std::min(list.find('|'), list.size());
     unit = find_unit(list.substr(0, end));
     list.remove_prefix(std::min(end + 1, list.size()));
     // 0.99995 is what four digits round up to one.

@@ -28,7 +28,7 @@ struct Profile {
 /// How a field moves: it turns in its plane, swings along the plane's first axis, or does the latter of which
 /// only the half is kept that turns with the precession about the static field: the rotating-wave
 /// approximation.
-enum class Motion { turns, swings, swings_in_rotating_wave };
+enum class FieldMotion { turns, swings, swings_in_rotating_wave };
 
 /// A field in the plane of two axes at the angle omega t + twist (y - begin) + phase from the first towards
 /// the second, t the time in the laboratory. Swinging fields have amplitude cos(angle) along the first axis.
@@ -39,7 +39,7 @@ struct RotatingTerm {
   double phase = 0;           // [rad], added to the oscillator's own
   int oscillator = 0;         // part number of the part whose clock this field follows
   bool random_phase = false;  // the oscillator's phase at emission is drawn for each particle
-  Motion motion = Motion::turns;
+  FieldMotion motion = FieldMotion::turns;
   Vector3 first{1, 0, 0}, second{0, 1, 0};  // the plane
   double twist = 0;                         // [rad/m] along the beam, from profile.begin
   Profile profile;

@@ -117,19 +117,19 @@ bool read_part(const Node& node, Reading& reading, PlacedPart& out) {
   return good;
 }
 
-void check_version(const Node& root, Keys& keys, Reading& reading) {
+}  // namespace
+
+void check_version(const Node& root, Keys& keys) {
   const Entry* version = keys.take("rabiline");
   if (!version)
-    reading.error(root.place, "the file does not say which version of the format it is written in",
-                  "begin it with `rabiline: 1`");
+    keys.reading().error(root.place, "the file does not say which version of the format it is written in",
+                         "begin it with `rabiline: 1`");
   else if (!version->value.is_scalar() || version->value.scalar != "1")
-    reading.error(
+    keys.reading().error(
         version->value.place,
         fmt::format("this program reads version 1 of the format, but {} stands here", quote(version->value)),
         "write `rabiline: 1`");
 }
-
-}  // namespace
 
 bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading,
                 std::vector<Component>& out) {
@@ -178,7 +178,7 @@ Beamline read_beamline(const Node& root, Reading& reading) {
     return out;
   }
   Keys keys(root, "the file", root.place, reading);
-  check_version(root, keys, reading);
+  check_version(root, keys);
   read_rows(keys, out);
   keys.take("geometry");
   keys.take("scan");

@@ -1,7 +1,8 @@
 #pragma once
-// The experiment's own table and how one point of it is read from a tree.
+// The beamline's own table and how one point of it is read from a tree.
 #include "beamline/beamline.hpp"
 #include "input/document.hpp"
+#include "input/keys.hpp"
 #include "input/values.hpp"
 
 namespace rabiline {
@@ -24,6 +25,8 @@ inline constexpr auto parameters<Beamline> = std::tuple{
     param("seed", &Beamline::seed, Dimension::number, whole, "key of the random numbers"),
 };
 
+/// Every file says which version of the format it is written in.
+void check_version(const Node& root, Keys&);
 /// Reads and checks a whole file's tree; `scan` is left alone. Whether all is well shows in the Reading.
 Beamline read_beamline(const Node& root, Reading&);
 

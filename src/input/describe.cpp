@@ -6,6 +6,7 @@
 #include "input/beamline_reader.hpp"
 #include "input/describe_page.hpp"
 #include "input/describe_species.hpp"
+#include "input/model_file.hpp"
 #include "input/scan.hpp"
 #include "input/species_names.hpp"
 
@@ -78,7 +79,7 @@ std::string describe_units() {
     std::string symbols;
     for (const UnitSymbol& unit : unit_table())
       if (unit.dimension == static_cast<Dimension>(d))
-        symbols += fmt::format("{}{}", symbols.empty() ? "" : " ", unit.symbol);
+        symbols += fmt::format("{}{}", symbols.empty() ? "" : ", ", unit.symbol);
     page.row(std::string(name_of(static_cast<Dimension>(d))), symbols, "", "");
   }
   page.line(
@@ -115,6 +116,13 @@ std::string describe_tallies() {
       "are the\n"
       "state-to-state matrix.");
   return page.finish();
+}
+
+std::string describe_models() {
+  return "A file with the key `model` is no beamline: it describes a small system that is solved, not "
+         "flown.\n"
+         "Beside `model` it has `rabiline`, `title` and at most one `scan`.\n\n" +
+         describe_variant<Model>("model", "the system");
 }
 
 struct Topic {
@@ -168,6 +176,12 @@ const std::vector<Topic>& topics() {
     out.push_back({"pulse", "when particles start",
                    [] { return describe_variant<Pulse>("pulse", "when particles start"); }});
     add_alternatives<Pulse>(out, "pulse");
+    out.push_back({"model", "a small model, which is solved and not flown", describe_models});
+    add_alternatives<Model>(out, "model");
+    out.push_back({"torque", "the torque on a rotating cylinder", [] {
+                     return describe_variant<CylinderTorque>("torque", "the torque on a rotating cylinder");
+                   }});
+    add_alternatives<CylinderTorque>(out, "torque");
     return out;
   }();
   return all;
@@ -189,11 +203,16 @@ std::string describe_overview() {
   for_each_alternative<Law>([&]<class A>(std::type_identity<A>) {
     page.row(std::string(A::kind), std::string(A::meaning), "", "");
   });
+  page.line("\nModels, in files of their own");
+  for_each_alternative<Model>([&]<class A>(std::type_identity<A>) {
+    page.row(std::string(A::kind), std::string(A::meaning), "", "");
+  });
   page.line(
       "\n`rabiline describe TOPIC` tells more of a part, a law, a species such as Rb-87 or `Rb-87 atom`, or");
   std::string others;
-  for (const std::string_view topic : {"source", "speed", "direction", "opening", "spin", "pulse", "profile",
-                                       "species", "structure", "chamber", "scan", "tallies", "units"})
+  for (const std::string_view topic :
+       {"source", "speed", "direction", "opening", "spin", "pulse", "profile", "species", "structure",
+        "chamber", "scan", "tallies", "model", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

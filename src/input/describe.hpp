@@ -10,7 +10,7 @@ std::string describe_overview();
 /// The keys of a part, law, source, scan, ... with unit, range, default and meaning, and a snippet; or a
 /// species of the library. Throws InputError for a topic that is none.
 std::string describe(std::string_view topic);
-/// A JSON Schema (draft-07) of beamline files, for editors that check and complete while one writes.
+/// A JSON Schema (draft-07) of beamlines and models, for editors that check and complete while one writes.
 std::string json_schema();
 
 }  // namespace rabiline

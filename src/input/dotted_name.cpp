@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "input/beamline_reader.hpp"
+#include "input/model_file.hpp"
 #include "input/reader.hpp"
 
 namespace rabiline {
@@ -75,7 +76,9 @@ void unknown_name(const Node& root, const std::string& name, const Segment& firs
     const std::string near = closest(first.word, heads);
     if (!near.empty()) help = fmt::format("did you mean `{}{}`?", near, name.substr(first.word.size()));
   }
-  if (help.empty())
+  if (help.empty() && root.find("model"))
+    help = "a name begins with `model`";
+  else if (help.empty())
     help =
         "a name begins with `law`, `species`, `source`, `chamber`, `particles`, `seed` or the name of a part";
   reading.error(first.place, fmt::format("nothing in the file is called `{}`", first.word), std::move(help));
@@ -131,8 +134,10 @@ Node* put_value(Node& root, const std::string& name, const Place& name_place, co
       reading.error(segment.place, "a name is words with one dot between them", "such as `H0.frequency`");
       return nullptr;
     }
-  const bool top = has_key<Beamline>(path.front().word) || path.front().word == "rabiline" ||
-                   path.front().word == "geometry" || path.front().word == "scan";
+  const bool known =
+      root.find("model") ? has_key<ModelFile>(path.front().word) : has_key<Beamline>(path.front().word);
+  const bool top = known || path.front().word == "rabiline" || path.front().word == "geometry" ||
+                   path.front().word == "scan";
   Node* part = top ? nullptr : find_part(root, path.front().word);
   if (!top && !part) {
     unknown_name(root, name, path.front(), reading);

@@ -103,9 +103,11 @@ template <class E, class D>
 requires std::is_enum_v<E>
 inline constexpr bool in_example<std::optional<E>, D> = true;
 
-/// "width: 0.2 mm, height: 0.2 mm": every key that must be given.
+/// "width: 0.2 mm, height: 0.2 mm": every key that must be given; of some structs an example of their own,
+/// whose values go together.
 template <class T>
 std::string example_of_rows() {
+  if constexpr (requires { T::example; }) return std::string(T::example);
   std::string out;
   for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
     if constexpr (in_example<M, D>) {

@@ -1,7 +1,8 @@
-// The JSON Schema of beamline files, from the same tables that read them. It says less than the reader: rules
-// between keys and exact ranges of quantities stay with the reader.
+// The JSON Schema of beamlines and models, from the same tables that read them. It says less than the reader:
+// rules between keys and exact ranges of quantities stay with the reader.
 #include "input/beamline_reader.hpp"
 #include "input/describe.hpp"
+#include "input/model_file.hpp"
 #include "input/reader.hpp"
 #include "input/scan.hpp"
 
@@ -191,9 +192,7 @@ std::string schema_of(const Row& row) {
     return any_of(schemas_of_rows<T>());
 }
 
-}  // namespace
-
-std::string json_schema() {
+std::string schema_of_beamlines() {
   std::vector<Mapping> file(1);
   file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
   file.front().add("geometry", R"({"type": "string", "description": "path of a file with shared parts"})",
@@ -203,9 +202,22 @@ std::string json_schema() {
   file.front().add("scan",
                    any_of({entry, fmt::format(R"({{"type": "array", "maxItems": 2, "items": {}}})", entry)}),
                    false);
-  std::string out = file.front().schema();
-  out.insert(1,
-             R"("$schema": "http://json-schema.org/draft-07/schema#", "title": "rabiline beamline file", )");
+  return file.front().schema();
+}
+
+std::string schema_of_models() {
+  std::vector<Mapping> file(1);
+  file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
+  add_rows<ModelFile>(file);
+  file.front().add("scan", any_of(schemas_of_rows<ScanEntry>()), false);
+  return file.front().schema();
+}
+
+}  // namespace
+
+std::string json_schema() {
+  std::string out = any_of({schema_of_beamlines(), schema_of_models()});
+  out.insert(1, R"("$schema": "http://json-schema.org/draft-07/schema#", "title": "rabiline file", )");
   return out + "\n";
 }
 

@@ -6,7 +6,8 @@ namespace rabiline {
 
 void contribute(const OscillatingField& part, const Placement& place, SectionBuilder& builder) {
   RotatingTerm term;
-  term.motion = part.approximation == Approximation::none ? Motion::swings : Motion::swings_in_rotating_wave;
+  term.motion =
+      part.approximation == Approximation::none ? FieldMotion::swings : FieldMotion::swings_in_rotating_wave;
   term.first = turned(part.direction, part.tilt);
   term.second = {};
   add_alternating(part, place, term, Turn::positive, builder);

@@ -44,10 +44,10 @@ LevelDrive drive_of(const RotatingTerm& term, const Species& species, const Sect
   if (term.twist != 0)
     refuse(species, section, "the field that drives an atom's levels turns along the beam",
            "leave out `twist`");
-  if (term.motion == Motion::swings)
+  if (term.motion == FieldMotion::swings)
     refuse(species, section, "the levels of an atom are driven in the rotating-wave approximation only",
            "write `approximation: rotating_wave`");
-  if (term.motion == Motion::swings_in_rotating_wave) {
+  if (term.motion == FieldMotion::swings_in_rotating_wave) {
     drive.kind = DriveKind::oscillating;
     drive.direction[0] = term.first.x;
     drive.direction[1] = term.first.y;

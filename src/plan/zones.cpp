@@ -94,11 +94,11 @@ DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, dou
   drive.length = term.profile.length;
   drive.sigma = term.profile.sigma;
   Vector3 first = term.first, second = term.second;
-  if (term.motion == Motion::swings) {
+  if (term.motion == FieldMotion::swings) {
     drive.omega = two_pi * term.frequency;
     second = {};
   }
-  if (term.motion == Motion::swings_in_rotating_wave) {
+  if (term.motion == FieldMotion::swings_in_rotating_wave) {
     // A cos(angle) a = A/2 [turning with +angle] + A/2 [turning with -angle], both from a across the axis.
     const Vector3 across = first - dot(first, axis) * axis;
     const double part = length_of(across);

@@ -8,6 +8,7 @@
 
 #include "core/units.hpp"
 #include "storage/nexus.hpp"
+#include "storage/provenance.hpp"
 #include "storage/tally_groups.hpp"
 
 namespace rabiline {
@@ -249,31 +250,11 @@ void write_fates(const GroupWriter& entry, const Result& result) {
 }
 
 void write_simulation(const GroupWriter& entry, const Result& result) {
-  const Provenance& provenance = result.provenance;
-  const GroupWriter simulation = entry.group("simulation", "NXprocess");
-  simulation.text("program", "rabiline");
-  simulation.text("version", provenance.version);
-  simulation.text("compiler", provenance.compiler);
-  simulation.text("instruction_set", provenance.instruction_set);
-  simulation.text("host", provenance.host);
-  simulation.number("threads", static_cast<std::uint64_t>(provenance.threads), {{"units", "1"}});
-  simulation.number("seconds", provenance.seconds,
-                    {{"units", "s"}, {"long_name", "time that the run took (s)"}});
-  simulation.text("start_time", provenance.start_time);
-  simulation.text("end_time", provenance.end_time);
-  simulation.text("date", provenance.end_time);
-  simulation.dataset("arguments", {provenance.arguments.size()}, provenance.arguments,
-                     {{"long_name", "the command line"}});
+  const GroupWriter simulation = nexus::write_provenance(entry, result.provenance);
   simulation.number("seed", result.seed, {{"units", "1"}});
   for (const auto& choice : choices<ScanParticles>) {
     if (choice.value != result.particles_mode) continue;
     simulation.text("particles", std::string(choice.word), {{"long_name", std::string(choice.meaning)}});
-  }
-  for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
-    const GroupWriter note = simulation.group(fmt::format("input_{}", i), "NXnote");
-    note.text("type", "application/yaml");
-    note.text("file_name", provenance.inputs[i].path);
-    note.text("data", provenance.inputs[i].text);
   }
 }
 

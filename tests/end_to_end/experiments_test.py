@@ -14,7 +14,7 @@ def test_every_shipped_experiment_is_tested_here():
     tested = {"suggested-experiment", "two-species", "rabi-flop", "ramsey", "ramsey-effusive", "polarised-neutrons",
               "alvarez-bloch", "broad-beam", "stern-gerlach", "rabi-licl", "refocusing", "rabi-1938-nuclei",
               "kusch-millman-rabi-lithium", "kusch-millman-rabi-potassium", "caesium-clock", "ortho-hydrogen",
-              "hydrogen-source", "deflection-potassium", "deflection-potassium-point"}
+              "hydrogen-source", "deflection-potassium", "deflection-potassium-point", "rotating-cylinder"}
     assert {p.stem for p in EXPERIMENTS.glob("*.yaml")} == tested | OF_THE_PAPER
 
 

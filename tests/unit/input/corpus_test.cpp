@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "input/experiment.hpp"
+#include "input/model_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -58,7 +58,7 @@ TEST_P(BrokenFile, IsExplainedWordForWord) {
   const fs::path expected = GetParam() + ".expected";
   std::string message;
   try {
-    load_experiment(yaml, arguments_beside(yaml));
+    load(yaml, arguments_beside(yaml));
   } catch (const InputError& e) {
     message = e.what();
   }
@@ -76,7 +76,7 @@ class GoodFile : public testing::TestWithParam<std::string> {
 
 TEST_P(GoodFile, IsRead) {
   const fs::path yaml = GetParam() + ".yaml";
-  EXPECT_NO_THROW(load_experiment(yaml, arguments_beside(yaml)));
+  EXPECT_NO_THROW(load(yaml, arguments_beside(yaml)));
 }
 INSTANTIATE_TEST_SUITE_P(Corpus, GoodFile, testing::ValuesIn(files_in("good")),
                          [](const auto& test) { return test.param; });

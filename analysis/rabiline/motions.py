@@ -1,0 +1,102 @@
+"""What `rabiline run` wrote of a model, as plain values."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .hdf5 import FileError, Group, open_entry
+from .results import Axis
+
+
+@dataclass(frozen=True)
+class Course:
+    """A number over time."""
+
+    name: str
+    title: str  # what plots write along its axis, with the unit
+    units: str
+    values: np.ndarray  # [n]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How the model moves under one set of equations."""
+
+    name: str
+    meaning: str
+    time: np.ndarray  # [n] s
+    position: np.ndarray  # [n, 3] m
+    courses: tuple[Course, ...]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A number that the model found, at each scan point, and what is expected of it."""
+
+    name: str
+    meaning: str
+    units: str  # empty for a plain number
+    values: np.ndarray  # [points]; NaN where a point has none
+    expected: np.ndarray  # [points]
+
+
+@dataclass(frozen=True)
+class Motions:
+    """One file of a model."""
+
+    path: Path
+    title: str
+    model: str  # its kind
+    axis: Axis | None  # what is scanned
+    points: tuple[tuple[Motion, ...], ...]  # [points][motions]
+    findings: tuple[Finding, ...]
+
+
+def read(path: Path | str) -> Motions:
+    """Reads the motions of a model; raises FileError."""
+    with open_entry(path) as entry:
+        if "motions" not in entry or "findings" not in entry:
+            raise FileError(path, "no motions in it: not what `rabiline run` writes of a model")
+        group = entry.group("findings")
+        axis = _read_axis(group)
+        points = axis.values.size if axis else 1
+        names = entry.texts("motions")
+        groups = [entry.group(f"point_{i}") for i in range(points)] if axis else [entry]
+        return Motions(Path(path), entry.text("title"), entry.text("model"), axis,
+                       tuple(tuple(_read_motion(one.group(name)) for name in names) for one in groups), tuple(_read_findings(group, points)))
+
+
+def _read_axis(group: Group) -> Axis | None:
+    names = group.attribute("axes")
+    if not names:
+        return None
+    units = "".join(group.attribute("units", of=names[0]))
+    labels = group.texts(f"{names[0]}_labels") if f"{names[0]}_labels" in group else ()
+    parameter = "".join(group.attribute("parameter", of=names[0])) or names[0]
+    return Axis(parameter, "" if units == "1" else units, group.numbers(names[0]).ravel(), labels)
+
+
+def _read_findings(group: Group, points: int) -> list[Finding]:
+    names, units, meanings = (group.texts(name) for name in ("name", "units", "meaning"))
+    if not len(names) == len(units) == len(meanings):
+        raise group.error(f"{len(names)} findings with {len(units)} units and {len(meanings)} meanings")
+    values, expected = (group.numbers(name, (len(names), points)) for name in ("value", "expected"))
+    return [Finding(name, meaning, "" if unit == "1" else unit, *rows)
+            for name, meaning, unit, *rows in zip(names, meanings, units, values, expected)]
+
+
+def _read_motion(group: Group) -> Motion:
+    time = group.numbers("time").ravel()
+    if time.size == 0:
+        raise group.error("the motion is empty")
+    position = np.column_stack([group.numbers(name, time.shape) for name in "xyz"])
+    courses = tuple(_read_course(group, name, time.shape) for name in group.attribute("courses"))
+    return Motion("".join(group.attribute("motion")), group.text("meaning"), time, position, courses)
+
+
+def _read_course(group: Group, name: str, shape: tuple[int, ...]) -> Course:
+    units = "".join(group.attribute("units", of=name))
+    title = "".join(group.attribute("long_name", of=name)) or name
+    return Course(name, title, "" if units == "1" else units, group.numbers(name, shape))

@@ -1,0 +1,81 @@
+// What `check` and `run` do with a model instead of a beamline.
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "commands/common.hpp"
+#include "storage/motion_file.hpp"
+
+namespace rabiline {
+namespace {
+
+std::string_view kind_of(const Model& model) {
+  return std::visit([](const auto& any) { return any.kind; }, model);
+}
+std::string_view meaning_of(const Model& model) {
+  return std::visit([](const auto& any) { return any.meaning; }, model);
+}
+
+std::string value_at(const ScanAxis& axis, std::size_t i) {
+  return axis.dimension ? pretty_quantity(axis.values[i], *axis.dimension) : axis.labels[i];
+}
+
+std::string unit_of(const Finding& finding) { return finding.unit == "1" ? "" : " " + finding.unit; }
+
+void print_ranges(const SolvedModel& solved) {
+  fmt::print("  over {} points of {}, {} to {}\n", solved.points.size(), solved.axis->parameter,
+             value_at(*solved.axis, 0), value_at(*solved.axis, solved.points.size() - 1));
+  std::map<std::string, std::pair<double, double>> ranges;
+  for (const ModelResult& point : solved.points)
+    for (const Finding& f : point.findings) {
+      const auto at = ranges.try_emplace(f.name, f.value, f.value).first;
+      at->second = {std::min(at->second.first, f.value), std::max(at->second.second, f.value)};
+    }
+  for (const Finding& f : solved.points.front().findings)
+    fmt::print("  {:<30} from {:.6g} to {:.6g}{}\n", f.name, ranges[f.name].first, ranges[f.name].second,
+               unit_of(f));
+}
+
+/// Each finding with what is expected of it; of a scan its smallest and largest value.
+void print_findings(const SolvedModel& solved) {
+  if (solved.axis) return print_ranges(solved);
+  for (const Finding& f : solved.points.front().findings)
+    fmt::print("  {:<30} {:>13.6g}, expected {:.6g}{}\n", f.name, f.value, f.expected, unit_of(f));
+}
+
+}  // namespace
+
+std::string check_model(const LoadedModel& loaded) {
+  const ModelFile& first = loaded.points.front();
+  std::string out =
+      fmt::format("{}\nmodel      {}: {}\n", first.title, kind_of(first.model), meaning_of(first.model));
+  for (const ScanAxis& axis : loaded.axes)
+    out += fmt::format("scan       {}: {} to {}, {} points; the numbers below are those of the first\n",
+                       axis.parameter, value_at(axis, 0), value_at(axis, axis.values.size() - 1),
+                       axis.values.size());
+  out += '\n';
+  const std::vector<Fact> facts = std::visit([](const auto& any) { return facts_of(any); }, first.model);
+  for (const Fact& fact : facts)
+    out += fmt::format("{:<10} {:<22} {}\n", fact.name, fact.value, fact.meaning);
+  return out;
+}
+
+void run_model(const LoadedModel& loaded, const std::filesystem::path& output,
+               const std::vector<std::string>& arguments) {
+  SolvedModel solved{loaded.points.front().title, std::string(kind_of(loaded.points.front().model))};
+  solved.provenance = provenance_of(arguments, loaded.inputs);
+  if (!loaded.axes.empty()) solved.axis = loaded.axes.front();
+  const auto begin = std::chrono::steady_clock::now();
+  for (const ModelFile& point : loaded.points)
+    solved.points.push_back(std::visit([](const auto& any) { return solve(any); }, point.model));
+  solved.provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  solved.provenance.end_time = now();
+  write_motions(solved, output);
+  fmt::print("{}: {}, {:.2f} s\n", solved.title, solved.kind, solved.provenance.seconds);
+  print_findings(solved);
+  fmt::print("wrote {}\n", output.string());
+}
+
+}  // namespace rabiline

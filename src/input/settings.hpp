@@ -1,0 +1,45 @@
+#pragma once
+// What the command line changes in a file, and how everything that is wrong is told at once.
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/diagnostics.hpp"
+#include "input/document.hpp"
+#include "input/scan.hpp"
+#include "input/values.hpp"
+#include "simulation/result.hpp"
+
+namespace rabiline {
+
+/// What the command line changes in a file.
+struct CommandLine {
+  std::vector<std::string> set{};   // NAME=VALUE
+  std::vector<std::string> scan{};  // NAME=FROM:TO:POINTS or NAME=A,B,C
+  std::optional<std::uint64_t> particles{}, seed{};
+  bool without_scan = false;  // the file's scan is left out
+};
+
+using Sources = std::vector<std::shared_ptr<const SourceText>>;
+
+/// One NAME=VALUE of the command line; without a name where it could not be read.
+struct Setting {
+  std::string name{};
+  Place place{};
+  Node value{};
+};
+
+/// The settings of the command line, --particles and --seed among them.
+std::vector<Setting> read_settings(const CommandLine&, Sources&, Reading&);
+/// The texts of --scan.
+Sources scan_arguments(const CommandLine&, Sources&);
+void refuse_settings_of_scanned(const std::vector<Setting>&, const ScanPlan&, Reading&);
+
+/// What the files name beside themselves belongs to the inputs.
+void add_files(const Reading&, std::vector<InputText>& inputs, Sources&);
+/// Throws what was found, each problem once, in the order of the texts.
+void throw_if_wrong(Reading&, const Sources&);
+
+}  // namespace rabiline

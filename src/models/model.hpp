@@ -1,0 +1,14 @@
+#pragma once
+// The registry of models: one line per kind. Each has a table of parameters and, beside it,
+//   ModelResult solve(const X&)                its motions and findings
+//   std::vector<Fact> facts_of(const X&)       what `check` tells before a run
+//   std::vector<Fault> faults_of(const X&)     where values do not go together
+#include <variant>
+
+#include "models/rotating_cylinder.hpp"
+
+namespace rabiline {
+
+using Model = std::variant<RotatingCylinder>;
+
+}  // namespace rabiline

@@ -1,0 +1,33 @@
+#pragma once
+// The motions and findings of a model as one HDF5 file in NeXus base classes.
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/motion.hpp"
+#include "simulation/result.hpp"
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+
+/// A model solved at each point of its scan; one point where nothing is scanned.
+struct SolvedModel {
+  std::string title, kind;
+  std::optional<ScanAxis> axis{};
+  std::vector<ModelResult> points{};
+  Provenance provenance{};
+};
+
+/// Writes the file wholly and verified, or not at all. Throws StorageError.
+///   /entry/<motion>            NXdata over `time`: x, y, z of the centre of mass, vectors [time][xyz],
+///   numbers;
+///                              of a scan /entry/point_<i>/<motion>
+///   /entry/findings            `name`, `value`, `expected`, `units`, `meaning`; of a scan `value` and
+///   `expected`
+///                              are [finding][point], NaN where a point has none, and each finding is a
+///                              dataset of its own over the scanned parameter
+///   /entry/model, motions      kind of the model, names of its motions in order
+void write_motions(const SolvedModel&, const std::filesystem::path&);
+
+}  // namespace rabiline

@@ -1,0 +1,31 @@
+#include "storage/provenance.hpp"
+
+#include <fmt/format.h>
+
+namespace rabiline::nexus {
+
+hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance) {
+  hdf5::GroupWriter simulation = entry.group("simulation", "NXprocess");
+  simulation.text("program", "rabiline");
+  simulation.text("version", provenance.version);
+  simulation.text("compiler", provenance.compiler);
+  if (!provenance.instruction_set.empty()) simulation.text("instruction_set", provenance.instruction_set);
+  simulation.text("host", provenance.host);
+  simulation.number("threads", static_cast<std::uint64_t>(provenance.threads), {{"units", "1"}});
+  simulation.number("seconds", provenance.seconds,
+                    {{"units", "s"}, {"long_name", "time that the run took (s)"}});
+  simulation.text("start_time", provenance.start_time);
+  simulation.text("end_time", provenance.end_time);
+  simulation.text("date", provenance.end_time);
+  simulation.dataset("arguments", {provenance.arguments.size()}, provenance.arguments,
+                     {{"long_name", "the command line"}});
+  for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
+    const hdf5::GroupWriter note = simulation.group(fmt::format("input_{}", i), "NXnote");
+    note.text("type", "application/yaml");
+    note.text("file_name", provenance.inputs[i].path);
+    note.text("data", provenance.inputs[i].text);
+  }
+  return simulation;
+}
+
+}  // namespace rabiline::nexus

@@ -1,0 +1,98 @@
+"""The motions of a model: what is read of them, and what their pictures show."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from rabiline import motions, results
+from rabiline.__main__ import main
+from rabiline.hdf5 import FileError
+from rabiline.motion_plots import draw_findings, draw_motions
+
+TIME = np.linspace(0, 2, 50)
+
+
+def write_motion(parent: h5py.Group, name: str, bend: float) -> None:
+    group = parent.create_group(name)
+    group.attrs.update({"motion": name, "courses": ["speed", "angle"]})
+    for key, values in {"time": TIME, "x": 0 * TIME, "y": 2 * TIME, "z": bend * TIME**2, "speed": 0 * TIME + 2,
+                        "angle": bend * TIME, "velocity": np.zeros((50, 3))}.items():
+        group[key] = values
+        group[key].attrs.update({"units": "m", "long_name": f"{key} (m)"})
+    group["meaning"] = f"meaning of {name}"
+
+
+def write_model(path: Path, spins: list[float] | None = None) -> Path:
+    """Two motions, and three findings: one that varies, one kept, one that the first point does not have."""
+    with h5py.File(path, "w") as file:
+        entry = file.create_group("entry")
+        entry.update({"title": "A top", "model": "top", "motions": ["second", "first"]})
+        found = entry.create_group("findings")
+        found.update({"name": ["rate", "kept", "late"], "units": ["rad/s", "1", "1"], "meaning": ["a", "b", "c"]})
+        points = len(spins) if spins else 1
+        rates = 1 / np.arange(1, points + 1)
+        late = np.where(np.arange(points) > 0, rates, np.nan)
+        found["value"] = np.squeeze([rates, 0 * rates + 1e-14, late])
+        found["expected"] = np.squeeze([1.1 * rates, 0 * rates, 0 * late])
+        if spins:
+            found.attrs["axes"] = ["model_spin"]
+            found["model_spin"] = spins
+            found["model_spin"].attrs.update({"units": "Hz", "parameter": "model.spin"})
+        for point in range(points):
+            parent = entry.create_group(f"point_{point}") if spins else entry
+            write_motion(parent, "first", 0.5)
+            write_motion(parent, "second", 0.0)
+    return path
+
+
+def test_motions_come_in_the_order_that_the_file_states(tmp_path: Path) -> None:
+    file = motions.read(write_model(tmp_path / "m.h5"))
+    (point,) = file.points
+    assert [motion.name for motion in point] == ["second", "first"]
+    assert [course.name for course in point[0].courses] == ["speed", "angle"]
+    assert file.axis is None and file.findings[1].values == pytest.approx(1e-14)
+
+
+def test_a_scan_has_motions_and_findings_at_each_point(tmp_path: Path) -> None:
+    file = motions.read(write_model(tmp_path / "m.h5", [1.0, 10.0, 100.0]))
+    assert file.axis is not None and (file.axis.parameter, file.axis.units) == ("model.spin", "Hz")
+    assert len(file.points) == 3 and np.isnan(file.findings[2].values[0])
+
+
+def test_a_picture_of_motions_shows_every_path_and_the_course_that_differs(tmp_path: Path) -> None:
+    figure = draw_motions(motions.read(write_model(tmp_path / "m.h5")).points[0], "a title")
+    space, apart, course = figure.axes
+    assert [text.get_text() for text in space.get_legend().texts] == ["second", "first"]
+    assert (space.get_xlabel(), space.get_zlabel()) == ("x (m)", "z (m)")
+    assert apart.get_yscale() == "log" and apart.lines[0].get_ydata()[-1] == pytest.approx(2.0)
+    assert course.get_ylabel() == "angle (m)" and len(course.lines) == 2
+
+
+def test_a_picture_of_findings_has_log_axes_over_decades_and_names_what_is_kept(tmp_path: Path) -> None:
+    file = motions.read(write_model(tmp_path / "m.h5", [1.0, 10.0, 100.0]))
+    figure = draw_findings(file, "a title")
+    rate, late = figure.axes
+    assert rate.get_xscale() == "log" and rate.get_ylabel() == "rate (rad/s)" and rate.get_xlabel() == "model.spin (Hz)"
+    assert [line.get_label() for line in rate.lines] == ["found", "expected"] and len(late.lines) == 1
+    assert "kept" in figure._supxlabel.get_text()
+
+
+def test_other_commands_say_what_the_file_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_model(tmp_path / "m.h5")
+    with pytest.raises(FileError, match="motions of a model"):
+        results.read(path)
+    for command in (["summary", str(path)], ["plot-scan", str(path), "-o", str(tmp_path / "x.png")]):
+        assert main(command) == 2
+        assert "holds the motions of a model, not the result of a beamline: see plot-motion" in capsys.readouterr().err
+    assert main(["plot-motion", str(path), "--point", "3", "-o", str(tmp_path / "x.png")]) == 2
+    assert "--point 3: the scan points are 0 to 0" in capsys.readouterr().err
+    assert main(["plot-motion", str(path), "-o", str(tmp_path / "x.png")]) == 0
+
+
+def test_a_file_without_motions_is_refused(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "n.h5", "w") as file:
+        file.create_group("entry")
+    with pytest.raises(FileError, match="no motions in it"):
+        motions.read(tmp_path / "n.h5")
