@@ -37,6 +37,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::rate, "rate", "1e6 1/s", "1/s"},
     DimensionRow{Dimension::field_gradient, "field gradient", "1000 T/m", "T/m"},
     DimensionRow{Dimension::current, "current", "100 A", "A"},
+    DimensionRow{Dimension::electric_field, "electric field", "10 kV/m", "V/m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -242,6 +243,11 @@ const std::vector<UnitSymbol>& unit_table() {
       {"A", current, 1},
       {"mA", current, 1e-3},
       {"kA", current, 1e3},
+      {"V/m", electric_field, 1},
+      {"kV/m", electric_field, 1e3},
+      {"MV/m", electric_field, 1e6},
+      {"V/cm", electric_field, 1e2},
+      {"kV/cm", electric_field, 1e5},
   };
   return table;
 }
@@ -296,7 +302,8 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "MeV keV eV meV ueV neV",
                                                     "1/s",
                                                     "T/m mT/m",
-                                                    "kA A mA"};
+                                                    "kA A mA",
+                                                    "MV/m kV/m V/m"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

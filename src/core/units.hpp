@@ -23,9 +23,10 @@ enum class Dimension {
   energy,          // J
   rate,            // 1/s: what happens so many times a second; never a frequency
   field_gradient,  // T/m
-  current          // A
+  current,         // A
+  electric_field   // V/m
 };
-inline constexpr Dimension last_dimension = Dimension::current;
+inline constexpr Dimension last_dimension = Dimension::electric_field;
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);
