@@ -30,11 +30,21 @@ struct Motion {
 };
 
 /// A number that the model finds, and what is expected of it: a closed form, or zero for the drift of what is
-/// conserved.
+/// conserved. One that has no meaning for the given values (the radius of a path without speed) is left out.
 struct Finding {
   std::string name, unit, meaning;
   double value = 0;
   double expected = 0;
+};
+
+/// A number that follows from the values of a model alone, for people: "radius", "3.14 m", "of the circle".
+struct Fact {
+  std::string name, value, meaning;
+};
+
+/// Values that are each fine and do not go together: which key of the model to blame, and why.
+struct Fault {
+  std::string key, message, suggestion;
 };
 
 struct ModelResult {
