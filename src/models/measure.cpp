@@ -41,6 +41,17 @@ std::optional<double> radius_of(std::span<const Vector3> places) {
   return size * std::sqrt(cu * cu + cv * cv + (uu + vv) / count);
 }
 
+double mean_rate(std::span<const double> times, std::span<const double> values) {
+  const double middle = (times.front() + times.back()) / 2, length = times.back() - times.front();
+  double up = 0, down = 0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double t = times[i] - middle, weight = std::pow(std::cos(std::numbers::pi * t / length), 4);
+    up += weight * t * values[i];
+    down += weight * t * t;
+  }
+  return up / down;
+}
+
 double largest_change(std::span<const double> values) {
   double out = 0;
   for (const double x : values) out = std::max(out, std::abs(x - values.front()));

@@ -19,6 +19,10 @@ Vector3 turned_about(const Vector3& axis, double angle, const Vector3& v);
 /// where they lie on a line.
 std::optional<double> radius_of(std::span<const Vector3> places);
 
+/// The slope of values over evenly spaced times, what swings within being averaged out: least squares with
+/// weights sin^4 that vanish at both ends.
+double mean_rate(std::span<const double> times, std::span<const double> values);
+
 /// The largest |x - x0|, x0 the first.
 double largest_change(std::span<const double> values);
 
