@@ -60,6 +60,10 @@ struct BoundCharge {
   static constexpr std::string_view kind = "bound_charge",
                                     meaning =
                                         "a charge bound to a centre in a uniform field: the Larmor effect";
+  /// Keys that go together, for help.
+  static constexpr std::string_view example =
+      "species: electron, field: 10 mT, binding: {kind: coulomb, charge: 1 e, radius: 100 nm}, "
+      "inclination: 40 deg, orbits: 100, samples: 2001";
   std::vector<Component> species{};  // one
   double field = 0;                  // [T] along z
   Binding binding{};

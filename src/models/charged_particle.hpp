@@ -36,6 +36,8 @@ inline constexpr auto parameters<StartLorentzFactor> = std::tuple{
 using ParticleSpeed = std::variant<StartSpeed, StartLorentzFactor>;
 template <>
 inline constexpr std::string_view tag_key<ParticleSpeed> = "";
+template <>
+inline constexpr std::string_view said_by_keys<ParticleSpeed> = "a speed";
 
 /// How long it is followed.
 struct ForDuration {
@@ -61,12 +63,17 @@ inline constexpr auto parameters<ForTurns> = std::tuple{
 using FollowedTime = std::variant<ForDuration, ForTurns>;
 template <>
 inline constexpr std::string_view tag_key<FollowedTime> = "";
+template <>
+inline constexpr std::string_view said_by_keys<FollowedTime> = "a time";
 
 struct ChargedParticle {
   static constexpr std::string_view
       kind = "charged_particle",
       meaning =
           "a charged particle with spin in a uniform field: Lorentz force and Thomas-BMT, or the hypothesis";
+  /// Keys that go together, for help.
+  static constexpr std::string_view example =
+      "species: proton, field: 1 T, speed: 1000 km/s, turns: 3, samples: 1001";
   std::vector<Component> species{};  // one
   double field = 0;                  // [T] along z
   double electric_field = 0;         // [V/m]
