@@ -189,6 +189,23 @@ TEST(ElectricField, AddsNothingToTheAnomalyAtTheMagicEnergy) {
   EXPECT_GT(std::abs(share(1.01 * magic)), 1e-5 * std::abs(share(3)));
 }
 
+TEST(ElectricField, LeavesTheAngleOfTheSpinToTheMomentumAloneAtTheMagicEnergyAsItFlies) {
+  const Species muon = *find_species("muon+");
+  const double a = muon.gyromagnetic_ratio * muon.mass / muon.charge - 1, magic = std::sqrt(1 + 1 / a);
+  // What E across v adds to the angle that the field alone turns, in a thousandth of a turn.
+  const auto added = [](double lorentz) {
+    double angle[2];
+    for (const bool electric : {false, true}) {
+      ChargedParticle model = particle("muon+", 1.4513, StartLorentzFactor{lorentz}, 1e-3);
+      model.spin_azimuth = 1;
+      model.electric_field = electric ? 1e6 : 0;
+      angle[electric] = motion(solve(model), "standard").numbers.at(2).values.back();
+    }
+    return std::abs(angle[1] - angle[0]);
+  };
+  EXPECT_LT(added(magic), 1e-4 * added(3));
+}
+
 TEST(ElectricField, LetsAParticleFlyStraightThatTheMagneticFieldBendsBack) {
   // Wien's filter, E = -v x B: v along +y, B along +z, v x B along +x. The spin turns with gamma_gyro
   // B/gamma^2.
