@@ -38,6 +38,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::field_gradient, "field gradient", "1000 T/m", "T/m"},
     DimensionRow{Dimension::current, "current", "100 A", "A"},
     DimensionRow{Dimension::torque, "torque", "0.5 N m", "N m"},
+    DimensionRow{Dimension::electric_field, "electric field", "10 kV/m", "V/m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -248,6 +249,11 @@ const std::vector<UnitSymbol>& unit_table() {
       {"kN m", torque, 1e3},
       {"mN m", torque, 1e-3},
       {"uN m", torque, 1e-6},
+      {"V/m", electric_field, 1},
+      {"kV/m", electric_field, 1e3},
+      {"MV/m", electric_field, 1e6},
+      {"V/cm", electric_field, 1e2},
+      {"kV/cm", electric_field, 1e5},
   };
   return table;
 }
@@ -303,7 +309,8 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "1/s",
                                                     "T/m|mT/m",
                                                     "kA|A|mA",
-                                                    "kN m|N m|mN m|uN m"};
+                                                    "kN m|N m|mN m|uN m",
+                                                    "MV/m|kV/m|V/m"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

@@ -24,9 +24,10 @@ enum class Dimension {
   rate,            // 1/s: what happens so many times a second; never a frequency
   field_gradient,  // T/m
   current,         // A
-  torque           // N m
+  torque,          // N m
+  electric_field   // V/m
 };
-inline constexpr Dimension last_dimension = Dimension::torque;
+inline constexpr Dimension last_dimension = Dimension::electric_field;
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);

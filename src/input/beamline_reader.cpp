@@ -25,6 +25,22 @@ bool find_in_library(const Node& name, Reading& reading, Species& out) {
   return found != nullptr;
 }
 
+bool read_with_moment(const Node& node, Keys& keys, Species& out) {
+  SpeciesWithMoment own;
+  if (!read_rows(keys, own)) return false;
+  if (own.charge == 0 && std::holds_alternative<GFactor>(own.moment)) {
+    keys.reading().error(
+        place_of(node, "g_factor"),
+        fmt::format("`{}` has no charge, and the moment of a `g_factor` is g q/(2m) S", own.name),
+        "give its `gyromagnetic_ratio` instead");
+    return false;
+  }
+  out.name = own.name, out.mass = own.mass, out.charge = own.charge, out.spin = own.spin;
+  out.gyromagnetic_ratio = gyromagnetic_ratio(own.moment, own.charge, own.mass);
+  out.source = own.source;
+  return true;
+}
+
 /// A mapping with nothing but a name means the library; with more it is a definition.
 bool read_species(const Node& node, Keys& keys, Species& out) {
   const Entry* name = node.find("name");
@@ -41,7 +57,7 @@ bool read_species(const Node& node, Keys& keys, Species& out) {
     out = with_levels(own.name, own.mass, own.structure, own.source);
     out.charge = own.charge;
   } else {
-    good = read_rows(keys, out);
+    good = read_with_moment(node, keys, out);
   }
   if (good && find_species(out.name)) {
     keys.reading().error(name->value.place,

@@ -135,7 +135,7 @@ std::string describe_species() {
                         table_of_species_with_levels()));
   page.line("`rabiline describe Rb-87` and `rabiline describe \"Rb-87 atom\"` tell more of one.");
   page.line("\nOr a definition of your own");
-  add_rows<Species>(page);
+  add_rows<SpeciesWithMoment>(page);
   page.line("\nOr one with levels");
   add_rows<SpeciesWithLevels>(page);
   add_rows<Structure>(page);
@@ -143,7 +143,7 @@ std::string describe_species() {
       "\nExamples\n  species: neutron\n  species: Cs-133 atom\n  species: [{name: Li-7, fraction: 0.92}, "
       "{name: "
       "H, fraction: 0.08}]");
-  page.line(fmt::format("  species: {}", example_of_type<Species>({})));
+  page.line(fmt::format("  species: {}", example_of_type<SpeciesWithMoment>({})));
   page.line(
       "  species: {name: my_atom, mass: 132.905 u, charge: 0 e, structure: {I: 7/2, J: 1/2, coupling: "
       "2298.158 MHz, g_J: 2.00254, g_I: -0.000398854}}");

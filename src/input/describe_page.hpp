@@ -97,6 +97,8 @@ std::string kind_of_value(const Row& row) {
     return "{" + keys + "}";
   } else if constexpr (is_list<M>)
     return "list of " + kind_of_value<typename M::value_type>(row);
+  else if constexpr (std::is_same_v<M, std::vector<Component>>)
+    return "name of a species, or its keys";
   else
     return "list";
 }

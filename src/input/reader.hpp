@@ -209,7 +209,7 @@ bool read_by_keys(Keys& keys, V& out) {
     ways += (index++ == 0 ? "" : ", or ") + way;
   });
   if (given.empty()) {
-    keys.reading().error(keys.blame(), fmt::format("{} needs its size: {}", keys.what(), ways),
+    keys.reading().error(keys.blame(), fmt::format("{} needs {}: {}", keys.what(), said_by_keys<V>, ways),
                          fmt::format("add `{}`", example_of_rows<std::variant_alternative_t<0, V>>()));
     return false;
   }

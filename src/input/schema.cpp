@@ -133,10 +133,10 @@ std::string schema_of_species() {
   named.add("name", schema_of_words(names), true);
   named.add("fraction", fraction, true);
   share.add("fraction", fraction, true);
-  std::vector<std::string> items = schemas_of_rows<Species>(share);
+  std::vector<std::string> items = schemas_of_rows<SpeciesWithMoment>(share);
   for (std::string& item : schemas_of_rows<SpeciesWithLevels>(share)) items.push_back(std::move(item));
   items.push_back(named.schema());
-  std::vector<std::string> out = schemas_of_rows<Species>();
+  std::vector<std::string> out = schemas_of_rows<SpeciesWithMoment>();
   for (std::string& own : schemas_of_rows<SpeciesWithLevels>()) out.push_back(std::move(own));
   out.push_back(schema_of_words(names));
   out.push_back(alone.schema());

@@ -123,6 +123,7 @@ std::string example_for(const Row& row) {
       {"g_J", "2.0023"},
       {"g_I", "-0.0004"},
       {"gyromagnetic_ratio", "16.5 MHz/T"},
+      {"g_factor", "2"},
       {"weight", "1"},
       {"temperature", "300 K"},
       {"adiabatic_exponent", "1.6667"},

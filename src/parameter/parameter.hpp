@@ -90,5 +90,8 @@ inline constexpr std::tuple<> choices{};
 /// meaning`.
 template <class Variant>
 inline constexpr std::string_view tag_key = "kind";
+/// What the keys of a variant with an empty tag say, for "the slit `A` needs its size".
+template <class Variant>
+inline constexpr std::string_view said_by_keys = "its size";
 
 }  // namespace rabiline

@@ -121,6 +121,11 @@ std::span<const Species> species_library() {
   return library;
 }
 
+double gyromagnetic_ratio(const Moment& moment, double charge, double mass) {
+  if (const auto* g = std::get_if<GFactor>(&moment)) return g->g_factor * charge / (2 * mass);
+  return std::get<GyromagneticRatio>(moment).gyromagnetic_ratio;
+}
+
 const Species* find_species(std::string_view name) {
   for (const Species& species : species_library())
     if (species.name == name) return &species;

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <variant>
 
 #include "parameter/parameter.hpp"
 #include "spin/coupled_spins.hpp"
@@ -57,15 +58,53 @@ struct Species {
   bool operator==(const Species&) const = default;
 };
 
+/// How a beamline file states the moment of a species.
+struct GyromagneticRatio {
+  static constexpr std::string_view kind = "moment by gamma", meaning = "gamma itself";
+  double gyromagnetic_ratio = 0;  // [rad/(s T)] signed: mu = gamma S
+  bool operator==(const GyromagneticRatio&) const = default;
+};
 template <>
-inline constexpr auto parameters<Species> = std::tuple{
-    param("name", &Species::name, "what the species is called in messages and results"),
-    param("mass", &Species::mass, Dimension::mass, range::positive, "mass, e.g. 7.016 u"),
-    param("charge", &Species::charge, Dimension::charge, range::any, "charge, e.g. 0 e or 1 e"),
-    param("spin", &Species::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
-    param("gyromagnetic_ratio", &Species::gyromagnetic_ratio, Dimension::gyromagnetic, range::any,
+inline constexpr auto parameters<GyromagneticRatio> = std::tuple{
+    param("gyromagnetic_ratio", &GyromagneticRatio::gyromagnetic_ratio, Dimension::gyromagnetic, range::any,
           "signed gamma in mu = gamma S: 16.5 MHz/T gives gamma/2pi, 1.04e8 rad/s/T gives gamma"),
-    param("source", &Species::source, "where these constants come from",
+};
+struct GFactor {
+  static constexpr std::string_view kind = "moment by g", meaning = "gamma = g q/(2m)";
+  double g_factor = 0;
+  bool operator==(const GFactor&) const = default;
+};
+template <>
+inline constexpr auto parameters<GFactor> = std::tuple{
+    param(
+        "g_factor", &GFactor::g_factor, Dimension::number, range::any,
+        "g of a charge in gamma = g q/(2m), with the species' own charge and mass: 2 where spin and velocity "
+        "turn alike"),
+};
+using Moment = std::variant<GyromagneticRatio, GFactor>;
+template <>
+inline constexpr std::string_view tag_key<Moment> = "";
+template <>
+inline constexpr std::string_view said_by_keys<Moment> = "its moment";
+
+/// A species of one's own with one moment: what a beamline file states of it.
+struct SpeciesWithMoment {
+  std::string name;
+  double mass = 0;    // [kg]
+  double charge = 0;  // [C]
+  HalfInteger spin;
+  Moment moment{};
+  std::string source;
+  bool operator==(const SpeciesWithMoment&) const = default;
+};
+template <>
+inline constexpr auto parameters<SpeciesWithMoment> = std::tuple{
+    param("name", &SpeciesWithMoment::name, "what the species is called in messages and results"),
+    param("mass", &SpeciesWithMoment::mass, Dimension::mass, range::positive, "mass, e.g. 7.016 u"),
+    param("charge", &SpeciesWithMoment::charge, Dimension::charge, range::any, "charge, e.g. 0 e or 1 e"),
+    param("spin", &SpeciesWithMoment::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
+    param("", &SpeciesWithMoment::moment, "the moment"),
+    param("source", &SpeciesWithMoment::source, "where these constants come from",
           std::string_view{"the beamline file"}),
 };
 
@@ -103,6 +142,8 @@ std::span<const Species> species_with_levels();
 /// A neutral species with the levels of a structure, and the spin and gamma that the vector laws take from
 /// it.
 Species with_levels(std::string name, double mass, const Structure&, std::string source);
+/// gamma of a moment, g q/(2m) of a g factor [rad/(s T)].
+double gyromagnetic_ratio(const Moment&, double charge, double mass);
 /// The built-in species of that name, or nullptr.
 const Species* find_species(std::string_view name);
 

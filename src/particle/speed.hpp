@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/constants.hpp"
 #include "parameter/parameter.hpp"
 
 namespace rabiline {
@@ -21,7 +22,7 @@ struct SpeedQuantity {
 };
 
 /// Where a program without relativity ends [m/s]: 0.05 c, where its energies are off by 0.2 %.
-inline constexpr double fastest_speed = 0.05 * 299792458.0;
+inline constexpr double fastest_speed = 0.05 * constants::speed_of_light;
 
 struct SingleSpeed {
   static constexpr std::string_view kind = "single", meaning = "every particle has the same speed";

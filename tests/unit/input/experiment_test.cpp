@@ -34,6 +34,19 @@ const P& part(const Beamline& beamline, std::string_view name) {
   throw std::runtime_error("no such part");
 }
 
+TEST(SpeciesOfOnesOwn, MayStateItsGFactorAndBeScannedOverIt) {
+  const LoadedExperiment loaded = load_experiment(
+      std::filesystem::path(RABILINE_ROOT) / "tests/corpus/good/species_with_g_factor.yaml", {});
+  const Species& s = loaded.base.species.at(0).species;
+  EXPECT_EQ(s.name, "X");
+  EXPECT_DOUBLE_EQ(s.gyromagnetic_ratio, s.charge / s.mass);  // g = 2
+  EXPECT_EQ(s.spin, HalfInteger{1});
+  EXPECT_EQ(s.source, "the beamline file");
+  ASSERT_EQ(loaded.experiment.points.size(), 3U);
+  EXPECT_DOUBLE_EQ(loaded.experiment.points[2].species.at(0).species.gyromagnetic_ratio,
+                   2 * s.gyromagnetic_ratio);
+}
+
 TEST(SuggestedExperiment, IsReadAsItStands) {
   const LoadedExperiment loaded = load();
   const Beamline& b = loaded.base;

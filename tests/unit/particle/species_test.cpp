@@ -119,6 +119,17 @@ TEST(SpeciesLibrary, StatesTheUncertaintyAndTheSourceOfEachConstant) {
               0.00012 / 2.75131, 1e-12);
 }
 
+TEST(GFactor, GivesTheGyromagneticRatioOfAChargeWithItsOwnMass) {
+  // CODATA 2022; tables give electron and muon- a negative g, which here their charge stands for.
+  const auto gamma = [](std::string_view name, double g) {
+    return gyromagnetic_ratio(GFactor{g}, species(name).charge, species(name).mass);
+  };
+  EXPECT_NEAR(gamma("proton", 5.5856946893) / species("proton").gyromagnetic_ratio, 1, 1e-9);
+  EXPECT_NEAR(gamma("electron", 2.00231930436092) / species("electron").gyromagnetic_ratio, 1, 1e-9);
+  EXPECT_NEAR(gamma("muon-", 2.00233184123) / species("muon-").gyromagnetic_ratio, 1, 1e-7);
+  EXPECT_EQ(gyromagnetic_ratio(GyromagneticRatio{-5}, 1, 1), -5);
+}
+
 TEST(SpeciesLibrary, GivesAtomsTheMassOfTheirPartsLessTheirBinding) {
   EXPECT_NEAR(mass_in_u("H") / (mass_in_u("proton") + mass_in_u("electron")), 1 - 13.6 / 938.8e6, 1e-9);
   EXPECT_NEAR(mass_in_u("D") / (mass_in_u("deuteron") + mass_in_u("electron")), 1 - 13.6 / 1876.1e6, 1e-9);

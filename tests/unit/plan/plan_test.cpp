@@ -153,6 +153,22 @@ TEST(Explain, WarnsOfALargeTipEvenWhereASlitCutsTheField) {
   EXPECT_EQ(explain(e, make_plan(e)).find("warning"), std::string::npos);
 }
 
+TEST(Explain, WarnsUnderEveryLawOfSpeedsThatNeedRelativity) {
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}, Law{DoradoLaw{Closure::larmor, 1}}}) {
+    Beamline slow = suggested(291.6e3), fast = slow;
+    slow.law = fast.law = law;
+    slow.source.speed = SingleSpeed{9.4e6};  // (v/c)^2 = 0.98e-3
+    EXPECT_EQ(explain(scan({slow}), make_plan(scan({slow}))).find("relativity"), std::string::npos);
+    fast.source.speed = SingleSpeed{1.2e7};
+    const Experiment e = scan({slow, fast});
+    EXPECT_NE(
+        explain(e, make_plan(e))
+            .find("warning: neutron flies at 1.2e+07 m/s, (v/c)^2 = 0.0016: no law here knows relativity, so "
+                  "that a charge's radius in a field is too small by 0.0008 of itself"),
+        std::string::npos);
+  }
+}
+
 TEST(Explain, WarnsOfAFieldThatTurnsAgainstThePrecession) {
   Beamline b = suggested(291.6e3);
   std::get<UniformField>(b.parts[1].part).field = -10e-3;

@@ -1,0 +1,332 @@
+#include "models/bound_charge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/constants.hpp"
+#include "core/units.hpp"
+#include "models/measure.hpp"
+#include "models/ode.hpp"
+
+namespace rabiline {
+namespace {
+
+using constants::two_pi;
+
+constexpr double most_orbits = 1e5;
+constexpr Vector3 z{0, 0, 1};
+
+enum class Force { harmonic, coulomb, none };
+
+/// The start in SI.
+struct Orbit {
+  Force force = Force::none;
+  double mass = 0, charge = 0;
+  double omega = 0;   // [rad/s] of the orbit without the field; of a free charge, of its turn in it
+  double radius = 0;  // [m]
+  double larmor = 0;  // [rad/s] w = -q B/2m about +z, right-handed: what L turns with
+  Vector3 r{}, v{};   // [m], [m/s]
+  bool bound() const { return force != Force::none; }
+};
+
+/// k of the force k/r^2 towards the centre, over the mass [m^3/s^2]; negative where it repels.
+double attraction(const CoulombBinding& binding, const Species& s) {
+  return -binding.charge * s.charge / (2 * two_pi * constants::vacuum_permittivity * s.mass);
+}
+
+Orbit orbit_of(const BoundCharge& model) {
+  const Species& s = model.species.front().species;
+  Orbit o;
+  o.mass = s.mass, o.charge = s.charge;
+  o.larmor = -s.charge * model.field / (2 * s.mass);
+  double speed = 0;
+  if (const auto* harmonic = std::get_if<HarmonicBinding>(&model.binding)) {
+    o.force = Force::harmonic;
+    o.omega = two_pi * harmonic->frequency;
+    o.radius = harmonic->radius;
+    speed = o.omega * o.radius;
+  } else if (const auto* coulomb = std::get_if<CoulombBinding>(&model.binding)) {
+    o.force = Force::coulomb;
+    o.radius = coulomb->radius;
+    speed = std::sqrt(attraction(*coulomb, s) / o.radius);
+    o.omega = speed / o.radius;
+  } else {
+    speed = std::get<NoBinding>(model.binding).speed;
+    o.omega = 2 * std::abs(o.larmor);
+    o.radius = speed / o.omega;
+  }
+  // sin(pi) is 1e-16, and an orbit across the field stays there.
+  const double sine =
+      std::abs(model.inclination - std::numbers::pi) < 1e-15 ? 0 : std::sin(model.inclination);
+  o.r = o.bound() ? Vector3{o.radius, 0, 0} : Vector3{};
+  o.v = speed * Vector3{0, std::cos(model.inclination), sine};
+  return o;
+}
+
+/// Places and velocities at all times.
+struct Path {
+  std::vector<Vector3> r{}, v{};
+};
+
+/// d2r/dt2 = -(what binds it) + (q/m) v x B, with (q/m) v x B = 2 w z x v; in units of radius and 1/omega.
+Path fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<double>& times) {
+  const double w = larmor / o.omega, speed = o.radius * o.omega;
+  std::vector<double> scaled;
+  for (const double t : times) scaled.push_back(o.omega * t);
+  const auto rows = integrate(
+      [&](double, std::span<const double> y, std::span<double> d) {
+        const Vector3 place{y[0], y[1], y[2]}, u{y[3], y[4], y[5]};
+        const double square = dot(place, place);
+        const double pull = o.force == Force::harmonic  ? 1
+                            : o.force == Force::coulomb ? 1 / (square * std::sqrt(square))
+                                                        : 0;
+        const Vector3 a = 2 * w * cross(z, u) - pull * place;
+        d[0] = u.x, d[1] = u.y, d[2] = u.z;
+        d[3] = a.x, d[4] = a.y, d[5] = a.z;
+      },
+      {o.r.x / o.radius, o.r.y / o.radius, o.r.z / o.radius, v.x / speed, v.y / speed, v.z / speed}, scaled,
+      1e-14);
+  Path path;
+  for (const auto& y : rows) {
+    path.r.push_back(o.radius * Vector3{y[0], y[1], y[2]});
+    path.v.push_back(speed * Vector3{y[3], y[4], y[5]});
+  }
+  return path;
+}
+
+/// The orbit without the field, turned with w about z: the start is the same, since v = v' + w x r'.
+Path fly_turned(const Orbit& o, double w, const std::vector<double>& times) {
+  Path path = fly(o, 0, o.v - w * cross(z, o.r), times);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    path.v[i] = turned_about(z, w * times[i], path.v[i] + w * cross(z, path.r[i]));
+    path.r[i] = turned_about(z, w * times[i], path.r[i]);
+  }
+  return path;
+}
+
+/// In the frame that turns with w the harmonic binding is an oscillator of sqrt(omega^2 + w^2) along x and y
+/// (the Lorentz and the centrifugal force leave m w^2 rho), of omega along z. Exact.
+Vector3 harmonic_place(const Orbit& o, double t) {
+  const double w = o.larmor, across = std::hypot(o.omega, w);
+  const Vector3 start = o.v - w * cross(z, o.r);
+  const Vector3 seen{o.r.x * std::cos(across * t), start.y / across * std::sin(across * t),
+                     o.v.z / o.omega * std::sin(o.omega * t)};
+  return turned_about(z, w * t, seen);
+}
+
+double energy(const Orbit& o, const Vector3& r, const Vector3& v) {
+  const double square = o.omega * o.omega, kinetic = o.mass / 2 * dot(v, v);
+  if (o.force == Force::harmonic) return kinetic + o.mass / 2 * square * dot(r, r);
+  if (o.force == Force::coulomb) return kinetic - o.mass * square * std::pow(o.radius, 3) / length_of(r);
+  return kinetic;
+}
+Vector3 angular_momentum(const Orbit& o, const Vector3& r, const Vector3& v) { return o.mass * cross(r, v); }
+/// r x (m v + q A) with A = B x r/2; its z part is conserved.
+Vector3 canonical(const Orbit& o, const Vector3& r, const Vector3& v) {
+  return angular_momentum(o, r, v - o.larmor * cross(z, r));
+}
+
+struct Times {
+  std::vector<double> all{};
+  std::size_t stride = 1;  // computed for each that is written
+};
+Times times_of(const BoundCharge& model, const Orbit& o) {
+  const double turns = model.orbits * (1 + 2 * std::abs(o.larmor) / o.omega);
+  const double written = static_cast<double>(model.samples - 1);
+  Times out;
+  out.stride = static_cast<std::size_t>(std::max(1.0, std::ceil(16 * turns / written)));
+  const std::size_t steps = out.stride * (model.samples - 1);
+  for (std::size_t i = 0; i <= steps; ++i)
+    out.all.push_back(two_pi / o.omega * model.orbits * static_cast<double>(i) / static_cast<double>(steps));
+  return out;
+}
+
+Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::string name,
+                 std::string meaning) {
+  Motion out{std::move(name), std::move(meaning), {}, {}, {}, {}};
+  VectorCourse velocity{"velocity", "m/s", "of the charge"},
+      kinetic{"angular_momentum", "kg m2/s", "L = r x m v"},
+      whole{"canonical_angular_momentum", "kg m2/s", "r x (m v + q A), A = B x r/2"};
+  Course total{"energy", "J", "kinetic and potential"};
+  for (std::size_t i = 0; i < times.all.size(); i += times.stride) {
+    out.time.push_back(times.all[i]);
+    out.position.push_back(path.r[i]);
+    velocity.values.push_back(path.v[i]);
+    kinetic.values.push_back(angular_momentum(o, path.r[i], path.v[i]));
+    whole.values.push_back(canonical(o, path.r[i], path.v[i]));
+    total.values.push_back(energy(o, path.r[i], path.v[i]));
+  }
+  out.vectors = {std::move(velocity), std::move(kinetic), std::move(whole)};
+  out.numbers = {std::move(total)};
+  return out;
+}
+
+/// What is conserved: the energy, since a magnetic field does no work, and the canonical L_z.
+void find_conserved(const Orbit& o, const Path& path, std::vector<Finding>& out) {
+  std::vector<double> energies, momenta;
+  for (std::size_t i = 0; i < path.r.size(); ++i) {
+    energies.push_back(energy(o, path.r[i], path.v[i]));
+    momenta.push_back(canonical(o, path.r[i], path.v[i]).z);
+  }
+  const double speed = length_of(o.v);
+  out.push_back({"energy_drift", "", "largest change of the energy, over the kinetic energy at the start",
+                 largest_change(energies) / (o.mass / 2 * speed * speed), 0});
+  out.push_back({"canonical_drift", "",
+                 "largest change of the canonical L_z = (r x m v)_z + q B rho^2/2, over m v r",
+                 largest_change(momenta) / (o.mass * speed * o.radius), 0});
+}
+
+/// How L precesses, in the mean over orbits, and what eq. 74 makes of it.
+void find_precession(const Orbit& o, const Path& path, const std::vector<double>& times, double inclination,
+                     std::vector<Finding>& out) {
+  const double small = std::abs(o.larmor) / o.omega;
+  // Within an orbit L nods by about w/omega: an axis that near to z has no azimuth.
+  if (small > 0.1 || std::sin(inclination) < 10 * small || !(std::sin(inclination) > 1e-6)) return;
+  std::vector<Vector3> momenta;
+  for (std::size_t i = 0; i < path.r.size(); ++i)
+    momenta.push_back(angular_momentum(o, path.r[i], path.v[i]));
+  const double rate = mean_rate(times, angles_about(z, momenta));
+  // To second order the field adds m w^2 rho^2/2 to the energy, on a circle in the mean
+  // m w^2 r^2 (1 + cos^2 i)/4 with cos i = L_z/L: L turns by its derivative to L_z (L. Landau, E. Lifshitz,
+  // Quantum Mechanics, section 112, has the term; L = m omega r^2).
+  const double second = o.larmor * o.larmor * std::cos(inclination) / (2 * o.omega);
+  out.push_back(
+      {"precession", "Hz",
+       "turns of L about +z per second, in the mean over orbits: w/(2 pi) with w = -q B/2m, and the "
+       "second order in w/omega",
+       rate / two_pi, (o.larmor + second) / two_pi});
+  if (o.larmor == 0) return;
+  out.push_back({"second_order", "Hz", "what of it is beyond w/(2 pi): w^2 cos(i)/(2 omega)/(2 pi)",
+                 (rate - o.larmor) / two_pi, second / two_pi});
+  out.push_back(
+      {"over_cyclotron", "",
+       "precession over the rate -q B/m at which a free charge turns: one half, and the second order",
+       rate / (2 * o.larmor), (1 + second / o.larmor) / 2});
+  out.push_back({"eq74_over_precession", "",
+                 "rate of eq. 74, dL/dt = L x W with W = q B/m, over the precession: 2 to first order",
+                 2 * o.larmor / rate, 2 / (1 + second / o.larmor)});
+}
+
+/// Eqs. 73 and 74 side by side: the mean over the first orbit of r x (q v x B) along L x W, over |L x W|.
+void find_mean_torque(const Orbit& o, std::vector<Finding>& out) {
+  constexpr int steps = 64;
+  std::vector<double> times;
+  for (int i = 0; i <= steps; ++i) times.push_back(two_pi / o.omega * i / steps);
+  const Path path = fly(o, o.larmor, o.v, times);
+  Vector3 torque, momentum;
+  for (std::size_t i = 0; i < steps; ++i) {
+    torque = torque + 2 * o.larmor * o.mass * cross(path.r[i], cross(z, path.v[i]));
+    momentum = momentum + angular_momentum(o, path.r[i], path.v[i]);
+  }
+  const Vector3 claimed = 2 * o.larmor * cross(z, momentum);
+  if (!(length_of(claimed) > 1e-6 * 2 * std::abs(o.larmor) * length_of(momentum))) return;
+  out.push_back(
+      {"mean_torque", "",
+       "mean of r x (q v x B) over the first orbit, over L x W of eq. 74: one half to first order in "
+       "w/omega, since the step to (r x m v) x W needs r.v = v.W = 0",
+       dot(torque, claimed) / dot(claimed, claimed), 0.5});
+}
+
+void find_free(const Orbit& o, const Path& path, const std::vector<double>& times,
+               std::vector<Finding>& out) {
+  if (!(std::hypot(o.v.x, o.v.y) > 1e-9 * length_of(o.v))) return;
+  const double rate = angles_about(z, path.v).back() / times.back();
+  out.push_back(
+      {"turn", "Hz", "turns of v about +z per second: -q B/(2 pi m)", rate / two_pi, 2 * o.larmor / two_pi});
+  out.push_back({"over_larmor", "", "that over Larmor's -q B/(4 pi m), with which bound orbits precess",
+                 rate / o.larmor, 2});
+}
+
+}  // namespace
+
+std::vector<Fault> faults_of(const BoundCharge& model) {
+  if (model.species.size() != 1)
+    return {{"species", "the model `bound_charge` has one charge, and here a mixture of species stands",
+             "write one species"}};
+  const Species& s = model.species.front().species;
+  const auto* coulomb = std::get_if<CoulombBinding>(&model.binding);
+  if (coulomb && !(attraction(*coulomb, s) > 0))
+    return {
+        {"binding",
+         fmt::format("the charges {:+.4g} e of `{}` and {:+.4g} e of the centre do not attract each other",
+                     s.charge / constants::elementary_charge, s.name,
+                     coulomb->charge / constants::elementary_charge),
+         "give the centre a charge of the other sign"}};
+  const Orbit o = orbit_of(model);
+  if (!o.bound() && o.larmor == 0)
+    return {{"binding", "a free charge turns in the field, and here nothing turns it",
+             "give it a `field` and a charge, or bind it"}};
+  const double turns = model.orbits * (1 + 2 * std::abs(o.larmor) / o.omega);
+  if (!(turns <= most_orbits))
+    return {{"orbits",
+             fmt::format("it turns {:.3g} times, more than {:.0f} can be followed", turns, most_orbits),
+             "take fewer `orbits`"}};
+  return {};
+}
+
+std::vector<Fact> facts_of(const BoundCharge& model) {
+  const Species& s = model.species.front().species;
+  const Orbit o = orbit_of(model);
+  const auto hertz = [](double omega) { return pretty_quantity(omega / two_pi, Dimension::frequency); };
+  std::vector<Fact> out{
+      {"orbit", hertz(o.omega), o.bound() ? "without the field" : "q B/(2 pi m), of the free charge"},
+      {"v/c", fmt::format("{:.4g}", length_of(o.v) / constants::speed_of_light), "no relativity here"},
+      {"larmor", hertz(o.larmor), "-q B/(4 pi m): how L precesses, to first order"},
+      {"eq. 74", hertz(2 * o.larmor), "how L precesses by eq. 74"},
+  };
+  if (o.bound())
+    out.push_back(
+        {"w/omega", fmt::format("{:.4g}", std::abs(o.larmor) / o.omega), "small where it is a precession"});
+  if (s.charge != 0 && !s.structure)
+    out.push_back({"eq. 75", fmt::format("{:.9g}", s.gyromagnetic_ratio * s.mass / s.charge),
+                   "m v mu B/S over q v B: g/2, where eq. 75 has 1"});
+  return out;
+}
+
+ModelResult solve(const BoundCharge& model) {
+  if (const std::vector<Fault> faults = faults_of(model); !faults.empty())
+    throw std::invalid_argument(faults.front().message);
+  const Orbit o = orbit_of(model);
+  const Times times = times_of(model, o);
+  const Path standard = fly(o, o.larmor, o.v, times.all);
+  ModelResult out;
+  out.motions.push_back(motion_of(o, standard, times, "standard",
+                                  o.bound() ? "standard physics: the binding and the Lorentz force"
+                                            : "standard physics: the Lorentz force"));
+  find_conserved(o, standard, out.findings);
+  if (!o.bound()) {
+    find_free(o, standard, times.all, out.findings);
+    return out;
+  }
+  out.motions.push_back(
+      motion_of(o, fly_turned(o, o.larmor, times.all), times, "larmor_theorem",
+                "Larmor's theorem: the orbit without the field, turned with w = -q B/2m; right "
+                "to first order in w/omega"));
+  Motion eq74 =
+      motion_of(o, fly_turned(o, 2 * o.larmor, times.all), times, "eq74",
+                "eq. 74 as it is written, dL/dt = L x W with W = q B/m; the path is the orbit without "
+                "the field, turned with it");
+  const Vector3 start = angular_momentum(o, o.r, o.v);
+  for (std::size_t i = 0; i < eq74.time.size(); ++i)
+    eq74.vectors[1].values[i] = turned_about(z, 2 * o.larmor * eq74.time[i], start);
+  out.motions.push_back(std::move(eq74));
+
+  if (o.force == Force::harmonic) {
+    double farthest = 0;
+    for (std::size_t i = 0; i < times.all.size(); ++i)
+      farthest = std::max(farthest, length_of(standard.r[i] - harmonic_place(o, times.all[i])));
+    out.findings.push_back({"closed_form", "",
+                            "largest distance from the exact orbit, over the radius: an oscillator of "
+                            "sqrt(omega^2 + w^2) across z in the frame that turns with w",
+                            farthest / o.radius, 0});
+  }
+  find_precession(o, standard, times.all, model.inclination, out.findings);
+  if (o.larmor != 0) find_mean_torque(o, out.findings);
+  return out;
+}
+
+}  // namespace rabiline
