@@ -187,10 +187,19 @@ class Explainer {
          s.screen.efficiency == 1 ? "" : fmt::format(", counts {:g} of each", s.screen.efficiency),
          s.screen.has_dead_area ? ", nothing in its dead area" : "", reuse());
   }
+  /// Of a monitor with several planes the first one stands for all.
   void show(const Census& census) {
-    line("{}  {}: counts what passes{}", metres(census.face.y), name_of(census.part), reuse());
+    if (census.plane > 0) return;
+    const PlacedPart& part = beamline_.parts[static_cast<std::size_t>(census.part)];
+    const auto& monitor = std::get<Monitor>(part.part);
+    line("{}  {}: counts what passes{}{}", metres(census.face.y), name_of(census.part),
+         monitor.planes > 1 ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
+                                          metres(place_of_plane(monitor, part.placement, monitor.planes - 1)))
+                            : "",
+         reuse());
   }
   void show(const Histogram& histogram) {
+    if (histogram.plane > 0) return;
     const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
     const auto number = static_cast<std::size_t>(histogram.tally);
     std::string name, axes;
@@ -220,6 +229,10 @@ class Explainer {
       if (rate > 0)
         line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
              two_pi / (rate * zone.step));
+    }
+    for (const Sight& sight : region.sights) {
+      show(sight.census);
+      for (const Histogram& tally : sight.tallies) show(tally);
     }
     warn_of_claim_one(region);
   }
