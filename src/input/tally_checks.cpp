@@ -28,12 +28,6 @@ const Place& quantity_place(const Node& axis) { return place_of(axis, "quantity"
 
 int levels_of(const Beamline& beamline) { return beamline.species.front().species.levels(); }
 
-std::string_view word_of(Quantity quantity) {
-  for (const auto& choice : choices<Quantity>)
-    if (choice.value == quantity) return choice.word;
-  return "";
-}
-
 void check_axes(const Tally& tally, const Node& node, Reading& reading) {
   if (tally.axes.size() > most_tally_axes)
     reading.error(

@@ -214,11 +214,6 @@ class Explainer {
          static_cast<double>(sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
     if (histogram.transitions != nullptr && !histogram.caught) show_driven(histogram.part);
   }
-  static std::string_view word_of(Quantity quantity) {
-    for (const auto& choice : choices<Quantity>)
-      if (choice.value == quantity) return choice.word;
-    return "";
-  }
   void show(const Exit&) { line("            what still flies has passed{}", reuse()); }
   void show(const TurningRegion& region) {
     line("{}  region that turns the velocity, to {}{}", metres(region.zones.front().field.begin),

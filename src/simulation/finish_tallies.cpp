@@ -16,12 +16,6 @@ namespace {
 
 __extension__ typedef __int128 Signed;
 
-std::string_view word_of(Quantity quantity) {
-  for (const auto& choice : choices<Quantity>)
-    if (choice.value == quantity) return choice.word;
-  return "";
-}
-
 std::string level_name(int twice_m) {
   return twice_m % 2 == 0 ? fmt::format("m = {:+d}", twice_m / 2) : fmt::format("m = {:+d}/2", twice_m);
 }

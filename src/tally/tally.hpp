@@ -40,6 +40,12 @@ inline constexpr auto choices<Quantity> = std::array{
     Choice<Quantity>{"weight", Quantity::weight, "what one particle counts; 1 where nothing takes off"},
 };
 
+constexpr std::string_view word_of(Quantity quantity) {
+  for (const auto& choice : choices<Quantity>)
+    if (choice.value == quantity) return choice.word;
+  return "";
+}
+
 /// What the ends of an axis are written in.
 constexpr Dimension dimension_of(Quantity q) {
   switch (q) {

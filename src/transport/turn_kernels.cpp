@@ -223,7 +223,9 @@ struct Visit {
   mask forward, backwards, wall, gave_up;
 };
 
-/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long.
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. Loops that
+/// look at no plane are compiled without it, for their speed.
+template <bool looks>
 Visit visit(const Region& region, const RegionZone& zone, const real* phases, const State& start, mask chosen,
             Lookout& lookout, const StepRecorder* recorder) {
   const Stepper stepper{zone.field, region.take_off_spin_component, phases};
@@ -234,7 +236,7 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   State now = stepper.enter(start), last = now, before = now;
   mask going = chosen;
   // Where the next plane comes that matters: one to be seen, or the end.
-  real ahead = min(lookout.places(zone.sights), end);
+  real ahead = looks ? min(lookout.places(zone.sights), end) : end;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {
     const State old = now;
@@ -243,7 +245,7 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
     const real from_axis2 = fma(from_x, from_x, from_z * from_z);
     const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
-      if (region.sight_count > 0) {
+      if constexpr (looks) {
         lookout.look(stepper, old, now, h, going, zone.sights);
         ahead = min(lookout.places(zone.sights), end);
       }
@@ -382,8 +384,9 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
         phases[k] = oscillator_phase(region.zones[zone].field.drive[k], region.key, particle);
       const bool recorded = recorder != nullptr && i == 0 && lane((words)chosen, 0) != 0;
       lookout.level = pack.level;
-      const Visit v = visit(region, region.zones[zone], phases, pack.state, chosen, lookout,
-                            recorded ? recorder : nullptr);
+      const auto visits = region.sight_count > 0 ? visit<true> : visit<false>;
+      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout,
+                             recorded ? recorder : nullptr);
       leave_zone(region, zone, chosen, v, particle, pack);
       pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});
       finish(pack, pack.inside & (pack.visits >= broadcast_word(region.most_visits)),
