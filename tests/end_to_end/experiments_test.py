@@ -38,7 +38,7 @@ def test_every_shipped_experiment_is_tested_here():
     tested = {"suggested-experiment", "two-species", "rabi-flop", "ramsey", "ramsey-effusive", "polarised-neutrons",
               "alvarez-bloch", "broad-beam", "stern-gerlach", "rabi-licl", "refocusing", "rabi-1938-nuclei",
               "kusch-millman-rabi-lithium", "kusch-millman-rabi-potassium", "caesium-clock", "ortho-hydrogen",
-              "hydrogen-source", "deflection-potassium", "deflection-potassium-point"}
+              "hydrogen-source", "deflection-potassium", "deflection-potassium-point", "spin-angles"}
     assert {p.stem for p in EXPERIMENTS.glob("*.yaml")} == tested
 
 
@@ -550,3 +550,23 @@ def test_standard_laws_see_a_flat_line_in_the_experiments_of_the_hypothesis(run,
     assert np.ptp(file["entry/scan/detected"][:]) == 0
     counts = file["entry/screen/counts"][:]
     assert (counts == counts[:1, :1]).all()
+
+
+@pytest.mark.parametrize("law", ["dorado", "classical"])
+def test_the_angles_of_the_spin_fall_and_turn_as_the_fields_say(run, law):
+    file = run("spin-angles", "--set", f"law={law}")
+    gamma = -2 * np.pi * 29.1646935e6
+
+    def means(tally, quantity):
+        return file[f"entry/path_{tally}/{quantity}_mean"][:].ravel()
+
+    t, theta, phi = means("clock", "time_of_flight"), means("polar", "spin_polar_angle"), means("azimuth", "spin_azimuth")
+    fall, turn = np.polyfit(t, theta, 1)[0], np.polyfit(t[1:], np.unwrap(phi[1:]), 1)[0]
+    assert abs(fall / (gamma * 4.8e-6) - 1) < 1e-6
+    assert abs(turn / (-gamma * 0.1e-3) - 1) < 1e-5  # the mean direction of unequal speeds
+    assert abs(np.degrees(theta[0]) - 180) < 1e-4 and phi[0] < 1e-6
+    assert abs(np.degrees(theta[-1]) - (159.57 if law == "dorado" else 159.84)) < 0.01
+    energy = -gamma * 1.054571817e-34 / 2 * 0.1e-3 * np.cos(theta)  # eq. 72
+    assert abs(energy[0] + 9.66e-31) < 0.01e-31 and abs(1 - energy[-1] / energy[0] - 0.062) < 0.002
+    assert np.all(file["entry/path/passed"][:] == 1)
+    assert file["entry/scan/detected"][()].item() == (0 if law == "dorado" else 1)

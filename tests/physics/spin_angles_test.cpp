@@ -91,9 +91,10 @@ TEST(SpinAngles, FallAndTurnOnResonanceWithGammaH0AndMinusGammaBUnderEveryVector
       EXPECT_NEAR(polar.mean[0], pi, 1e-6) << "S starts against the field";
       EXPECT_NEAR(azimuth.mean[0], 0, 1e-6) << "no azimuth yet";
       // H0 stands at the angle omega t: the spin leaves -z a quarter turn ahead of it.
-      if (sigma == 0)
+      if (sigma == 0) {
         EXPECT_NEAR(std::remainder(azimuth.mean[1] + gamma_n * b_field * clock.mean[1] - pi / 2, 2 * pi), 0,
                     1e-6);
+      }
       for (const double passed : r.monitors.at(0).passed) EXPECT_EQ(passed, 1);
     }
 }
