@@ -82,27 +82,34 @@ def _line(name: str, times: np.ndarray, axis: TallyAxis, point: int) -> Angles:
 
 
 def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int) -> Figure:
-    """One panel for each angle; `expected` are rates in turns per second, drawn through the middle of the planes."""
-    figure, panels = plt.subplots(2, 1, figsize=(7.2, 6.4), sharex=True, layout="constrained")
+    """Each angle above what it has beyond its fit; `expected` are rates in turns per second, drawn through the middle
+    of the planes."""
+    figure, panels = plt.subplots(4, 1, figsize=(7.2, 8.4), sharex=True, layout="constrained",
+                                  gridspec_kw={"height_ratios": [2.4, 1, 2.4, 1]})
     scale = fitting_scale(np.concatenate([one.times for one in angles]), "s")
     colour = LAWS.get(results.laws[point].split(" ")[0], (INK, "o"))[0]
-    for panel, one, rate in zip(panels, angles, expected):
+    for (panel, below), one, rate in zip((panels[:2], panels[2:]), angles, expected):
         shown = np.asarray(scale.apply(one.times))
-        panel.errorbar(shown, np.degrees(one.values), np.degrees(one.spread), fmt="none", ecolor=colour, alpha=0.35,
-                       elinewidth=2.2, label="spread over the particles (standard deviation)")
-        panel.errorbar(shown, np.degrees(one.values), np.degrees(one.errors), fmt=".", color=colour, markersize=4,
-                       elinewidth=0.9, label="mean in each plane, with its standard error")
+        fit = one.offset + one.rate * one.times
+        panel.errorbar(shown, np.degrees(one.values), np.degrees(one.spread), fmt=".", color=colour, markersize=4,
+                       ecolor=colour, elinewidth=1.2, label="mean, and standard deviation of the particles")
         turns, error = one.turns
-        panel.plot(shown, np.degrees(one.offset + one.rate * one.times), color=INK, linewidth=1,
-                   label=f"fit: {format_value(turns, 'Hz', error)}")
+        panel.plot(shown, np.degrees(fit), color=INK, linewidth=1, label=f"fit: {format_value(turns, 'Hz', error)}")
+        below.axhline(0, color=INK, linewidth=1)
+        below.errorbar(shown, np.degrees(one.values - fit), np.degrees(one.errors), fmt=".", color=colour, markersize=4,
+                       elinewidth=0.9)
         if rate is not None:
             middle = np.nanmean(one.times)
             line = one.offset + one.rate * middle + 2 * np.pi * rate * (one.times - middle)
-            panel.plot(shown, np.degrees(line), color=GREY, linewidth=2.4, linestyle=(0, (2, 3)),
-                       label=f"expected: {format_value(rate, 'Hz')}")
+            looks = {"color": GREY, "linewidth": 2, "linestyle": (0, (2, 3))}
+            panel.plot(shown, np.degrees(line), label=f"expected: {format_value(rate, 'Hz')}", **looks)
+            below.plot(shown, np.degrees(line - fit), **looks)
         panel.set_ylabel(f"{one.name} (deg)")
-        panel.grid(True)
+        below.set_ylabel("beyond the fit (deg)\nbars: standard error", fontsize=8.5)
         panel.legend(loc="best")
-    panels[1].set_xlabel(scale.label("time of flight, mean in each plane"))
+        for each in (panel, below):
+            each.grid(True)
+    panels[-1].set_xlabel(scale.label("time of flight, mean in each plane"))
     figure.suptitle(f"{results.title}\n{law_name(results.laws[point])}, {results.species[point]}", fontsize=11.5)
+    figure.align_ylabels(panels)
     return figure

@@ -143,3 +143,19 @@ def test_a_monitor_of_several_planes_is_a_plot_over_y_that_viewers_know(tmp_path
         assert np.allclose(file["entry/M_a/counts"][()].sum(axis=2) / 4000, file["entry/M/passed"])
     done = subprocess.run([sys.executable, "-m", "rabiline", "summary", path], capture_output=True, text=True)
     assert "5 planes, 400 mm to 500 mm" in done.stdout, done.stderr
+
+
+def test_angles_are_drawn_with_the_lines_that_are_expected_and_refused_where_there_are_none(scanned: Path, tmp_path: Path) -> None:
+    def plot(*arguments: object) -> subprocess.CompletedProcess:
+        return subprocess.run([sys.executable, "-m", "rabiline", "plot-angles", *map(str, arguments), "-o",
+                               tmp_path / "a.png"], capture_output=True, text=True)
+
+    beamline = Path(__file__).resolve().parents[2] / "beamline" / "spin-angles.yaml"
+    path, done = run(tmp_path, "--set", "particles=200", text=beamline.read_text())
+    assert done.returncode == 0, done.stderr
+    done = plot(path, "--polar-rate=-139.99", "--azimuth-rate", "2.91646935 kHz")
+    assert done.returncode == 0, done.stderr
+    assert "polar angle θ: -139.9" in done.stdout and "azimuth φ: 2.91" in done.stdout
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    done = plot(scanned)
+    assert done.returncode == 2 and "no tally over spin_azimuth, spin_polar_angle, time_of_flight" in done.stderr
