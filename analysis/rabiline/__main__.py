@@ -1,5 +1,5 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
-plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
+plot-angles | plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -12,8 +12,8 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import (image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
-               space_plots, style, tally_plots, track_plots, tracks)
+from . import (angle_plots, image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results,
+               scan_plots, space_plots, style, tally_plots, track_plots, tracks)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -136,6 +136,24 @@ def plot_tally(options: argparse.Namespace) -> None:
     _save(tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points), options.output)
 
 
+def plot_angles(options: argparse.Namespace) -> None:
+    """Polar angle and azimuth of the spin along the planes of a monitor, with straight lines fitted to them."""
+    file = results.read(options.file)
+    if not 0 <= options.point < len(file.laws):
+        raise InputError(f"--point {options.point}: the scan points are 0 to {len(file.laws) - 1}")
+    try:
+        angles = angle_plots.angles_of(file, options.monitor, options.point)
+    except angle_plots.NoAngles as problem:
+        raise InputError(f"{file.path}: {problem}") from problem
+    try:
+        expected = [parse_quantity(text) if text else None for text in (options.polar_rate, options.azimuth_rate)]
+    except ValueError as problem:
+        raise InputError(f"a rate is written like `2.9 kHz`: {problem}") from problem
+    for line in angles:
+        print(line)
+    _save(angle_plots.draw_angles(file, angles, expected, options.point), options.output)
+
+
 def plot_tracks(options: argparse.Namespace) -> None:
     """Paths of single particles."""
     files = [tracks.read(path) for path in options.files]
@@ -206,6 +224,11 @@ def _parser() -> Parser:
     tally.add_argument("--axes", metavar="A,B", help="one or two of its axes; the first ones by default, the others are "
                                                      "summed over")
     tally.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
+    spins = command("plot-angles", plot_angles, many=False)
+    spins.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
+    spins.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
+    spins.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
+    spins.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')

@@ -91,7 +91,7 @@ def _measured(resonance: Resonance, units: str) -> str:
 def _monitors(results: Results) -> Iterable[str]:
     for monitor in results.monitors.values():
         yield f"monitor {monitor.name}"
-        first = format_value(monitor.passed[0], "", monitor.errors[0])
+        first = format_value(monitor.passed.flat[0], "", monitor.errors.flat[0])
         yield f"  {first} of emitted" if monitor.passed.size == 1 else \
             f"  {monitor.passed.min():.6g} to {monitor.passed.max():.6g} of emitted"
 
@@ -100,12 +100,21 @@ def _tallies(results: Results) -> Iterable[str]:
     """Each tally with its axes; means and standard deviations at the first scan point."""
     for tally in results.tallies.values():
         yield f"tally {tally.name}{' (expectation of the spin)' if tally.is_expectation else ''}"
-        inside, outside = tally.counts[0].sum(), tally.outside[0]
-        at = ", at the first scan point" if tally.outside.size > 1 else ""
+        inside, outside = tally.counts[0].sum(), tally.outside[0].sum()
+        planes = tally.outside.ndim > 1
+        at = ", at the first scan point" if tally.counts.shape[0] > 1 else ""
+        at += f", in {tally.outside.shape[1]} planes together" if planes else ""
         yield f"  {inside:.6g} particles, {outside:.6g} outside{at}"
         for axis in tally.axes:
             if axis.mean is None or axis.deviation is None:
-                yield f"  {axis.name:<16} {', '.join(axis.labels)}"
+                centres = f"{axis.edges.size - 1} planes, " \
+                          f"{format_value((axis.edges[0] + axis.edges[1]) / 2, axis.units)} to " \
+                          f"{format_value((axis.edges[-2] + axis.edges[-1]) / 2, axis.units)}"
+                yield f"  {axis.name:<16} {', '.join(axis.labels) or centres}"
+                continue
+            if planes:
+                ends = " to ".join(format_value(axis.mean[0, k], axis.units, axis.mean_errors[0, k]) for k in (0, -1))
+                yield f"  {axis.name:<16} {axis.edges.size - 1} bins, mean {ends} from the first plane to the last"
                 continue
             mean = format_value(axis.mean[0], axis.units, axis.mean_errors[0])
             deviation = format_value(axis.deviation[0], axis.units, axis.deviation_errors[0])

@@ -72,8 +72,8 @@ class Monitor:
     """The fraction of the emitted particles that passed a monitor."""
 
     name: str
-    passed: np.ndarray  # [points]
-    errors: np.ndarray  # [points]
+    passed: np.ndarray  # [points], or [points, planes] of a monitor with several planes
+    errors: np.ndarray  # same shape
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ class TallyAxis:
     units: str  # SI; empty for a plain number
     edges: np.ndarray  # [n + 1]
     labels: tuple[str, ...]  # [n] of levels, else empty
-    mean: np.ndarray | None  # [points] of what is inside the axes; None for levels
+    mean: np.ndarray | None  # [points], or [points, planes], of what is inside the axes; None for levels and planes
     mean_errors: np.ndarray | None
     deviation: np.ndarray | None
     deviation_errors: np.ndarray | None
@@ -100,7 +100,7 @@ class Tally:
     axes: tuple[TallyAxis, ...]
     counts: np.ndarray  # [points, bins of each axis...]
     errors: np.ndarray  # same shape
-    outside: np.ndarray  # [points] what crossed the plane outside of the axes
+    outside: np.ndarray  # [points], or [points, planes], what crossed the plane outside of the axes
     is_expectation: bool  # weights are split over the outcomes of a measurement of the spin
 
 
@@ -252,14 +252,17 @@ def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
     monitors = {}
     for group in map(entry.group, entry.names()):
         for name in group.attribute("monitor"):
-            monitors[name] = Monitor(name, group.numbers("passed", (points,)),
-                                     group.numbers("passed_errors", (points,)))
+            shape = (points, group.numbers("y").size) if "y" in group else (points,)
+            monitors[name] = Monitor(name, group.numbers("passed", shape), group.numbers("passed_errors", shape))
     return monitors
 
 
 def _read_tally(group: Group, name: str, points: int) -> Tally:
     own = [axis for axis in group.attribute("axes") if f"{axis}_edges" in group]
-    axes = tuple(_read_tally_axis(group, axis, points) for axis in own)
+    # What has several planes has them as its first axis, which then has no mean.
+    of_planes = own[0] == "y" and "y_mean" not in group
+    each = (points, group.numbers("y").size) if of_planes else (points,)
+    axes = tuple(_read_tally_axis(group, axis, each) for axis in own)
     shape = (points, *(axis.edges.size - 1 for axis in axes))
     return Tally(
         name=name,
@@ -267,14 +270,14 @@ def _read_tally(group: Group, name: str, points: int) -> Tally:
         axes=axes,
         counts=group.numbers("counts", shape),
         errors=group.numbers("counts_errors", shape),
-        outside=group.numbers("outside", (points,)),
+        outside=group.numbers("outside", each),
         is_expectation=bool(group.attribute("spin_outcomes")),
     )
 
 
-def _read_tally_axis(group: Group, name: str, points: int) -> TallyAxis:
+def _read_tally_axis(group: Group, name: str, shape: tuple[int, ...]) -> TallyAxis:
     units = "".join(group.attribute("units", of=name))
-    moments = (group.numbers(f"{name}_{moment}", (points,)) if f"{name}_{moment}" in group else None
+    moments = (group.numbers(f"{name}_{moment}", shape) if f"{name}_{moment}" in group else None
                for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
     labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
     title = "".join(group.attribute("long_name", of=name)) or name

@@ -65,7 +65,8 @@ inline bool is_field(const Part& part) {
   return std::visit(
       [](const auto& p) {
         return requires { p.length; }
-        &&!std::is_same_v<std::decay_t<decltype(p)>, Collimator>;
+        &&!std::is_same_v<std::decay_t<decltype(p)>, Collimator> &&
+            !std::is_same_v<std::decay_t<decltype(p)>, Monitor>;
       },
       part);
 }

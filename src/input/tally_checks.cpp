@@ -28,12 +28,6 @@ const Place& quantity_place(const Node& axis) { return place_of(axis, "quantity"
 
 int levels_of(const Beamline& beamline) { return beamline.species.front().species.levels(); }
 
-std::string_view word_of(Quantity quantity) {
-  for (const auto& choice : choices<Quantity>)
-    if (choice.value == quantity) return choice.word;
-  return "";
-}
-
 void check_axes(const Tally& tally, const Node& node, Reading& reading) {
   if (tally.axes.size() > most_tally_axes)
     reading.error(
@@ -51,13 +45,60 @@ void check_axes(const Tally& tally, const Node& node, Reading& reading) {
       }
 }
 
-void check_size(const Tally& tally, const Node& node, int levels, Reading& reading) {
+std::uint64_t planes_of(const Part& part) {
+  const auto* monitor = std::get_if<Monitor>(&part);
+  return monitor ? monitor->planes : 1;
+}
+
+void check_size(const Tally& tally, const Node& node, int levels, std::uint64_t planes, Reading& reading) {
   const std::uint64_t bins = bins_of(tally, levels);
   if (tally.axes.size() > 1 && bins > most_tally_bins)
     reading.error(node.find("axes")->key_place,
                   fmt::format("the tally `{}` has {} bins in all, and {} are the most", tally.name, bins,
                               most_tally_bins),
                   "give its axes fewer bins, or make several tallies of it");
+  else if (bins * planes > most_tally_bins)
+    reading.error(node.find("axes")->key_place,
+                  fmt::format("the tally `{}` has {} bins in each of {} planes, and {} in all are the most",
+                              tally.name, bins, planes, most_tally_bins),
+                  "give its axes fewer bins, or the monitor fewer planes");
+}
+
+/// A length without planes, planes without a length, or an axis that the planes are already.
+void check_planes(const PlacedPart& part, const PartNodes& nodes, Reading& reading) {
+  const auto* monitor = std::get_if<Monitor>(&part.part);
+  if (!monitor) return;
+  if (monitor->planes > 1 && monitor->length == 0)
+    reading.error(
+        place_in(nodes, part, "planes"),
+        fmt::format("`{}` has {} planes and no length to stand on", part.placement.name, monitor->planes),
+        "write for example `length: 0.2 m`, from the first plane to the last");
+  if (monitor->planes == 1 && monitor->length > 0)
+    reading.error(place_in(nodes, part, "length"),
+                  fmt::format("`{}` has a length and one plane only", part.placement.name),
+                  "write for example `planes: 101`, or leave `length` away");
+  for (std::size_t i = 0; monitor->planes > 1 && i < monitor->tallies.size(); ++i)
+    for (std::size_t k = 0; k < monitor->tallies[i].axes.size(); ++k)
+      if (const Node* node = node_of(nodes, part, i);
+          node && monitor->tallies[i].axes[k].quantity == Quantity::y)
+        reading.error(quantity_place(axis_node(*node, k)),
+                      fmt::format("`{}` has {} planes, which are the first axis of its tallies, `y`",
+                                  part.placement.name, monitor->planes),
+                      "leave this axis away");
+}
+
+/// Under `quantum` a spin has outcomes and no direction.
+void check_angles(const Beamline& beamline, const Tally& tally, const Node& node, Reading& reading) {
+  if (!std::holds_alternative<QuantumLaw>(beamline.law)) return;
+  for (std::size_t i = 0; i < tally.axes.size(); ++i)
+    if (is_of_vector_spin(tally.axes[i].quantity))
+      reading.error(
+          quantity_place(axis_node(node, i)),
+          fmt::format("`{}` is an angle of a spin that is a vector, but under the law quantum "
+                      "measuring a spin has outcomes",
+                      word_of(tally.axes[i].quantity)),
+          "tally the outcomes along an axis, `{quantity: spin, axis: z, from: -1, to: 1, bins: 2}`, "
+          "or use the law classical");
 }
 
 /// Whether the levels have the same names.
@@ -183,19 +224,41 @@ void check_tallies(const Beamline& beamline, const PartNodes& nodes, Reading& re
   for (const PlacedPart& part : beamline.parts) {
     const std::vector<Tally>* tallies = tallies_of(part.part);
     if (!tallies) continue;
+    check_planes(part, nodes, reading);
     check_tally_names(part, *tallies, nodes, reading);
     for (std::size_t i = 0; i < tallies->size(); ++i) {
       const Node* node = node_of(nodes, part, i);
       if (!node) continue;
       check_axes((*tallies)[i], *node, reading);
-      check_size((*tallies)[i], *node, levels_of(beamline), reading);
+      check_size((*tallies)[i], *node, levels_of(beamline), planes_of(part.part), reading);
       check_levels(beamline, (*tallies)[i], *node, reading);
       check_directions(beamline, (*tallies)[i], *node, reading);
+      check_angles(beamline, (*tallies)[i], *node, reading);
     }
   }
 }
 
+/// All points count in the same planes, which are an axis of the results.
+bool check_scanned_planes(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  for (const Beamline& point : points)
+    for (std::size_t i = 0; i < point.parts.size(); ++i) {
+      const PlacedPart &now = point.parts[i], &first = points.front().parts[i];
+      const auto *monitor = std::get_if<Monitor>(&now.part), *then = std::get_if<Monitor>(&first.part);
+      if (!monitor || !then || (monitor->planes == 1 && then->planes == 1)) continue;
+      if (monitor->planes == then->planes && monitor->length == then->length &&
+          now.placement.at == first.placement.at)
+        continue;
+      reading.error(axis.place,
+                    fmt::format("`{}` cannot be scanned: all points count in the same planes of `{}`",
+                                axis.parameter, now.placement.name),
+                    "make one run for each");
+      return false;
+    }
+  return true;
+}
+
 void check_scanned_tallies(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
+  if (!check_scanned_planes(axis, points, reading)) return;
   static constexpr std::uint64_t most_bins = 100'000'000;
   for (const PlacedPart& part : points.front().parts) {
     const std::vector<Tally>* first = tallies_of(part.part);
@@ -203,7 +266,7 @@ void check_scanned_tallies(const Axis& axis, const std::vector<Beamline>& points
     std::uint64_t bins = 0;
     bool levels = false;
     for (const Tally& tally : *first) {
-      bins += bins_of(tally, levels_of(points.front()));
+      bins += bins_of(tally, levels_of(points.front())) * planes_of(part.part);
       for (const TallyAxis& a : tally.axes) levels = levels || is_categorical(a.quantity);
     }
     if (bins * points.size() > most_bins)

@@ -1,5 +1,6 @@
 // An axis of a tally: its quantity says which keys it has and in what they are written.
 #include <cmath>
+#include <numbers>
 
 #include "input/reader.hpp"
 
@@ -11,6 +12,10 @@ Range range_of(Quantity q) {
   switch (q) {
     case Quantity::spin:
       return {-1, 1, true, true, "between -1 and 1"};
+    case Quantity::spin_polar_angle:
+      return {0, std::numbers::pi, true, true, "from 0 to 180 deg"};
+    case Quantity::spin_azimuth:
+      return {-std::numbers::pi, std::numbers::pi, true, true, "from -180 to 180 deg"};
     case Quantity::speed:
     case Quantity::wavelength:
     case Quantity::energy:
@@ -46,6 +51,10 @@ std::string example_of_end(Quantity q, bool from) {
       return from ? "0 mrad" : "10 mrad";
     case Quantity::spin:
       return from ? "-1" : "1";
+    case Quantity::spin_polar_angle:
+      return from ? "0 deg" : "180 deg";
+    case Quantity::spin_azimuth:
+      return from ? "-180 deg" : "180 deg";
     default:
       return from ? "0" : "1";
   }

@@ -1,7 +1,6 @@
 // From parts to stages: parts contribute terms to sections, and each section gets the cheapest exact stage.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include "plan/level_questions.hpp"
 #include "plan/magnets.hpp"
 #include "plan/plan.hpp"
+#include "plan/regions.hpp"
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
@@ -18,16 +18,6 @@
 
 namespace rabiline {
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
-
-/// Steps per turn in a region. The path's error over the length of the flight was measured against an
-/// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
-/// spin and field; the steps are chosen to keep it, and that of the direction at the end, around 1e-7 to 1e-6
-/// (tests/physics/dorado_test.cpp holds the path to 1e-6).
-double steps_per_turn_of_path(double tip, double turns) {
-  return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
-}
 
 /// A parallel beam from inside the chamber.
 bool stays_where_it_starts(const Source& source) {
@@ -67,7 +57,7 @@ class Compiler {
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
         may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
-    if (spins_along_z(beamline.source.spin, quantum_)) tip_ = 0;
+    if (spins_along_z(beamline.source.spin, quantum_)) outlook_.tip = 0;
   }
 
   std::vector<Stage> compile() {
@@ -128,15 +118,15 @@ class Compiler {
     may_reach_chamber_ = true;
   }
   void aligned_along(const Vector3& axis) {
-    tip_ = 0;
-    aligned_ = axis;
+    outlook_.tip = 0;
+    outlook_.aligned = axis;
   }
   /// The spin must be known where it is filtered: fields that a straight flight passed before act now.
   void add_filter(const FilterTerm& filter, const Plane& plane) {
     std::vector<SpinZone> zones = straight_ ? spins_.zones_before(plane) : std::vector<SpinZone>{};
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     chain_.push_back(filter_of(filter, plane.part));
-    tip_ = 1;
+    outlook_.tip = 1;
   }
   Filter filter_of(const FilterTerm& term, int part) const {
     require_one_moment(part);
@@ -176,8 +166,11 @@ class Compiler {
 
   // ---- tallies ----
 
+  static Census census_of(const Plane& plane, const MonitorTerm& monitor) {
+    return {aperture_of(plane.y, monitor.face, monitor.offset, monitor.tilt), plane.part, monitor.plane};
+  }
   void add_monitor(const Plane& plane, const MonitorTerm& monitor) {
-    Census census{aperture_of(plane.y, monitor.face, monitor.offset, monitor.tilt), plane.part};
+    const Census census = census_of(plane, monitor);
     chain_.push_back(census);
     add_tallies(plane, monitor.tallies, census.face, false, false);
     add_tallies(plane, monitor.tallies, census.face, false, true);
@@ -189,14 +182,19 @@ class Compiler {
       if (const auto* screen = std::get_if<ScreenTerm>(&plane.term))
         add_tallies(plane, screen->tallies, aperture_of(plane.y, Disc{}, {}), true, of_spin);
   }
+  Histogram tally_at(const Plane& plane, const Tally& tally, std::size_t number, const Aperture& face) const {
+    Histogram histogram = histogram_of(tally, static_cast<int>(number), species_, levels());
+    histogram.part = plane.part;
+    if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term)) histogram.plane = monitor->plane;
+    histogram.face = face;
+    return histogram;
+  }
   void add_tallies(const Plane& plane, const std::vector<Tally>& tallies, const Aperture& face, bool caught,
                    bool of_spin) {
     for (std::size_t i = 0; i < tallies.size(); ++i) {
       if (asks_for_spin(tallies[i]) != of_spin) continue;
-      Histogram histogram = histogram_of(tallies[i], static_cast<int>(i), species_, levels());
-      histogram.part = plane.part;
+      Histogram histogram = tally_at(plane, tallies[i], i, face);
       histogram.caught = caught;
-      histogram.face = face;
       if (of_spin && quantum_ && species_.structure) {
         histogram.of_atom = true;
         histogram.transitions = questions_.transitions_before(plane);
@@ -239,16 +237,13 @@ class Compiler {
   /// Under closure `torque` fields without a drive do nothing to spins along them.
   bool turns_velocity(std::span<const Section> touching) const {
     if (turning_.rate_per_tesla == 0) return false;
-    const bool spins_aligned = turning_.take_off_spin_component && tip_ == 0;
+    const bool spins_aligned = turning_.take_off_spin_component && outlook_.tip == 0;
     return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
       if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
         return true;
       const Vector3 field = zones_.static_field(s);
-      return field != Vector3{} && !(spins_aligned && is_parallel(field, aligned_));
+      return field != Vector3{} && !(spins_aligned && is_parallel(field, outlook_.aligned));
     });
-  }
-  static bool is_parallel(const Vector3& a, const Vector3& b) {
-    return length_of(cross(a, b)) <= 1e-12 * length_of(a) * length_of(b);
   }
 
   void fly_straight_through(const Section& section) {
@@ -259,42 +254,6 @@ class Compiler {
 
   // ---- where fields turn the velocity ----
 
-  /// Largest sine of the angle that drives can open between spin and field in a zone: the tip of a spin that
-  /// entered along the field; the drives' own turning where the velocity follows the field and not the spin.
-  /// Where the path turns by much, the particle stays longer than straight flight would, and so can the tip.
-  double tip_in(const SpinZone& zone, double stay) const {
-    double tip = 0, most = 0;
-    for (int i = 0; i < zone.drives; ++i) {
-      const double w1 = std::abs(zone.drive[i].spin_rate),
-                   rate = std::hypot(zone.drive[i].omega - zone.spin_rate, w1);
-      most += rate > 0 ? 2 * w1 / rate : 0;
-      tip += turning_.take_off_spin_component ? w1 * stay : std::abs(zone.drive[i].turn_rate) * stay;
-    }
-    if (!turning_.take_off_spin_component) return tip;
-    const double turned = std::abs(zone.turn_rate) * stay * std::min(tip, most) * std::min(tip, most);
-    return turned > 0.5 ? most : std::min(tip, most);
-  }
-
-  RegionZone region_zone(const Section& section, double begin, double end) {
-    RegionZone zone;
-    zone.field = zones_.zone_of(section);
-    zones_.require_known_phases(zone.field);
-    zone.field.begin = begin;
-    zone.field.end = end;
-    zone.wall_radius = section.wall.radius;
-    zone.wall_part = section.wall.part;
-    zone.wall_x = section.wall.offset.x;
-    zone.wall_z = section.wall.offset.z;
-    if (const Vector3 field = zones_.static_field(section);
-        field != Vector3{} && !is_parallel(field, aligned_))
-      tip_ = 1;
-    const double stay = (section.end - section.begin) / speed(),
-                 turns = zones_.rate_of(zone.field) * stay / two_pi;
-    tip_ = std::min(1.0, tip_ + tip_in(zone.field, stay));
-    zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(tip_, turns));
-    if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
-    return zone;
-  }
   RegionEdge region_edge(const Plane& plane) const {
     RegionEdge edge;
     edge.part = plane.part;
@@ -310,8 +269,6 @@ class Compiler {
           "direction\n  "
           "help: move it out of the fields, or leave it away under this law",
           beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, describe(beamline_.law)));
-    } else if (std::holds_alternative<MonitorTerm>(plane.term)) {
-      refuse_monitor_in_region(beamline_, plane, species_);
     } else {
       edge.kind = EdgeKind::screen;
       edge.screen = screen_at(plane);
@@ -319,43 +276,34 @@ class Compiler {
     return edge;
   }
 
-  /// A region under construction: `pending` stands before the zone that comes next.
-  struct RegionInMaking {
-    TurningRegion region;
-    RegionEdge pending;
-    void add(RegionZone zone) {
-      if (!region.zones.empty()) region.edges.push_back(pending);
-      pending = {};
-      region.zones.push_back(zone);
-    }
-  };
+  Sight sight_at(const Plane& plane, const MonitorTerm& monitor) const {
+    Sight sight{census_of(plane, monitor), {}};
+    for (std::size_t i = 0; i < monitor.tallies.size(); ++i)
+      sight.tallies.push_back(tally_at(plane, monitor.tallies[i], i, sight.census.face));
+    return sight;
+  }
 
-  /// One section of a region, cut at the planes inside it; several planes at one place get zones of no length
-  /// between them.
-  void add_section(const Section& section, RegionInMaking& making) {
-    double begin = section.begin;
+  /// One section of a region, cut at the planes inside it that do more than look.
+  void add_section(const Section& section, RegionMaker& maker) {
+    maker.begin(section);
     for (; next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y < section.end;
          ++next_plane_) {
       const Plane& plane = sections_.planes[next_plane_];
-      if (plane.y > begin || making.pending.kind != EdgeKind::open) {
-        making.add(region_zone(section, begin, plane.y));
-        begin = plane.y;
-      }
-      making.pending = region_edge(plane);
+      if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term))
+        maker.look(sight_at(plane, *monitor));
+      else
+        maker.edge(plane.y, region_edge(plane));
     }
-    making.add(region_zone(section, begin, section.end));
+    maker.end();
   }
 
   void fly_through_region(std::span<const Section> touching) {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionInMaking making;
-    for (const Section& section : touching) add_section(section, making);
-    making.region.take_off_spin_component = turning_.take_off_spin_component;
-    making.region.most_way =
-        200 * (touching.back().end - touching.front().begin);  // what circles for longer gives up
-    chain_.push_back(std::move(making.region));
+    RegionMaker maker(turning_, zones_, speed(), outlook_);
+    for (const Section& section : touching) add_section(section, maker);
+    chain_.push_back(maker.finish());
     may_reach_chamber_ = true;
   }
 
@@ -372,8 +320,7 @@ class Compiler {
   const LevelQuestions questions_;
   bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
   std::size_t next_plane_ = 0;
-  Vector3 aligned_{0, 0, 1};  // what spins stand along where tip_ is 0
-  double tip_ = 1;  // how far spins may stand from the field so far; 1 for a beam that nothing has aligned
+  SpinOutlook outlook_;
   std::vector<Stage> chain_;
 };
 

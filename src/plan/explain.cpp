@@ -189,10 +189,19 @@ class Explainer {
          s.screen.efficiency == 1 ? "" : fmt::format(", counts {:g} of each", s.screen.efficiency),
          s.screen.has_dead_area ? ", nothing in its dead area" : "", reuse());
   }
+  /// Of a monitor with several planes the first one stands for all.
   void show(const Census& census) {
-    line("{}  {}: counts what passes{}", metres(census.face.y), name_of(census.part), reuse());
+    if (census.plane > 0) return;
+    const PlacedPart& part = beamline_.parts[static_cast<std::size_t>(census.part)];
+    const auto& monitor = std::get<Monitor>(part.part);
+    line("{}  {}: counts what passes{}{}", metres(census.face.y), name_of(census.part),
+         monitor.planes > 1 ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
+                                          metres(place_of_plane(monitor, part.placement, monitor.planes - 1)))
+                            : "",
+         reuse());
   }
   void show(const Histogram& histogram) {
+    if (histogram.plane > 0) return;
     const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
     const auto number = static_cast<std::size_t>(histogram.tally);
     std::string name, axes;
@@ -207,11 +216,6 @@ class Explainer {
          static_cast<double>(sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
     if (histogram.transitions != nullptr && !histogram.caught) show_driven(histogram.part);
   }
-  static std::string_view word_of(Quantity quantity) {
-    for (const auto& choice : choices<Quantity>)
-      if (choice.value == quantity) return choice.word;
-    return "";
-  }
   void show(const Exit&) { line("            what still flies has passed{}", reuse()); }
   void show(const TurningRegion& region) {
     line("{}  region that turns the velocity, to {}{}", metres(region.zones.front().field.begin),
@@ -222,6 +226,10 @@ class Explainer {
       if (rate > 0)
         line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
              two_pi / (rate * zone.step));
+    }
+    for (const Sight& sight : region.sights) {
+      show(sight.census);
+      for (const Histogram& tally : sight.tallies) show(tally);
     }
     warn_of_claim_one(region);
   }

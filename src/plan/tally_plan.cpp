@@ -51,13 +51,4 @@ std::uint64_t bins_of(const Tally& tally, int levels) {
   return product;
 }
 
-void refuse_monitor_in_region(const Beamline& beamline, const Plane& monitor, const Species& species) {
-  throw std::invalid_argument(fmt::format(
-      "the monitor `{}` stands at {:g} m, inside of fields that turn the velocity of {} under the law {}: a "
-      "particle may cross that place several times\n  help: place it before or behind these fields, or use a "
-      "law under which the flight is straight there",
-      beamline.parts[static_cast<std::size_t>(monitor.part)].placement.name, monitor.y, species.name,
-      describe(beamline.law)));
-}
-
 }  // namespace rabiline

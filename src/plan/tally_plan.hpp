@@ -17,8 +17,4 @@ Histogram histogram_of(const Tally&, int number, const Species&, int levels);
 /// How many bins a tally has in all, for a spin with that many levels.
 std::uint64_t bins_of(const Tally&, int levels);
 
-/// A particle may cross a monitor inside of fields that turn its velocity again and again, in both
-/// directions: throws std::invalid_argument, which says what to do instead.
-[[noreturn]] void refuse_monitor_in_region(const Beamline&, const Plane& monitor, const Species&);
-
 }  // namespace rabiline

@@ -90,6 +90,7 @@ struct MonitorTerm {
   Offset offset;
   Roll tilt{};
   std::vector<Tally> tallies{};
+  int plane = 0;  // its number in the monitor
   bool operator==(const MonitorTerm&) const = default;
 };
 

@@ -16,12 +16,6 @@ namespace {
 
 __extension__ typedef __int128 Signed;
 
-std::string_view word_of(Quantity quantity) {
-  for (const auto& choice : choices<Quantity>)
-    if (choice.value == quantity) return choice.word;
-  return "";
-}
-
 std::string level_name(int twice_m) {
   return twice_m % 2 == 0 ? fmt::format("m = {:+d}", twice_m / 2) : fmt::format("m = {:+d}/2", twice_m);
 }
@@ -52,6 +46,16 @@ class TallyFinisher {
     monitor.name = part.placement.name;
     monitor.label = part.placement.label.value_or(monitor.name);
     monitor.y = part.placement.at;
+    const auto& own = std::get<Monitor>(part.part);
+    for (std::size_t i = 0; own.planes > 1 && i < own.planes; ++i)
+      monitor.planes.push_back(place_of_plane(own, part.placement, i));
+    monitor.passed.resize(points_ * own.planes);
+    monitor.passed_errors.resize(points_ * own.planes);
+    for (std::size_t plane = 0; plane < own.planes; ++plane) add_plane(plane, own.planes, monitor);
+    result_.monitors.push_back(std::move(monitor));
+  }
+
+  void add_plane(std::size_t plane, std::size_t planes, MonitorResult& monitor) {
     std::vector<std::vector<double>> deviations(points_, std::vector<double>(group_count, 0.0));
     for (std::size_t p = 0; p < points_; ++p) {
       const int number = number_of(beamline(p), monitor.name);
@@ -59,7 +63,9 @@ class TallyFinisher {
       Counts total(1);
       Moments all;
       for (const CensusTally& census : run_.tallies.censuses) {
-        if (census.part != number || !concerns(*census.points, p)) continue;
+        if (census.part != number || static_cast<std::size_t>(census.plane) != plane ||
+            !concerns(*census.points, p))
+          continue;
         const Sum* s = &run_.sums[census.at];
         const Moments own{s[CensusSums::total()], s[CensusSums::total() + 1]};
         const double n = static_cast<double>(census.tree->last - census.tree->first);
@@ -69,14 +75,14 @@ class TallyFinisher {
         add_deviations(*census.tree, run_.sums, s + CensusSums::group(0), own, deviations[p]);
       }
       for (double& d : deviations[p]) d /= particles(emitted.q);
-      const double fraction = particles(all.q) / particles(emitted.q);
-      monitor.passed.push_back(fraction);
-      monitor.passed_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
-                                          ? std::sqrt(total.variances[0]) / particles(emitted.q)
-                                          : std::sqrt(covariance_of(deviations[p], deviations[p])));
+      monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
+      monitor.passed_errors[p * planes + plane] =
+          emitted.q2 == emitted.q * quanta_per_particle
+              ? std::sqrt(total.variances[0]) / particles(emitted.q)
+              : std::sqrt(covariance_of(deviations[p], deviations[p]));
     }
-    monitor.passed_covariance = covariance_of(deviations, run_.experiment.particles);
-    result_.monitors.push_back(std::move(monitor));
+    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles);
+    monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
   }
 
   // ---- tallies ----
@@ -112,6 +118,18 @@ class TallyFinisher {
     return made;
   }
 
+  /// One bin for each plane, which stands in its middle.
+  static TallyAxisResult axis_of_planes(const Monitor& monitor, const Placement& place) {
+    TallyAxisResult made;
+    made.quantity = word_of(Quantity::y);
+    made.dimension = dimension_of(Quantity::y);
+    const double half = monitor.length / static_cast<double>(2 * (monitor.planes - 1));
+    for (std::size_t i = 0; i < monitor.planes; ++i)
+      made.edges.push_back(place_of_plane(monitor, place, i) - half);
+    made.edges.push_back(place.at + monitor.length + half);
+    return made;
+  }
+
   void add_tally(const PlacedPart& part, const Tally& tally, std::size_t number) {
     const Species& species = beamline(0).species.front().species;
     const int levels = species.levels();
@@ -121,30 +139,37 @@ class TallyFinisher {
     out.name = tally.name;
     out.of_monitor = std::holds_alternative<Monitor>(part.part);
     out.asks_for_spin = asks_for_spin(tally);
+    const auto* monitor = std::get_if<Monitor>(&part.part);
+    if (monitor != nullptr) out.planes = monitor->planes;
+    if (out.planes > 1) out.axes.push_back(axis_of_planes(*monitor, part.placement));
     for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, species, levels));
     const HistogramSums layout{static_cast<std::size_t>(bins_of(tally, levels)), 0};
-    for (std::size_t p = 0; p < points_; ++p) {
-      add_counts(layout, static_cast<int>(number), p, out);
-      add_moments(static_cast<int>(number), p, out);
-    }
+    for (std::size_t p = 0; p < points_; ++p)
+      for (std::size_t plane = 0; plane < out.planes; ++plane) {
+        add_counts(layout, number, plane, p, out);
+        add_moments(tally, number, plane, p, out);
+      }
     result_.tallies.push_back(std::move(out));
   }
 
-  std::vector<const HistogramTally*> found(int part, int number, std::size_t p) const {
+  std::vector<const HistogramTally*> found(int part, std::size_t number, std::size_t plane,
+                                           std::size_t p) const {
     std::vector<const HistogramTally*> out;
     for (const HistogramTally& tally : run_.tallies.histograms)
-      if (tally.histogram->part == part && tally.histogram->tally == number && concerns(*tally.points, p))
+      if (tally.histogram->part == part && static_cast<std::size_t>(tally.histogram->tally) == number &&
+          static_cast<std::size_t>(tally.histogram->plane) == plane && concerns(*tally.points, p))
         out.push_back(&tally);
     return out;
   }
 
-  void add_counts(const HistogramSums& layout, int number, std::size_t p, TallyResult& out) {
+  void add_counts(const HistogramSums& layout, std::size_t number, std::size_t plane, std::size_t p,
+                  TallyResult& out) {
     const int part = number_of(beamline(p), out.part);
     const auto* detector = std::get_if<Detector>(&beamline(p).parts[static_cast<std::size_t>(part)].part);
     const std::uint64_t each = detector ? counted_of_one(detector->efficiency) : quanta_per_particle;
     Counts bins(layout.bins), outside(1);
     Sum sum = 0;
-    for (const HistogramTally* tally : found(part, number, p)) {
+    for (const HistogramTally* tally : found(part, number, plane, p)) {
       const Sum* s = &run_.sums[tally->at];
       const double n = static_cast<double>(tally->tree->last - tally->tree->first);
       std::vector<Moments> own(layout.bins);
@@ -159,46 +184,60 @@ class TallyFinisher {
     }
     bins.put(out.counts, out.counts_errors);
     outside.put(out.outside, out.outside_errors);
-    if (sum != crossed(part, p))
+    if (sum != crossed(part, plane, p))
       throw std::logic_error(
           fmt::format("the tally {} of {} does not add up to what crossed its plane at scan point {}",
                       out.name, out.part, p));
   }
 
   /// What a detector counted or a monitor let pass.
-  Sum crossed(int part, std::size_t p) const {
+  Sum crossed(int part, std::size_t plane, std::size_t p) const {
     Sum sum = 0;
     for (const ScreenTally& screen : run_.tallies.screens)
       if (screen.part == part && concerns(*screen.points, p))
         sum += run_.sums[screen.at + screen.layout.total()];
     for (const CensusTally& census : run_.tallies.censuses)
-      if (census.part == part && concerns(*census.points, p))
+      if (census.part == part && static_cast<std::size_t>(census.plane) == plane &&
+          concerns(*census.points, p))
         sum += run_.sums[census.at + CensusSums::total()];
     return sum;
   }
 
-  void add_moments(int number, std::size_t p, TallyResult& out) {
+  void add_moments(const Tally& tally, std::size_t number, std::size_t plane, std::size_t p,
+                   TallyResult& out) {
     std::size_t ranged = 0;
-    for (TallyAxisResult& axis : out.axes) {
-      if (!axis.labels.empty()) continue;
+    for (std::size_t a = 0; a < tally.axes.size(); ++a) {
+      if (is_categorical(tally.axes[a].quantity)) continue;
       std::vector<MomentSums> groups(moment_groups);
-      for (const HistogramTally* tally : found(number_of(beamline(p), out.part), number, p)) {
-        const HistogramSums layout = sums_of(*tally->histogram);
+      for (const HistogramTally* found : found(number_of(beamline(p), out.part), number, plane, p)) {
+        const HistogramSums layout = sums_of(*found->histogram);
         for (std::size_t g = 0; g < moment_groups; ++g) {
-          const Sum* s = &run_.sums[tally->at + layout.moments(ranged, g)];
+          const Sum* s = &run_.sums[found->at + layout.moments(ranged, g)];
           groups[g].q += s[0];
           groups[g].qu += s[1];
           groups[g].quu += s[2];
         }
       }
       ++ranged;
-      const MeanAndDeviation m = moments_of(groups);
+      TallyAxisResult& axis = out.axes[a + (out.planes > 1 ? 1 : 0)];
+      if (is_circular(tally.axes[a].quantity)) {
+        put(direction_of(groups), axis);
+        continue;
+      }
+      MeanAndDeviation m = moments_of(groups);
       const double step = (axis.edges.back() - axis.edges.front()) / moment_steps;
-      axis.mean.push_back(std::fma(m.mean + 0.5, step, axis.edges.front()));  // from the middle of the step
-      axis.mean_errors.push_back(m.mean_error * step);
-      axis.deviation.push_back(m.deviation * step);
-      axis.deviation_errors.push_back(m.deviation_error * step);
+      m.mean = std::fma(m.mean + 0.5, step, axis.edges.front());  // from the middle of the step
+      m.mean_error *= step;
+      m.deviation *= step;
+      m.deviation_error *= step;
+      put(m, axis);
     }
+  }
+  static void put(const MeanAndDeviation& m, TallyAxisResult& axis) {
+    axis.mean.push_back(m.mean);
+    axis.mean_errors.push_back(m.mean_error);
+    axis.deviation.push_back(m.deviation);
+    axis.deviation_errors.push_back(m.deviation_error);
   }
 
   const Summed& run_;
@@ -238,6 +277,34 @@ MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
   const double n = static_cast<double>(groups.size()), scatter = n / (n - 1), deviation = std::sqrt(variance);
   return {static_cast<double>(centre) + mean, std::sqrt(scatter * of_mean) / q, deviation,
           deviation > 0 ? std::sqrt(scatter * of_variance) / (2 * q * deviation) : 0};
+}
+
+/// C and S are the sums of q cos and q sin, R their length over that of q. Errors of ratios as above: what
+/// each group adds across the mean direction moves the direction, what it adds along it beyond its share
+/// changes R.
+MeanAndDeviation direction_of(const std::vector<MomentSums>& groups) {
+  const auto number = [](Sum steps, Sum q) {  // from the middle of the step
+    return static_cast<double>(static_cast<Signed>(2 * steps + q)) / moment_steps - static_cast<double>(q);
+  };
+  double q = 0, c = 0, s = 0;
+  for (const MomentSums& g : groups) {
+    q += static_cast<double>(g.q);
+    c += number(g.qu, g.q);
+    s += number(g.quu, g.q);
+  }
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const double length = std::hypot(c, s);
+  if (q == 0 || length == 0) return {none, none, none, none};
+  const double r = std::min(1.0, length / q), deviation = std::sqrt(-2 * std::log(r));
+  double across = 0, along = 0;
+  for (const MomentSums& g : groups) {
+    const double x = number(g.qu, g.q), y = number(g.quu, g.q);
+    across += std::pow((y * c - x * s) / length, 2);
+    along += std::pow((x * c + y * s) / length - r * static_cast<double>(g.q), 2);
+  }
+  const double n = static_cast<double>(groups.size()), scatter = n / (n - 1);
+  return {std::atan2(s, c), std::sqrt(scatter * across) / (q * r), deviation,
+          deviation > 0 ? std::sqrt(scatter * along) / (q * r * deviation) : 0};
 }
 
 void finish_tallies(const Summed& run, Result& result) { TallyFinisher(run, result).finish(); }

@@ -27,5 +27,8 @@ struct MeanAndDeviation {
   double mean, mean_error, deviation, deviation_error;  // NaN where nothing was counted
 };
 MeanAndDeviation moments_of(const std::vector<MomentSums>& groups);
+/// The same of an axis that goes in a circle [rad]: `qu` and `quu` are sums of q (1 + cos)/2 and
+/// q (1 + sin)/2.
+MeanAndDeviation direction_of(const std::vector<MomentSums>& groups);
 
 }  // namespace rabiline

@@ -39,10 +39,11 @@ struct DetectorResult {
 /// One monitor over the scan.
 struct MonitorResult {
   std::string name, label;
-  double y = 0;                           // [m] where it stands
-  std::vector<double> passed;             // [points] fraction of emitted that flew through its face
-  std::vector<double> passed_errors;      // [points]
-  std::vector<double> passed_covariance;  // [points][points]; empty where there is one point only
+  double y = 0;                           // [m] where it stands, or its first plane does
+  std::vector<double> passed;             // [points][planes] fraction of emitted that flew through its face
+  std::vector<double> passed_errors;      // [points][planes]
+  std::vector<double> passed_covariance;  // [planes][points][points]; empty where there is one point only
+  std::vector<double> planes{};           // [m] where they are, of several
 };
 
 /// An axis of a tally: a range with equal bins, or levels with a label each.
@@ -52,8 +53,10 @@ struct TallyAxisResult {
   std::vector<double> edges;        // [SI] n + 1 of them; around m for levels
   std::vector<std::string> labels;  // of levels, else empty
   std::vector<double> direction;    // that a spin is projected on, else empty
-  /// Of what is inside the ranges of all axes; empty for levels. NaN where nothing is.
-  std::vector<double> mean, mean_errors, deviation, deviation_errors;  // [points] [SI]
+  /// Of what is inside the ranges of all axes; empty for levels and planes. NaN where nothing is. Of an axis
+  /// that goes in a circle: the direction of the mean vector of length R, and sqrt(-2 ln R) (K. V. Mardia,
+  /// Statistics of Directional Data, 1972).
+  std::vector<double> mean, mean_errors, deviation, deviation_errors;  // [points][planes] [SI]
 };
 
 /// One tally of a monitor or a detector over the scan.
@@ -61,9 +64,10 @@ struct TallyResult {
   std::string part, part_label, name;
   bool of_monitor = false;                      // of what passed, else of what was counted
   bool asks_for_spin = false;                   // under `quantum` weights are split over the outcomes
-  std::vector<TallyAxisResult> axes;            // one to three
+  std::vector<TallyAxisResult> axes;            // one to three, before them `y` where there are planes
   std::vector<double> counts, counts_errors;    // [points][bins of the axes], in particles
-  std::vector<double> outside, outside_errors;  // [points] what crossed outside of the ranges
+  std::vector<double> outside, outside_errors;  // [points][planes] what crossed outside of the ranges
+  std::size_t planes = 1;                       // of the monitor
 };
 
 /// One line of the ledger, over the scan.

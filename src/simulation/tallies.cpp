@@ -55,7 +55,7 @@ void Tallies::add(const SpinStretch& stretch, const Stand& sums) {
 }
 
 void Tallies::add(const Census& census, const Stand& sums) {
-  censuses.push_back({census.part, tree_, sums.at, sums.points});
+  censuses.push_back({census.part, census.plane, tree_, sums.at, sums.points});
 }
 
 void Tallies::add(const Histogram& histogram, const Stand& sums) {
@@ -90,6 +90,15 @@ void Tallies::add(const TurningRegion& region, const Stand& sums) {
       add_screen(edge.screen, {screen, sums.points});
       screen += sums_of(edge.screen).size();
     }
+  }
+  std::size_t sight = sums.at + sums_before_sights(region);
+  const auto add_next = [&](const auto& stage) {
+    add(stage, {sight, sums.points});
+    sight += sums_needed(stage);
+  };
+  for (const Sight& seen : region.sights) {
+    add_next(seen.census);
+    for (const Histogram& tally : seen.tallies) add_next(tally);
   }
 }
 

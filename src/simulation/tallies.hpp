@@ -24,6 +24,7 @@ struct LevelTally {
 };
 struct CensusTally {
   int part;
+  int plane;  // of the monitor
   const PlanTree* tree;
   std::size_t at;
   const std::vector<int>* points;

@@ -1,5 +1,7 @@
 #include "storage/tally_groups.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "core/units.hpp"
@@ -20,6 +22,8 @@ std::string title_of(const TallyAxisResult& axis) {
   if (axis.quantity == "level") return "m along +z";
   if (axis.quantity == "prepared_level") return "m along +z that the particle was prepared in";
   if (axis.quantity == "weight") return "weight in particles";
+  if (axis.quantity == "spin_polar_angle") return long_name("polar angle of the spin from +z", "rad");
+  if (axis.quantity == "spin_azimuth") return long_name("azimuth of the spin about +z", "rad");
   std::string words = axis.quantity;
   for (char& c : words)
     if (c == '_') c = ' ';
@@ -29,9 +33,10 @@ std::string title_of(const TallyAxisResult& axis) {
   return long_name(words, unit_of(axis));
 }
 
-Shape shape_of(const std::vector<Axis>& scan) {
+Shape shape_of(const std::vector<Axis>& scan, std::size_t planes) {
   Shape shape;
   for (const Axis& axis : scan) shape.push_back(axis.values.size());
+  if (planes > 1) shape.push_back(planes);
   return shape.empty() ? Shape{1} : shape;
 }
 
@@ -43,13 +48,16 @@ void write_numbers(const GroupWriter& data, const std::string& name, const Shape
                {{"units", units}, {"long_name", "standard error of " + meaning}});
 }
 
+bool is_circle(const TallyAxisResult& axis) { return axis.quantity == "spin_azimuth"; }
+
 void write_moments(const GroupWriter& data, const Shape& shape, const std::string& name,
                    const TallyAxisResult& axis) {
   if (axis.mean.empty()) return;
   write_numbers(data, name + "_mean", shape, axis.mean, axis.mean_errors, unit_of(axis),
-                "mean of " + name + " inside the axes");
+                "mean of " + name + (is_circle(axis) ? " as a direction," : "") + " inside the axes");
   write_numbers(data, name + "_deviation", shape, axis.deviation, axis.deviation_errors, unit_of(axis),
-                "standard deviation of " + name + " inside the axes");
+                (is_circle(axis) ? "circular standard deviation of " : "standard deviation of ") + name +
+                    " inside the axes");
 }
 
 void write_tally(const GroupWriter& entry, const std::string& name, const Result& result,
@@ -81,23 +89,28 @@ void write_tally(const GroupWriter& entry, const std::string& name, const Result
     const Axis& axis = axes[scan.size() + i];
     data.dataset(axis.name + "_edges", {tally.axes[i].edges.size()}, tally.axes[i].edges,
                  {{"units", axis.units}, {"long_name", "edges of the bins along " + axis.name}});
-    write_moments(data, shape_of(scan), axis.name, tally.axes[i]);
+    write_moments(data, shape_of(scan, tally.planes), axis.name, tally.axes[i]);
   }
-  write_numbers(data, "outside", shape_of(scan), tally.outside, tally.outside_errors, "1",
+  write_numbers(data, "outside", shape_of(scan, tally.planes), tally.outside, tally.outside_errors, "1",
                 "particles that crossed the plane outside of the axes");
 }
 
 void write_monitor(const GroupWriter& entry, const std::string& name, const Result& result,
                    const MonitorResult& monitor, const std::vector<Axis>& scan) {
+  std::vector<Axis> axes = scan;
+  if (!monitor.planes.empty()) axes.push_back({"y", "m", long_name("y", "m"), monitor.planes, {}, ""});
   const GroupWriter data =
       write_data(entry, name, fmt::format("{}: {}", result.title, monitor.label),
                  {"passed", "1", "fraction of emitted particles that passed " + monitor.label, monitor.passed,
                   monitor.passed_errors, ""},
-                 scan);
+                 axes);
   data.attribute("monitor", monitor.name);
   data.number("distance", monitor.y, {{"units", "m"}, {"long_name", "distance from the source (m)"}});
   if (monitor.passed_covariance.empty()) return;
-  data.dataset("passed_covariance", {monitor.passed.size(), monitor.passed.size()}, monitor.passed_covariance,
+  const std::size_t planes = std::max<std::size_t>(1, monitor.planes.size()),
+                    points = monitor.passed.size() / planes;
+  data.dataset("passed_covariance", planes > 1 ? Shape{planes, points, points} : Shape{points, points},
+               monitor.passed_covariance,
                {{"units", "1"}, {"long_name", "covariance of passed between scan points (row-major)"}});
 }
 

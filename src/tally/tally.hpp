@@ -28,12 +28,23 @@ inline constexpr auto choices<Quantity> = std::array{
     Choice<Quantity>{"spin", Quantity::spin,
                      "projection of the spin on `axis` over I, -1 to 1; under quantum each particle's weight "
                      "is split over the outcomes"},
+    Choice<Quantity>{"spin_polar_angle", Quantity::spin_polar_angle,
+                     "angle between the spin and +z, 0 to 180 deg (classical, dorado)"},
+    Choice<Quantity>{"spin_azimuth", Quantity::spin_azimuth,
+                     "angle of the spin about +z, from +x towards +y, -180 to 180 deg, 0 of a spin along z; "
+                     "its mean is that of directions (classical, dorado)"},
     Choice<Quantity>{"level", Quantity::level,
                      "m along +z, one bin for each from -I to I, the weight split over them (quantum)"},
     Choice<Quantity>{"prepared_level", Quantity::prepared_level,
                      "m that the source or a polarizer gave the particle last, from -I to I (quantum)"},
     Choice<Quantity>{"weight", Quantity::weight, "what one particle counts; 1 where nothing takes off"},
 };
+
+constexpr std::string_view word_of(Quantity quantity) {
+  for (const auto& choice : choices<Quantity>)
+    if (choice.value == quantity) return choice.word;
+  return "";
+}
 
 /// What the ends of an axis are written in.
 constexpr Dimension dimension_of(Quantity q) {
@@ -52,6 +63,8 @@ constexpr Dimension dimension_of(Quantity q) {
     case Quantity::angle_x:
     case Quantity::angle_z:
     case Quantity::angle:
+    case Quantity::spin_polar_angle:
+    case Quantity::spin_azimuth:
       return Dimension::angle;
     default:
       return Dimension::number;
@@ -59,8 +72,16 @@ constexpr Dimension dimension_of(Quantity q) {
 }
 /// Has one bin for each value instead of a range.
 constexpr bool is_categorical(Quantity q) { return q == Quantity::level || q == Quantity::prepared_level; }
+/// Is known of a spin that is a vector only.
+constexpr bool is_of_vector_spin(Quantity q) {
+  return q == Quantity::spin_polar_angle || q == Quantity::spin_azimuth;
+}
 /// Asks what the fields have done to the spin.
-constexpr bool asks_for_spin(Quantity q) { return q == Quantity::spin || q == Quantity::level; }
+constexpr bool asks_for_spin(Quantity q) {
+  return q == Quantity::spin || q == Quantity::level || is_of_vector_spin(q);
+}
+/// Goes in a circle, so that its mean is that of directions.
+constexpr bool is_circular(Quantity q) { return q == Quantity::spin_azimuth; }
 
 /// One end of an axis, in SI; its unit follows the quantity.
 struct AxisEnd {

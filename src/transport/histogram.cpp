@@ -16,8 +16,9 @@ constexpr auto last_step = static_cast<std::int64_t>(moment_steps) - 1;
 
 /// Where a value is on an axis.
 struct Mark {
-  int bin = 0;          // or outside_axis
-  std::uint64_t u = 0;  // in steps
+  int bin = 0;                              // or outside_axis
+  std::uint64_t u = 0;                      // in steps
+  std::uint64_t first = u, second = u * u;  // what is summed for the axis' moments
 };
 
 /// Finds bins; one for each axis, so that divisions are made once.
@@ -131,14 +132,26 @@ class Filler {
         share_levels(histogram_.levels, histogram_.transitions, flight_, weights_, shares_);
         continue;
       }
+      spin.quantity = axis.quantity;
       flight_.kernels.measure_spin(spin, batch_, weights_, measured_ ? probabilities_ : values_[a]);
+      if (is_circular(axis.quantity)) measure_across(spin);
+    }
+  }
+
+  /// What the spin has along x and y.
+  void measure_across(SpinGauge spin) {
+    spin.quantity = Quantity::spin;
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::fill_n(spin.axis, 3, 0.0);
+      spin.axis[k] = 1;
+      flight_.kernels.measure_spin(spin, batch_, weights_, across_[k]);
     }
   }
 
   void score(int i) {
     Mark marks[most_axes];
     for (std::size_t a = 0; a < rulers_.size(); ++a)
-      if (!is_measured(histogram_.axes[a])) marks[a] = rulers_[a].mark(values_[a][i]);
+      if (!is_measured(histogram_.axes[a])) marks[a] = mark(a, i);
     if (!measured_) {
       add(i, marks, weights_[i]);
     } else {
@@ -152,6 +165,21 @@ class Filler {
       }
     }
     flush();
+  }
+
+  /// Angles that go in a circle have the mean of their directions.
+  Mark mark(std::size_t axis, int i) const {
+    Mark made = rulers_[axis].mark(values_[axis][i]);
+    if (!is_circular(histogram_.axes[axis].quantity)) return made;
+    const double x = across_[0][i], y = across_[1][i], length = std::sqrt(x * x + y * y);
+    made.first = in_steps(length > 0 ? x / length : 1);
+    made.second = in_steps(length > 0 ? y / length : 0);
+    return made;
+  }
+  /// A number from -1 to 1.
+  static std::uint64_t in_steps(double number) {
+    return static_cast<std::uint64_t>(
+        std::min(static_cast<std::int64_t>((1 + number) * (moment_steps / 2)), last_step));
   }
 
   /// What an axis shows of outcome k: the level's number, or m/I.
@@ -199,10 +227,9 @@ class Filler {
     for (std::size_t a = 0; a < rulers_.size(); ++a) {
       if (rulers_[a].of_levels()) continue;
       Sum* at = sums + layout_.moments(axis++, batch_.particle[i] % moment_groups);
-      const Sum first = static_cast<Sum>(q) * marks[a].u;
       at[0] += q;
-      at[1] += first;
-      at[2] += first * marks[a].u;
+      at[1] += static_cast<Sum>(q) * marks[a].first;
+      at[2] += static_cast<Sum>(q) * marks[a].second;
     }
   }
   void flush_bin() {
@@ -225,6 +252,7 @@ class Filler {
   std::uint64_t inside_ = 0, outside_ = 0;
   alignas(64) std::uint64_t weights_[Batch::capacity];
   alignas(64) double values_[most_axes][Batch::capacity];
+  alignas(64) double across_[2][Batch::capacity];  // of the spin, along x and y
   union {
     alignas(64) double probabilities_[most_levels * Batch::capacity];
     alignas(64) std::uint64_t shares_[most_levels * Batch::capacity];  // of an atom

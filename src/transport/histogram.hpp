@@ -12,10 +12,11 @@
 
 namespace rabiline {
 
-/// Counts what flies through a monitor's face.
+/// Counts what flies through a monitor's face in one of its planes.
 struct Census {
   Aperture face;
   int part = 0;
+  int plane = 0;
   bool operator==(const Census&) const = default;
 };
 
@@ -35,6 +36,7 @@ struct HistogramAxis {
 struct Histogram {
   int part = 0;
   int tally = 0;        // its number in the part's list
+  int plane = 0;        // of the monitor
   bool caught = false;  // of what the detector `part` caught, else of what flies through `face`
   Aperture face;        // of a detector only its place along the beam
   std::vector<HistogramAxis> axes;
@@ -60,7 +62,8 @@ inline constexpr std::size_t moment_groups = 64;
 inline constexpr double moment_steps = 0x1p24;
 
 /// The sums of a histogram: q and q^2 of every bin and of what is outside of the axes; then of every axis
-/// that is not one of levels, for each group, q, q u and q u^2, u the place on the axis in steps.
+/// that is not one of levels, for each group, q, q u and q u^2, u the place on the axis in steps. Of an axis
+/// that goes in a circle: q, q (1 + cos)/2 and q (1 + sin)/2, these in steps.
 struct HistogramSums {
   std::size_t bins = 1, axes = 0;
   std::size_t bin(std::size_t i) const { return 2 * i; }

@@ -257,9 +257,11 @@ struct Gauge {
   double y = 0;     // [m] the plane
   double mass = 0;  // [kg]
 };
-/// What measuring the spin along an axis gives where particles meet a plane.
+/// What measuring the spin along an axis gives where particles meet a plane; or an angle of a spin that is a
+/// vector.
 struct SpinGauge {
   RandomKey key;
+  Quantity quantity = Quantity::spin;
   double axis[3] = {0, 0, 1};
   int levels = 0;  // quantum: how many outcomes; 0: a vector law, whose spin has a projection
   const SpinZone* zones = nullptr;  // flown straight since the last projection
@@ -318,6 +320,7 @@ struct RegionZone {
   double wall_x = 0, wall_z = 0;  // [m] its centre
   int wall_part = 0;
   double step = 0;  // [s]
+  int sights = 0;   // where the sights of the zones behind it begin
   bool operator==(const RegionZone&) const = default;
 };
 /// Touching fields that turn the velocity: dv/dt = W x v, W = turn - (turn . S) S where `along_spin` is taken
@@ -330,6 +333,10 @@ struct Region {
   bool take_off_spin_component = false;  // closure torque
   double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
   std::uint64_t most_visits = 0;  // of zones
+  // Planes that are looked at, ascending. Nothing happens there: steps go on across them. `seen` takes for
+  // each of them, where it is crossed forward for the first time, a particle's state in its own row.
+  BatchView* seen = nullptr;
+  int sight_count = 0;
 };
 /// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + zone or
 /// edge.
@@ -373,7 +380,7 @@ struct Kernels {
   // For tallies; columns are `padded` long. The weight of what flies through an opening, else 0.
   void (*cross)(const Aperture&, const BatchView&, std::uint64_t* weights);
   void (*measure)(const Gauge&, const BatchView&, const std::uint64_t* weights, double* values);
-  // The projection, or the probability of each outcome from m = I down to -I, a column for each.
+  // The angle or the projection, or the probability of each outcome from m = I down to -I, a column for each.
   void (*measure_spin)(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values);
 };
 

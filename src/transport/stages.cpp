@@ -17,9 +17,11 @@ std::size_t needed(const LevelProjection&) { return 0; }
 std::size_t needed(const Deflection&) { return 1; }
 std::size_t needed(const Steering&) { return 1; }
 std::size_t needed(const TurningRegion& region) {
-  std::size_t sums = RegionSums{region.zones.size()}.screens();
-  for (const RegionEdge& edge : region.edges)
-    if (edge.kind == EdgeKind::screen) sums += sums_of(edge.screen).size();
+  std::size_t sums = sums_before_sights(region);
+  for (const Sight& sight : region.sights) {
+    sums += CensusSums::size();
+    for (const Histogram& tally : sight.tallies) sums += sums_of(tally).size();
+  }
   return sums;
 }
 std::size_t needed(const Score& score) { return sums_of(score.screen).size(); }
@@ -138,9 +140,43 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
   return false;
 }
 
+/// Batches for what a region's sights see, one for each; nobody is in them yet.
+std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& batch) {
+  std::vector<Batch> seen(region.sights.size());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    BatchView& view = seen[k].view();
+    view.count = batch.count;
+    view.padded = batch.padded;
+    view.y = region.sights[k].census.face.y;
+    std::fill_n(view.flying, view.padded, 0);
+  }
+  return seen;
+}
+
+void tally(const TurningRegion& region, std::vector<Batch>& seen, Flight& flight) {
+  Sum* sums = flight.sums + sums_before_sights(region);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    Flight there{flight.kernels, flight.key, seen[k], sums};
+    pass(region.sights[k].census, there);
+    there.sums += CensusSums::size();
+    for (const Histogram& tally : region.sights[k].tallies) {
+      pass(tally, there);
+      there.sums += sums_of(tally).size();
+    }
+    sums = there.sums;
+  }
+}
+
 void pass(const TurningRegion& region, Flight& flight) {
   BatchView& batch = flight.batch.view();
-  flight.kernels.turn(region_view(region, flight.key), batch, flight.recorder);
+  std::vector<Batch> seen = batches_for(region, batch);
+  std::vector<BatchView> views;
+  for (Batch& there : seen) views.push_back(there.view());
+  Region view = region_view(region, flight.key);
+  view.seen = views.data();
+  view.sight_count = static_cast<int>(views.size());
+  flight.kernels.turn(view, batch, flight.recorder);
+  tally(region, seen, flight);
   for (int i = 0; i < batch.count; ++i)
     if (batch.flying[i] != 0 && !book(region, flight.sums, batch, i)) batch.flying[i] = 0;
 }
@@ -234,6 +270,13 @@ LevelQuestion question_of(const LevelProjection& projection, const RandomKey& ke
   question.polynomials = projection.polynomials.data();
   question.transitions = transitions_view(projection.transitions);
   return question;
+}
+
+std::size_t sums_before_sights(const TurningRegion& region) {
+  std::size_t sums = RegionSums{region.zones.size()}.screens();
+  for (const RegionEdge& edge : region.edges)
+    if (edge.kind == EdgeKind::screen) sums += sums_of(edge.screen).size();
+  return sums;
 }
 
 Region region_view(const TurningRegion& region, const RandomKey& key) {

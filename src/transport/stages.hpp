@@ -57,10 +57,18 @@ void share_levels(int levels, const TransitionTable*, const Flight&, const std::
                   std::uint64_t* shares);
 /// The kernel's view of a table, which must outlive it; of none that of no transitions.
 Transitions transitions_view(const TransitionTable*);
+/// A monitor's plane inside a region: it sees each particle once, where it comes there for the first time,
+/// and changes nothing.
+struct Sight {
+  Census census;
+  std::vector<Histogram> tallies;
+  bool operator==(const Sight&) const = default;
+};
 /// Touching fields that turn the velocity; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
   std::vector<RegionEdge> edges;  // between neighbouring zones
+  std::vector<Sight> sights;      // in the order in which they are passed
   bool take_off_spin_component = false;
   double most_way = 0;  // [m] in one zone at one visit
   bool operator==(const TurningRegion&) const = default;
@@ -131,7 +139,7 @@ inline ScreenSums sums_of(const Screen& s) {
 }
 
 /// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
-/// ScreenSums for each edge with a screen.
+/// ScreenSums for each edge with a screen, then those of each sight: its census, its tallies.
 struct RegionSums {
   std::size_t zones;
   static std::size_t backwards() { return 0; }
@@ -148,5 +156,8 @@ void advance(const Stage&, Flight&);
 
 /// The kernel's view of a region; the region must outlive it.
 Region region_view(const TurningRegion&, const RandomKey&);
+
+/// Where the sums of a region's sights begin among its own.
+std::size_t sums_before_sights(const TurningRegion&);
 
 }  // namespace rabiline

@@ -8,6 +8,7 @@ namespace rabiline::RABILINE_ISA {
 namespace {
 
 constexpr double planck = 6.62607015e-34;  // [J s] h, exact
+constexpr double pi = 0x1.921fb54442d18p+1;
 
 /// Particles on the plane that a tally looks at: straight on from, or back to, the batch's common plane.
 struct Crossing {
@@ -45,17 +46,31 @@ RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) 
     case Quantity::angle: {
       const real across = sqrt(fma(c.velocity.x, c.velocity.x, c.velocity.z * c.velocity.z));
       const real angle = atan(across / c.velocity.y);
-      return select(c.velocity.y < broadcast(0), angle + 0x1.921fb54442d18p+1, angle);
+      return select(c.velocity.y < broadcast(0), angle + pi, angle);
     }
     case Quantity::prepared_level:
       return number_of(load(batch.prepared + i));
     case Quantity::weight:
       return number_of(load(batch.weight + i)) * 0x1p-40;
     case Quantity::spin:
+    case Quantity::spin_polar_angle:
+    case Quantity::spin_azimuth:
     case Quantity::level:
       break;
   }
   return broadcast(0);
+}
+
+/// From +z, in [0, pi].
+RABILINE_LANES real polar_angle(const Vector& s) {
+  const real angle = atan(sqrt(fma(s.x, s.x, s.y * s.y)) / s.z);
+  return select(s.z < broadcast(0), angle + pi, angle);
+}
+/// About +z, from +x towards +y, in [-pi, pi]; 0 of what points along z.
+RABILINE_LANES real azimuth(const Vector& s) {
+  const real zero = broadcast(0), angle = atan(s.y / s.x);
+  const real turned = select(s.x < zero, angle + select(s.y < zero, broadcast(-pi), broadcast(pi)), angle);
+  return select((s.x == zero) & (s.y == zero), zero, turned);
 }
 
 }  // namespace
@@ -84,6 +99,10 @@ void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uin
     // What does not count stays for no time, however it flies.
     const real slowness = select(counted, 1.0 / load(batch.vy + i), broadcast(0));
     const Vector s = spin_after(gauge.zones, gauge.zone_count, gauge.key, batch, i, slowness);
+    if (gauge.quantity == Quantity::spin_polar_angle || gauge.quantity == Quantity::spin_azimuth) {
+      store(values + i, gauge.quantity == Quantity::spin_azimuth ? azimuth(s) : polar_angle(s));
+      continue;
+    }
     const real along = max(broadcast(-1), min(broadcast(1), dot(axis, s)));
     if (gauge.levels == 0) {
       store(values + i, along);

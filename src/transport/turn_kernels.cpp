@@ -168,15 +168,66 @@ void record(const StepRecorder& recorder, const State& s) {
   recorder.record(recorder.self, lane(s.t, 0), place, velocity, spin);
 }
 
+/// Where the lanes of one pack are seen next: at the first plane ahead that they have not crossed yet.
+/// A flight that turns back comes to no plane for the first time until it is farther than ever before.
+struct Lookout {
+  const Region& region;
+  const BatchView& batch;
+  int row;     // of the pack
+  words next;  // the number of the plane
+  words level;
+
+  /// The place of each lane's next plane before the number `end`; where there is none, infinity.
+  real places(int end) const {
+    real y = broadcast(__builtin_inf());
+    for (int i = 0; i < lane_count; ++i)
+      if (lane(next, i) < static_cast<unsigned long long>(end)) set_lane(y, i, region.seen[lane(next, i)].y);
+    return y;
+  }
+  /// Puts down the state of what has flown forward through planes within its last step. The state there is
+  /// that of a shorter step, which is thrown away: looking does not change the path.
+  void look(const Stepper& stepper, const State& before, const State& now, real h, mask flying, int end) {
+    for (;;) {
+      const real y = places(end);
+      const mask crosses = flying & (now.place.y >= y);
+      if (!any(crosses)) return;
+      put(to_edge(stepper, before, h, select(crosses, y, now.place.y)), crosses);
+      next = next + select(crosses, broadcast_word(1), words{});
+    }
+  }
+  void put(const State& s, mask chosen) const {
+    for (int i = 0; i < lane_count; ++i) {
+      if (lane((words)chosen, i) == 0) continue;
+      const BatchView& to = region.seen[lane(next, i)];
+      const int at = row + i;
+      to.x[at] = lane(s.place.x, i);
+      to.z[at] = lane(s.place.z, i);
+      to.t[at] = lane(s.t, i);
+      to.vx[at] = lane(s.velocity.x, i);
+      to.vy[at] = lane(s.velocity.y, i);
+      to.vz[at] = lane(s.velocity.z, i);
+      to.sx[at] = lane(s.spin.x, i);
+      to.sy[at] = lane(s.spin.y, i);
+      to.sz[at] = lane(s.spin.z, i);
+      to.level[at] = to.prepared[at] = lane(level, i);
+      to.weight[at] = batch.weight[at];
+      to.particle[at] = batch.particle[at];
+      to.flying[at] = ~std::uint64_t{0};
+    }
+  }
+};
+
 /// What becomes of lanes in a zone: their state at its edge or wall, and which of these they met.
 struct Visit {
   State state;
   mask forward, backwards, wall, gave_up;
 };
 
-/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long.
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. Loops that
+/// look at no plane are compiled without it, for their speed.
+template <bool looks>
 Visit visit(const Region& region, const RegionZone& zone, const real* phases, const State& start, mask chosen,
-            const StepRecorder* recorder) {
+            Lookout& lookout, const StepRecorder* recorder) {
   const Stepper stepper{zone.field, region.take_off_spin_component, phases};
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end), h = broadcast(zone.step);
   const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
@@ -184,15 +235,21 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
   mask going = chosen;
+  // Where the next plane comes that matters: one to be seen, or the end.
+  real ahead = looks ? min(lookout.places(zone.sights), end) : end;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {
     const State old = now;
     now = stepper.step(whole_step, old);
     const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
     const real from_axis2 = fma(from_x, from_x, from_z * from_z);
-    const mask stays =
-        (now.place.y < end) & (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
-    if (any(going & ~stays)) {
+    const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
+    if (any(going & ~(goes_on & (now.place.y < ahead)))) {
+      if constexpr (looks) {
+        lookout.look(stepper, old, now, h, going, zone.sights);
+        ahead = min(lookout.places(zone.sights), end);
+      }
+      const mask stays = goes_on & (now.place.y < end);
       const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
       const mask wall = (from_axis2 > wall2) & going & ~forward & ~backwards;
       const mask leaves =
@@ -317,6 +374,7 @@ void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i)
 void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     Pack pack = load_pack(batch, i);
+    Lookout lookout{region, batch, i, words{}, words{}};
     const words particle = load(batch.particle + i);
     while (any(pack.inside)) {
       const int zone = first_zone(pack, region.zone_count);
@@ -325,8 +383,10 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
       for (int k = 0; k < region.zones[zone].field.drives; ++k)
         phases[k] = oscillator_phase(region.zones[zone].field.drive[k], region.key, particle);
       const bool recorded = recorder != nullptr && i == 0 && lane((words)chosen, 0) != 0;
-      const Visit v =
-          visit(region, region.zones[zone], phases, pack.state, chosen, recorded ? recorder : nullptr);
+      lookout.level = pack.level;
+      const auto visits = region.sight_count > 0 ? visit<true> : visit<false>;
+      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout,
+                             recorded ? recorder : nullptr);
       leave_zone(region, zone, chosen, v, particle, pack);
       pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});
       finish(pack, pack.inside & (pack.visits >= broadcast_word(region.most_visits)),

@@ -115,10 +115,47 @@ def test_summary_and_pictures_know_tallies(scanned: Path, tmp_path: Path) -> Non
         assert done.returncode == 2 and message in done.stderr and done.stderr.count("\n") == 1, done.stderr
 
 
-def test_a_monitor_inside_of_fields_is_refused_where_they_turn_the_velocity(tmp_path: Path) -> None:
+def test_a_monitor_inside_of_fields_counts_everybody_once_under_every_law(tmp_path: Path) -> None:
     text = BEAMLINE.replace("particles:", INSIDE + "particles:").replace("axes: [prepared_level, level]",
                                                                         "axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]")
-    assert run(tmp_path, text=text)[1].returncode == 0
-    done = run(tmp_path, "--set", "law=dorado", text=text)[1]
-    assert done.returncode == 2
-    assert "the monitor `M` stands at 0.4 m, inside of fields" in done.stderr and "help: place it" in done.stderr
+    for law in ("quantum", "classical", "dorado"):
+        path, done = run(tmp_path, "--set", f"law={law}", text=text)
+        assert done.returncode == 0, done.stderr
+        with h5py.File(path) as file:
+            assert 0.2 < file["entry/M/passed"][()].item() <= 1
+
+
+def test_a_monitor_of_several_planes_is_a_plot_over_y_that_viewers_know(tmp_path: Path) -> None:
+    several = ("  - {name: M, kind: monitor, at: 0.4 m, length: 0.1 m, planes: 5, radius: 1 mm, tallies: [{name: a, axes: "
+               "[{quantity: spin_azimuth, from: -180 deg, to: 180 deg, bins: 6}]}]}\n")
+    path, done = run(tmp_path, "--set", "law=dorado", "--scan", "H0.frequency=280 kHz:300 kHz:3", text=BEAMLINE.replace(
+        "particles:", several + "particles:").replace("- {name: states, axes: [prepared_level, level]}",
+                                                      "- {name: states, axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]}"))
+    assert done.returncode == 0, done.stderr
+    with h5py.File(path) as file:
+        for name, axes, shape in (("M_a", ["H0_frequency", "y", "spin_azimuth"], (3, 5, 6)),
+                                  ("M", ["H0_frequency", "y"], (3, 5))):
+            data = NXdata(file["entry"][name])
+            assert data.is_valid, data.issues
+            assert list(file["entry"][name].attrs["axes"]) == axes and data.signal.shape == shape
+        assert file["entry/M_a/spin_azimuth_mean"].shape == (3, 5) and file["entry/M/passed_covariance"].shape == (5, 3, 3)
+        assert np.allclose(file["entry/M_a/y"], np.linspace(0.4, 0.5, 5))
+        assert np.allclose(file["entry/M_a/counts"][()].sum(axis=2) / 4000, file["entry/M/passed"])
+    done = subprocess.run([sys.executable, "-m", "rabiline", "summary", path], capture_output=True, text=True)
+    assert "5 planes, 400 mm to 500 mm" in done.stdout, done.stderr
+
+
+def test_angles_are_drawn_with_the_lines_that_are_expected_and_refused_where_there_are_none(scanned: Path, tmp_path: Path) -> None:
+    def plot(*arguments: object) -> subprocess.CompletedProcess:
+        return subprocess.run([sys.executable, "-m", "rabiline", "plot-angles", *map(str, arguments), "-o",
+                               tmp_path / "a.png"], capture_output=True, text=True)
+
+    beamline = Path(__file__).resolve().parents[2] / "beamline" / "spin-angles.yaml"
+    path, done = run(tmp_path, "--set", "particles=200", text=beamline.read_text())
+    assert done.returncode == 0, done.stderr
+    done = plot(path, "--polar-rate=-139.99", "--azimuth-rate", "2.91646935 kHz")
+    assert done.returncode == 0, done.stderr
+    assert "polar angle θ: -139.9" in done.stdout and "azimuth φ: 2.91" in done.stdout
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    done = plot(scanned)
+    assert done.returncode == 2 and "no tally over spin_azimuth, spin_polar_angle, time_of_flight" in done.stderr

@@ -29,6 +29,22 @@ void add_tallies(Beamline& b) {
   screen.tallies = monitor.tallies;
 }
 
+/// Five planes, before, inside and behind the fields.
+void add_path(Beamline& b) {
+  const auto axis = [](Quantity q, double from, double to) {
+    return TallyAxis{q, AxisEnd{from}, AxisEnd{to}, 7, {}};
+  };
+  Monitor path{Disc{0.02}, {}};
+  path.length = 0.4;
+  path.planes = 5;
+  path.tallies = {{"x", {axis(Quantity::x, -1e-3, 1e-3), axis(Quantity::time_of_flight, 0, 1e-3)}}};
+  if (!std::holds_alternative<QuantumLaw>(b.law))
+    path.tallies.push_back({"angles",
+                            {axis(Quantity::spin_polar_angle, 0, 3), axis(Quantity::spin_azimuth, -3, 3),
+                             axis(Quantity::angle_x, -1e-3, 1e-3)}});
+  b.parts.insert(b.parts.end() - 1, test::place("path", 0.25, path));
+}
+
 /// A small scan with every kind of stage: three laws, a mixture, a slit, two detectors, a divergent source.
 Experiment everything() {
   Experiment e;
@@ -44,6 +60,7 @@ Experiment everything() {
                      test::place("small", 0.9, Detector{Rectangle{0.5e-3, 0.5e-3}, {3, 3}, {1e-4, 0}}));
       b.particles = 600;
       add_tallies(b);
+      add_path(b);
       e.points.push_back(b);
     }
   return e;

@@ -154,20 +154,6 @@ TEST(Monitor, ChangesNothingBehindIt) {
   EXPECT_EQ(a.levels, b.levels);
 }
 
-TEST(Monitor, IsRefusedInsideOfFieldsThatTurnTheVelocity) {
-  Beamline b = suggested(291e3);
-  b.parts.insert(b.parts.begin() + 3, place("M", 0.4, Monitor{Disc{1e-3}, {}}));
-  try {
-    run_points({b});
-    FAIL();
-  } catch (const std::invalid_argument& e) {
-    EXPECT_THAT(e.what(), testing::HasSubstr("the monitor `M` stands at 0.4 m, inside of fields"));
-  }
-  b.parts[3].placement.at = 0.55;
-  std::get<UniformField>(b.parts[1].part).length = 0.25;
-  EXPECT_EQ(run_points({b}).monitors.at(0).name, "M");
-}
-
 TEST(Monitor, QuotesTheErrorAndCovarianceOfADetector) {
   Beamline near = divergent(), far = near;
   for (Beamline* b : {&near, &far}) {

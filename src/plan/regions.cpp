@@ -1,0 +1,96 @@
+#include "plan/regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rabiline {
+namespace {
+
+/// Steps per turn in a region. The path's error over the length of the flight was measured against an
+/// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
+/// spin and field; the steps are chosen to keep it, and that of the direction at the end, around 1e-7 to 1e-6
+/// (tests/physics/dorado_test.cpp holds the path to 1e-6).
+double steps_per_turn_of_path(double tip, double turns) {
+  return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
+}
+
+}  // namespace
+
+bool is_parallel(const Vector3& a, const Vector3& b) {
+  return length_of(cross(a, b)) <= 1e-12 * length_of(a) * length_of(b);
+}
+
+void RegionMaker::begin(const Section& section) {
+  section_ = &section;
+  begin_ = section.begin;
+}
+
+void RegionMaker::edge(double y, RegionEdge edge) {
+  if (y > begin_ || pending_.kind != EdgeKind::open) close_zone(y);
+  pending_ = edge;
+}
+
+void RegionMaker::look(Sight sight) {
+  const bool ends_last_zone = !region_.zones.empty() && sight.census.face.y <= begin_;
+  region_.sights.push_back(std::move(sight));
+  if (ends_last_zone && pending_.kind == EdgeKind::open)
+    region_.zones.back().sights = static_cast<int>(region_.sights.size());
+}
+
+void RegionMaker::end() { close_zone(section_->end); }
+
+TurningRegion RegionMaker::finish() {
+  region_.take_off_spin_component = turning_.take_off_spin_component;
+  region_.most_way = 200 * (region_.zones.back().field.end -
+                            region_.zones.front().field.begin);  // what circles for longer gives up
+  return std::move(region_);
+}
+
+void RegionMaker::close_zone(double end) {
+  if (!region_.zones.empty()) region_.edges.push_back(pending_);
+  pending_ = {};
+  region_.zones.push_back(zone_up_to(end));
+  region_.zones.back().sights = static_cast<int>(region_.sights.size());
+  begin_ = end;
+}
+
+/// Largest sine of the angle that drives can open between spin and field in a zone: the tip of a spin that
+/// entered along the field; the drives' own turning where the velocity follows the field and not the spin.
+/// Where the path turns by much, the particle stays longer than straight flight would, and so can the tip.
+double RegionMaker::tip_in(const SpinZone& zone, double stay) const {
+  double tip = 0, most = 0;
+  for (int i = 0; i < zone.drives; ++i) {
+    const double w1 = std::abs(zone.drive[i].spin_rate),
+                 rate = std::hypot(zone.drive[i].omega - zone.spin_rate, w1);
+    most += rate > 0 ? 2 * w1 / rate : 0;
+    tip += turning_.take_off_spin_component ? w1 * stay : std::abs(zone.drive[i].turn_rate) * stay;
+  }
+  if (!turning_.take_off_spin_component) return tip;
+  const double turned = std::abs(zone.turn_rate) * stay * std::min(tip, most) * std::min(tip, most);
+  return turned > 0.5 ? most : std::min(tip, most);
+}
+
+RegionZone RegionMaker::zone_up_to(double end) {
+  const Section& section = *section_;
+  RegionZone zone;
+  zone.field = zones_.zone_of(section);
+  zones_.require_known_phases(zone.field);
+  zone.field.begin = begin_;
+  zone.field.end = end;
+  zone.wall_radius = section.wall.radius;
+  zone.wall_part = section.wall.part;
+  zone.wall_x = section.wall.offset.x;
+  zone.wall_z = section.wall.offset.z;
+  if (const Vector3 field = zones_.static_field(section);
+      field != Vector3{} && !is_parallel(field, spins_.aligned))
+    spins_.tip = 1;
+  const double stay = (section.end - section.begin) / speed_,
+               turns = zones_.rate_of(zone.field) * stay / (2 * std::numbers::pi);
+  spins_.tip = std::min(1.0, spins_.tip + tip_in(zone.field, stay));
+  zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(spins_.tip, turns));
+  if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
+  return zone;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,48 @@
+#pragma once
+// Touching fields that turn the velocity, put together as a region.
+#include "plan/zones.hpp"
+#include "transport/stages.hpp"
+
+namespace rabiline {
+
+/// How far spins may stand from the field on their way.
+struct SpinOutlook {
+  Vector3 aligned{0, 0, 1};  // what they stand along where `tip` is 0
+  double tip = 1;            // largest sine of their angle with it; 1 for a beam that nothing has aligned
+};
+
+bool is_parallel(const Vector3&, const Vector3&);
+
+/// A region under construction, from its begin to its end: sections, cut at the planes that stand inside.
+class RegionMaker {
+ public:
+  /// All must outlive it; `speed` [m/s] is what steps are reckoned with.
+  RegionMaker(const Turning& turning, const ZoneMaker& zones, double speed, SpinOutlook& spins)
+      : turning_(turning), zones_(zones), speed_(speed), spins_(spins) {}
+
+  void begin(const Section&);
+  /// Something stands there that may stop, catch or align; several at one place get zones of no length
+  /// between them.
+  void edge(double y, RegionEdge);
+  /// Something looks there, in the order in which it was placed among the edges. It cuts nothing, so that
+  /// the flight is the same to the bit with and without it.
+  void look(Sight);
+  void end();
+  TurningRegion finish();
+
+ private:
+  void close_zone(double end);
+  double tip_in(const SpinZone&, double stay) const;
+  RegionZone zone_up_to(double end);
+
+  const Turning& turning_;
+  const ZoneMaker& zones_;
+  const double speed_;
+  SpinOutlook& spins_;
+  const Section* section_ = nullptr;
+  double begin_ = 0;
+  RegionEdge pending_;  // stands before the zone that comes next
+  TurningRegion region_;
+};
+
+}  // namespace rabiline
