@@ -223,8 +223,8 @@ struct Visit {
   mask forward, backwards, wall, gave_up;
 };
 
-/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. `looks`: for
-/// planes, too.
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. `looks`:
+/// for planes, too.
 template <bool looks>
 Visit visit(const Region& region, const RegionZone& zone, const real* phases, const State& start, mask chosen,
             Lookout& lookout, const StepRecorder* recorder) {
