@@ -223,8 +223,8 @@ struct Visit {
   mask forward, backwards, wall, gave_up;
 };
 
-/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. Loops that
-/// look at no plane are compiled without it, for their speed.
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long. `looks`:
+/// for planes, too.
 template <bool looks>
 Visit visit(const Region& region, const RegionZone& zone, const real* phases, const State& start, mask chosen,
             Lookout& lookout, const StepRecorder* recorder) {
@@ -235,7 +235,6 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
   mask going = chosen;
-  // Where the next plane comes that matters: one to be seen, or the end.
   real ahead = looks ? min(lookout.places(zone.sights), end) : end;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {

@@ -119,7 +119,7 @@ def test_a_monitor_inside_of_fields_counts_everybody_once_under_every_law(tmp_pa
     text = BEAMLINE.replace("particles:", INSIDE + "particles:").replace("axes: [prepared_level, level]",
                                                                         "axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]")
     for law in ("quantum", "classical", "dorado"):
-        path, done = run(tmp_path, "--set", f"law={law}", text=text)
+        path, done = run(tmp_path, "--set", f"law={law}", "--set", "H0.amplitude=0.3 uT", text=text)
         assert done.returncode == 0, done.stderr
         with h5py.File(path) as file:
             assert 0.2 < file["entry/M/passed"][()].item() <= 1
@@ -128,9 +128,10 @@ def test_a_monitor_inside_of_fields_counts_everybody_once_under_every_law(tmp_pa
 def test_a_monitor_of_several_planes_is_a_plot_over_y_that_viewers_know(tmp_path: Path) -> None:
     several = ("  - {name: M, kind: monitor, at: 0.4 m, length: 0.1 m, planes: 5, radius: 1 mm, tallies: [{name: a, axes: "
                "[{quantity: spin_azimuth, from: -180 deg, to: 180 deg, bins: 6}]}]}\n")
-    path, done = run(tmp_path, "--set", "law=dorado", "--scan", "H0.frequency=280 kHz:300 kHz:3", text=BEAMLINE.replace(
-        "particles:", several + "particles:").replace("- {name: states, axes: [prepared_level, level]}",
-                                                      "- {name: states, axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]}"))
+    text = BEAMLINE.replace("particles:", several + "particles:").replace(
+        "axes: [prepared_level, level]", "axes: [{quantity: x, from: 0 m, to: 1 m, bins: 1}]")
+    path, done = run(tmp_path, "--set", "law=dorado", "--set", "H0.amplitude=0.3 uT", "--scan",
+                     "H0.frequency=280 kHz:300 kHz:3", text=text)
     assert done.returncode == 0, done.stderr
     with h5py.File(path) as file:
         for name, axes, shape in (("M_a", ["H0_frequency", "y", "spin_azimuth"], (3, 5, 6)),
@@ -145,7 +146,7 @@ def test_a_monitor_of_several_planes_is_a_plot_over_y_that_viewers_know(tmp_path
     assert "5 planes, 400 mm to 500 mm" in done.stdout, done.stderr
 
 
-def test_angles_are_drawn_with_the_lines_that_are_expected_and_refused_where_there_are_none(scanned: Path, tmp_path: Path) -> None:
+def test_angles_are_drawn_where_they_are_and_refused_where_not(scanned: Path, tmp_path: Path) -> None:
     def plot(*arguments: object) -> subprocess.CompletedProcess:
         return subprocess.run([sys.executable, "-m", "rabiline", "plot-angles", *map(str, arguments), "-o",
                                tmp_path / "a.png"], capture_output=True, text=True)
