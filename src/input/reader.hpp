@@ -157,6 +157,12 @@ std::string example_of_type(const Row& row) {
 template <class T>
 bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out);
 
+/// These have readers of their own, in beamline_reader.cpp.
+bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading,
+                std::vector<Component>& out);
+bool read_value(const Node& node, const Place& named_at, const Row& row, Reading& reading,
+                std::vector<PlacedPart>& out);
+
 /// Fills a member from its key, its default, or reports that it is missing.
 template <class S, class M, class D>
 bool read_row(Keys& keys, const Param<S, M, D>& p, S& out);
