@@ -11,9 +11,10 @@ from matplotlib.ticker import MaxNLocator
 
 from .motions import Course, Finding, Motion, Motions
 from .style import GREY, LAWS, OTHERS, Look
-from .units import fitting_scale
+from .units import Scale, fitting_scale
 
 MOST_PANELS = 6
+MOST_TURNS = 12  # of a path that is drawn whole
 ROUNDING = 1e-9  # a drift below is a proof, not a curve
 LINES = ["-", "--", "-.", ":"]  # so that paths which lie upon each other are both seen
 
@@ -26,13 +27,14 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     styled = list(zip(motions, _looks(motions), LINES * len(motions)))
     space = figure.add_subplot(grid[:, 0], projection="3d")
     _draw_paths(space, styled)
+    clock = fitting_scale(np.concatenate([motion.time for motion in motions]), "s")
     apart = figure.add_subplot(grid[0, 1])
-    _draw_distances(apart, styled)
+    _draw_distances(apart, styled, clock)
     course = figure.add_subplot(grid[1, 1], sharex=apart)
-    _draw_course(course, styled)
+    _draw_course(course, styled, clock)
     apart.tick_params(labelbottom=False)
-    course.set_xlabel("time (s)")
-    space.legend(loc="lower center", bbox_to_anchor=(0.5, -0.08), ncol=len(motions))
+    course.set_xlabel(clock.label("time"))
+    apart.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=len(motions))
     figure.suptitle(title, fontsize=11.5)
     return figure
 
@@ -68,26 +70,30 @@ def draw_findings(file: Motions, title: str) -> Figure:
 
 def _looks(motions: Sequence[Motion]) -> list[Look]:
     """The hypothesis in its own colour, established mechanics in that of the standard laws."""
-    own = {"paper": LAWS["dorado"], "standard": LAWS["quantum"], "euler": OTHERS[0]}
+    own = {"paper": LAWS["dorado"], "torque": LAWS["dorado"], "eq74": LAWS["dorado"], "standard": LAWS["quantum"],
+           "larmor_theorem": LAWS["classical"], "euler": OTHERS[0], "larmor": OTHERS[0]}
     spare = iter(OTHERS[1:] * len(motions))
     return [Look(*(own.get(motion.name) or next(spare))) for motion in motions]
 
 
 def _draw_paths(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
-    for motion, look, line in styled:
-        axes.plot(*motion.position.T, line, color=look.colour, linewidth=1.6, label=motion.name)
-        axes.plot(*motion.position[-1:].T, look.marker, color=look.colour, markersize=5, markeredgewidth=0)
-    start = styled[0][0].position[:1]
-    axes.plot(*start.T, "o", color=GREY, markersize=6, fillstyle="none")
-    places = np.concatenate([motion.position for motion, _, _ in styled])
+    scale = fitting_scale(np.concatenate([motion.position.ravel() for motion, _, _ in styled]), "m")
+    shown = [scale.apply(motion.position[:_readable(motion.position)]) for motion, _, _ in styled]
+    for path, (motion, look, line) in zip(shown, styled):
+        axes.plot(*path.T, line, color=look.colour, linewidth=1.6)
+        if len(path) == len(motion.position):
+            axes.plot(*path[-1:].T, look.marker, color=look.colour, markersize=5, markeredgewidth=0)
+    axes.plot(*shown[0][:1].T, "o", color=GREY, markersize=6, fillstyle="none")
+    places = np.concatenate(shown)
     # One scale along all axes, so that a plane path looks plane; none thinner than a quarter of the longest.
     extent = np.ptp(places, axis=0)
     extent = np.maximum(1.05 * extent, 0.25 * (extent.max() or 1.0))
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
     axes.set(**{f"{name}lim": (m - e / 2, m + e / 2) for name, m, e in zip("xyz", middle, extent)})
     axes.set_box_aspect(extent, zoom=0.9)
-    axes.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
-    axes.set_title("paths of the centre of mass; the ring is the start", y=1.0)
+    axes.set(**{f"{name}label": scale.label(name) for name in "xyz"})
+    part = "first turns" if len(shown[0]) < len(styled[0][0].position) else "paths"
+    axes.set_title(f"{part} of the centre of mass; the ring is the start", y=1.02)
     axes.yaxis.labelpad = 9
     axes.view_init(elev=20, azim=-35)
     for plane, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent / extent.max()):
@@ -96,25 +102,33 @@ def _draw_paths(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
     axes.tick_params(labelsize=8, pad=1)
 
 
-def _draw_distances(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
+def _readable(path: np.ndarray) -> int:
+    """How many points [n, 3] of a path are drawn: more than MOST_TURNS around its extent make a ball of wool."""
+    travelled = np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))
+    return 1 + int(np.searchsorted(travelled, MOST_TURNS * np.pi * np.linalg.norm(np.ptp(path, axis=0)), side="right"))
+
+
+def _draw_distances(axes: Axes, styled: Sequence[tuple[Motion, Look, str]], clock: Scale) -> None:
     first = styled[0][0]
+    axes.plot([], [], styled[0][2], color=styled[0][1].colour, label=first.name)
     for motion, look, line in styled[1:]:
         distance = np.linalg.norm(motion.position - first.position, axis=1)
-        axes.plot(motion.time, np.where(distance > 0, distance, np.nan), line, color=look.colour, linewidth=1.2)
+        axes.plot(clock.apply(motion.time), np.where(distance > 0, distance, np.nan), line, color=look.colour, linewidth=1.2,
+                  label=motion.name)
     axes.set_yscale("log")
     axes.set_ylabel(f"distance from `{first.name}` (m)")
     axes.grid(axis="y")
 
 
-def _draw_course(axes: Axes, styled: Sequence[tuple[Motion, Look, str]]) -> None:
+def _draw_course(axes: Axes, styled: Sequence[tuple[Motion, Look, str]], clock: Scale) -> None:
     """Of motions that share the course to the bit, the first one is drawn."""
     course = _first_difference([motion for motion, _, _ in styled])
     drawn: set[bytes] = set()
-    for motion, look, _ in styled:
+    for motion, look, line in styled:
         for own in motion.courses:
             if course and own.name == course.name and own.values.tobytes() not in drawn:
                 drawn.add(own.values.tobytes())
-                axes.plot(motion.time, own.values, color=look.colour, linewidth=0.7)
+                axes.plot(clock.apply(motion.time), own.values, line, color=look.colour, linewidth=0.8)
     axes.set_ylabel(_wrapped(course.title, 34) if course else "")
     axes.grid(axis="y")
 

@@ -54,7 +54,8 @@ struct DoradoLaw {
   static constexpr std::string_view kind = "dorado",
                                     meaning = "a hypothesis: the velocity turns jointly with the spin";
   Closure closure = Closure::torque;
-  double kappa = 1;  // strength; 0 is straight flight, 1 is the paper
+  double kappa = 1;          // strength; 0 is straight flight, 1 is the paper
+  double path_error = 1e-6;  // over the length of the flight
   bool operator==(const DoradoLaw&) const = default;
 };
 template <>
@@ -62,6 +63,11 @@ inline constexpr auto parameters<DoradoLaw> = std::tuple{
     param("closure", &DoradoLaw::closure, "which angular velocity turns the velocity", Closure::torque),
     param("kappa", &DoradoLaw::kappa, Dimension::number, range::any,
           "strength of the hypothesis: 0 is straight flight, 1 is the paper", 1.0),
+    param("path_error", &DoradoLaw::path_error, Dimension::number,
+          Range{1e-12, 1e-3, true, true, "from 1e-12 to 1e-3"},
+          "what the steps are chosen to keep the path to, over its length; a hundredth of it takes three "
+          "times the steps",
+          1e-6),
 };
 
 using Law = std::variant<QuantumLaw, ClassicalLaw, DoradoLaw>;

@@ -151,17 +151,24 @@ Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::stri
   VectorCourse velocity{"velocity", "m/s", "of the charge"},
       kinetic{"angular_momentum", "kg m2/s", "L = r x m v"},
       whole{"canonical_angular_momentum", "kg m2/s", "r x (m v + q A), A = B x r/2"};
-  Course total{"energy", "J", "kinetic and potential"};
+  Course turned{"precession", "rad", "how far L has turned about z"},
+      total{"energy", "J", "kinetic and potential"};
+  std::vector<Vector3> momenta;
+  for (std::size_t i = 0; i < path.r.size(); ++i)
+    momenta.push_back(angular_momentum(o, path.r[i], path.v[i]));
+  const std::vector<double> angles = angles_about(z, momenta);
   for (std::size_t i = 0; i < times.all.size(); i += times.stride) {
     out.time.push_back(times.all[i]);
     out.position.push_back(path.r[i]);
     velocity.values.push_back(path.v[i]);
-    kinetic.values.push_back(angular_momentum(o, path.r[i], path.v[i]));
+    kinetic.values.push_back(momenta[i]);
+    turned.values.push_back(angles[i]);
     whole.values.push_back(canonical(o, path.r[i], path.v[i]));
     total.values.push_back(energy(o, path.r[i], path.v[i]));
   }
   out.vectors = {std::move(velocity), std::move(kinetic), std::move(whole)};
-  out.numbers = {std::move(total)};
+  if (o.bound()) out.numbers.push_back(std::move(turned));
+  out.numbers.push_back(std::move(total));
   return out;
 }
 
@@ -311,8 +318,10 @@ ModelResult solve(const BoundCharge& model) {
                 "eq. 74 as it is written, dL/dt = L x W with W = q B/m; the path is the orbit without "
                 "the field, turned with it");
   const Vector3 start = angular_momentum(o, o.r, o.v);
-  for (std::size_t i = 0; i < eq74.time.size(); ++i)
+  for (std::size_t i = 0; i < eq74.time.size(); ++i) {
     eq74.vectors[1].values[i] = turned_about(z, 2 * o.larmor * eq74.time[i], start);
+    eq74.numbers[0].values[i] = 2 * o.larmor * eq74.time[i];
+  }
   out.motions.push_back(std::move(eq74));
 
   if (o.force == Force::harmonic) {

@@ -5,10 +5,14 @@
 //   std::vector<Fault> faults_of(const X&)     where values do not go together
 #include <variant>
 
+#include "models/bound_charge.hpp"
+#include "models/charged_particle.hpp"
 #include "models/rotating_cylinder.hpp"
 
 namespace rabiline {
 
-using Model = std::variant<RotatingCylinder>;
+using Model = std::variant<RotatingCylinder,  //
+                           ChargedParticle,   //
+                           BoundCharge>;
 
 }  // namespace rabiline

@@ -9,8 +9,9 @@ namespace {
 
 /// Steps per turn in a region. The path's error over the length of the flight was measured against an
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
-/// spin and field; the steps are chosen to keep it, and that of the direction at the end, around 1e-7 to 1e-6
-/// (tests/physics/dorado_test.cpp holds the path to 1e-6).
+/// spin and field; the steps are chosen to keep it, and that of the direction at the end, below the usual
+/// error (tests/physics/dorado_test.cpp holds the path to it).
+constexpr double usual_path_error = 1e-6;
 double steps_per_turn_of_path(double tip, double turns) {
   return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
 }
@@ -90,6 +91,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
   spins_.tip = std::min(1.0, spins_.tip + tip_in(zone.field, stay));
   zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(spins_.tip, turns));
   if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
+  zone.step *= std::pow(turning_.path_error / usual_path_error, 0.25);  // steps are of fourth order
   return zone;
 }
 

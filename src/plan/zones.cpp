@@ -30,8 +30,9 @@ Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
 Turning turning_of(const Law& law, const Species& species) {
   // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
   const auto* dorado = std::get_if<DoradoLaw>(&law);
-  if (dorado == nullptr) return {-species.charge / species.mass, false};
-  return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque};
+  if (dorado == nullptr) return {-species.charge / species.mass};
+  return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque,
+          dorado->path_error};
 }
 
 Vector3 ZoneMaker::static_field(const Section& section) const {

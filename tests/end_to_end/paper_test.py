@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from experiments import EXPERIMENTS, RABILINE, crossings
 
-TESTED = {"rotating-cylinder", "proton-in-a-field", "muon-precession", "spin-angles", "rabi-neutrons", "unaligned-beam",
-          "trajectories", "known-guided-neutrons", "known-rf-flipper", "known-turned-guide-field"}
+TESTED = {"rotating-cylinder", "charged-particle", "muon-storage-ring", "bound-charge", "proton-in-a-field", "muon-precession",
+          "spin-angles", "rabi-neutrons", "unaligned-beam", "trajectories", "known-guided-neutrons", "known-rf-flipper",
+          "known-turned-guide-field"}
 DOCS = EXPERIMENTS.parent / "docs"
 GAMMA = -2 * np.pi * 29.1646935e6  # rad/(s T), neutron
-LAWS = {"quantum": "quantum", "torque": "{name: dorado, closure: torque}", "larmor": "{name: dorado, closure: larmor}"}
+LAWS = {"quantum": "law=quantum", "torque": "law.closure=torque", "larmor": "law.closure=larmor"}
 
 
 def turn(axis, angle):
@@ -48,7 +49,7 @@ def path(tmp_path_factory):
 
     def trace(law, *arguments):
         output = folder / "path.h5"
-        subprocess.run([RABILINE, "trace", EXPERIMENTS / "trajectories.yaml", "-n", "1", "--set", f"law={LAWS[law]}",
+        subprocess.run([RABILINE, "trace", EXPERIMENTS / "trajectories.yaml", "-n", "1", "--set", LAWS[law],
                         *arguments, "-o", output], check=True, stdout=subprocess.DEVNULL)
         with h5py.File(output) as file:
             track = file["entry/particle_0"]

@@ -64,9 +64,9 @@ def test_a_scan_has_motions_and_findings_at_each_point(tmp_path: Path) -> None:
 def test_a_picture_of_motions_shows_every_path_and_the_course_that_differs(tmp_path: Path) -> None:
     figure = draw_motions(motions.read(write_model(tmp_path / "m.h5")).points[0], "a title")
     space, apart, course = figure.axes
-    assert [text.get_text() for text in space.get_legend().texts] == ["second", "first"]
+    assert [text.get_text() for text in apart.get_legend().texts] == ["second", "first"]
     assert (space.get_xlabel(), space.get_zlabel()) == ("x (m)", "z (m)")
-    assert apart.get_yscale() == "log" and apart.lines[0].get_ydata()[-1] == pytest.approx(2.0)
+    assert apart.get_yscale() == "log" and apart.lines[1].get_ydata()[-1] == pytest.approx(2.0)
     assert course.get_ylabel() == "angle (m)" and len(course.lines) == 2
 
 
