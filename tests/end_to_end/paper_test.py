@@ -42,6 +42,68 @@ def exact_velocity(closure, time, gamma=GAMMA, b=15e-6, h0=25e-6, entry=2e-4, om
     return both @ turn(start, -chi) @ [0, 1, 0]
 
 
+def findings(folder, name, *arguments):
+    """Value and expected value by name, of a model's file."""
+    output = folder / "model.h5"
+    subprocess.run([RABILINE, "run", EXPERIMENTS / f"{name}.yaml", "-o", output, *arguments], check=True,
+                   stdout=subprocess.DEVNULL)
+    with h5py.File(output) as file:
+        found = file["entry/findings"]
+        return {key.decode(): pair for key, pair in zip(found["name"][:], zip(found["value"][:], found["expected"][:]))}
+
+
+def agrees(pair, at=1e-8):
+    value, expected = pair
+    return abs(value - expected) <= at * abs(expected) < abs(value - 1.01 * expected)
+
+
+def test_a_precessing_cylinder_is_the_papers_circle_and_one_at_rest_nods_about_it(tmp_path):
+    steady = findings(tmp_path, "rotating-cylinder", "--set", "model.axis_start=precessing")
+    assert all(agrees(steady[name]) for name in ("precession", "radius", "tilt"))
+    assert steady["path_distance"][0] < 1e-11
+    for name in ("p_theta_drift_paper", "hamiltonian_drift_paper", "p_theta_drift_euler", "hamiltonian_drift_euler",
+                 "energy_balance", "angular_momentum_balance", "speed_drift"):
+        assert abs(steady[name][0]) < 1e-11, name
+    nodding = findings(tmp_path, "rotating-cylinder")
+    assert nodding["rates"][0] < 1e-8 * 0.64 and agrees(nodding["radius"], 1e-4)
+    assert abs(nodding["path_distance"][0] - 3 * nodding["fast_top"][0]) < 1e-5  # and slow tops are far off
+    slow = findings(tmp_path, "rotating-cylinder", "--set", "model.spin=5 Hz")
+    assert slow["fast_top"][0] > 1 and slow["path_distance"][0] > 3
+
+
+def test_a_charge_follows_its_closed_forms_and_the_two_theories_differ_by_half_its_g(tmp_path):
+    for species, g in (("electron", 2.00231930436), ("muon+", 2.00233184), ("proton", 5.5856946893),
+                       ("deuteron", 1.7140255)):
+        found = findings(tmp_path, "charged-particle", "--set", f"model.species={species}")
+        for name in ("standard_frequency", "standard_radius", "larmor_frequency", "larmor_radius", "radius_ratio"):
+            assert agrees(found[name]), (species, name)
+        assert all(abs(pair[0]) < 1e-12 for name, pair in found.items() if name.endswith("_drift")), species
+        gamma = 1 / np.sqrt(1 - (1e6 / 299792458) ** 2)
+        assert abs(found["radius_ratio"][0] / (g / 2 * gamma) - 1) < 1e-7
+    equal = "model.species={name: ion, mass: 7.015 u, charge: 1 e, spin: 3/2, g_factor: 2}"
+    found = findings(tmp_path, "charged-particle", "--set", equal, "--set", "model.speed=1 m/s")
+    assert abs(found["radius_ratio"][0] - 1) < 1e-8
+
+
+def test_a_muon_precesses_against_its_momentum_as_storage_rings_see_it(tmp_path):
+    found = findings(tmp_path, "muon-storage-ring")
+    assert agrees(found["anomalous_frequency"]) and abs(found["anomalous_frequency"][0] - 229.08e3) < 10
+    assert agrees(found["standard_radius"]) and abs(found["standard_radius"][0] - 7.112) < 2e-3
+    assert found["larmor_angle_drift"][0] < 1e-12 and agrees(found["larmor_spin_turns"])
+
+
+def test_a_bound_orbit_precesses_with_half_the_cyclotron_frequency_and_half_of_eq_74(tmp_path):
+    harmonic = "model.binding={kind: harmonic, frequency: 80 GHz, radius: 100 nm}"
+    assert findings(tmp_path, "bound-charge", "--set", harmonic)["closed_form"][0] < 1e-9
+    found = findings(tmp_path, "bound-charge")
+    assert agrees(found["precession"], 1e-5) and agrees(found["over_cyclotron"], 1e-5)
+    assert abs(found["over_cyclotron"][0] - 0.5) < 4e-4 and abs(found["eq74_over_precession"][0] - 2) < 2e-3
+    assert abs(found["mean_torque"][0] - 0.5) < 3e-3
+    assert found["energy_drift"][0] < 1e-11 and found["canonical_drift"][0] < 1e-11
+    free = findings(tmp_path, "bound-charge", "--set", "model.binding={kind: free, speed: 1600 km/s}")
+    assert agrees(free["turn"]) and agrees(free["over_larmor"])
+
+
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     """Time, place and velocity of one neutron of `trajectories`, by the name of a law."""
