@@ -17,6 +17,7 @@ from . import (angle_plots, image_plots, laws_commands, level_plots, motion_plot
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
+from .motion_report import motion_summary
 from .report import summary
 from .units import law_name, parse_quantity
 
@@ -66,8 +67,7 @@ def plot_scan(options: argparse.Namespace) -> None:
     lines = [curve for _, curve in found]
     across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
     if options.beside:
-        panels = [scan_plots.Panel(file.title, own, _distinct([curve.label for curve in own], [file.path.stem] * len(own)))
-                  for file in files for own in [[curve for of, curve in found if of is file]]]
+        panels = [_panel(file, [curve for of, curve in found if of is file]) for file in files]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks)
@@ -78,6 +78,10 @@ def plot_scan(options: argparse.Namespace) -> None:
         choose = "; choose one detector with --detector" if several else ""
         raise InputError(f"{len(lines)} curves are too many for one picture{choose}")
     _save(figure, options.output)
+
+
+def _panel(file: results.Results, lines: list[Curve]) -> scan_plots.Panel:
+    return scan_plots.Panel(file.title, lines, _distinct([line.label for line in lines], [file.path.stem] * len(lines)))
 
 
 def plot_levels(options: argparse.Namespace) -> None:
@@ -179,6 +183,11 @@ def plot_motion(options: argparse.Namespace) -> None:
 
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
+    if motions.has_motions(options.file):
+        if options.detector:
+            raise InputError(f"{options.file}: holds the motions of a model, and no detector")
+        print(motion_summary(motions.read(options.file)))
+        return
     file = results.read(options.file)
     print(summary(file, [_detector(file, options.detector)] if options.detector else file.scan.detectors))
 

@@ -113,8 +113,8 @@ def _draw_distances(axes: Axes, styled: Sequence[tuple[Motion, Look, str]], cloc
     axes.plot([], [], styled[0][2], color=styled[0][1].colour, label=first.name)
     for motion, look, line in styled[1:]:
         distance = np.linalg.norm(motion.position - first.position, axis=1)
-        axes.plot(clock.apply(motion.time), np.where(distance > 0, distance, np.nan), line, color=look.colour, linewidth=1.2,
-                  label=motion.name)
+        axes.plot(clock.apply(motion.time), np.where(distance > 0, distance, np.nan), line, color=look.colour,
+                  linewidth=1.2, label=motion.name)
     axes.set_yscale("log")
     axes.set_ylabel(f"distance from `{first.name}` (m)")
     axes.grid(axis="y")

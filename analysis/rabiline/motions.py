@@ -54,6 +54,12 @@ class Motions:
     findings: tuple[Finding, ...]
 
 
+def has_motions(path: Path | str) -> bool:
+    """Whether a file is of a model; raises FileError."""
+    with open_entry(path) as entry:
+        return "motions" in entry and "findings" in entry
+
+
 def read(path: Path | str) -> Motions:
     """Reads the motions of a model; raises FileError."""
     with open_entry(path) as entry:
@@ -65,7 +71,8 @@ def read(path: Path | str) -> Motions:
         names = entry.texts("motions")
         groups = [entry.group(f"point_{i}") for i in range(points)] if axis else [entry]
         return Motions(Path(path), entry.text("title"), entry.text("model"), axis,
-                       tuple(tuple(_read_motion(one.group(name)) for name in names) for one in groups), tuple(_read_findings(group, points)))
+                       tuple(tuple(_read_motion(one.group(name)) for name in names) for one in groups),
+                       tuple(_read_findings(group, points)))
 
 
 def _read_axis(group: Group) -> Axis | None:

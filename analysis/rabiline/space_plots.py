@@ -17,9 +17,9 @@ from .units import Scale, fitting_scale
 
 
 def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
-    """x, y and z of every track, in the laboratory: y along the beam to the right, z along the static field upwards. The
-    axes have scales of their own, so that small deflections are seen. Faint lines on the floor and on the back wall show the
-    paths from above and from the side, frames across the beam where regions begin and end."""
+    """x, y and z of every track, in the laboratory: y along the beam to the right, z along the static field upwards.
+    Along the beam the scale is another one than across, so that small deflections are seen. Faint lines on the floor
+    and on the back wall show the paths from above and from the side, frames where regions begin and end."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     points = np.concatenate([track.position for file in files for track in file.tracks])
     across, along = fitting_scale(points[:, [0, 2]], "m"), fitting_scale(points[:, 1], "m")
@@ -34,7 +34,8 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
             axes.plot(x, y, floor, color=look.colour, linewidth=0.8, alpha=0.35)
             axes.plot(wall, y, z, color=look.colour, linewidth=0.8, alpha=0.35)
             axes.plot(x, y, z, color=look.colour, linewidth=1.6)
-            axes.plot(x[-1:], y[-1:], z[-1:], ENDS.get(track.fate, "*"), color=look.colour, markersize=6, markeredgewidth=0)
+            axes.plot(x[-1:], y[-1:], z[-1:], ENDS.get(track.fate, "*"), color=look.colour, markersize=6,
+                      markeredgewidth=0)
     _draw_frames(axes, regions, along, low, high)
     for k, (name, about) in enumerate(zip("xyz", ("", ", along the beam", ", along the static field"))):
         getattr(axes, f"set_{name}lim")(low[k], high[k])
@@ -61,6 +62,7 @@ def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.nd
     for region, shade in zip(regions, SHADES * (len(regions) // len(SHADES) + 1)):
         for y in (along.apply(region.begin), along.apply(region.end)):
             corners = [(low[0], y, low[2]), (high[0], y, low[2]), (high[0], y, high[2]), (low[0], y, high[2])]
-            axes.add_collection3d(Poly3DCollection([corners], facecolor=shade, edgecolor=GREY, linewidth=0.5, alpha=0.25))
+            axes.add_collection3d(Poly3DCollection([corners], facecolor=shade, edgecolor=GREY, linewidth=0.5,
+                                                   alpha=0.25))
         middle = along.apply((region.begin + region.end) / 2)
         axes.text(high[0], middle, high[2], region.name, color=GREY, fontsize=9, ha="center", va="bottom")

@@ -42,7 +42,7 @@ void print_ranges(const SolvedModel& solved) {
 void print_findings(const SolvedModel& solved) {
   if (solved.axis) return print_ranges(solved);
   for (const Finding& f : solved.points.front().findings)
-    fmt::print("  {:<30} {:>13.6g}, expected {:.6g}{}\n", f.name, f.value, f.expected, unit_of(f));
+    fmt::print("  {:<30} {:>15.9g}, expected {:.9g}{}\n", f.name, f.value, f.expected, unit_of(f));
 }
 
 }  // namespace

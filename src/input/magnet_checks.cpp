@@ -10,10 +10,7 @@ namespace {
 
 /// What a part contributes as a magnet, if it is one.
 std::optional<MagnetTerm> magnet_of(const PlacedPart& part) {
-  if (!std::holds_alternative<GradientMagnet>(part.part) &&
-      !std::holds_alternative<TwoWireMagnet>(part.part) && !std::holds_alternative<IronMagnet>(part.part) &&
-      !std::holds_alternative<MultipoleMagnet>(part.part))
-    return std::nullopt;
+  if (!is_magnet(part.part)) return std::nullopt;
   SectionBuilder builder(Wall{});
   std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
   return std::get<MagnetTerm>(builder.build().planes.front().term);

@@ -180,9 +180,9 @@ void find_conserved(const Orbit& o, const Path& path, std::vector<Finding>& out)
     momenta.push_back(canonical(o, path.r[i], path.v[i]).z);
   }
   const double speed = length_of(o.v);
-  out.push_back({"energy_drift", "", "largest change of the energy, over the kinetic energy at the start",
+  out.push_back({"energy_drift", "1", "largest change of the energy, over the kinetic energy at the start",
                  largest_change(energies) / (o.mass / 2 * speed * speed), 0});
-  out.push_back({"canonical_drift", "",
+  out.push_back({"canonical_drift", "1",
                  "largest change of the canonical L_z = (r x m v)_z + q B rho^2/2, over m v r",
                  largest_change(momenta) / (o.mass * speed * o.radius), 0});
 }
@@ -210,10 +210,10 @@ void find_precession(const Orbit& o, const Path& path, const std::vector<double>
   out.push_back({"second_order", "Hz", "what of it is beyond w/(2 pi): w^2 cos(i)/(2 omega)/(2 pi)",
                  (rate - o.larmor) / two_pi, second / two_pi});
   out.push_back(
-      {"over_cyclotron", "",
+      {"over_cyclotron", "1",
        "precession over the rate -q B/m at which a free charge turns: one half, and the second order",
        rate / (2 * o.larmor), (1 + second / o.larmor) / 2});
-  out.push_back({"eq74_over_precession", "",
+  out.push_back({"eq74_over_precession", "1",
                  "rate of eq. 74, dL/dt = L x W with W = q B/m, over the precession: 2 to first order",
                  2 * o.larmor / rate, 2 / (1 + second / o.larmor)});
 }
@@ -232,7 +232,7 @@ void find_mean_torque(const Orbit& o, std::vector<Finding>& out) {
   const Vector3 claimed = 2 * o.larmor * cross(z, momentum);
   if (!(length_of(claimed) > 1e-6 * 2 * std::abs(o.larmor) * length_of(momentum))) return;
   out.push_back(
-      {"mean_torque", "",
+      {"mean_torque", "1",
        "mean of r x (q v x B) over the first orbit, over L x W of eq. 74: one half to first order in "
        "w/omega, since the step to (r x m v) x W needs r.v = v.W = 0",
        dot(torque, claimed) / dot(claimed, claimed), 0.5});
@@ -244,7 +244,7 @@ void find_free(const Orbit& o, const Path& path, const std::vector<double>& time
   const double rate = angles_about(z, path.v).back() / times.back();
   out.push_back(
       {"turn", "Hz", "turns of v about +z per second: -q B/(2 pi m)", rate / two_pi, 2 * o.larmor / two_pi});
-  out.push_back({"over_larmor", "", "that over Larmor's -q B/(4 pi m), with which bound orbits precess",
+  out.push_back({"over_larmor", "1", "that over Larmor's -q B/(4 pi m), with which bound orbits precess",
                  rate / o.larmor, 2});
 }
 
@@ -328,7 +328,7 @@ ModelResult solve(const BoundCharge& model) {
     double farthest = 0;
     for (std::size_t i = 0; i < times.all.size(); ++i)
       farthest = std::max(farthest, length_of(standard.r[i] - harmonic_place(o, times.all[i])));
-    out.findings.push_back({"closed_form", "",
+    out.findings.push_back({"closed_form", "1",
                             "largest distance from the exact orbit, over the radius: an oscillator of "
                             "sqrt(omega^2 + w^2) across z in the frame that turns with w",
                             farthest / o.radius, 0});

@@ -63,7 +63,7 @@ Motion motion_of(const Particle& p, const Path& path, const Times& times, std::s
                  std::string meaning) {
   Motion out{std::move(name), std::move(meaning), {}, {}, {}, {}};
   VectorCourse velocity{"velocity", "m/s", "of the particle"},
-      spin{"spin", "", "direction of the spin, in the particle's rest frame"};
+      spin{"spin", "1", "direction of the spin, in the particle's rest frame"};
   Course speed{"speed", "m/s", "|v|"}, energy{"kinetic_energy", "J", "(gamma - 1) m c^2"},
       angle{"spin_to_velocity", "rad", "angle between S and v: alpha of the paper's Fig. 2"};
   for (std::size_t i = 0; i < times.all.size(); i += times.stride) {
@@ -92,7 +92,7 @@ class Findings {
   }
   void drift(const std::string& name, std::span<const double> values, double scale,
              const std::string& meaning) {
-    add(name, "", largest_change(values) / scale, 0, meaning);
+    add(name, "1", largest_change(values) / scale, 0, meaning);
   }
 
   /// What a uniform magnetic field conserves, whatever the law.
@@ -158,7 +158,7 @@ void find_ratio(const Particle& p, const Path& standard, const Path& larmor, dou
                 double larmor_radius, Findings& findings) {
   const double half_g = p.gamma / p.charge_rate;
   if (standard_radius > 0 && larmor_radius > 0)
-    findings.add("radius_ratio", "", standard_radius / larmor_radius, std::abs(half_g) * p.lorentz,
+    findings.add("radius_ratio", "1", standard_radius / larmor_radius, std::abs(half_g) * p.lorentz,
                  "radius by the Lorentz force over radius by `larmor`: |g|/2 for a slow particle, times the "
                  "Lorentz factor for a fast one, since the hypothesis knows no relativity; 1 for g = 2");
   const bool flat = std::abs(p.velocity.z) < 1e-12 * p.speed;
@@ -168,13 +168,13 @@ void find_ratio(const Particle& p, const Path& standard, const Path& larmor, dou
     return angles_about(z, path.spin).back() / angles_about(z, path.velocity).back();
   };
   findings.add(
-      "standard_spin_turns", "", ratio(standard), 1 + p.lorentz * (half_g - 1),
+      "standard_spin_turns", "1", ratio(standard), 1 + p.lorentz * (half_g - 1),
       "turns of the spin for each turn of the velocity: 1 + gamma (g/2 - 1), g/2 for a slow particle. Both "
       "turnings of one proton were counted in a Penning trap and have the ratio g/2 = 2.79284734462(82) "
       "(G. Schneider et al., Science 358, 1081 (2017)), of one electron 1.00115965218059(13) (X. Fan et "
       "al., Phys. Rev. Lett. 130, 071801 (2023))");
   findings.add(
-      "larmor_spin_turns", "", ratio(larmor), 1,
+      "larmor_spin_turns", "1", ratio(larmor), 1,
       "the same under `larmor`, where spin and velocity turn jointly whatever g is: measured ratios of "
       "protons contradict it, while the electron's differs from 1 by a thousandth");
 }

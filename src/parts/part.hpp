@@ -38,6 +38,12 @@ using Part = std::variant<Polarizer,         //
                           Detector,          //
                           Monitor>;
 
+/// Whether it deflects by the gradient of its field.
+inline bool is_magnet(const Part& part) {
+  return std::holds_alternative<GradientMagnet>(part) || std::holds_alternative<TwoWireMagnet>(part) ||
+         std::holds_alternative<IronMagnet>(part) || std::holds_alternative<MultipoleMagnet>(part);
+}
+
 struct PlacedPart {
   Placement placement;
   Part part;

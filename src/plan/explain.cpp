@@ -9,7 +9,7 @@
 
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_magnets.hpp"
-#include "plan/explain_speeds.hpp"
+#include "plan/explain_laws.hpp"
 #include "plan/level_history.hpp"
 #include "plan/magnets.hpp"
 
@@ -37,7 +37,7 @@ class Explainer {
         component(tree);
     cost();
     for (std::string& warning : driven_.warnings()) warnings_.push_back(std::move(warning));
-    if (std::optional<std::string> fast = warning_of_relativity(experiment_)) warnings_.push_back(*fast);
+    for (std::string& warning : warnings_of_laws(experiment_)) warnings_.push_back(std::move(warning));
     for (const std::string& warning : warnings_) out_ += "warning: " + warning + "\n";
     return std::move(out_);
   }

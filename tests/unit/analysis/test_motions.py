@@ -83,8 +83,8 @@ def test_other_commands_say_what_the_file_is(tmp_path: Path, capsys: pytest.Capt
     path = write_model(tmp_path / "m.h5")
     with pytest.raises(FileError, match="motions of a model"):
         results.read(path)
-    for command in (["summary", str(path)], ["plot-scan", str(path), "-o", str(tmp_path / "x.png")]):
-        assert main(command) == 2
+    for command in ("plot-image", "plot-scan"):
+        assert main([command, str(path), "-o", str(tmp_path / "x.png")]) == 2
         assert "holds the motions of a model, not the result of a beamline: see plot-motion" in capsys.readouterr().err
     assert main(["plot-motion", str(path), "--point", "3", "-o", str(tmp_path / "x.png")]) == 2
     assert "--point 3: the scan points are 0 to 0" in capsys.readouterr().err
@@ -96,3 +96,12 @@ def test_a_file_without_motions_is_refused(tmp_path: Path) -> None:
         file.create_group("entry")
     with pytest.raises(FileError, match="no motions in it"):
         motions.read(tmp_path / "n.h5")
+
+
+def test_a_summary_names_motions_and_findings_with_what_is_expected(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["summary", str(write_model(tmp_path / "m.h5", [1.0, 10.0, 100.0]))]) == 0
+    told = capsys.readouterr().out
+    assert "model.spin (Hz): 1 to 100, 3 points" in told and "motion       first: meaning of first" in told
+    assert "finding      rate: 1 to 0.333333333 rad/s, expected 1.1 to 0.366666667 rad/s" in told
+    assert "finding      late: 0.5 to 0.333333333, expected 0" in told
+    assert main(["summary", str(tmp_path / "m.h5"), "--detector", "screen"]) == 2

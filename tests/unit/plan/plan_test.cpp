@@ -169,6 +169,21 @@ TEST(Explain, WarnsUnderEveryLawOfSpeedsThatNeedRelativity) {
   }
 }
 
+TEST(Explain, SaysUnderTheHypothesisThatMagnetsSeparateNoLevels) {
+  Beamline b = suggested(291.6e3);
+  GradientMagnet magnet;
+  magnet.length = 0.1;
+  magnet.field = 0.1;
+  magnet.gradient = 10;
+  b.parts.insert(b.parts.end() - 1, place("A", 0.7, magnet));
+  const Experiment hypothesis = scan({b});
+  EXPECT_NE(explain(hypothesis, make_plan(hypothesis)).find("under dorado no levels are separated by `A`: "),
+            std::string::npos);
+  b.law = QuantumLaw{};
+  const Experiment standard = scan({b});
+  EXPECT_EQ(explain(standard, make_plan(standard)).find("separated"), std::string::npos);
+}
+
 TEST(Explain, WarnsOfAFieldThatTurnsAgainstThePrecession) {
   Beamline b = suggested(291.6e3);
   std::get<UniformField>(b.parts[1].part).field = -10e-3;

@@ -1,0 +1,37 @@
+"""What a file of a model holds, in words."""
+from __future__ import annotations
+
+from typing import Iterable
+
+import numpy as np
+
+from .motions import Motions
+from .units import fitting_scale
+
+
+def motion_summary(file: Motions) -> str:
+    """Lines about the motions, and every finding with what is expected of it; over a scan, from where to where it goes."""
+    return "\n".join(_lines(file))
+
+
+def _lines(file: Motions) -> Iterable[str]:
+    yield file.title or file.path.name
+    yield f"  model        {file.model}"
+    if file.axis is not None:
+        scale = fitting_scale(file.axis.values, file.axis.units)
+        low, high = scale.apply(file.axis.values[0]), scale.apply(file.axis.values[-1])
+        ends = f"{file.axis.labels[0]} to {file.axis.labels[-1]}" if file.axis.labels else f"{low:.6g} to {high:.6g}"
+        yield f"  scan         {scale.label(file.axis.parameter)}: {ends}, {len(file.points)} points"
+    for motion in file.points[0]:
+        yield f"  motion       {motion.name}: {motion.meaning}"
+    for finding in file.findings:
+        unit = f" {finding.units}" if finding.units else ""
+        yield f"  finding      {finding.name}: {_range(finding.values)}{unit}, expected {_range(finding.expected)}{unit}"
+        yield f"               {finding.meaning}"
+
+
+def _range(values: np.ndarray) -> str:
+    known = values[np.isfinite(values)]
+    if known.size == 0:
+        return "none"
+    return f"{known[0]:.9g}" if np.ptp(known) == 0 else f"{known[0]:.9g} to {known[-1]:.9g}"
