@@ -76,6 +76,7 @@ struct Path {
 Path fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<double>& times) {
   const double w = larmor / o.omega, speed = o.radius * o.omega;
   std::vector<double> scaled;
+  scaled.reserve(times.size());
   for (const double t : times) scaled.push_back(o.omega * t);
   const auto rows = integrate(
       [&](double, std::span<const double> y, std::span<double> d) {

@@ -25,6 +25,7 @@ template <class Step>
 Path integrate_path(const Particle& p, const std::vector<double>& times, Step step) {
   const double rate = std::max(fastest_rate(p), 1 / times.back());
   std::vector<double> scaled;
+  scaled.reserve(times.size());
   for (const double t : times) scaled.push_back(t * rate);
   const Vector3 u0 = (1 / p.speed) * p.velocity;
   const auto rows = integrate(

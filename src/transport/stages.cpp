@@ -171,6 +171,7 @@ void pass(const TurningRegion& region, Flight& flight) {
   BatchView& batch = flight.batch.view();
   std::vector<Batch> seen = batches_for(region, batch);
   std::vector<BatchView> views;
+  views.reserve(seen.size());
   for (Batch& there : seen) views.push_back(there.view());
   Region view = region_view(region, flight.key);
   view.seen = views.data();

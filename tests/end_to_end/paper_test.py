@@ -272,7 +272,7 @@ def test_what_is_known_bounds_the_strength_of_the_hypothesis(run, tmp_path, name
     assert abs(middle / half - 1) < 0.004
     assert abs(middle / half / 1.01 - 1) > 0.005
     words, limit = bound(name, tmp_path, "--set", f"law.closure={closure}")
-    assert "p = 1" in words and 0.93 < limit / half < 1
+    assert "p = 1 at" in words and 0.93 < limit / half < 1
 
 
 @pytest.mark.parametrize("name, straight", [("known-guided-neutrons", True), ("known-turned-guide-field", False)])
