@@ -68,7 +68,7 @@ inline Vector through_profiled(const SpinZone& zone, real phase, real t, real st
 /// Any sum of fields: fourth-order steps in the laboratory.
 inline Vector through_any(const SpinZone& zone, const real* phases, real t, real stay, real slowness,
                           const Vector& s) {
-  const Way way{broadcast(zone.begin), 1.0 / slowness, broadcast(0)};
+  const Way way{broadcast(zone.begin), 1.0 / slowness, broadcast(0), broadcast(0)};
   return in_steps(zone, stay, s, [&](real from, real h, const Vector& now) {
     return step_spin(zone, phases, t, way, from, h, now);
   });

@@ -166,8 +166,8 @@ RABILINE_LANES Vector magnus(const Vector& w1, const Vector& w2, real h) {
 }
 /// Where a particle is along the beam, dt after a moment: y + v dt + a dt^2/2.
 struct Way {
-  real y, v, half_a;
-  RABILINE_LANES real at(real dt) const { return fma(fma(half_a, dt, v), dt, y); }
+  real y, v, half_a, sixth_jerk;
+  RABILINE_LANES real at(real dt) const { return fma(fma(fma(sixth_jerk, dt, half_a), dt, v), dt, y); }
 };
 /// The spin one Magnus step later, for any sum of fields; the step begins `from` after the time t0 of the
 /// way.

@@ -144,6 +144,36 @@ def test_trajectory_two_is_the_exact_solution(path, closure):
     assert np.abs(place[within][-1] - [0, 0.2, 0] - 1000 * taken * mean).max() < 3e-9  # of 0.3 m
 
 
+@pytest.mark.parametrize("field", ["from: z, to: x", "from: z, to: y"])
+def test_steps_are_of_fourth_order_and_keep_the_path_error_where_fields_turn_along_the_beam(tmp_path, field):
+    (tmp_path / "guide.yaml").write_text(f"""
+rabiline: 1
+title: A guide field
+species: neutron
+law: {{name: dorado, closure: torque}}
+source: {{speed: {{kind: single, value: 1000 m/s}}, opening: {{width: 0 m, height: 0 m}}, direction: parallel,
+         spin: {{kind: polarised, axis: -z, degree: 1}}}}
+parts:
+  - {{name: guide, kind: guide_field, at: 0.1 m, length: 0.5 m, field: 100 uT, {field}}}
+  - {{name: screen, kind: detector, at: 1 m, width: 10 m, height: 10 m, bins: [1, 1]}}
+particles: 1
+seed: 1
+""")
+
+    def end(error):
+        subprocess.run([RABILINE, "trace", tmp_path / "guide.yaml", "-n", "1", "--set", f"law.path_error={error}", "-o",
+                        tmp_path / "path.h5"], check=True, stdout=subprocess.DEVNULL)
+        with h5py.File(tmp_path / "path.h5") as file:
+            track = file["entry/particle_0"]
+            last = np.argmin(abs(track["y"][:] - 0.6))
+            return np.array([track[name][last] for name in ("x", "y", "z")])
+
+    exact = end(1e-12)
+    far = [np.abs(end(error) - exact).max() / 0.5 for error in (1e-4, 1e-6, 1e-8)]
+    assert all(distance < error for distance, error in zip(far, (1e-4, 1e-6, 1e-8)))
+    assert 50 < far[0] / far[1] < 300 and 70 < far[1] / far[2] < 150  # a hundred: the fourth power of the steps
+
+
 def test_in_rabis_arrangement_quantum_theory_gives_his_line_and_the_hypothesis_no_beam(run):
     file = run("rabi-neutrons")
     x = file["entry/scan/H0_frequency"][:]
@@ -163,6 +193,13 @@ def test_in_rabis_arrangement_quantum_theory_gives_his_line_and_the_hypothesis_n
 def test_spins_that_nothing_has_aligned_leave_at_every_frequency_under_the_hypothesis(run):
     quantum, torque, larmor = run("unaligned-beam")["entry/scan/detected"][:]
     assert (quantum == 1).all() and torque.max() < 0.005 and larmor.max() == 0
+    # At full strength the velocity turns about the field by gamma B T (1 - |cos theta|): at 2.2 mrad the beam hits,
+    # at 3.2 mrad it is beside the screen.
+    for tilt, hit in ((2.2e-3, 1), (3.2e-3, 0)):
+        spin = f"source.spin={{kind: polarised, axis: [{np.sin(tilt)}, 0, {np.cos(tilt)}], degree: 1}}"
+        file = run("unaligned-beam", "--scan", "law=dorado", "--set", "H0.amplitude=0 T", "--set", spin, "--particles", "200",
+                   "--scan", "H0.frequency=280 kHz")
+        assert abs(file["entry/scan/detected"][0, 0] - hit) < 0.02
     # A weak hypothesis: a spin at an angle theta to the field moves by kappa gamma B sum(T (way to the screen)) sin^2 theta,
     # and isotropic spins have sin^2 theta < s with probability 1 - sqrt(1 - s). Opening and speeds are averaged over.
     kappa = 4e-6
