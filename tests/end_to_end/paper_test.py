@@ -150,7 +150,7 @@ def test_steps_are_of_fourth_order_and_keep_the_path_error_where_fields_turn_alo
 rabiline: 1
 title: A guide field
 species: neutron
-law: {{name: dorado, closure: torque}}
+law: {{name: dorado, closure: torque, kappa: 0.5}}
 source: {{speed: {{kind: single, value: 1000 m/s}}, opening: {{width: 0 m, height: 0 m}}, direction: parallel,
          spin: {{kind: polarised, axis: -z, degree: 1}}}}
 parts:
