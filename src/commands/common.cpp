@@ -114,6 +114,16 @@ Isa MachineOptions::instruction_set() const {
   return *parsed;
 }
 
+void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
+  for (const InputText& input : inputs) {
+    std::error_code none;  // of a file that is not there yet
+    if (std::filesystem::equivalent(output, input.path, none))
+      throw ArgumentError(
+          fmt::format("-o {} is what the experiment is read from\n  help: write results to another file",
+                      output.string()));
+  }
+}
+
 std::string now() {
   const std::time_t t = std::time(nullptr);
   return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(t));

@@ -44,6 +44,9 @@ struct MachineOptions {
 const std::atomic<bool>& stop_requested();
 void watch_signals();
 
+/// Results never replace what they are computed from. Throws ArgumentError.
+void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs);
+
 /// This moment as ISO 8601 with offset, for provenance.
 std::string now();
 /// What is known of a run before it starts: program, machine, command line and inputs.

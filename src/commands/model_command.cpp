@@ -68,8 +68,14 @@ void run_model(const LoadedModel& loaded, const std::filesystem::path& output,
   solved.provenance = provenance_of(arguments, loaded.inputs);
   if (!loaded.axes.empty()) solved.axis = loaded.axes.front();
   const auto begin = std::chrono::steady_clock::now();
-  for (const ModelFile& point : loaded.points)
-    solved.points.push_back(std::visit([](const auto& any) { return solve(any); }, point.model));
+  for (const ModelFile& point : loaded.points) try {
+      solved.points.push_back(std::visit([](const auto& any) { return solve(any); }, point.model));
+    } catch (const std::runtime_error& error) {  // GSL gave up, near a place where a force has no bound
+      throw ArgumentError(fmt::format("{}{}", error.what(),
+                                      solved.axis ? fmt::format(", at {} = {}", solved.axis->parameter,
+                                                                value_at(*solved.axis, solved.points.size()))
+                                                  : ""));
+    }
   solved.provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   solved.provenance.end_time = now();
   write_motions(solved, output);

@@ -164,6 +164,7 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
     throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
   const Loaded file = load(a.experiment.file, a.experiment.changes);
   if (std::holds_alternative<LoadedModel>(file)) refuse_for_a_model(verb);
+  require_no_input(output, std::visit([](const auto& any) { return any.inputs; }, file));
   require_writable(output);
   if (const auto* model = std::get_if<LoadedModel>(&file)) {
     run_model(*model, output, arguments);

@@ -23,6 +23,7 @@ void trace_command(const TraceArguments& a) {
   machine.isa = a.isa;
   const Isa isa = machine.instruction_set();
   const LoadedExperiment loaded = load_experiment(a.experiment.file, a.experiment.changes);
+  require_no_input(a.output, loaded.inputs);
   require_writable(a.output);
   std::vector<Track> tracks;
   const std::uint64_t first = a.particle.value_or(0);

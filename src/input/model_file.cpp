@@ -10,7 +10,8 @@
 namespace rabiline {
 namespace {
 
-constexpr double most_samples = 1e6;  // of all scan points together: a GiB
+// Of all scan points together: a GiB. What is written of a point besides takes as much as so many samples.
+constexpr double most_samples = 1e6, samples_of_a_point = 200;
 
 ModelFile read_model(const Node& root, Reading& reading) {
   ModelFile out;
@@ -43,6 +44,11 @@ void check_scan(const Node& root, const ScanPlan& plan, Reading& reading) {
   if (plan.axes.size() > 1)
     reading.error(plan.axes[1].place, "a model is scanned over one parameter",
                   "set the other one with --set");
+  for (const auto& axis : plan.axes)
+    if (!axis.parameter.starts_with("model"))
+      reading.error(axis.place,
+                    fmt::format("`{}` cannot be scanned: it is no parameter of the model", axis.parameter),
+                    "scan one such as `model.samples`");
   const Entry* scan = root.find("scan");
   if (!scan) return;
   const std::vector<Node> one{scan->value};
@@ -54,14 +60,15 @@ void check_scan(const Node& root, const ScanPlan& plan, Reading& reading) {
 
 /// Every point keeps its motions until all are written.
 void check_size(const LoadedModel& loaded, const ScanPlan& plan, Reading& reading) {
-  double samples = 0;
+  double samples = samples_of_a_point * static_cast<double>(loaded.points.size());
   for (const ModelFile& point : loaded.points)
     samples += std::visit([](const auto& any) { return static_cast<double>(any.samples); }, point.model);
   if (samples > most_samples)
-    reading.error(
-        plan.axes.front().place,
-        fmt::format("the scan has {:.0f} samples at all its points, more than {:.0f}", samples, most_samples),
-        "take fewer `samples` or fewer points");
+    reading.error(plan.axes.front().place,
+                  fmt::format("the scan has {} points with {:.0f} samples in all, more than fit into a file",
+                              loaded.points.size(),
+                              samples - samples_of_a_point * static_cast<double>(loaded.points.size())),
+                  "take fewer `samples` or fewer points");
 }
 
 LoadedModel load_model(LoadedFile file, const CommandLine& line) {

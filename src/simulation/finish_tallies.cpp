@@ -295,7 +295,9 @@ MeanAndDeviation direction_of(const std::vector<MomentSums>& groups) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const double length = std::hypot(c, s);
   if (q == 0 || length == 0) return {none, none, none, none};
-  const double r = std::min(1.0, length / q), deviation = std::sqrt(-2 * std::log(r));
+  // Cosines and sines are known to a step of 2/moment_steps: a deviation of less than 0.02 degrees is none.
+  const double r = std::min(1.0, length / q),
+               deviation = 1 - r < 2.0 / moment_steps ? 0 : std::sqrt(-2 * std::log(r));
   double across = 0, along = 0;
   for (const MomentSums& g : groups) {
     const double x = number(g.qu, g.q), y = number(g.quu, g.q);

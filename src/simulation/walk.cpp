@@ -96,26 +96,36 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
   }
 }
 
+void Walker::pass(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
+  Flight flight{kernels_, key, batch, sums.data() + node.sums};
+  if (node.ledger == 0) return advance(node.stage, flight);
+  const LedgerBook book(batch.view());
+  advance(node.stage, flight);
+  book.book(sums.data() + node.ledger);
+}
+
 void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const RandomKey& key, Sums& sums) {
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    std::size_t own = depth;
-    if (i + 1 < nodes.size() && !leaves_untouched(nodes[i])) {
-      own = depth + 1;
-      batch(own).copy_from(batch(depth));
+  // All branches but the last are flown to their ends; the last one is followed by the loop, as a beamline of
+  // a thousand planes is a chain of as many stages.
+  for (const std::vector<PlanNode>* here = &nodes; !here->empty();) {
+    for (std::size_t i = 0; i + 1 < here->size(); ++i) {
+      const PlanNode& node = (*here)[i];
+      std::size_t own = depth;
+      if (!leaves_untouched(node)) {
+        own = depth + 1;
+        batch(own).copy_from(batch(depth));
+      }
+      if (!node.ways.empty()) {
+        follow_branches(node, batch(own), key, sums);
+        continue;
+      }
+      pass(node, batch(own), key, sums);
+      walk(node.next, own, key, sums);
     }
-    if (!nodes[i].ways.empty()) {
-      follow_branches(nodes[i], batch(own), key, sums);
-      continue;
-    }
-    Flight flight{kernels_, key, batch(own), sums.data() + nodes[i].sums};
-    if (nodes[i].ledger != 0) {
-      const LedgerBook book(batch(own).view());
-      advance(nodes[i].stage, flight);
-      book.book(sums.data() + nodes[i].ledger);
-    } else {
-      advance(nodes[i].stage, flight);
-    }
-    walk(nodes[i].next, own, key, sums);
+    const PlanNode& last = here->back();
+    if (!last.ways.empty()) return follow_branches(last, batch(depth), key, sums);
+    pass(last, batch(depth), key, sums);
+    here = &last.next;
   }
 }
 

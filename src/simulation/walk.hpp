@@ -15,6 +15,7 @@ class Walker {
 
  private:
   void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
+  void pass(const PlanNode&, Batch&, const RandomKey&, Sums&);
   void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 

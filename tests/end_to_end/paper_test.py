@@ -7,6 +7,7 @@ import subprocess
 import h5py
 import numpy as np
 import pytest
+from matplotlib.testing.compare import compare_images
 from experiments import EXPERIMENTS, RABILINE, crossings
 
 TESTED = {"rotating-cylinder", "charged-particle", "muon-storage-ring", "bound-charge", "proton-in-a-field", "muon-precession",
@@ -324,6 +325,8 @@ def test_the_page_on_the_paper_shows_figures_that_one_command_draws(tmp_path):
     shown = set(re.findall(r"\]\(figures/([\w-]+\.png)\)", page))
     subprocess.run([DOCS / "draw-figures", tmp_path], check=True, stdout=subprocess.DEVNULL)
     assert shown == {path.name for path in tmp_path.iterdir()} == {path.name for path in (DOCS / "figures").iterdir()}
+    for name in sorted(shown):  # those in the page are not out of date
+        assert compare_images(str(DOCS / "figures" / name), str(tmp_path / name), tol=10) is None, name
     for experiment in re.findall(r"`(?:beamline/)?([\w-]+)\.yaml`", page):
         assert (EXPERIMENTS / f"{experiment}.yaml").exists(), experiment
     for link in re.findall(r"\]\((?!http|figures/|#)([^)]+)\)", page):
