@@ -80,7 +80,7 @@ class Bound:
     """A profile, and what it came from."""
 
     profile: Profile
-    source: str
+    source: str  # of the counts: the file, which may hold measured ones or stand-ins, or what they are expected from
     counts: float
     free: bool
     p: float | None  # of the counts at the best scan point; None for counts that are expected and not measured
@@ -132,11 +132,11 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
             raise NoBound("without --data: --emitted, the particles at each scan point for which to tell the bound")
         backgrounds = [each * beam.seconds for each in beam.backgrounds] if beam.seconds else None
         found = models(made, exposure, backgrounds, beam.free)
-        n, free, source = found[zero[0]].expected, beam.free, f"expected if κ = 0, {np.mean(exposure):.6g} particles " \
-            "emitted at each scan point"
+        n, free = found[zero[0]].expected, beam.free
+        source = f"expected if κ = 0, {np.mean(exposure):.6g} particles emitted at each scan point"
     else:
         n, found, free = against_data(made, beam, data)
-        source = f"measured: {data.path}"
+        source = str(data.path)
     values = np.array([float(model.deviance(n)) for model in found])
     noise = _noise(found[int(np.argmin(values))], n)
     if made.independent and noise > MOST_NOISE:
@@ -157,16 +157,21 @@ def _noise(model: Model, n: np.ndarray) -> float:
     return float(np.sqrt(2 * np.sum((2 * (mu - n) / (1 + mu / k)) ** 2 / k)))
 
 
+def family(made: Templates) -> str:
+    """The law whose strength is scanned: "dorado (hypothesis): torque"."""
+    name, _, closure = made.names[0].split(", kappa")[0].rstrip(")").partition(" (")
+    return f"{name} (hypothesis): {closure}" if closure else f"{name} (hypothesis)"
+
+
 def bound_report(made: Templates, found: Bound) -> Iterable[str]:
     """Lines."""
-    name = made.names[0].split(", kappa")[0].replace("(", "(hypothesis), ").replace("(hypothesis),", "(hypothesis):")
     result = found.profile
     yield made.title or made.path
     over = f"; {made.points} points of {made.axis.parameter}" if made.axis else ""
-    yield f"  law          {name.rstrip(')')}; κ from {result.strengths[0]:g} to {result.strengths[-1]:g}, " \
+    yield f"  law          {family(made)}; κ from {result.strengths[0]:g} to {result.strengths[-1]:g}, " \
           f"{result.strengths.size} points{over}"
     yield f"  detectors    {', '.join(screen.name for screen in made.screens)}"
-    yield f"  counts       {found.source}; {found.counts:.6g} counts, flux {'fitted' if found.free else 'known'}"
+    yield f"  counts       {found.source}; {found.counts:.6g} in all, flux {'fitted' if found.free else 'known'}"
     yield f"  best         κ = {result.best:.4g}; κ = 0 is {_above_zero(result):.2f} above it in -2 ln L"
     if found.p is not None:
         yield f"  fit          p = {found.p:.2g} at the best scan point, from {found.trials} trials"

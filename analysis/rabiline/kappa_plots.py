@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from .kappa import CONFIDENCE, Bound
+from .kappa import CONFIDENCE, Bound, family
 from .style import GREY, LAWS
 from .templates import Templates
 
@@ -38,6 +38,6 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     axes.set_xlabel("κ, strength of the hypothesis (1: the paper; 0: straight flight)")
     axes.set_ylabel("-2 ln L above its least value")
     axes.grid(axis="y")
-    figure.suptitle(f"{title or made.title}\n{found.source}", fontsize=10.5)
+    figure.suptitle(f"{title or made.title}\n{family(made)}\ncounts: {found.source}", fontsize=10.5)
     axes.legend(loc="best")
     return figure
