@@ -237,13 +237,14 @@ def _parser() -> Parser:
     profiles.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
     tally = command("plot-tally", plot_tally, many=False)
     tally.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
-    tally.add_argument("--axes", metavar="A,B", help="one or two of its axes; the first ones by default, the others are "
-                                                     "summed over")
+    tally.add_argument("--axes", metavar="A,B",
+                       help="one or two of its axes; the first ones by default, the others are summed over")
     tally.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
     spins = command("plot-angles", plot_angles, many=False)
     spins.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
     spins.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
-    spins.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
+    spins.add_argument("--polar-rate", metavar="RATE",
+                       help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
     spins.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",

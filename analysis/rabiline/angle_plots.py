@@ -39,8 +39,8 @@ class Angles:
 
     def __str__(self) -> str:
         rate, error = self.turns
-        return f"{self.name}: {format_value(rate, 'Hz', error)} ({format_value(self.rate, 'rad/s', self.rate_error)}), " \
-               f"{ABOUT_ERROR}"
+        both = f"{format_value(rate, 'Hz', error)} ({format_value(self.rate, 'rad/s', self.rate_error)})"
+        return f"{self.name}: {both}, {ABOUT_ERROR}"
 
     @property
     def residuals(self) -> np.ndarray:
@@ -73,9 +73,9 @@ def angles_of(results: Results, monitor: str | None, point: int) -> list[Angles]
 def line_through(name: str, times: np.ndarray, values: np.ndarray, spread: np.ndarray) -> Angles:
     """Ordinary least squares through all planes but the first, raises NoAngles where they are too few.
 
-    All planes see the same particles, and θ0 + rate (t - t0) is a line for each of them, whatever its speed: the errors
-    of the means say nothing about the rate. What does is the scatter about the line. Where it goes on from plane to
-    plane, as when the line is bent, the planes count for fewer: (1 - r)/(1 + r) of them, with the correlation r of
+    All planes see the same particles, and θ0 + rate (t - t0) is a line for each of them, whatever its speed: the
+    errors of the means say nothing about the rate. What does is the scatter about the line. Where it goes on from plane
+    to plane, as when the line is bent, the planes count for fewer: (1 - r)/(1 + r) of them, with the correlation r of
     neighbours."""
     good = np.isfinite(values) & np.isfinite(times)
     good[0] = False

@@ -90,8 +90,8 @@ class Bound:
 def profile(strengths: np.ndarray, values: np.ndarray, confidence: float = CONFIDENCE) -> Profile:
     """Of -2 ln L `values` [n] at `strengths` [n].
 
-    Accepted are strengths with -2 ln L less than the quantile of χ² with one degree of freedom above the least value of
-    all (Wilks 1938). Between scan points a monotone cubic is taken (Fritsch and Carlson 1980, PCHIP), which makes no
+    Accepted are strengths with -2 ln L less than the quantile of χ² with one degree of freedom above the least value
+    of all (Wilks 1938). Between scan points a monotone cubic is taken (Fritsch and Carlson 1980, PCHIP), which makes no
     minima of its own: the least value is that of a scan point. Raises NoBound."""
     order = np.argsort(strengths)
     strengths, values = np.asarray(strengths, float)[order], np.asarray(values, float)[order]
@@ -140,9 +140,9 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
     values = np.array([float(model.deviance(n)) for model in found])
     noise = _noise(found[int(np.argmin(values))], n)
     if made.independent and noise > MOST_NOISE:
-        raise NoBound(f"{made.path}: each κ was simulated with particles of its own, and by that alone -2 ln L scatters by "
-                      f"{noise:.2g} from one κ to the next; run it without scan.particles=independent, or with more "
-                      "particles")
+        raise NoBound(f"{made.path}: each κ was simulated with particles of its own, and by that alone -2 ln L "
+                      f"scatters by {noise:.2g} from one κ to the next; run it without scan.particles=independent, or "
+                      "with more particles")
     result = profile(made.strengths, values)
     best = found[int(np.argmin([model.deviance(n) for model in found]))]
     number = int(np.clip(2**22 // n.size, 300, TRIALS))
@@ -151,7 +151,7 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
 
 def _noise(model: Model, n: np.ndarray) -> float:
     """By how much -2 ln L of counts n [cells] scatters between templates with independent Monte Carlo errors: to first
-    order a relative error e of a cell changes it by 2 e (mu - n)/(1 + mu/k), and e² is 1/k for each of two templates."""
+    order a relative error e of a cell changes it by 2 e (mu - n)/(1 + mu/k), and e² is 1/k for both templates."""
     at = model.at(n)
     mu, k = at.expected, at.support
     return float(np.sqrt(2 * np.sum((2 * (mu - n) / (1 + mu / k)) ** 2 / k)))
@@ -189,8 +189,8 @@ def bound_report(made: Templates, found: Bound) -> Iterable[str]:
             yield "               out to the nearest scan points that are rejected: too few are accepted to " \
                   "interpolate; scan law.kappa in smaller steps"
     if result.rough > ROUGH:
-        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors make " \
-              f"it: accepted below {result.level:.2f}; more particles tell more"
+        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors " \
+              f"make it: accepted below {result.level:.2f}; more particles tell more"
     for other in result.others:
         yield f"  also         {_in_words(other)} is accepted, not connected to κ = 0"
 

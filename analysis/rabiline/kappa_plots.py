@@ -13,7 +13,7 @@ SHOWN = 5  # times the level, at least, on the axis
 
 
 def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
-    """-2 ln L above its least value over κ, its scan points, the level of acceptance and the interval connected to 0."""
+    """-2 ln L above its least value over κ, scan points, the level of acceptance and the interval connected to 0."""
     result, colour = found.profile, LAWS["dorado"][0]
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
     axes.plot(result.fine, result.interpolated, color=colour, linewidth=1.2, label="interpolated")
