@@ -35,7 +35,8 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     drawn whole, and the first course in which they differ, or that varies at all."""
     styled = list(zip(motions, _looks(motions), LINES * len(motions)))
     course = _telling_course(motions)
-    whole = len(motions) > 1 and not any(_is_long(motion.position) for motion in motions)
+    part = any((motion.position != motions[0].position).any() for motion in motions[1:])
+    whole = part and not any(_is_long(motion.position) for motion in motions)
     beside = whole + (course is not None)
     figure = plt.figure(figsize=(11.5 if beside else 6.5, 5.8), layout="constrained")
     grid = figure.add_gridspec(max(beside, 1), 2 if beside else 1, width_ratios=[1.25, 1] if beside else None)
@@ -148,7 +149,7 @@ def _is_long(path: np.ndarray) -> bool:
 def _ends(motion: Motion) -> list[np.ndarray]:
     """The first and the last turns of a path; between few samples a spline, as chords are no orbit."""
     steps = np.diff(motion.position, axis=0)
-    steps /= np.linalg.norm(steps, axis=1)[:, None]
+    steps /= np.maximum(np.linalg.norm(steps, axis=1), np.finfo(float).tiny)[:, None]
     angles = np.arccos(np.clip(np.sum(steps[1:] * steps[:-1], axis=1), -1, 1))
     turns = np.concatenate([[0.0, 0.0], np.cumsum(angles) / (2 * np.pi)])  # at each sample
     begin, end = np.searchsorted(turns, SHOWN_TURNS), np.searchsorted(turns, turns[-1] - SHOWN_TURNS)
@@ -232,7 +233,7 @@ def _draw_finding(axes: Axes, x: np.ndarray, finding: Finding, joined: bool) -> 
         axes.legend()
     elif finding.expectation in ("supposed", "approximate"):
         about = f"{about} ({finding.basis} 0)"
-    _fit_values(axes, np.asarray(scale.apply(finding.values)))
+    _fit_values(axes, finding.values / scale.factor)  # not what they are beyond an origin
     axes.set_ylabel(_wrapped(scale.label(finding.name), 30))
     axes.set_title(_wrapped(about), fontsize=7.5, color=GREY)
     axes.grid()

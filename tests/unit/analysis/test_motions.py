@@ -147,6 +147,20 @@ def test_findings_over_names_are_points_on_both_sides_of_zero() -> None:
     assert "2.0002" in [text.get_text() for text in ratio.get_yticklabels()]
 
 
+def test_findings_that_hardly_differ_are_shown_beyond_their_middle_on_a_plain_axis() -> None:
+    values = 140e6 + np.array([-30.0, -1.0, 0.5, 30.0])
+    figure = draw_findings(findings_over(results.Axis("model.field", "T", np.arange(4.0), ()),
+                                         [motions.Finding("turn", "", "Hz", values, values)]), "")
+    (axes,) = figure.axes
+    assert axes.get_yscale() == "linear" and axes.get_ylabel() == "turn − 140 MHz (Hz)"
+    assert axes.lines[0].get_ydata() == pytest.approx([-30, -1, 0.5, 30])
+
+
+def test_motions_that_are_the_same_have_paths_alone() -> None:
+    (space,) = draw_motions([circling("standard", 1, 101), circling("torque", 1, 101)], "").axes
+    assert [text.get_text() for text in space.get_legend().texts] == ["standard", "torque (hypothesis)"]
+
+
 def test_a_summary_says_what_is_expected_and_on_what_grounds(tmp_path: Path,
                                                              capsys: pytest.CaptureFixture[str]) -> None:
     path = write_model(tmp_path / "m.h5", [1.0, 10.0, 100.0])
