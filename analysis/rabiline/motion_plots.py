@@ -25,6 +25,7 @@ MOST_WAVES = 12  # of a dashed curve: over more of them dashes beat with the wav
 ROUNDING = 1e-9  # a drift below is a proof, not a curve
 DECADES = 20.0  # a ratio of values from which an axis is logarithmic
 LINES = ["-", "--", "-.", ":"]  # so that paths which lie upon each other are both seen
+BROADER = 1.4  # points, of the first motion, which is seen below others that lie upon it
 INPUTS = {"fast_top"}  # findings that follow from the input alone, shown where there is room
 
 Styled = Sequence[tuple[Motion, Look, str]]
@@ -109,11 +110,12 @@ def _draw_paths(axes: Axes, styled: Styled) -> None:
     scale = fitting_scale(np.concatenate([motion.position.ravel() for motion, _, _ in styled]), "m")
     axes.computed_zorder = False  # of lines by their depth, which hides the start
     some_long = False
-    for motion, look, line in styled:
+    for number, (motion, look, line) in enumerate(styled):
         long = _is_long(motion.position)
         some_long |= long
         for part in _ends(motion) if long else [motion.position]:
-            axes.plot(*scale.apply(part).T, line, color=look.colour, linewidth=0.9 if long else 1.6)
+            axes.plot(*scale.apply(part).T, line, color=look.colour,
+                      linewidth=(0.9 if long else 1.6) + (BROADER if number == 0 else 0))
         axes.plot(*scale.apply(motion.position[-1:]).T, look.marker, color=look.colour, markersize=5, markeredgewidth=0,
                   zorder=3)
     axes.plot(*scale.apply(styled[0][0].position[:1]).T, "o", color=INK, markersize=7, fillstyle="none",
@@ -175,12 +177,12 @@ def _draw_distances(axes: Axes, styled: Styled, clock: Scale) -> None:
 def _draw_course(axes: Axes, course: Course, styled: Styled, clock: Scale) -> None:
     """Of motions that share the course to the bit, the first one is drawn."""
     drawn: set[bytes] = set()
-    for motion, look, line in styled:
+    for number, (motion, look, line) in enumerate(styled):
         for own in motion.courses:
             if own.name == course.name and own.values.tobytes() not in drawn:
                 drawn.add(own.values.tobytes())
                 axes.plot(clock.apply(motion.time), own.values, _line_of(own.values, line), color=look.colour,
-                          linewidth=1.0, label=motion.label)
+                          linewidth=1.0 + (BROADER if number == 0 else 0), label=motion.label)
     axes.set_ylabel(_wrapped(course.title, 34))
     axes.grid(axis="y")
 
