@@ -66,8 +66,13 @@ def plot_scan(options: argparse.Namespace) -> None:
     marks = dict(_mark(text) for text in options.mark)
     lines = [curve for _, curve in found]
     across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
+    if options.panel_title and not options.beside:
+        raise InputError("--panel-title names the panels of --beside")
     if options.beside:
-        panels = [_panel(file, [curve for of, curve in found if of is file]) for file in files]
+        names = options.panel_title or [file.title for file in files]
+        if len(names) != len(files):
+            raise InputError(f"{len(names)} --panel-title for {len(files)} files; give one for each file")
+        panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks)
@@ -80,8 +85,8 @@ def plot_scan(options: argparse.Namespace) -> None:
     _save(figure, options.output)
 
 
-def _panel(file: results.Results, lines: list[Curve]) -> scan_plots.Panel:
-    return scan_plots.Panel(file.title, lines, _distinct([line.label for line in lines], [file.path.stem] * len(lines)))
+def _panel(file: results.Results, title: str, lines: list[Curve]) -> scan_plots.Panel:
+    return scan_plots.Panel(title, lines, _distinct([line.label for line in lines], [file.path.stem] * len(lines)))
 
 
 def plot_levels(options: argparse.Namespace) -> None:
@@ -219,6 +224,8 @@ def _parser() -> Parser:
 
     scan = command("plot-scan", plot_scan, many=True)
     scan.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
+    scan.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
+                      help="above a panel of --beside instead of the file's title; repeated, one for each file")
     levels = command("plot-levels", plot_levels, many=False)
     for plot in (scan, levels):
         plot.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
@@ -230,13 +237,14 @@ def _parser() -> Parser:
     profiles.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
     tally = command("plot-tally", plot_tally, many=False)
     tally.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
-    tally.add_argument("--axes", metavar="A,B", help="one or two of its axes; the first ones by default, the others are "
-                                                     "summed over")
+    tally.add_argument("--axes", metavar="A,B",
+                       help="one or two of its axes; the first ones by default, the others are summed over")
     tally.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
     spins = command("plot-angles", plot_angles, many=False)
     spins.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
     spins.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
-    spins.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
+    spins.add_argument("--polar-rate", metavar="RATE",
+                       help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
     spins.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",

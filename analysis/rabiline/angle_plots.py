@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from .results import Results, TallyAxis
+from .results import Results
 from .style import GREY, INK, LAWS
-from .units import fitting_scale, format_value, law_name
+from .units import Scale, fitting_scale, format_value, law_name, prefixed
 
-STEP = 2.0**-24  # of an axis: what a mean is rounded to
+ABOUT_ERROR = "error: from the scatter about the line"
+SEEN = 10.0  # times the largest residual: a line that is expected further away may leave its panel
 
 
 class NoAngles(Exception):
@@ -26,11 +27,10 @@ class Angles:
     name: str
     times: np.ndarray  # [planes] s
     values: np.ndarray  # [planes] rad, unwrapped
-    errors: np.ndarray  # [planes] rad
     spread: np.ndarray  # [planes] rad, standard deviation over the particles
     rate: float  # rad/s
-    rate_error: float  # rad/s, of planes taken as independent: they see the same particles, so it is an upper bound
-    offset: float  # rad at the mean time
+    rate_error: float  # rad/s, from the scatter of the planes about the line
+    offset: float  # rad at time 0
 
     @property
     def turns(self) -> tuple[float, float]:
@@ -39,7 +39,13 @@ class Angles:
 
     def __str__(self) -> str:
         rate, error = self.turns
-        return f"{self.name}: {format_value(rate, 'Hz', error)} ({format_value(self.rate, 'rad/s', self.rate_error)})"
+        both = f"{format_value(rate, 'Hz', error)} ({format_value(self.rate, 'rad/s', self.rate_error)})"
+        return f"{self.name}: {both}, {ABOUT_ERROR}"
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """[planes] rad, beyond the line."""
+        return self.values - (self.offset + self.rate * self.times)
 
 
 def angles_of(results: Results, monitor: str | None, point: int) -> list[Angles]:
@@ -56,29 +62,33 @@ def angles_of(results: Results, monitor: str | None, point: int) -> list[Angles]
     if missing:
         raise NoAngles(f"no tally over {', '.join(sorted(missing))} of a monitor with several planes")
     times = found["time_of_flight"].mean[point]
-    return [_line(name, times, found[key], point) for name, key in
-            (("polar angle θ", "spin_polar_angle"), ("azimuth φ", "spin_azimuth"))]
+    azimuth = found["spin_azimuth"].mean[point].copy()
+    azimuth[1:] = np.unwrap(azimuth[1:])
+    azimuth[0] = np.nan  # a spin along z has none
+    return [line_through(name, times, values, found[key].deviation[point]) for name, key, values in
+            (("polar angle θ", "spin_polar_angle", found["spin_polar_angle"].mean[point]),
+             ("azimuth φ", "spin_azimuth", azimuth))]
 
 
-def _line(name: str, times: np.ndarray, axis: TallyAxis, point: int) -> Angles:
-    """Least squares with the errors of the means. The first plane is left out: a spin along z has no azimuth."""
-    floor = STEP * np.ptp(axis.edges)
-    values, errors = axis.mean[point].copy(), np.hypot(axis.mean_errors[point], floor)
-    if axis.name == "spin_azimuth":
-        values[1:] = np.unwrap(values[1:])
-        values[0] = np.nan
+def line_through(name: str, times: np.ndarray, values: np.ndarray, spread: np.ndarray) -> Angles:
+    """Ordinary least squares through all planes but the first, raises NoAngles where they are too few.
+
+    All planes see the same particles, and θ0 + rate (t - t0) is a line for each of them, whatever its speed: the
+    errors of the means say nothing about the rate. What does is the scatter about the line. Where it goes on from plane
+    to plane, as when the line is bent, the planes count for fewer: (1 - r)/(1 + r) of them, with the correlation r of
+    neighbours."""
     good = np.isfinite(values) & np.isfinite(times)
     good[0] = False
     if good.sum() < 3:
-        raise NoAngles(f"fewer than three planes have seen {axis.name}")
-    weights = errors[good]**-2.0
-    centre = np.average(times[good], weights=weights)
+        raise NoAngles(f"fewer than three planes have seen {name}")
+    centre, middle = times[good].mean(), values[good].mean()
     lever = times[good] - centre
-    bottom = np.sum(weights * lever**2)
-    offset = np.average(values[good], weights=weights)
-    rate = float(np.sum(weights * lever * values[good]) / bottom)
-    return Angles(name, times, values, errors, axis.deviation[point], rate, float(bottom**-0.5),
-                  float(offset - rate * centre))
+    rate = float(np.sum(lever * (values[good] - middle)) / np.sum(lever**2))
+    scatter = values[good] - middle - rate * lever
+    squares = np.sum(scatter**2)
+    along = np.clip(np.sum(scatter[1:] * scatter[:-1]) / squares, 0.0, 1 - 1 / good.sum()) if squares > 0 else 0.0
+    variance = squares / (good.sum() - 2) / np.sum(lever**2) * (1 + along) / (1 - along)
+    return Angles(name, times, values, spread, rate, float(np.sqrt(variance)), float(middle - rate * centre))
 
 
 def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int) -> Figure:
@@ -94,18 +104,24 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
         panel.errorbar(shown, np.degrees(one.values), np.degrees(one.spread), fmt=".", color=colour, markersize=4,
                        ecolor=colour, elinewidth=1.2, label="mean, and standard deviation of the particles")
         turns, error = one.turns
-        panel.plot(shown, np.degrees(fit), color=INK, linewidth=1, label=f"fit: {format_value(turns, 'Hz', error)}")
+        panel.plot(shown, np.degrees(fit), color=INK, linewidth=1,
+                   label=f"fit: {format_value(turns, 'Hz', error)}\n{ABOUT_ERROR}")
         below.axhline(0, color=INK, linewidth=1)
-        below.errorbar(shown, np.degrees(one.values - fit), np.degrees(one.errors), fmt=".", color=colour, markersize=4,
-                       elinewidth=0.9)
+        rest = one.residuals
+        largest = np.nanmax(np.abs(rest[1:])) or 1.0
+        small = Scale(*prefixed(largest, "rad"))
+        below.plot(shown, small.apply(rest), ".", color=colour, markersize=4)
+        seen = [largest]
         if rate is not None:
             middle = np.nanmean(one.times)
             line = one.offset + one.rate * middle + 2 * np.pi * rate * (one.times - middle)
             looks = {"color": GREY, "linewidth": 2, "linestyle": (0, (2, 3))}
             panel.plot(shown, np.degrees(line), label=f"expected: {format_value(rate, 'Hz')}", **looks)
-            below.plot(shown, np.degrees(line - fit), **looks)
+            below.plot(shown, small.apply(line - fit), **looks)
+            seen += [furthest for furthest in [np.nanmax(np.abs(line - fit))] if furthest <= SEEN * largest]
+        below.set_ylim(-1.15 * small.apply(max(seen)), 1.15 * small.apply(max(seen)))
         panel.set_ylabel(f"{one.name} (deg)")
-        below.set_ylabel("beyond the fit (deg)\nbars: standard error", fontsize=8.5)
+        below.set_ylabel(small.label("beyond the fit"), fontsize=8.5)
         panel.legend(loc="best")
         for each in (panel, below):
             each.grid(True)

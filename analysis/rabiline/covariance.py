@@ -86,12 +86,12 @@ class Spread:
 
 @dataclass(frozen=True)
 class Weights:
-    """A fit's weights W, as a root L with LᵀL = W. They are (C + ε m)⁻¹ with m the mean variance: between those of
-    generalised least squares (small ε) and equal ones (large ε).
+    """A fit's weights W, as a root L with LᵀL = W. They are (C + ε m)⁻¹ with m the mean variance: between those
+    of generalised least squares (small ε) and equal ones (large ε).
 
     ε is at least that of the oracle approximating shrinkage (Chen, Wiesel, Eldar and Hero 2010), which gets closest to
-    the true covariance in the mean square, and large enough that tr C (C + ε m)⁻¹, the number of directions that count
-    by their own variance, stays below `WEIGHED`: more of them gain little and follow the noise of C."""
+    the true covariance in the mean square, and large enough that tr C (C + ε m)⁻¹, the number of directions that
+    count by their own variance, stays below `WEIGHED`: more of them gain little and follow the noise of C."""
 
     root: np.ndarray  # [n, n]
     directions: float  # how many directions count by their own variance; 0 where C is known

@@ -44,11 +44,11 @@ def fit(curve: Curve) -> Fit:
     particles hardly differ by chance, so that each difference the model cannot have would count for much.
 
     The covariance C of the points, not of the weights W, gives the errors, through the estimate p = A y with
-    A = (JᵀWJ)⁻¹JᵀW, as A C Aᵀ. That holds for any W. What W has learnt from the noise of an estimated C makes them too
-    small by the share of its groups that this took, and they are divided by what is left. Where the model misses the
-    points by more than their errors (misfit > 1), all errors are multiplied by the misfit, as the Particle Data Group
-    does with the root of chi² per degree of freedom. That would multiply too much here: chi² sees what sets the curve
-    and the model apart, however little it has to do with the centre.
+    A = (JᵀWJ)⁻¹JᵀW, as A C Aᵀ. That holds for any W. What W has learnt from the noise of an estimated C makes
+    them too small by the share of its groups that this took, and they are divided by what is left. Where the model
+    misses the points by more than their errors (misfit > 1), all errors are multiplied by the misfit, as the Particle
+    Data Group does with the root of chi² per degree of freedom. That would multiply too much here: chi² sees what
+    sets the curve and the model apart, however little it has to do with the centre.
 
     A model says nothing about what happens between points, so the resolution of the half-maximum edges
     (`curves.Edge.resolution`) is added in quadrature: the whole of it to the width, half of it to the centre. It

@@ -80,7 +80,7 @@ class Bound:
     """A profile, and what it came from."""
 
     profile: Profile
-    source: str
+    source: str  # of the counts: the file, which may hold measured ones or stand-ins, or what they are expected from
     counts: float
     free: bool
     p: float | None  # of the counts at the best scan point; None for counts that are expected and not measured
@@ -90,8 +90,8 @@ class Bound:
 def profile(strengths: np.ndarray, values: np.ndarray, confidence: float = CONFIDENCE) -> Profile:
     """Of -2 ln L `values` [n] at `strengths` [n].
 
-    Accepted are strengths with -2 ln L less than the quantile of χ² with one degree of freedom above the least value of
-    all (Wilks 1938). Between scan points a monotone cubic is taken (Fritsch and Carlson 1980, PCHIP), which makes no
+    Accepted are strengths with -2 ln L less than the quantile of χ² with one degree of freedom above the least value
+    of all (Wilks 1938). Between scan points a monotone cubic is taken (Fritsch and Carlson 1980, PCHIP), which makes no
     minima of its own: the least value is that of a scan point. Raises NoBound."""
     order = np.argsort(strengths)
     strengths, values = np.asarray(strengths, float)[order], np.asarray(values, float)[order]
@@ -132,17 +132,17 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
             raise NoBound("without --data: --emitted, the particles at each scan point for which to tell the bound")
         backgrounds = [each * beam.seconds for each in beam.backgrounds] if beam.seconds else None
         found = models(made, exposure, backgrounds, beam.free)
-        n, free, source = found[zero[0]].expected, beam.free, f"expected if κ = 0, {np.mean(exposure):.6g} particles " \
-            "emitted at each scan point"
+        n, free = found[zero[0]].expected, beam.free
+        source = f"expected if κ = 0, {np.mean(exposure):.6g} particles emitted at each scan point"
     else:
         n, found, free = against_data(made, beam, data)
-        source = f"measured: {data.path}"
+        source = str(data.path)
     values = np.array([float(model.deviance(n)) for model in found])
     noise = _noise(found[int(np.argmin(values))], n)
     if made.independent and noise > MOST_NOISE:
-        raise NoBound(f"{made.path}: each κ was simulated with particles of its own, and by that alone -2 ln L scatters by "
-                      f"{noise:.2g} from one κ to the next; run it without scan.particles=independent, or with more "
-                      "particles")
+        raise NoBound(f"{made.path}: each κ was simulated with particles of its own, and by that alone -2 ln L "
+                      f"scatters by {noise:.2g} from one κ to the next; run it without scan.particles=independent, or "
+                      "with more particles")
     result = profile(made.strengths, values)
     best = found[int(np.argmin([model.deviance(n) for model in found]))]
     number = int(np.clip(2**22 // n.size, 300, TRIALS))
@@ -151,22 +151,27 @@ def bound(made: Templates, beam: Beam, data: Observation | None) -> Bound:
 
 def _noise(model: Model, n: np.ndarray) -> float:
     """By how much -2 ln L of counts n [cells] scatters between templates with independent Monte Carlo errors: to first
-    order a relative error e of a cell changes it by 2 e (mu - n)/(1 + mu/k), and e² is 1/k for each of two templates."""
+    order a relative error e of a cell changes it by 2 e (mu - n)/(1 + mu/k), and e² is 1/k for both templates."""
     at = model.at(n)
     mu, k = at.expected, at.support
     return float(np.sqrt(2 * np.sum((2 * (mu - n) / (1 + mu / k)) ** 2 / k)))
 
 
+def family(made: Templates) -> str:
+    """The law whose strength is scanned: "dorado (hypothesis): torque"."""
+    name, _, closure = made.names[0].split(", kappa")[0].rstrip(")").partition(" (")
+    return f"{name} (hypothesis): {closure}" if closure else f"{name} (hypothesis)"
+
+
 def bound_report(made: Templates, found: Bound) -> Iterable[str]:
     """Lines."""
-    name = made.names[0].split(", kappa")[0].replace("(", "(hypothesis), ").replace("(hypothesis),", "(hypothesis):")
     result = found.profile
     yield made.title or made.path
     over = f"; {made.points} points of {made.axis.parameter}" if made.axis else ""
-    yield f"  law          {name.rstrip(')')}; κ from {result.strengths[0]:g} to {result.strengths[-1]:g}, " \
+    yield f"  law          {family(made)}; κ from {result.strengths[0]:g} to {result.strengths[-1]:g}, " \
           f"{result.strengths.size} points{over}"
     yield f"  detectors    {', '.join(screen.name for screen in made.screens)}"
-    yield f"  counts       {found.source}; {found.counts:.6g} counts, flux {'fitted' if found.free else 'known'}"
+    yield f"  counts       {found.source}; {found.counts:.6g} in all, flux {'fitted' if found.free else 'known'}"
     yield f"  best         κ = {result.best:.4g}; κ = 0 is {_above_zero(result):.2f} above it in -2 ln L"
     if found.p is not None:
         yield f"  fit          p = {found.p:.2g} at the best scan point, from {found.trials} trials"
@@ -184,8 +189,8 @@ def bound_report(made: Templates, found: Bound) -> Iterable[str]:
             yield "               out to the nearest scan points that are rejected: too few are accepted to " \
                   "interpolate; scan law.kappa in smaller steps"
     if result.rough > ROUGH:
-        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors make " \
-              f"it: accepted below {result.level:.2f}; more particles tell more"
+        yield f"  rough        -2 ln L scatters by {result.rough:.2g} between scan points, as Monte Carlo errors " \
+              f"make it: accepted below {result.level:.2f}; more particles tell more"
     for other in result.others:
         yield f"  also         {_in_words(other)} is accepted, not connected to κ = 0"
 

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from .kappa import CONFIDENCE, Bound
+from .kappa import CONFIDENCE, Bound, family
 from .style import GREY, LAWS
 from .templates import Templates
 
@@ -13,7 +13,7 @@ SHOWN = 5  # times the level, at least, on the axis
 
 
 def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
-    """-2 ln L above its least value over κ, its scan points, the level of acceptance and the interval connected to 0."""
+    """-2 ln L above its least value over κ, scan points, the level of acceptance and the interval connected to 0."""
     result, colour = found.profile, LAWS["dorado"][0]
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
     axes.plot(result.fine, result.interpolated, color=colour, linewidth=1.2, label="interpolated")
@@ -38,6 +38,6 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     axes.set_xlabel("κ, strength of the hypothesis (1: the paper; 0: straight flight)")
     axes.set_ylabel("-2 ln L above its least value")
     axes.grid(axis="y")
-    figure.suptitle(f"{title or made.title}\n{found.source}", fontsize=10.5)
+    figure.suptitle(f"{title or made.title}\n{family(made)}\ncounts: {found.source}", fontsize=10.5)
     axes.legend(loc="best")
     return figure

@@ -90,16 +90,18 @@ def add(commands: argparse._SubParsersAction) -> None:
         made.add_argument("--histogram", choices=list(HISTOGRAMS),
                           help="what is compared: the image over x and z (default), a projection, or the number that "
                                "the detector caught; with a table as data, what it lists")
-        made.add_argument("--data", type=Path, metavar="DATA", help="measured counts: a table (CSV), or a result (HDF5) "
-                                                                    "that stands in for data")
+        made.add_argument("--data", type=Path, metavar="DATA",
+                          help="measured counts: a table (CSV), or a result (HDF5) that stands in for data")
         made.add_argument("--emitted", type=_positive, metavar="N",
                           help="particles emitted at each scan point while the data were taken (of an aimed source, "
                                "those towards its target); where nothing tells, the flux is fitted")
-        made.add_argument("--rate", type=_positive, metavar="R", help="particles that leave the source per second (1/s)")
+        made.add_argument("--rate", type=_positive, metavar="R",
+                          help="particles that leave the source per second (1/s)")
         made.add_argument("--background", type=_positive, metavar="B",
                           help="counts per second without a beam (1/s), evenly over each detector; needs --rate, and "
                                "--seconds where there are data")
-        made.add_argument("--seconds", type=_positive, metavar="T", help="time spent at each scan point of the data (s)")
+        made.add_argument("--seconds", type=_positive, metavar="T",
+                          help="time spent at each scan point of the data (s)")
         made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
         made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")
         made.add_argument("--title", help="of the picture, instead of the file's own")
@@ -148,7 +150,8 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     beam = Beam(rate, backgrounds, options.free_flux, options.seconds, options.emitted)
     data = observed.read(options.data, made) if options.data else None
     warnings = list(data.warnings) if data else []
-    if not made.independent and made.points > 1 and data and sum(own.sum() for own in data.counts) > made.emitted[0] / 10:
+    counted = sum(own.sum() for own in data.counts) if data else 0
+    if not made.independent and made.points > 1 and counted > made.emitted[0] / 10:
         warnings.append(f"the scan points of {made.path} share {made.emitted[0]:.6g} particles, and Monte Carlo errors "
                         "are counted as if each point had its own; with so many data, run it with more particles"
                         f"{'' if parameter == 'law.kappa' else ', or with --set scan.particles=independent'}")

@@ -1,4 +1,4 @@
-"""Where two laws differ, as a picture: what each expects, and what each place adds to the likelihood ratio, with its sign."""
+"""Where two laws differ, as a picture: what each expects, and what each place adds to the likelihood ratio, signed."""
 from __future__ import annotations
 
 import numpy as np
@@ -15,7 +15,8 @@ from .templates import Screen, Templates, spread_over_bins
 from .units import Scale, fitting_scale, law_name
 
 
-def draw_laws(made: Templates, beam: Beam, pair: tuple[int, int], data: Observation | None, title: str | None) -> Figure:
+def draw_laws(made: Templates, beam: Beam, pair: tuple[int, int], data: Observation | None,
+              title: str | None) -> Figure:
     """One column for each law and one for the difference, above, where there are places to show; below, fractions with
     error bars and the difference along the scan or along the detector. Of the first detector."""
     one, other = pair
@@ -116,8 +117,8 @@ def _draw_lines(upper: Axes, lower: Axes, made: Templates, screen: Screen, pair:
                   for i in pair]
         upper.set_ylabel("counts in a bin / emitted")
     for (y, errors), name, colour, marker in zip(values, looks_of[0], looks_of[1], "oD"):
-        upper.errorbar(x, y, errors, color=colour, marker=marker, markersize=3.2, linewidth=1, elinewidth=0.9, capsize=2,
-                       markeredgewidth=0, label=f"{name} (bars: Monte Carlo)")
+        upper.errorbar(x, y, errors, color=colour, marker=marker, markersize=3.2, linewidth=1, elinewidth=0.9,
+                       capsize=2, markeredgewidth=0, label=f"{name} (bars: Monte Carlo)")
     for sign, colour in zip((1, -1), looks_of[1]):
         shares = sign * np.maximum(sign * signed, 0).sum(axis=summed)
         lower.bar((edges[:-1] + edges[1:]) / 2, 100 * shares, width=np.diff(edges), color=colour, linewidth=0)

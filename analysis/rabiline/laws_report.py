@@ -49,7 +49,7 @@ def report(made: Templates, beam: Beam, pairs: Sequence[tuple[int, int]], data: 
 
 
 def unit_models(made: Templates, beam: Beam) -> list[Model]:
-    """Of one unit of exposure: one second at each scan point where the rate is known, else one particle emitted there."""
+    """Of one unit of exposure: one second at each scan point where the rate is known, else one particle emitted."""
     if beam.rate is None:
         return models(made, 1.0, None, beam.free)
     return models(made, beam.rate * made.aimed, list(beam.backgrounds), beam.free)

@@ -93,8 +93,8 @@ class Model:
         return self.deviances(n).sum(axis=-1)
 
     def pearson(self, n: np.ndarray) -> tuple[float, int]:
-        """Pearson's χ² of counts n [cells], with the variance of the expectation added, and its degrees of freedom. Cells
-        that expect fewer than `PEARSON` counts are one together, or χ² would not follow its distribution."""
+        """Pearson's χ² of counts n [cells], with the variance of the expectation added, and its degrees of freedom.
+        Cells that expect fewer than `PEARSON` counts are one together, or χ² would not follow its distribution."""
         model = self.at(n)
         mu, variance = model.expected, model.expected + model.expected**2 / model.support
         many = mu >= PEARSON
@@ -125,8 +125,8 @@ class Model:
 
 def trials(model: Model, statistics: list[Model], generator: np.random.Generator,
            number: int = TRIALS) -> tuple[np.ndarray, np.ndarray]:
-    """[models, number] Deviances under each of the models `statistics`, and their log-likelihoods, of measurements drawn
-    from `model`."""
+    """[models, number] Deviances under each of the models `statistics`, and their log-likelihoods, of measurements
+    drawn from `model`."""
     deviances, logs = [], []
     at_once = max(1, MOST_DRAWS // model.signal.size)
     for begin in range(0, number, at_once):
@@ -148,10 +148,10 @@ def p_value(observed: float, drawn: np.ndarray, generator: np.random.Generator |
 
 
 def ratio_p(observed: float, drawn: np.ndarray, own: np.ndarray, other: np.ndarray) -> float:
-    """The probability under a law that the statistic is at or above `observed`, from trials [2 trials], half drawn under
-    it and half under the other law, with their log-likelihoods `own` and `other`; an upper limit of it where too few
-    trials come there. The weights 2/(1 + L_other/L_own)
-    of multiple importance sampling (Veach and Guibas 1995, balance heuristic) reach far into the tail."""
+    """The probability under a law that the statistic is at or above `observed`, from trials [2 trials], half drawn
+    under it and half under the other law, with their log-likelihoods `own` and `other`; an upper limit of it where too
+    few trials come there. The weights 2/(1 + L_other/L_own) of multiple importance sampling (Veach and Guibas 1995,
+    balance heuristic) reach far into the tail."""
     logs, reached = special.log_expit(own - other), drawn >= observed - 1e-9
     weights = np.exp(logs) * 2 / drawn.size
     p = float(weights[reached].sum())
@@ -203,16 +203,17 @@ def separation(true: Model, other: Model) -> Separation:
     """Between two models for one unit of exposure; what rejects `other` where `true` holds.
 
     q = 2 Σ [a ln(a/b) - a + b] over cells that expect a under the truth and b under the other law is the mean of the
-    likelihood ratio t = -2 ln(L_b/L_a) (Kullback and Leibler 1951), and √q the median significance with the Asimov data
-    a (Cowan, Cranmer, Gross and Vitells, Eur. Phys. J. C 71, 1554, 2011, eq. 97). For two laws without parameters, t is
-    a sum of Poisson numbers with the weights l = ln(a/b). Its tail under b is that of Lugannani and Rice (1980), with the
-    saddlepoint at 1 for t at its mean under a; Cornish and Fisher's median is lower by κ₃/6κ₂. Both change √q by
+    likelihood ratio t = -2 ln(L_b/L_a) (Kullback and Leibler 1951), and √q the median significance with the Asimov
+    data a (Cowan, Cranmer, Gross and Vitells, Eur. Phys. J. C 71, 1554, 2011, eq. 97). For two laws without parameters,
+    t is a sum of Poisson numbers with the weights l = ln(a/b). Its tail under b is that of Lugannani and Rice (1980),
+    with the saddlepoint at 1 for t at its mean under a; Cornish and Fisher's median is lower by κ₃/6κ₂. Both
+    change √q by
 
         [ln(u²/q)/2 - κ₃/6κ₂]/√q,   u² = κ₂ = Σ a l², κ₃ = Σ a l³
 
-    A free flux takes the factor on b that is nearest to a. What Monte Carlo errors add to q is Σ (σ_a² + σ_b²)/b, taken
-    off where a and b differ; where laws share their particles this takes off too much, and the exposure is too long
-    rather than too short.
+    A free flux takes the factor on b that is nearest to a. What Monte Carlo errors add to q is Σ (σ_a² + σ_b²)/b,
+    taken off where a and b differ; where laws share their particles this takes off too much, and the exposure is too
+    long rather than too short.
     """
     a, shift = true.expected, other.at(true.expected) if other.free else other
     b = shift.expected

@@ -5,12 +5,12 @@ from typing import Iterable
 
 import numpy as np
 
-from .motions import Motions
+from .motions import Finding, Motions
 from .units import fitting_scale
 
 
 def motion_summary(file: Motions) -> str:
-    """Lines about the motions, and every finding with what is expected of it; over a scan, from where to where it goes."""
+    """Lines about the motions, and every finding with what is expected of it; over a scan, from where to where."""
     return "\n".join(_lines(file))
 
 
@@ -26,8 +26,15 @@ def _lines(file: Motions) -> Iterable[str]:
         yield f"  motion       {motion.name}: {motion.meaning}"
     for finding in file.findings:
         unit = f" {finding.units}" if finding.units else ""
-        yield f"  finding      {finding.name}: {_range(finding.values)}{unit}, expected {_range(finding.expected)}{unit}"
+        yield f"  finding      {finding.name}: {_range(finding.values)}{unit}, {_expected(finding)}"
         yield f"               {finding.meaning}"
+
+
+def _expected(finding: Finding) -> str:
+    """"closed form 3.2 m", "the paper supposes 0", "conserved"."""
+    if finding.expectation == "conserved" and not np.nan_to_num(finding.expected).any():
+        return finding.basis
+    return f"{finding.basis} {_range(finding.expected)} {finding.units}".rstrip()
 
 
 def _range(values: np.ndarray) -> str:

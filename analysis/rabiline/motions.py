@@ -9,6 +9,12 @@ import numpy as np
 from .hdf5 import FileError, Group, open_entry
 from .results import Axis
 
+# Motions in which a velocity or an angular momentum turns as the paper has it and established mechanics does not
+ON_HYPOTHESIS = {"paper", "euler", "larmor", "torque", "eq74"}
+# What the expected value of a finding is
+EXPECTATIONS = {"closed_form": "closed form", "conserved": "conserved", "approximate": "to first order",
+                "supposed": "the paper supposes"}
+
 
 @dataclass(frozen=True)
 class Course:
@@ -30,6 +36,11 @@ class Motion:
     position: np.ndarray  # [n, 3] m
     courses: tuple[Course, ...]
 
+    @property
+    def label(self) -> str:
+        """As pictures name it: a hypothesis is called one."""
+        return f"{self.name} (hypothesis)" if self.name in ON_HYPOTHESIS else self.name
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -40,6 +51,12 @@ class Finding:
     units: str  # empty for a plain number
     values: np.ndarray  # [points]; NaN where a point has none
     expected: np.ndarray  # [points]
+    expectation: str = "closed_form"  # one of EXPECTATIONS
+
+    @property
+    def basis(self) -> str:
+        """What the expected value is, in words."""
+        return EXPECTATIONS.get(self.expectation, self.expectation.replace("_", " "))
 
 
 @dataclass(frozen=True)
@@ -90,8 +107,11 @@ def _read_findings(group: Group, points: int) -> list[Finding]:
     if not len(names) == len(units) == len(meanings):
         raise group.error(f"{len(names)} findings with {len(units)} units and {len(meanings)} meanings")
     values, expected = (group.numbers(name, (len(names), points)) for name in ("value", "expected"))
+    bases = group.texts("expectation") if "expectation" in group else ("closed_form",) * len(names)
+    if len(bases) != len(names):
+        raise group.error(f"{len(names)} findings with {len(bases)} expectations")
     return [Finding(name, meaning, "" if unit == "1" else unit, *rows)
-            for name, meaning, unit, *rows in zip(names, meanings, units, values, expected)]
+            for name, meaning, unit, *rows in zip(names, meanings, units, values, expected, bases)]
 
 
 def _read_motion(group: Group) -> Motion:

@@ -192,8 +192,8 @@ class _Row:
         value = self.number(name)
         i = int(np.argmin(np.abs(wanted - value)))
         if np.abs(wanted[i] - value) > 1e-3 * (np.ptp(wanted) / max(wanted.size - 1, 1) or abs(wanted[i])):
-            raise FileError(self.path, f"line {self.line}: {name} = {format_value(value, unit)} is no scan point of the "
-                                       f"result; the nearest is {format_value(wanted[i], unit)}")
+            raise FileError(self.path, f"line {self.line}: {name} = {format_value(value, unit)} is no scan point of "
+                                       f"the result; the nearest is {format_value(wanted[i], unit)}")
         return i
 
     def bin_of(self, name: str, edges: np.ndarray) -> int:

@@ -281,7 +281,8 @@ def _read_tally_axis(group: Group, name: str, shape: tuple[int, ...]) -> TallyAx
                for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
     labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
     title = "".join(group.attribute("long_name", of=name)) or name
-    return TallyAxis(name, title, "" if units == "1" else units, group.numbers(f"{name}_edges").ravel(), labels, *moments)
+    edges = group.numbers(f"{name}_edges").ravel()
+    return TallyAxis(name, title, "" if units == "1" else units, edges, labels, *moments)
 
 
 def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:

@@ -16,6 +16,7 @@ from .style import COUNTS, GREY, Look, looks
 from .units import Scale, fitting_scale, format_value, law_name
 
 SYMBOL = 3.4  # points
+BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
@@ -30,7 +31,7 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     axes.set_ylim(*limits)
     figure.suptitle(title, fontsize=11.5)
     if len(curves) > 1 or not curves[0].axis.labels:
-        _draw_legend(figure, axes)
+        _draw_legend(figure, axes, labels)
     return figure
 
 
@@ -55,8 +56,8 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
         axes.set_ylim(*limits)
     row[0, 0].set_ylabel(f"detected / emitted   ({about_errors(everything, limits)})")
     figure.suptitle(title, fontsize=11.5)
-    for axes in row[0]:
-        _draw_legend(figure, axes, width=60)
+    for axes, panel in zip(row[0], panels):
+        _draw_legend(figure, axes, panel.labels, width=60)
     return figure
 
 
@@ -149,9 +150,11 @@ def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
 
 def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     """What the error bars are, or why none are to be seen."""
-    smallest_seen = SYMBOL / 2 / (PANEL * 72) * (limits[1] - limits[0])
-    seen = any((curve.errors > smallest_seen).any() for curve in curves)
-    return "bars: one standard error" if seen else "errors smaller than symbols"
+    smallest_seen = (SYMBOL / 2 + BEYOND) / (PANEL * 72) * (limits[1] - limits[0])
+    seen = np.concatenate([curve.errors > smallest_seen for curve in curves])
+    if not seen.any():
+        return "errors smaller than symbols"
+    return "bars: one standard error" + ("" if seen.all() else ", where larger than symbols")
 
 
 def _in_words(resonance: Resonance, unit: str) -> tuple[str, str]:
@@ -182,15 +185,20 @@ def _write_beside(axes: Axes, text: str, resonance: Resonance, curve: Curve, loo
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}, zorder=6)
 
 
-def _draw_legend(figure: Figure, axes: Axes, width: int = 96) -> None:
-    """The legend below, in as many columns as fit the width in letters; the figure grows with its lines."""
-    items, labels = axes.get_legend_handles_labels()
-    widths = [8 + max(map(len, label.splitlines())) for label in labels]  # in letters
+def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int = 96) -> None:
+    """The legend below, by the order of the labels without their numbers, in as many columns as fit the width in
+    letters; the figure grows with its lines."""
+    def place(item: tuple[object, str]) -> int:
+        return next(i for i, label in enumerate(order) if item[1] == label or item[1].startswith(f"{label}\n"))
+
+    items, labels = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
+    widths = [10 + max(map(len, label.splitlines())) for label in labels]  # in letters
     columns = len(labels) if sum(widths) < width else max(1, width // max(widths))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
-    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5)
+    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5,
+                handlelength=4)  # two dashes of a line below others
 
 
 def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:

@@ -41,8 +41,9 @@ def _heading(results: Results, point: int) -> str:
 
 def _scale(axis: TallyAxis) -> Scale:
     if axis.units in ("rad", "m/s", "J", ""):
-        angle = axis.units == "rad" and np.abs(axis.edges).max() < 1
-        return Scale("mrad", 1e-3) if angle else Scale("meV", 1.602176634e-22) if axis.units == "J" else Scale(axis.units)
+        if axis.units == "rad" and np.abs(axis.edges).max() < 1:
+            return Scale("mrad", 1e-3)
+        return Scale("meV", 1.602176634e-22) if axis.units == "J" else Scale(axis.units)
     return fitting_scale(axis.edges, axis.units)
 
 

@@ -1,5 +1,5 @@
-"""What each law, or each strength of one, expects a detector to count: histograms over the scan's other points, in cells
-that hold enough simulated particles to mean something.
+"""What each law, or each strength of one, expects a detector to count: histograms over the scan's other points, in
+cells that hold enough simulated particles to mean something.
 
 A scan point of the templates is one of the scan's other axis, or the only one; bins are those of a detector's image
 (x, z), of its projections, or the whole detector.
@@ -66,7 +66,7 @@ class Templates:
 
 
 def templates(results: Results, parameter: str, histogram: str = "image", most: float = np.inf) -> Templates:
-    """Of the scan's axis `parameter`, with about `most` cells at most for each point and detector; raises NoTemplates."""
+    """Of the scan's axis `parameter`, with at most about `most` cells for a point and detector; raises NoTemplates."""
     scan = results.scan
     numbers = [i for i, axis in enumerate(scan.axes) if axis.parameter == parameter]
     if not numbers:
@@ -109,8 +109,8 @@ def histogram_of(results: Results, name: str, histogram: str,
 
 def models(made: Templates, exposure: np.ndarray | float, backgrounds: list[float] | None = None,
            free: bool = False) -> list[Model]:
-    """For each law, expected counts in the cells of all screens, in turn, when `exposure` [points] particles are emitted
-    at each point; `backgrounds` are counts at each point, one number for each screen, spread evenly over it."""
+    """For each law, expected counts in the cells of all screens, in turn, when `exposure` [points] particles are
+    emitted at each point; `backgrounds` are counts at each point, one number for each screen, spread evenly over it."""
     exposure = np.broadcast_to(exposure, made.points)
     found = []
     for law in range(len(made.names)):
@@ -148,7 +148,8 @@ def _cells_of(screen: Screen, emitted: np.ndarray, law: int, exposure: np.ndarra
     point = point_of_cell(screen)
     counts, variances = gather(screen, screen.counts[law]), gather(screen, screen.variances[law])
     seen = counts > 0
-    unseen = (UNSEEN / np.maximum(np.bincount(point, ~seen), 1))[point]  # all empty cells of a point share half a particle
+    # all empty cells of a point share half a particle
+    unseen = (UNSEEN / np.maximum(np.bincount(point, ~seen), 1))[point]
     with np.errstate(divide="ignore", invalid="ignore"):
         k = np.where(seen, counts**2 / np.where(seen, variances, 1), unseen)
     floors = np.where(seen, counts, unseen / emitted[point])
@@ -178,8 +179,8 @@ def _screen(results: Results, name: str, histogram: str, flat: np.ndarray, most:
 
 
 def _cut(counts: np.ndarray, least: float) -> np.ndarray:
-    """[nx, nz] Numbers of cells for counts [laws, nx, nz]: the screen is cut in two as evenly as possible, and each half
-    again, along its longer side or else the other, as long as both halves hold `least` particles under some law."""
+    """[nx, nz] Numbers of cells for counts [laws, nx, nz]: the screen is cut in two as evenly as possible, and each
+    half again, along its longer side or else the other, while both halves hold `least` particles under some law."""
     cells = np.zeros(counts.shape[1:], dtype=int)
     number, waiting = 0, [(slice(0, counts.shape[1]), slice(0, counts.shape[2]))]
     while waiting:

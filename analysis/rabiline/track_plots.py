@@ -147,5 +147,6 @@ def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:
     """One line per file, with the law named, and one marker per fate that occurs."""
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
     fates = dict.fromkeys(track.fate for file, _, _ in styled for track in file.tracks)
-    return lines + [Line2D([], [], color=INK, marker=ENDS.get(fate, "*"), linestyle="", markersize=5, label=fate.replace("_", " "))
+    return lines + [Line2D([], [], color=INK, marker=ENDS.get(fate, "*"), linestyle="", markersize=5,
+                           label=fate.replace("_", " "))
                     for fate in fates if fate]

@@ -45,18 +45,18 @@ def fitting_scale(values: np.ndarray, unit: str) -> Scale:
         decimals = 1 - floor(log10(spread))
         origin = round(float(finite.min() + spread / 2), decimals)
         largest = np.abs(finite - origin).max()
-    return Scale(*_prefixed(largest, unit), origin)
+    return Scale(*prefixed(largest, unit), origin)
 
 
 def format_value(value: float, unit: str, error: float | None = None) -> str:
     """A value with its unit, "291.65 kHz", or with its error to two digits, "291.652 ± 0.014 kHz"."""
-    unit_shown, factor = _prefixed(abs(value), unit) if unit in TAKE_PREFIXES else (unit, 1.0)
+    unit_shown, factor = prefixed(abs(value), unit) if unit in TAKE_PREFIXES else (unit, 1.0)
     if error is None or not isfinite(error) or error <= 0:
         number = f"{value / factor:.10g}"
     else:
         if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
-            whole = 1e-3 <= error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
-            unit_shown, factor = _prefixed(1.0 if whole else error, unit)
+            whole = error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
+            unit_shown, factor = prefixed(1.0 if whole else error, unit)
         digits = max(0, 1 - floor(log10(error / factor)))
         number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
     return f"{number} {unit_shown}".strip()
@@ -84,7 +84,7 @@ def law_name(law: str) -> str:
     return ", ".join(["dorado (hypothesis)", *([details.rstrip(")").replace("kappa", "κ")] if details else [])])
 
 
-def _prefixed(size: float, unit: str) -> tuple[str, float]:
+def prefixed(size: float, unit: str) -> tuple[str, float]:
     """The unit with the prefix that shows `size` as 1 to 1000, and that prefix's factor."""
     power = 3 * floor(log10(size * (1 + 1e-12)) / 3) if size > 0 else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))

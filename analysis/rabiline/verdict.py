@@ -40,7 +40,8 @@ class Pair:
     other: int
     ratio: float  # -2 ln(L_other/L_one): above 0 where the data are nearer to the first
     expected: tuple[tuple[float, float], tuple[float, float]]  # mean and standard deviation, if one, or other, holds
-    p: tuple[float, float]  # of the first law and of the other: how often it makes a ratio that speaks so much against it
+    # of the first law and of the other: how often it makes a ratio that speaks so much against it
+    p: tuple[float, float]
     same: bool  # both expect the same
 
 
@@ -70,8 +71,8 @@ class Verdict:
             return "neither fits: the likelihood ratio lies between what the laws expect, and far from both"
         if len(left) == 1:
             others = _listed([name for i, name in enumerate(self.names) if i != left[0]], "or")
-            return f"the data favour {self.names[left[0]]}: it fits (p = {self.fits[left[0]].p:.2g}), and they do not " \
-                   f"come from {others}"
+            return f"the data favour {self.names[left[0]]}: it fits (p = {self.fits[left[0]].p:.2g}), and they do " \
+                   f"not come from {others}"
         names = _listed([self.names[i] for i in left], "and")
         alike = all(pair.same for pair in self.pairs if pair.one in left and pair.other in left)
         reason = "they predict the same here, to the last bit" if alike else "the counts are too few for that"

@@ -133,6 +133,9 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
     ("plot-scan two.h5 --detector middle", "rabiline: two.h5: no detector `middle` (there is near, far)"),
     ("plot-scan dorado.h5 --mark Larmor", 'rabiline: --mark "Larmor" is not LABEL=VALUE, such as "Larmor '
                                           'frequency=291.647 kHz"'),
+    ("plot-scan dorado.h5 --panel-title Rabi", "rabiline: --panel-title names the panels of --beside"),
+    ("plot-scan --beside dorado.h5 quantum.h5 --panel-title Rabi", "rabiline: 1 --panel-title for 2 files; give one "
+                                                                   "for each file"),
     ("plot-scan grid.h5 dorado.h5", "rabiline: 10 curves are too many for one picture"),
     ("plot-scan grid_of_two.h5", "rabiline: 18 curves are too many for one picture; choose one detector with "
                                  "--detector"),

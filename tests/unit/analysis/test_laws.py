@@ -9,6 +9,8 @@ import pytest
 from rabiline import results
 from rabiline.__main__ import main
 from rabiline.covariance import ChiSquared
+from rabiline.kappa import Bound, profile
+from rabiline.kappa_plots import draw_profile
 from rabiline.likelihood import separation
 from rabiline.templates import LEAST, gather, models, spread_over_bins, templates
 from rabiline.verdict import Fit, Pair, Verdict, verdict
@@ -34,16 +36,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     y = 1 - 0.6 * (1 - dip(axis.values, width=16e3, steepness=2))
     ones, two = np.full(POINTS, 0.9), ["quantum"] * POINTS + [DORADO] * POINTS
     for name, detected, seed in (("laws", np.concatenate([ones, 0.9 * y]), 1938), ("same", np.tile(ones, 2), 1938)):
-        mark_independent(write_results(folder / f"{name}.h5", [laws("quantum", DORADO), axis], detected, law=two, bins=16,
-                                       seed=seed))
+        mark_independent(write_results(folder / f"{name}.h5", [laws("quantum", DORADO), axis], detected, law=two,
+                                       bins=16, seed=seed))
     write_results(folder / "shared.h5", [laws("quantum", DORADO), axis], np.concatenate([ones, y]), law=two, bins=16)
     write_results(folder / "only_laws.h5", [laws("quantum", "classical", DORADO)], np.array([0.9, 0.9, 0.4]),
                   law=["quantum", "classical", DORADO], bins=16)
     mark_independent(write_results(folder / "two.h5", [laws("quantum", DORADO)], np.array([[0.5, 0.3], [0.2, 0.4]]),
                                    law=["quantum", DORADO], detectors=("near", "far"), bins=8), rate=1e5)
     for name, detected in (("quantum", ones), ("dorado", 0.9 * y), ("neither", 1.8 - 0.9 * y - ones / 2)):
-        mark_independent(write_results(folder / f"{name}.h5", [axis], detected, law=["quantum"], particles=2000, bins=16,
-                                       seed=7))
+        mark_independent(write_results(folder / f"{name}.h5", [axis], detected, law=["quantum"], particles=2000,
+                                       bins=16, seed=7))
         counts = np.random.default_rng(3).poisson(500 * detected)
         lines = [f"{x / 1e3:.6g},{n}" for x, n in zip(axis.values, counts)]
         (folder / f"{name}.csv").write_text("# a comment\nH0.frequency (kHz),counts\n" + "\n".join(lines))
@@ -179,30 +181,41 @@ def test_kappa_is_bounded_next_to_zero_and_the_return_is_told(folder: Path, monk
     assert "law          dorado (hypothesis): torque; κ from 0 to 2, 21 points" in out
     bound = float(out.split("bound        0 ≤ κ ≤ ")[1].split()[0])
     # 0.9 (1 - 0.8 sin²(π κ/2)) 1000 is 897 - 1.96 √897 at κ = 0.18
+    assert "counts       one.csv; 897 in all, flux " in out
     assert 0.12 < bound < 0.25 and "also " in out and "2 (end of the scan) is accepted" in out
 
 
+def test_the_picture_of_a_bound_names_the_law_and_the_counts(folder: Path) -> None:
+    made = templates(results.read(folder / "kappa.h5"), "law.kappa")
+    found = Bound(profile(STRENGTHS, (STRENGTHS / 0.5) ** 2), "one.csv", 897.0, True, 0.5, 300)
+    words = draw_profile(made, found, None)._suptitle.get_text().splitlines()
+    assert words[1:] == ["dorado (hypothesis): torque", "counts: one.csv"]
+
+
 @pytest.mark.parametrize(("command", "message"), [
-    ("compare-laws quantum.h5", "quantum.h5: its scan runs over H0.frequency, not over law; make one with `rabiline run "
-                                "FILE --scan law=quantum,dorado`"),
+    ("compare-laws quantum.h5", "quantum.h5: its scan runs over H0.frequency, not over law; make one with `rabiline "
+                                "run FILE --scan law=quantum,dorado`"),
     ("compare-laws laws.h5 --reference classical", f"laws.h5: no law `classical` (there is quantum, {DORADO})"),
-    ("compare-laws laws.h5 --background 3", "--background needs --rate, the particles that leave the source per second"),
-    ("compare-laws laws.h5 --rate 3 --background 3 --data quantum.csv", "counts without a beam are stated, and not for how "
-     "long: --seconds, the time at each scan point of the data"),
+    ("compare-laws laws.h5 --background 3",
+     "--background needs --rate, the particles that leave the source per second"),
+    ("compare-laws laws.h5 --rate 3 --background 3 --data quantum.csv",
+     "counts without a beam are stated, and not for how long: --seconds, the time at each scan point of the data"),
     ("compare-laws laws.h5 --detector far", "laws.h5: no detector `far` (there is screen)"),
     ("compare-laws laws.h5 --data .", ".: not a file"),
     ("compare-laws laws.h5 --data missing.csv", "missing.csv: no such file"),
-    ("compare-laws laws.h5 --data quantum.csv --histogram x", "quantum.csv: its columns are those of --histogram detected, "
-     "not x"),
+    ("compare-laws laws.h5 --data quantum.csv --histogram x",
+     "quantum.csv: its columns are those of --histogram detected, not x"),
     ("compare-laws laws.h5 --data image.csv", "image.csv: no column `H0.frequency`, over which laws.h5 scans"),
-    ("compare-laws only_laws.h5 --data quantum.h5", "quantum.h5: its scan runs over H0.frequency, and data for only_laws.h5 "
-     "over nothing, under one law"),
+    ("compare-laws only_laws.h5 --data quantum.h5",
+     "quantum.h5: its scan runs over H0.frequency, and data for only_laws.h5 over nothing, under one law"),
     ("compare-laws two.h5 --data one.csv", "one.csv: no column `detector`, and two.h5 has several: choose one with "
                                            "--detector"),
-    ("bound-kappa laws.h5 --emitted 3", "laws.h5: its scan runs over law and H0.frequency, not over law.kappa; make one with "
+    ("bound-kappa laws.h5 --emitted 3",
+     "laws.h5: its scan runs over law and H0.frequency, not over law.kappa; make one with "
      "`rabiline run FILE --scan law.kappa=0:0.02:41`"),
-    ("bound-kappa noisy.h5 --data many.csv", "noisy.h5: each κ was simulated with particles of its own, and by that alone "
-     "-2 ln L scatters by 1.4 from one κ to the next; run it without scan.particles=independent, or with more particles"),
+    ("bound-kappa noisy.h5 --data many.csv",
+     "noisy.h5: each κ was simulated with particles of its own, and by that alone -2 ln L scatters by 1.4 from one κ "
+     "to the next; run it without scan.particles=independent, or with more particles"),
     ("bound-kappa kappa.h5", "without --data: --emitted, the particles at each scan point for which to tell the bound"),
 ])
 def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest.MonkeyPatch,
@@ -234,11 +247,11 @@ def test_a_number_that_is_none_is_one_line(capsys: pytest.CaptureFixture) -> Non
     ("H0.frequency (kHz),counts\n266.6,many\n", "line 2: `many` is no number (counts)"),
     ("H0.frequency (kHz),counts\n266.6,-1\n", "line 2: counts = -1 is out of range"),
     ("H0.frequency (kHz),counts\n266.6,1.5\n", "counts must be whole numbers"),
-    ("H0.frequency (kHz),counts\n270,1\n", "line 2: H0.frequency = 270 kHz is no scan point of the result; the nearest is "
-                                           "271.6 kHz"),
+    ("H0.frequency (kHz),counts\n270,1\n", "line 2: H0.frequency = 270 kHz is no scan point of the result; the "
+                                           "nearest is 271.6 kHz"),
     ("H0.frequency (kHz),counts\n266.6,1\n266.6,1\n", "line 3: counts for this bin stand in an earlier line too"),
-    ("H0.frequency (kHz),x (mm),counts\n266.6,0.1,1\n", "line 2: x from -25 µm to 225 µm is no bin of the result; the nearest "
-                                                        "is 0 m to 250 µm"),
+    ("H0.frequency (kHz),x (mm),counts\n266.6,0.1,1\n",
+     "line 2: x from -25 µm to 225 µm is no bin of the result; the nearest is 0 m to 250 µm"),
     ("H0.frequency (kHz),counts\n", "no counts in it"),
 ])
 def test_a_bad_table_says_where(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture, table: str,

@@ -1,6 +1,7 @@
 """What stands in the pictures of scans and levels."""
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from rabiline import results
 from rabiline.curves import curves
 from rabiline.level_plots import draw_levels
-from rabiline.scan_plots import Panel, draw_beside, draw_scan
+from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
 
@@ -53,6 +54,27 @@ def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
     assert legend(figure) == ["quantum", "classical", "dorado (hypothesis), torque, κ = 1"]
     dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
     assert len(dashed) == 2
+
+
+def test_the_legend_keeps_the_order_of_the_laws_where_the_drawing_does_not(tmp_path: Path) -> None:
+    axis = frequencies(41)
+    y = np.concatenate([dip(axis.values), np.ones(41), dip(axis.values, 280e3)])
+    names = [DORADO, "classical", "quantum"]
+    path = write_results(tmp_path / "a.h5", [laws(*names), axis], y, law=np.repeat(names, 41).tolist(), bins=4)
+    assert [words.splitlines()[0] for words in legend(drawn(path))] == ["dorado (hypothesis), torque, κ = 1",
+                                                                        "classical", "quantum"]
+
+
+def test_bars_are_told_of_where_they_stand_out_of_their_symbols(tmp_path: Path) -> None:
+    axis = frequencies(2)
+    (curve,) = curves(results.read(write_results(tmp_path / "a.h5", [axis], np.ones(2), law=["quantum"], bins=4)))
+
+    def told(*errors: float) -> str:
+        return about_errors([replace(curve, errors=np.array(errors))], (0.0, 1.0))
+
+    assert told(0.001, 0.001) == "errors smaller than symbols" == told(0.01, 0.011)
+    assert told(0.05, 0.05) == "bars: one standard error"
+    assert told(0.05, 0.001) == "bars: one standard error, where larger than symbols"
 
 
 def test_files_side_by_side_share_their_limits_and_have_a_legend_each(tmp_path: Path) -> None:

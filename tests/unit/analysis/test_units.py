@@ -11,6 +11,7 @@ from rabiline.units import fitting_scale, format_value, law_name, parse_quantity
     (291650.0, "Hz", 12.3, "291.650 ± 0.012 kHz"),
     (9192631770.1, "Hz", 1.1, "9192631770.1 ± 1.1 Hz"),
     (9192631771.543, "Hz", 0.48, "9192631771.54 ± 0.48 Hz"),
+    (-139.9905288, "Hz", 1.5e-8, "-139.990528800 ± 0.000000015 Hz"),
     (3e-7, "T", None, "300 nT"),
     (1e-3, "m", None, "1 mm"),
     (0.0, "m", None, "0 m"),
