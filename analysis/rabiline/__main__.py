@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from math import inf
 from pathlib import Path
 from typing import NoReturn, Sequence
 
@@ -155,7 +156,7 @@ def plot_angles(options: argparse.Namespace) -> None:
     except angle_plots.NoAngles as problem:
         raise InputError(f"{file.path}: {problem}") from problem
     try:
-        expected = [parse_quantity(text) if text else None for text in (options.polar_rate, options.azimuth_rate)]
+        expected = [parse_quantity(text, "Hz") if text else None for text in (options.polar_rate, options.azimuth_rate)]
     except ValueError as problem:
         raise InputError(f"a rate is written like `2.9 kHz`: {problem}") from problem
     for line in angles:
@@ -320,7 +321,7 @@ def _region(text: str) -> track_plots.Region:
     begin, _, end = stretch.partition(":")
     try:
         region = track_plots.Region(name, float(begin), float(end))
-        if not (name and region.begin < region.end):
+        if not (name and -inf < region.begin < region.end < inf):
             raise ValueError("empty")
         return region
     except ValueError:
@@ -328,6 +329,8 @@ def _region(text: str) -> track_plots.Region:
 
 
 def _save(figure: Figure, path: Path) -> None:
+    if not path.suffix:  # else matplotlib would choose another name
+        raise InputError(f"-o {path}: a picture's name ends in .png, .pdf or .svg")
     try:
         style.save(figure, path)
     except ValueError as problem:  # an ending that matplotlib does not know

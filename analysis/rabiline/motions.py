@@ -88,8 +88,15 @@ def read(path: Path | str) -> Motions:
         names = entry.texts("motions")
         groups = [entry.group(f"point_{i}") for i in range(points)] if axis else [entry]
         return Motions(Path(path), entry.text("title"), entry.text("model"), axis,
-                       tuple(tuple(_read_motion(one.group(name)) for name in names) for one in groups),
+                       tuple(_read_motions(one, names) for one in groups),
                        tuple(_read_findings(group, points)))
+
+
+def _read_motions(point: Group, names: list[str]) -> tuple[Motion, ...]:
+    """Those of the first scan point in their order, then what this point has besides: a scan may change the model."""
+    own = [name for name in point.names() if name not in names
+           and point.group(name).attribute("courses")]
+    return tuple(_read_motion(point.group(name)) for name in [*names, *own] if name in point)
 
 
 def _read_axis(group: Group) -> Axis | None:

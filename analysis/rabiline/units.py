@@ -62,17 +62,23 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
     return f"{number} {unit_shown}".strip()
 
 
-def parse_quantity(text: str) -> float:
-    """"291.65 kHz" or "2.5" as an SI number; raises ValueError. The unit is one that takes prefixes."""
+def parse_quantity(text: str, wanted: str | None = None) -> float:
+    """"291.65 kHz" or "2.5" as a finite SI number; raises ValueError. The unit is one that takes prefixes, and the
+    wanted one where there is such."""
     words = text.split()
-    if len(words) == 1:
-        return float(words[0])
-    number, unit = words
-    unit = unit.replace("u", "µ")
-    for power, prefix in PREFIXES.items():
-        if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES:
-            return float(number) * 10.0**power
-    raise ValueError(f"unknown unit {unit}")
+    if not 1 <= len(words) <= 2:
+        raise ValueError("it has no number and unit")
+    value, unit = float(words[0]), words[1].replace("u", "µ") if len(words) == 2 else ""
+    known = [(power, unit[len(prefix):]) for power, prefix in PREFIXES.items()
+             if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES]
+    if unit and not known:
+        raise ValueError(f"unknown unit {unit}")
+    if known and wanted and known[0][1] != wanted:
+        raise ValueError(f"{unit} is not a unit of the kind of {wanted}")
+    value *= 10.0 ** known[0][0] if known else 1.0
+    if not isfinite(value):
+        raise ValueError("it is not a finite number")
+    return value
 
 
 def law_name(law: str) -> str:

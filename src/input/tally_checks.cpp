@@ -1,4 +1,5 @@
 // Tallies that cannot be counted, and results that would have the same name.
+#include <algorithm>
 #include <cmath>
 
 #include "input/check_nodes.hpp"
@@ -241,12 +242,17 @@ void check_tallies(const Beamline& beamline, const PartNodes& nodes, Reading& re
 /// All points count in the same planes, which are an axis of the results.
 bool check_scanned_planes(const Axis& axis, const std::vector<Beamline>& points, Reading& reading) {
   for (const Beamline& point : points)
-    for (std::size_t i = 0; i < point.parts.size(); ++i) {
-      const PlacedPart &now = point.parts[i], &first = points.front().parts[i];
-      const auto *monitor = std::get_if<Monitor>(&now.part), *then = std::get_if<Monitor>(&first.part);
-      if (!monitor || !then || (monitor->planes == 1 && then->planes == 1)) continue;
-      if (monitor->planes == then->planes && monitor->length == then->length &&
-          now.placement.at == first.placement.at)
+    for (const PlacedPart& now : point.parts) {
+      const auto* monitor = std::get_if<Monitor>(&now.part);
+      if (!monitor) continue;
+      // Parts stand in the order of their places, which a scan may change.
+      const auto first =
+          std::find_if(points.front().parts.begin(), points.front().parts.end(),
+                       [&](const auto& part) { return part.placement.name == now.placement.name; });
+      const auto& then = std::get<Monitor>(first->part);
+      if (monitor->planes == 1 && then.planes == 1) continue;
+      if (monitor->planes == then.planes && monitor->length == then.length &&
+          now.placement.at == first->placement.at)
         continue;
       reading.error(axis.place,
                     fmt::format("`{}` cannot be scanned: all points count in the same planes of `{}`",
