@@ -49,13 +49,16 @@ inline constexpr auto choices<Closure> = std::array{
     Choice<Closure>{"larmor", Closure::larmor, "W = -gamma B: the whole Larmor rotation"},
 };
 
+/// What the hypothesis keeps the path to where nothing else is asked for, over the length of the flight.
+inline constexpr double usual_path_error = 1e-6;
+
 /// The hypothesis that the velocity turns jointly with the spin; it replaces the Lorentz force.
 struct DoradoLaw {
   static constexpr std::string_view kind = "dorado",
                                     meaning = "a hypothesis: the velocity turns jointly with the spin";
   Closure closure = Closure::torque;
-  double kappa = 1;          // strength; 0 is straight flight, 1 is the paper
-  double path_error = 1e-6;  // over the length of the flight
+  double kappa = 1;                      // strength; 0 is straight flight, 1 is the paper
+  double path_error = usual_path_error;  // over the length of the flight
   bool operator==(const DoradoLaw&) const = default;
 };
 template <>
@@ -67,7 +70,7 @@ inline constexpr auto parameters<DoradoLaw> = std::tuple{
           Range{1e-12, 1e-3, true, true, "from 1e-12 to 1e-3"},
           "the path's error over its length, about, that steps are chosen for; a hundredth of it takes three "
           "times the steps",
-          1e-6),
+          usual_path_error),
 };
 
 using Law = std::variant<QuantumLaw, ClassicalLaw, DoradoLaw>;

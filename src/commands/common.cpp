@@ -73,6 +73,7 @@ void watch_signals() {
 
 void ExperimentOptions::add_to(CLI::App& app) {
   add_without_scan_to(app);
+  app.get_option("FILE")->description("an experiment or a model, a YAML file");
   changes.without_scan = false;
   app.add_option(
          "--scan", changes.scan,

@@ -1,7 +1,8 @@
 // What `check` and `run` do with a model instead of a beamline.
 #include <algorithm>
 #include <chrono>
-#include <map>
+#include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -22,27 +23,46 @@ std::string value_at(const ScanAxis& axis, std::size_t i) {
   return axis.dimension ? pretty_quantity(axis.values[i], *axis.dimension) : axis.labels[i];
 }
 
-std::string unit_of(const Finding& finding) { return finding.unit == "1" ? "" : " " + finding.unit; }
+std::string with_unit(double value, std::string_view unit) {
+  return fmt::format("{:.9g}{}", value, unit == "1" ? "" : fmt::format(" {}", unit));
+}
 
+/// "closed form 0.63662", "conserved", "the paper supposes 0".
+std::string told_of(const Finding& f) {
+  const std::string number = with_unit(f.expected, f.unit);
+  switch (f.expectation) {
+    case Expectation::closed_form:
+      return "closed form " + number;
+    case Expectation::conserved:
+      return "conserved";
+    case Expectation::approximate:
+      return "approximately " + number;
+    case Expectation::supposed:
+      return "the paper supposes " + number;
+  }
+  return {};
+}
+
+/// The smallest and largest value of each finding.
 void print_ranges(const SolvedModel& solved) {
-  fmt::print("  over {} points of {}, {} to {}\n", solved.points.size(), solved.axis->parameter,
-             value_at(*solved.axis, 0), value_at(*solved.axis, solved.points.size() - 1));
-  std::map<std::string, std::pair<double, double>> ranges;
-  for (const ModelResult& point : solved.points)
-    for (const Finding& f : point.findings) {
-      const auto at = ranges.try_emplace(f.name, f.value, f.value).first;
-      at->second = {std::min(at->second.first, f.value), std::max(at->second.second, f.value)};
-    }
-  for (const Finding& f : solved.points.front().findings)
-    fmt::print("  {:<30} from {:.6g} to {:.6g}{}\n", f.name, ranges[f.name].first, ranges[f.name].second,
-               unit_of(f));
+  const std::size_t points = solved.points.size();
+  fmt::print("  over {} points of {}, {} to {}\n", points, solved.axis->parameter, value_at(*solved.axis, 0),
+             value_at(*solved.axis, points - 1));
+  for (const FoundAtPoints& found : findings_of(solved.points)) {
+    std::vector<double> values = found.values;
+    std::erase_if(values, [](double value) { return std::isnan(value); });
+    const auto [least, most] = std::minmax_element(values.begin(), values.end());
+    fmt::print("  {:<30} from {:.6g} to {:.6g}{}{}\n", found.name, *least, *most,
+               found.unit == "1" ? "" : " " + found.unit,
+               values.size() == points ? "" : fmt::format(", at {} of the points", values.size()));
+  }
 }
 
 /// Each finding with what is expected of it; of a scan its smallest and largest value.
 void print_findings(const SolvedModel& solved) {
   if (solved.axis) return print_ranges(solved);
   for (const Finding& f : solved.points.front().findings)
-    fmt::print("  {:<30} {:>15.9g}, expected {:.9g}{}\n", f.name, f.value, f.expected, unit_of(f));
+    fmt::print("  {:<30} {:>15.9g}, {}\n", f.name, f.value, told_of(f));
 }
 
 }  // namespace

@@ -34,6 +34,21 @@ inline Vector3 some_normal(const Vector3& a) {
   return (1 / length_of(n)) * n;
 }
 
+/// The angle between two vectors, from 0 to pi [rad].
+inline double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(length_of(cross(a, b)), dot(a, b));
+}
+/// Whether two vectors point along one line, but for rounding; so does one of no length.
+inline bool is_parallel(const Vector3& a, const Vector3& b) {
+  return length_of(cross(a, b)) <= 1e-12 * length_of(a) * length_of(b);
+}
+
+/// v turned by an angle about a unit axis, right-handed [rad] (Rodrigues).
+inline Vector3 turned_about(const Vector3& axis, double angle, const Vector3& v) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
+}
+
 /// The vector turned about x, then about y, then about z, right-handed [rad]; to the bit where nothing turns.
 inline Vector3 turned(Vector3 v, double about_x, double about_y, double about_z) {
   if (about_x != 0) {

@@ -23,11 +23,26 @@ std::string describe_part() {
   return page.finish();
 }
 
+/// Calls f(type_identity<Variant>, row) for each row of a table that holds a variant with a tag.
+template <class T, class F>
+void for_each_nested(F f) {
+  for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+    if constexpr (is_variant<M>)
+      if constexpr (!tag_key<M>.empty()) f(std::type_identity<M>{}, row_of(p));
+  });
+}
+
 /// An alternative of the variant that the key `key` holds.
 template <class V, class A>
 std::string describe_alternative(std::string_view key) {
   Page page(fmt::format("{} ({}): {}", A::kind, key, A::meaning));
   add_rows<A>(page);
+  for_each_nested<A>([&]<class N>(std::type_identity<N>, const Row& row) {
+    for_each_alternative<N>([&]<class B>(std::type_identity<B>) {
+      page.line(fmt::format("\n{}, {}: {}", row.key, B::kind, B::meaning));
+      add_rows<B>(page);
+    });
+  });
   const std::string rows = example_of_rows<A>();
   const std::string short_form =
       tag_key<V>.empty() ? rows
@@ -181,10 +196,14 @@ const std::vector<Topic>& topics() {
     add_alternatives<Pulse>(out, "pulse");
     out.push_back({"model", "a small model, which is solved and not flown", describe_models});
     add_alternatives<Model>(out, "model");
-    out.push_back({"torque", "the torque on a rotating cylinder", [] {
-                     return describe_variant<CylinderTorque>("torque", "the torque on a rotating cylinder");
-                   }});
-    add_alternatives<CylinderTorque>(out, "torque");
+    for_each_alternative<Model>([&]<class A>(std::type_identity<A>) {
+      for_each_nested<A>([&]<class N>(std::type_identity<N>, const Row& row) {
+        const std::string meaning = fmt::format("{}, in the model `{}`", row.meaning, A::kind);
+        out.push_back({std::string(row.key), meaning,
+                       [key = row.key, meaning] { return describe_variant<N>(key, meaning); }});
+        add_alternatives<N>(out, row.key);
+      });
+    });
     return out;
   }();
   return all;

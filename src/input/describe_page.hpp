@@ -134,8 +134,8 @@ void add_rows(Page& page) {
       if (p.key.empty()) {
         for_each_alternative<M>([&]<class A>(std::type_identity<A>) {
           for_each_row<A>([&]<class S2, class M2, class D2>(const Param<S2, M2, D2>& q) {
-            page.row(std::string(q.key), kind_of_value<M2>(row_of(q)), fmt::format("for a {}", A::kind),
-                     q.meaning);
+            page.row(std::string(q.key), kind_of_value<M2>(row_of(q)),
+                     fmt::format("one of: {}", ways_to_write<M>()), q.meaning);
           });
         });
         return;

@@ -36,8 +36,10 @@ template <class T>
 inline constexpr bool has_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> > 0;
 
 template <class S, class M, class D>
-constexpr Row row_of(const Param<S, M, D>& p) {
-  return {p.key, p.dimension, p.range, p.meaning};
+Row row_of(const Param<S, M, D>& p) {
+  Row row{p.key, p.dimension, p.range, p.meaning};
+  if constexpr (requires { S::example; }) row.example = value_in(S::example, p.key);
+  return row;
 }
 
 /// Calls f(type_identity<Alternative>) for each alternative, in order.
@@ -134,6 +136,7 @@ std::string example_of_table() {
 /// One way to write a value of that type, as it would stand in the file.
 template <class T>
 std::string example_of_type(const Row& row) {
+  if (!row.example.empty()) return std::string(row.example);
   if constexpr (is_optional<T>)
     return example_of_type<typename T::value_type>(row);
   else if constexpr (std::is_enum_v<T>)

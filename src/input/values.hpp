@@ -23,6 +23,7 @@ struct Row {
   Dimension dimension;
   Range range;
   std::string_view meaning;
+  std::string_view example{};  // of a struct whose values go together
 };
 
 /// Collects what is wrong while a tree is read, and watches which numbers were read from the scanned nodes.
@@ -62,6 +63,9 @@ std::string list_of(std::span<const Word>);
 std::string suggest(std::string_view word, std::span<const Word>);
 /// How a value of that dimension is written: "0.2 mm".
 std::string example_for(const Row&);
+
+/// What stands behind a key in "mass: 1 kg, torque: {kind: body_fixed, size: 0.5 N m}", or nothing.
+std::string_view value_in(std::string_view example, std::string_view key);
 
 bool read_quantity(const Node&, const Row&, Reading&, double& out);
 bool read_count(const Node&, const Row&, Reading&, std::uint64_t& out);

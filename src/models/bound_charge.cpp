@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "core/constants.hpp"
 #include "core/units.hpp"
+#include "models/faults.hpp"
+#include "models/findings.hpp"
 #include "models/measure.hpp"
 #include "models/ode.hpp"
 
@@ -131,19 +132,11 @@ Vector3 canonical(const Orbit& o, const Vector3& r, const Vector3& v) {
   return angular_momentum(o, r, v - o.larmor * cross(z, r));
 }
 
-struct Times {
-  std::vector<double> all{};
-  std::size_t stride = 1;  // computed for each that is written
-};
+double turns_of(const BoundCharge& model, const Orbit& o) {
+  return model.orbits * (1 + 2 * std::abs(o.larmor) / o.omega);
+}
 Times times_of(const BoundCharge& model, const Orbit& o) {
-  const double turns = model.orbits * (1 + 2 * std::abs(o.larmor) / o.omega);
-  const double written = static_cast<double>(model.samples - 1);
-  Times out;
-  out.stride = static_cast<std::size_t>(std::max(1.0, std::ceil(16 * turns / written)));
-  const std::size_t steps = out.stride * (model.samples - 1);
-  for (std::size_t i = 0; i <= steps; ++i)
-    out.all.push_back(two_pi / o.omega * model.orbits * static_cast<double>(i) / static_cast<double>(steps));
-  return out;
+  return rabiline::times_of(two_pi / o.omega * model.orbits, turns_of(model, o), model.samples);
 }
 
 Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::string name,
@@ -174,23 +167,22 @@ Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::stri
 }
 
 /// What is conserved: the energy, since a magnetic field does no work, and the canonical L_z.
-void find_conserved(const Orbit& o, const Path& path, std::vector<Finding>& out) {
+void find_conserved(const Orbit& o, const Path& path, Findings& out) {
   std::vector<double> energies, momenta;
   for (std::size_t i = 0; i < path.r.size(); ++i) {
     energies.push_back(energy(o, path.r[i], path.v[i]));
     momenta.push_back(canonical(o, path.r[i], path.v[i]).z);
   }
   const double speed = length_of(o.v);
-  out.push_back({"energy_drift", "1", "largest change of the energy, over the kinetic energy at the start",
-                 largest_change(energies) / (o.mass / 2 * speed * speed), 0});
-  out.push_back({"canonical_drift", "1",
-                 "largest change of the canonical L_z = (r x m v)_z + q B rho^2/2, over m v r",
-                 largest_change(momenta) / (o.mass * speed * o.radius), 0});
+  out.conserved("energy_drift", "1", largest_change(energies) / (o.mass / 2 * speed * speed),
+                "largest change of the energy, over the kinetic energy at the start");
+  out.conserved("canonical_drift", "1", largest_change(momenta) / (o.mass * speed * o.radius),
+                "largest change of the canonical L_z = (r x m v)_z + q B rho^2/2, over m v r");
 }
 
 /// How L precesses, in the mean over orbits, and what eq. 74 makes of it.
 void find_precession(const Orbit& o, const Path& path, const std::vector<double>& times, double inclination,
-                     std::vector<Finding>& out) {
+                     Findings& out) {
   const double small = std::abs(o.larmor) / o.omega;
   // Within an orbit L nods by about w/omega: an axis that near to z has no azimuth.
   if (small > 0.1 || std::sin(inclination) < 10 * small || !(std::sin(inclination) > 1e-6)) return;
@@ -202,25 +194,22 @@ void find_precession(const Orbit& o, const Path& path, const std::vector<double>
   // m w^2 r^2 (1 + cos^2 i)/4 with cos i = L_z/L: L turns by its derivative to L_z (L. Landau, E. Lifshitz,
   // Quantum Mechanics, section 112, has the term; L = m omega r^2).
   const double second = o.larmor * o.larmor * std::cos(inclination) / (2 * o.omega);
-  out.push_back(
-      {"precession", "Hz",
-       "turns of L about +z per second, in the mean over orbits: w/(2 pi) with w = -q B/2m, and the "
-       "second order in w/omega",
-       rate / two_pi, (o.larmor + second) / two_pi});
+  out.approximate(
+      "precession", "Hz", rate / two_pi, (o.larmor + second) / two_pi,
+      "turns of L about +z per second, in the mean over orbits: w/(2 pi) with w = -q B/2m, and the "
+      "second order in w/omega");
   if (o.larmor == 0) return;
-  out.push_back({"second_order", "Hz", "what of it is beyond w/(2 pi): w^2 cos(i)/(2 omega)/(2 pi)",
-                 (rate - o.larmor) / two_pi, second / two_pi});
-  out.push_back(
-      {"over_cyclotron", "1",
-       "precession over the rate -q B/m at which a free charge turns: one half, and the second order",
-       rate / (2 * o.larmor), (1 + second / o.larmor) / 2});
-  out.push_back({"eq74_over_precession", "1",
-                 "rate of eq. 74, dL/dt = L x W with W = q B/m, over the precession: 2 to first order",
-                 2 * o.larmor / rate, 2 / (1 + second / o.larmor)});
+  out.approximate("second_order", "Hz", (rate - o.larmor) / two_pi, second / two_pi,
+                  "what of it is beyond w/(2 pi): w^2 cos(i)/(2 omega)/(2 pi)");
+  out.approximate(
+      "over_cyclotron", "1", rate / (2 * o.larmor), (1 + second / o.larmor) / 2,
+      "precession over the rate -q B/m at which a free charge turns: one half, and the second order");
+  out.approximate("eq74_over_precession", "1", 2 * o.larmor / rate, 2 / (1 + second / o.larmor),
+                  "rate of eq. 74, dL/dt = L x W with W = q B/m, over the precession: 2 to first order");
 }
 
 /// Eqs. 73 and 74 side by side: the mean over the first orbit of r x (q v x B) along L x W, over |L x W|.
-void find_mean_torque(const Orbit& o, std::vector<Finding>& out) {
+void find_mean_torque(const Orbit& o, Findings& out) {
   constexpr int steps = 64;
   std::vector<double> times;
   for (int i = 0; i <= steps; ++i) times.push_back(two_pi / o.omega * i / steps);
@@ -232,29 +221,25 @@ void find_mean_torque(const Orbit& o, std::vector<Finding>& out) {
   }
   const Vector3 claimed = 2 * o.larmor * cross(z, momentum);
   if (!(length_of(claimed) > 1e-6 * 2 * std::abs(o.larmor) * length_of(momentum))) return;
-  out.push_back(
-      {"mean_torque", "1",
-       "mean of r x (q v x B) over the first orbit, over L x W of eq. 74: one half to first order in "
-       "w/omega, since the step to (r x m v) x W needs r.v = v.W = 0",
-       dot(torque, claimed) / dot(claimed, claimed), 0.5});
+  out.approximate(
+      "mean_torque", "1", dot(torque, claimed) / dot(claimed, claimed), 0.5,
+      "mean of r x (q v x B) over the first orbit, over L x W of eq. 74: one half to first order in "
+      "w/omega, since the step to (r x m v) x W needs r.v = v.W = 0");
 }
 
-void find_free(const Orbit& o, const Path& path, const std::vector<double>& times,
-               std::vector<Finding>& out) {
+void find_free(const Orbit& o, const Path& path, const std::vector<double>& times, Findings& out) {
   if (!(std::hypot(o.v.x, o.v.y) > 1e-9 * length_of(o.v))) return;
   const double rate = angles_about(z, path.v).back() / times.back();
-  out.push_back(
-      {"turn", "Hz", "turns of v about +z per second: -q B/(2 pi m)", rate / two_pi, 2 * o.larmor / two_pi});
-  out.push_back({"over_larmor", "1", "that over Larmor's -q B/(4 pi m), with which bound orbits precess",
-                 rate / o.larmor, 2});
+  out.closed_form("turn", "Hz", rate / two_pi, 2 * o.larmor / two_pi,
+                  "turns of v about +z per second: -q B/(2 pi m)");
+  out.closed_form("over_larmor", "1", rate / o.larmor, 2,
+                  "that over Larmor's -q B/(4 pi m), with which bound orbits precess");
 }
 
 }  // namespace
 
 std::vector<Fault> faults_of(const BoundCharge& model) {
-  if (model.species.size() != 1)
-    return {{"species", "the model `bound_charge` has one charge, and here a mixture of species stands",
-             "write one species"}};
+  if (const std::optional<Fault> fault = fault_of_species(BoundCharge::kind, model.species)) return {*fault};
   const Species& s = model.species.front().species;
   const auto* coulomb = std::get_if<CoulombBinding>(&model.binding);
   if (coulomb && !(attraction(*coulomb, s) > 0))
@@ -268,7 +253,7 @@ std::vector<Fault> faults_of(const BoundCharge& model) {
   if (!o.bound() && o.larmor == 0)
     return {{"binding", "a free charge turns in the field, and here nothing turns it",
              "give it a `field` and a charge, or bind it"}};
-  const double turns = model.orbits * (1 + 2 * std::abs(o.larmor) / o.omega);
+  const double turns = turns_of(model, o);
   if (!(turns <= most_orbits))
     return {{"orbits",
              fmt::format("it turns {:.3g} times, more than {:.0f} can be followed", turns, most_orbits),
@@ -289,25 +274,26 @@ std::vector<Fact> facts_of(const BoundCharge& model) {
   if (o.bound())
     out.push_back(
         {"w/omega", fmt::format("{:.4g}", std::abs(o.larmor) / o.omega), "small where it is a precession"});
-  if (s.charge != 0 && !s.structure)
+  if (s.charge != 0)
     out.push_back({"eq. 75", fmt::format("{:.9g}", s.gyromagnetic_ratio * s.mass / s.charge),
                    "m v mu B/S over q v B: g/2, where eq. 75 has 1"});
   return out;
 }
 
 ModelResult solve(const BoundCharge& model) {
-  if (const std::vector<Fault> faults = faults_of(model); !faults.empty())
-    throw std::invalid_argument(faults.front().message);
+  refuse(faults_of(model));
   const Orbit o = orbit_of(model);
   const Times times = times_of(model, o);
   const Path standard = fly(o, o.larmor, o.v, times.all);
   ModelResult out;
+  Findings findings;
   out.motions.push_back(motion_of(o, standard, times, "standard",
                                   o.bound() ? "standard physics: the binding and the Lorentz force"
                                             : "standard physics: the Lorentz force"));
-  find_conserved(o, standard, out.findings);
+  find_conserved(o, standard, findings);
   if (!o.bound()) {
-    find_free(o, standard, times.all, out.findings);
+    find_free(o, standard, times.all, findings);
+    out.findings = findings.take();
     return out;
   }
   out.motions.push_back(
@@ -329,13 +315,13 @@ ModelResult solve(const BoundCharge& model) {
     double farthest = 0;
     for (std::size_t i = 0; i < times.all.size(); ++i)
       farthest = std::max(farthest, length_of(standard.r[i] - harmonic_place(o, times.all[i])));
-    out.findings.push_back({"closed_form", "1",
-                            "largest distance from the exact orbit, over the radius: an oscillator of "
-                            "sqrt(omega^2 + w^2) across z in the frame that turns with w",
-                            farthest / o.radius, 0});
+    findings.closed_form("closed_form", "1", farthest / o.radius, 0,
+                         "largest distance from the exact orbit, over the radius: an oscillator of "
+                         "sqrt(omega^2 + w^2) across z in the frame that turns with w");
   }
-  find_precession(o, standard, times.all, model.inclination, out.findings);
-  if (o.larmor != 0) find_mean_torque(o, out.findings);
+  find_precession(o, standard, times.all, model.inclination, findings);
+  if (o.larmor != 0) find_mean_torque(o, findings);
+  out.findings = findings.take();
   return out;
 }
 

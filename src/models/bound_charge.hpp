@@ -7,10 +7,12 @@
 // precesses. On an inclined circle the mean of the first over an orbit is half of the second: L turns with
 // Larmor's q B/2m.
 #include <cstdint>
+#include <numbers>
 #include <variant>
 #include <vector>
 
 #include "models/motion.hpp"
+#include "models/times.hpp"
 #include "particle/species.hpp"
 
 namespace rabiline {
@@ -78,16 +80,15 @@ inline constexpr auto parameters<BoundCharge> = std::tuple{
     param("field", &BoundCharge::field, Dimension::magnetic_field, range::any, "uniform field along z"),
     param("binding", &BoundCharge::binding, "what holds it"),
     param("inclination", &BoundCharge::inclination, Dimension::angle,
-          Range{0, 3.1415926535897936, true, true, "between 0 and 180 deg"},
+          Range{0, std::numbers::pi, true, true, "between 0 and 180 deg"},
           "angle between the orbit's axis and +z at the start; the charge starts at +x"),
     param("orbits", &BoundCharge::orbits, Dimension::number, range::positive,
           "how long it is followed, in orbits without the field; of a free charge, in turns in the field"),
-    param("samples", &BoundCharge::samples, Dimension::number, Range{2, 1e6, true, true, "from 2 to 1000000"},
+    param("samples", &BoundCharge::samples, Dimension::number, range_of_samples,
           "times that are written, both ends included"),
 };
 
-/// Motions `standard` and, of a bound charge, `larmor_theorem` and `eq74`. Throws std::invalid_argument where
-/// there are faults.
+/// Motions `standard` and, of a bound charge, `larmor_theorem` and `eq74`.
 ModelResult solve(const BoundCharge&);
 std::vector<Fact> facts_of(const BoundCharge&);
 std::vector<Fault> faults_of(const BoundCharge&);

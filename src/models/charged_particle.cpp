@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "core/units.hpp"
 #include "models/charged_particle_motions.hpp"
+#include "models/faults.hpp"
+#include "models/findings.hpp"
 #include "models/measure.hpp"
 
 namespace rabiline {
@@ -27,27 +28,13 @@ double duration_of(const ChargedParticle& model, const Particle& p) {
   return std::get<ForTurns>(model.time).turns * two_pi * p.lorentz / std::abs(p.charge_rate * p.b.z);
 }
 
-/// Times that are computed, `stride` for each that is written: angles are followed from one to the next.
-struct Times {
-  std::vector<double> all{};
-  std::size_t stride = 1;
-};
 Times times_of(const ChargedParticle& model, const Particle& p) {
-  const double duration = duration_of(model, p), written = static_cast<double>(model.samples - 1);
-  const double needed = 16 * fastest_rate(p) * duration / two_pi;
-  Times out;
-  out.stride = static_cast<std::size_t>(std::max(1.0, std::ceil(needed / written)));
-  const std::size_t steps = out.stride * (model.samples - 1);
-  for (std::size_t i = 0; i <= steps; ++i)
-    out.all.push_back(duration * static_cast<double>(i) / static_cast<double>(steps));
-  return out;
+  const double duration = duration_of(model, p);
+  return rabiline::times_of(duration, fastest_rate(p) * duration / two_pi, model.samples);
 }
 
 double kinetic_energy(const Particle& p, const Vector3& v, double lorentz) {
   return p.mass * lorentz * lorentz / (lorentz + 1) * dot(v, v);  // (gamma - 1) m c^2
-}
-double angle_between(const Vector3& a, const Vector3& b) {
-  return std::atan2(length_of(cross(a, b)), dot(a, b));
 }
 
 /// f(i) for every time that is computed.
@@ -83,31 +70,27 @@ Motion motion_of(const Particle& p, const Path& path, const Times& times, std::s
 
 // ---- findings ----
 
-class Findings {
+/// What is asked about a path.
+class PathFindings : public Findings {
  public:
-  Findings(const Particle& p, const std::vector<double>& times) : p_(p), times_(times) {}
-
-  void add(std::string name, std::string unit, double value, double expected, std::string meaning) {
-    out_.push_back({std::move(name), std::move(unit), std::move(meaning), value, expected});
-  }
-  void drift(const std::string& name, std::span<const double> values, double scale,
-             const std::string& meaning) {
-    add(name, "1", largest_change(values) / scale, 0, meaning);
-  }
+  PathFindings(const Particle& p, const std::vector<double>& times) : p_(p), times_(times) {}
 
   /// What a uniform magnetic field conserves, whatever the law.
-  void conserved(const std::string& name, const Path& path) {
-    drift(name + "_speed_drift", course_of(path, [&](std::size_t i) { return length_of(path.velocity[i]); }),
-          p_.speed, "largest change of |v|, over |v|");
-    drift(name + "_spin_drift", course_of(path, [&](std::size_t i) { return length_of(path.spin[i]); }), 1,
-          "largest change of |S|, over |S|");
+  void drifts(const std::string& name, const Path& path) {
+    const auto drift = [&](auto of) { return largest_change(course_of(path, of)); };
+    conserved(name + "_speed_drift", "1",
+              drift([&](std::size_t i) { return length_of(path.velocity[i]); }) / p_.speed,
+              "largest change of |v|, over |v|");
+    conserved(name + "_spin_drift", "1", drift([&](std::size_t i) { return length_of(path.spin[i]); }),
+              "largest change of |S|, over |S|");
     if (name != "torque")
-      drift(name + "_pitch_drift", course_of(path, [&](std::size_t i) { return path.velocity[i].z; }),
-            p_.speed, "largest change of v_z, over |v|");
+      conserved(name + "_pitch_drift", "1",
+                drift([&](std::size_t i) { return path.velocity[i].z; }) / p_.speed,
+                "largest change of v_z, over |v|");
     if (name != "standard")
-      drift(name + "_angle_drift",
-            course_of(path, [&](std::size_t i) { return angle_between(path.spin[i], path.velocity[i]); }), 1,
-            "largest change of the angle between S and v [rad]: both turn together, as the paper asks for");
+      conserved(name + "_angle_drift", "rad",
+                drift([&](std::size_t i) { return angle_between(path.spin[i], path.velocity[i]); }),
+                "largest change of the angle between S and v: both turn together, as the paper asks for");
   }
 
   /// Radius and frequency of a helix, against closed forms; 0 or nothing where it is a straight line.
@@ -115,26 +98,25 @@ class Findings {
     const double across = std::hypot(p_.velocity.x, p_.velocity.y);
     if (!(across > 1e-9 * p_.speed)) return 0;
     const double angle = angles_about({0, 0, 1}, path.velocity).back();
-    add(name + "_frequency", "Hz", angle / times_.back() / two_pi, rate / two_pi,
-        fmt::format("turns of v per second about +z, right-handed: {}", formula));
+    closed_form(name + "_frequency", "Hz", angle / times_.back() / two_pi, rate / two_pi,
+                fmt::format("turns of v per second about +z, right-handed: {}", formula));
     if (std::abs(angle) < 1) return 0;  // too little of a circle
     const std::optional<double> radius = radius_of(path.position);
     if (!radius) return 0;
-    add(name + "_radius", "m", *radius, across / std::abs(rate), "of the helix: v across z over that rate");
+    closed_form(name + "_radius", "m", *radius, across / std::abs(rate),
+                "of the helix: v across z over that rate");
     return *radius;
   }
-
-  std::vector<Finding> take() { return std::move(out_); }
 
  private:
   const Particle& p_;
   const std::vector<double>& times_;
-  std::vector<Finding> out_{};
 };
 
 /// The spin against the momentum, both followed by numbers: S seen from a frame that turns with v about z
 /// turns about a fixed axis, W_rel = -a (q/m) [B - g/(g+1) (v.B) v/c^2] (Bargmann, Michel, Telegdi).
-void find_anomaly(const Particle& p, const Path& path, const std::vector<double>& times, Findings& findings) {
+void find_anomaly(const Particle& p, const Path& path, const std::vector<double>& times,
+                  PathFindings& findings) {
   const double cyclotron = -p.charge_rate * p.b.z / p.lorentz;
   const Vector3 relative = bmt(p, p.velocity, p.lorentz) - Vector3{0, 0, cyclotron};
   const double rate = length_of(relative);
@@ -146,7 +128,7 @@ void find_anomaly(const Particle& p, const Path& path, const std::vector<double>
   for (std::size_t i = 0; i < times.size(); ++i)
     seen.push_back(turned_about({0, 0, 1}, across ? -turn[i] : -cyclotron * times[i], path.spin[i]));
   if (length_of(cross(axis, p.spin)) < 1e-6) return;  // the spin lies on that axis
-  findings.add(
+  findings.closed_form(
       "anomalous_frequency", "Hz", angles_about(axis, seen).back() / times.back() / two_pi, rate / two_pi,
       "turns of the spin against the momentum per second; a |q B|/(2 pi m) with a = g/2 - 1 for v "
       "across the field, at every energy (229 kHz for muons in 1.4513 T, as storage rings of BNL and "
@@ -155,37 +137,38 @@ void find_anomaly(const Particle& p, const Path& path, const std::vector<double>
 
 /// How the rates of spin and velocity compare, which is what traps measure.
 void find_ratio(const Particle& p, const Path& standard, const Path& larmor, double standard_radius,
-                double larmor_radius, Findings& findings) {
+                double larmor_radius, PathFindings& findings) {
   const double half_g = p.gamma / p.charge_rate;
   if (standard_radius > 0 && larmor_radius > 0)
-    findings.add("radius_ratio", "1", standard_radius / larmor_radius, std::abs(half_g) * p.lorentz,
-                 "radius by the Lorentz force over radius by `larmor`: |g|/2 for a slow particle, times the "
-                 "Lorentz factor for a fast one, since the hypothesis knows no relativity; 1 for g = 2");
+    findings.closed_form(
+        "radius_ratio", "1", standard_radius / larmor_radius, std::abs(half_g) * p.lorentz,
+        "radius by the Lorentz force over radius by `larmor`: |g|/2 for a slow particle, times the "
+        "Lorentz factor for a fast one, since the hypothesis knows no relativity; 1 for g = 2");
   const bool flat = std::abs(p.velocity.z) < 1e-12 * p.speed;
   if (!flat || std::hypot(p.spin.x, p.spin.y) < 1e-6) return;
   const Vector3 z{0, 0, 1};
   const auto ratio = [&](const Path& path) {
     return angles_about(z, path.spin).back() / angles_about(z, path.velocity).back();
   };
-  findings.add(
+  findings.closed_form(
       "standard_spin_turns", "1", ratio(standard), 1 + p.lorentz * (half_g - 1),
       "turns of the spin for each turn of the velocity: 1 + gamma (g/2 - 1), g/2 for a slow particle. Both "
       "turnings of one proton were counted in a Penning trap and have the ratio g/2 = 2.79284734462(82) "
       "(G. Schneider et al., Science 358, 1081 (2017)), of one electron 1.00115965218059(13) (X. Fan et "
       "al., Phys. Rev. Lett. 130, 071801 (2023))");
-  findings.add(
+  findings.closed_form(
       "larmor_spin_turns", "1", ratio(larmor), 1,
       "the same under `larmor`, where spin and velocity turn jointly whatever g is: measured ratios of "
       "protons contradict it, while the electron's differs from 1 by a thousandth");
 }
 
 /// Where an electric field acts: the energy, and the turning of the spin that it adds at the start.
-void find_electric(const Particle& p, const Path& path, Findings& findings) {
+void find_electric(const Particle& p, const Path& path, PathFindings& findings) {
   const std::vector<double> energy = course_of(path, [&](std::size_t i) {
     return kinetic_energy(p, path.velocity[i], path.lorentz[i]) - p.charge * dot(p.e, path.position[i]);
   });
-  findings.drift(
-      "standard_energy_drift", energy, energy.front(),
+  findings.conserved(
+      "standard_energy_drift", "1", largest_change(energy) / energy.front(),
       "largest change of kinetic energy minus the work q E.r, over the kinetic energy at the start");
   if (std::abs(dot(p.velocity, p.e)) > 1e-12 * p.speed * length_of(p.e)) return;
   Particle without = p;
@@ -196,7 +179,7 @@ void find_electric(const Particle& p, const Path& path, Findings& findings) {
   const Vector3 across = cross(p.velocity, p.e);
   const double size = length_of(across) / speed_of_light / speed_of_light;
   const double square = (p.lorentz - 1) * (p.lorentz + 1);
-  findings.add(
+  findings.closed_form(
       "electric_share", "Hz", dot(against(p) - against(without), (1 / length_of(across)) * across) / two_pi,
       (p.anomalous_rate - p.charge_rate / square) * size / two_pi,
       "what the electric field across v adds, at the start, to the turning of the spin against the momentum, "
@@ -207,14 +190,8 @@ void find_electric(const Particle& p, const Path& path, Findings& findings) {
 }  // namespace
 
 std::vector<Fault> faults_of(const ChargedParticle& model) {
-  if (model.species.size() != 1)
-    return {{"species", "the model `charged_particle` has one particle, and here a mixture of species stands",
-             "write one species"}};
-  const Species& species = model.species.front().species;
-  if (species.structure)
-    return {{"species",
-             fmt::format("`{}` has levels, but this model needs a particle with one moment", species.name),
-             "write a species without levels, such as `proton`"}};
+  if (const std::optional<Fault> fault = fault_of_species(ChargedParticle::kind, model.species))
+    return {*fault};
   const Particle p = particle_of(model);
   const double turns = fastest_rate(p) * duration_of(model, p) / two_pi;
   if (std::holds_alternative<ForTurns>(model.time) && p.charge_rate * p.b.z == 0)
@@ -237,7 +214,7 @@ std::vector<Fact> facts_of(const ChargedParticle& model) {
       {"v/c", fmt::format("{:.6g}", p.speed / speed_of_light), fmt::format("gamma = {:.8g}", p.lorentz)},
       {"cyclotron", hertz(cyclotron), "-q B/(2 pi gamma m), turns of v by the Lorentz force about +z"},
       {"larmor", hertz(larmor), "-gamma B/(2 pi), turns of v under the closure larmor"},
-      {"anomaly", hertz(-p.anomalous_rate * p.b.z),
+      {"anomaly", hertz(std::abs(p.anomalous_rate * p.b.z)),
        "turns of the spin against the momentum, for v across the field"},
   };
   const auto radius = [&](double rate) {
@@ -251,8 +228,7 @@ std::vector<Fact> facts_of(const ChargedParticle& model) {
 }
 
 ModelResult solve(const ChargedParticle& model) {
-  if (const std::vector<Fault> faults = faults_of(model); !faults.empty())
-    throw std::invalid_argument(faults.front().message);
+  refuse(faults_of(model));
   const Particle p = particle_of(model);
   const Times times = times_of(model, p);
   const Path standard = standard_path(p, times.all), larmor = hypothesis_path(p, times.all, false),
@@ -274,21 +250,21 @@ ModelResult solve(const ChargedParticle& model) {
           "the hypothesis, closure torque: W = S x (dS/dt)/|S|^2, the turning that the torque asks for (eqs. "
           "8-10, 33); a spin along the field flies straight")};
 
-  Findings findings(p, times.all);
+  PathFindings findings(p, times.all);
   double standard_radius = 0;
   const bool magnetic = model.electric_field == 0;
   if (magnetic) {
-    findings.conserved("standard", standard);
+    findings.drifts("standard", standard);
     standard_radius = findings.helix("standard", standard, -p.charge_rate * p.b.z / p.lorentz,
                                      "-q B/(2 pi gamma m), the cyclotron frequency");
     find_anomaly(p, standard, times.all, findings);
   } else {
     find_electric(p, standard, findings);
   }
-  findings.conserved("larmor", larmor);
+  findings.drifts("larmor", larmor);
   const double larmor_radius =
       findings.helix("larmor", larmor, -p.gamma * p.b.z, "-gamma B/(2 pi) = -g q B/(4 pi m), eq. 36");
-  findings.conserved("torque", torque);
+  findings.drifts("torque", torque);
   if (magnetic && p.charge_rate * p.b.z != 0)
     find_ratio(p, standard, larmor, standard_radius, larmor_radius, findings);
   out.findings = findings.take();

@@ -1,11 +1,13 @@
 #pragma once
 // The paper's Fig. 2 and eqs. 33-41: one charged particle with spin in a uniform magnetic field along z.
 #include <cstdint>
+#include <numbers>
 #include <variant>
 #include <vector>
 
 #include "core/constants.hpp"
 #include "models/motion.hpp"
+#include "models/times.hpp"
 #include "particle/species.hpp"
 #include "spin/unit_vector.hpp"
 
@@ -96,21 +98,20 @@ inline constexpr auto parameters<ChargedParticle> = std::tuple{
           "direction of the electric field; x where it is missing", UnitVector{1, 0, 0}),
     param("", &ChargedParticle::speed, "how fast the particle starts"),
     param("pitch", &ChargedParticle::pitch, Dimension::angle,
-          {0, 3.1415926535897936, true, true, "between 0 and 180 deg"},
+          {0, std::numbers::pi, true, true, "between 0 and 180 deg"},
           "angle between velocity and +z at the start; the part across z starts along +y",
-          1.5707963267948966),
+          std::numbers::pi / 2),
     param("spin_angle", &ChargedParticle::spin_angle, Dimension::angle,
-          {0, 3.1415926535897936, true, true, "between 0 and 180 deg"},
-          "angle between spin and +z at the start: theta of the paper's Fig. 2", 1.5707963267948966),
+          {0, std::numbers::pi, true, true, "between 0 and 180 deg"},
+          "angle between spin and +z at the start: theta of the paper's Fig. 2", std::numbers::pi / 2),
     param("spin_azimuth", &ChargedParticle::spin_azimuth, Dimension::angle, range::any,
           "angle about +z from the velocity's part across z to the spin's, right-handed", 0.0),
     param("", &ChargedParticle::time, "how long the particle is followed"),
-    param("samples", &ChargedParticle::samples, Dimension::number,
-          Range{2, 1e6, true, true, "from 2 to 1000000"}, "times that are written, both ends included"),
+    param("samples", &ChargedParticle::samples, Dimension::number, range_of_samples,
+          "times that are written, both ends included"),
 };
 
-/// Motions `standard`, `larmor` and `torque` from the same start. Throws std::invalid_argument where there
-/// are faults.
+/// Motions `standard`, `larmor` and `torque` from the same start.
 ModelResult solve(const ChargedParticle&);
 std::vector<Fact> facts_of(const ChargedParticle&);
 std::vector<Fault> faults_of(const ChargedParticle&);

@@ -14,16 +14,8 @@ namespace {
 double sine_over(double x) { return x == 0 ? 1 : std::sin(x) / x; }
 double versine_over(double x) { return x == 0 ? 0 : 2 * std::sin(x / 2) * std::sin(x / 2) / x; }
 
-Vector3 turned_about(const Vector3& unit, double angle, const Vector3& a) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return c * a + s * cross(unit, a) + ((1 - c) * dot(unit, a)) * unit;
-}
-
 std::vector<double> times_of(const RotatingCylinder& model) {
-  std::vector<double> times(model.samples);
-  const auto last = static_cast<double>(model.samples - 1);
-  for (std::size_t i = 0; i < times.size(); ++i) times[i] = model.duration * (static_cast<double>(i) / last);
-  return times;
+  return rabiline::times_of(model.duration, 0, model.samples).all;
 }
 
 /// What all the paper's solutions share: L and the spinning along the axis; the torque's impulse is L - L(0).

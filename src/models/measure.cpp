@@ -16,11 +16,6 @@ std::vector<double> angles_about(const Vector3& axis, std::span<const Vector3> v
   return out;
 }
 
-Vector3 turned_about(const Vector3& axis, double angle, const Vector3& v) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
-}
-
 std::optional<double> radius_of(std::span<const Vector3> places) {
   const auto count = static_cast<double>(places.size());
   Vector3 mean;

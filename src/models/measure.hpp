@@ -12,9 +12,6 @@ namespace rabiline {
 /// so that vectors must turn by less than half a turn from one to the next.
 std::vector<double> angles_about(const Vector3& axis, std::span<const Vector3> vectors);
 
-/// v turned by an angle about a unit axis, right-handed [rad] (Rodrigues).
-Vector3 turned_about(const Vector3& axis, double angle, const Vector3& v);
-
 /// The radius of the circle that fits x and y of the places best (Kasa 1976: least squares of r^2); nothing
 /// where they lie on a line.
 std::optional<double> radius_of(std::span<const Vector3> places);

@@ -1,7 +1,8 @@
 #pragma once
 // The registry of models: one line per kind. Each has a table of parameters and, beside it,
-//   ModelResult solve(const X&)                its motions and findings
-//   std::vector<Fact> facts_of(const X&)       what `check` tells before a run
+//   ModelResult solve(const X&)                its motions and findings; throws std::invalid_argument with
+//                                              the first fault where there is one
+//   std::vector<Fact> facts_of(const X&)       what `check` tells before a run, of values without faults
 //   std::vector<Fault> faults_of(const X&)     where values do not go together
 #include <variant>
 

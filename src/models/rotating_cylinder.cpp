@@ -7,16 +7,14 @@
 
 #include "core/constants.hpp"
 #include "models/cylinder_motions.hpp"
+#include "models/faults.hpp"
+#include "models/findings.hpp"
 
 namespace rabiline {
 namespace {
 
 using cylinder::Numbers;
 using cylinder::State;
-
-double angle_between(const Vector3& a, const Vector3& b) {
-  return std::atan2(length_of(cross(a, b)), dot(a, b));
-}
 
 /// The paper's circle, eqs. 14 and 32: about a centre below the start, turned about -x.
 struct Circle {
@@ -113,7 +111,7 @@ class CylinderMotion {
 };
 
 /// What can be held against a closed form, against the paper, or against a conservation law.
-class CylinderFindings {
+class CylinderFindings : private Findings {
  public:
   CylinderFindings(const RotatingCylinder& model, const Numbers& n, const std::vector<State>& paper,
                    const std::vector<State>& euler)
@@ -122,17 +120,15 @@ class CylinderFindings {
   std::vector<Finding> all() {
     assumption();
     if (n_.radius > 0) path();
-    add("speed_drift", "m/s", "largest change of the speed, which (6) keeps, as the velocity only turns",
-        largest(euler_, [&](const State& s) { return length_of(s.velocity) - model_.speed; }), 0);
+    conserved("speed_drift", "m/s",
+              largest(euler_, [&](const State& s) { return length_of(s.velocity) - model_.speed; }),
+              "largest change of the speed, which (6) keeps, as the velocity only turns");
     conservation();
-    return std::move(out_);
+    suppositions();
+    return take();
   }
 
  private:
-  void add(std::string name, std::string unit, std::string meaning, double value, double expected) {
-    out_.push_back({std::move(name), std::move(unit), std::move(meaning), value, expected});
-  }
-
   void assumption() {
     double apart = 0, turned = 0;
     for (std::size_t i = 0; i < euler_.size(); ++i) {
@@ -140,18 +136,23 @@ class CylinderFindings {
       turned = std::max(turned, angle_between(euler_[i].axis, paper_[i].axis));
     }
     if (n_.radius > 0)
-      add("path_distance", "1",
-          "largest distance between the paths of `euler` and `paper` over v/Omega: how far the fast top "
-          "fails",
-          apart / n_.radius, 0);
-    add("axis_distance", "rad", "largest angle between the axes of `euler` and `paper`", turned, 0);
-    add("fast_top", "1", "M I1/L^2, which the fast top takes for nothing", n_.fast_top, 0);
-    const bool steady = model_.axis_start == AxisStart::precessing;
-    add("precession", "rad/s", "mean rate of the axis about its pole; expected is M/L, or its closed form",
-        euler_.back().turned / model_.duration,
-        steady ? paper_.back().turned / model_.duration * steady_over_fast()
-               : paper_.back().turned / model_.duration);
+      supposed("path_distance", "1", apart / n_.radius, 0,
+               "largest distance between the paths of `euler` and `paper` over v/Omega: how far the fast top "
+               "fails");
+    supposed("axis_distance", "rad", turned, 0, "largest angle between the axes of `euler` and `paper`");
+    supposed("fast_top", "1", n_.fast_top, 0, "M I1/L^2, which the fast top takes for nothing");
+    precession();
     if (std::holds_alternative<BodyFixedTorque>(model_.torque)) linear();
+  }
+
+  /// An axis that starts precessing goes on steadily, but where the torque stands in space.
+  void precession() {
+    const double rate = euler_.back().turned / model_.duration, fast = paper_.back().turned / model_.duration;
+    const bool steady = model_.axis_start == AxisStart::precessing &&
+                        !std::holds_alternative<SpaceFixedTorque>(model_.torque);
+    add(steady ? Expectation::closed_form : Expectation::approximate, "precession", "rad/s", rate,
+        steady ? fast * steady_over_fast() : fast,
+        "mean rate of the axis about its pole; expected is that of steady precession, or of the fast top");
   }
   double steady_over_fast() const {
     const double size = cylinder::size_of(model_.torque);
@@ -163,34 +164,37 @@ class CylinderFindings {
   /// Under a torque along e2 eqs. 6 are linear, and solved in closed form.
   void linear() {
     const bool at_rest = model_.axis_start == AxisStart::at_rest;
-    add("rates", "rad/s", "largest distance of omega_1 and omega_2 from the closed solution of (6)",
-        largest(euler_,
-                [&](const State& s) {
-                  const cylinder::Rates exact = cylinder::linear_solution(model_, n_, s.time);
-                  return std::hypot(s.omega_1 - exact.omega_1, s.omega_2 - exact.omega_2);
-                }),
-        0);
-    add("tilt", "rad",
-        "largest angle of the axis from the angular momentum, whose closed form needs many samples",
-        largest(euler_, [](const State& s) { return angle_between(s.axis, s.angular_momentum); }),
-        std::atan((at_rest ? 2 : 1) * n_.fast_top));
+    closed_form("rates", "rad/s",
+                largest(euler_,
+                        [&](const State& s) {
+                          const cylinder::Rates exact = cylinder::linear_solution(model_, n_, s.time);
+                          return std::hypot(s.omega_1 - exact.omega_1, s.omega_2 - exact.omega_2);
+                        }),
+                0, "largest distance of omega_1 and omega_2 from the closed solution of (6)");
+    closed_form("tilt", "rad",
+                largest(euler_, [](const State& s) { return angle_between(s.axis, s.angular_momentum); }),
+                std::atan((at_rest ? 2 : 1) * n_.fast_top),
+                "largest angle of the axis from the angular momentum, whose closed form needs many samples");
   }
 
   void path() {
     const Circle circle{n_.radius};
     double mean = 0;
     for (const State& s : euler_) mean += circle.distance(s) / static_cast<double>(euler_.size());
-    add("radius", "m", "mean distance of `euler` from the centre of the circle; expected is v/Omega", mean,
-        n_.radius);
+    supposed("radius", "m", mean, n_.radius,
+             "mean distance of `euler` from the centre of the circle; the paper has v/Omega");
     const double p = model_.mass * n_.radius * model_.speed,
                  h = 0.5 * model_.mass * model_.speed * model_.speed;
+    const bool circles = std::holds_alternative<BodyFixedTorque>(model_.torque);
     for (const auto& [name, states] : {std::pair{"paper", &paper_}, std::pair{"euler", &euler_}}) {
-      add(fmt::format("p_theta_drift_{}", name), "1",
-          fmt::format("largest change of P_theta under `{}`, over m r v", name),
-          largest(*states, [&](const State& s) { return circle.angular(s, model_.mass) / p - 1; }), 0);
-      add(fmt::format("hamiltonian_drift_{}", name), "1",
-          fmt::format("largest change of H under `{}`, over m v^2/2", name),
-          largest(*states, [&](const State& s) { return circle.hamiltonian(s, model_.mass) / h - 1; }), 0);
+      const Expectation expectation =
+          circles && states == &paper_ ? Expectation::conserved : Expectation::supposed;
+      add(expectation, fmt::format("p_theta_drift_{}", name), "1",
+          largest(*states, [&](const State& s) { return circle.angular(s, model_.mass) / p - 1; }), 0,
+          fmt::format("largest change of P_theta under `{}`, over m r v", name));
+      add(expectation, fmt::format("hamiltonian_drift_{}", name), "1",
+          largest(*states, [&](const State& s) { return circle.hamiltonian(s, model_.mass) / h - 1; }), 0,
+          fmt::format("largest change of H under `{}`, over m v^2/2", name));
     }
   }
 
@@ -199,40 +203,45 @@ class CylinderFindings {
     const double scale = largest(euler_, [&](const State& s) { return rotational_energy(n_, s); });
     const double l = largest(euler_, [](const State& s) { return length_of(s.angular_momentum); });
     const Vector3 momentum = euler_.front().angular_momentum;
-    add("energy_balance", "1", "largest difference of rotational energy and work, over the largest energy",
+    conserved(
+        "energy_balance", "1",
         largest(euler_, [&](const State& s) { return (rotational_energy(n_, s) - energy - s.work) / scale; }),
-        0);
-    add("angular_momentum_balance", "1",
-        "largest difference of L and the impulse of the torque, over the largest L",
+        "largest difference of rotational energy and work, over the largest energy");
+    conserved(
+        "angular_momentum_balance", "1",
         largest(euler_,
                 [&](const State& s) { return length_of(s.angular_momentum - momentum - s.impulse) / l; }),
-        0);
-    add("growth", "1", "growth of |L| until the end, which the paper supposes to be none",
-        length_of(euler_.back().angular_momentum) / length_of(momentum) - 1, 0);
-    add("spin_drift", "1", "largest change of the spinning, which the paper supposes to be none",
-        largest(euler_, [&](const State& s) { return s.omega_3 / n_.spin_rate - 1; }), 0);
-    const double size = cylinder::size_of(model_.torque);
-    if (size > 0)
-      add("torque_along_axis", "1",
-          "largest part of the torque along the axis, which the paper supposes to be none",
-          largest(euler_, [&](const State& s) { return dot(s.torque, s.axis) / size; }), 0);
+        "largest difference of L and the impulse of the torque, over the largest L");
     if (!std::holds_alternative<FieldTorque>(model_.torque)) return;
     const Vector3 u = cylinder::pole_of(model_.torque);
-    const double height = u.z;
-    add("energy_with_field", "1", "largest change of rotational energy + M u.e3, over the largest energy",
-        largest(euler_,
-                [&](const State& s) {
-                  return (rotational_energy(n_, s) - energy + size * (dot(u, s.axis) - height)) / scale;
-                }),
-        0);
-    add("angular_momentum_along_field", "1", "largest change of L.u, over the largest L",
-        largest(euler_, [&](const State& s) { return dot(u, s.angular_momentum - momentum) / l; }), 0);
+    const double size = cylinder::size_of(model_.torque);
+    conserved("energy_with_field", "1",
+              largest(euler_,
+                      [&](const State& s) {
+                        return (rotational_energy(n_, s) - energy + size * (dot(u, s.axis) - u.z)) / scale;
+                      }),
+              "largest change of rotational energy + M u.e3, over the largest energy");
+    conserved("angular_momentum_along_field", "1",
+              largest(euler_, [&](const State& s) { return dot(u, s.angular_momentum - momentum) / l; }),
+              "largest change of L.u, over the largest L");
+  }
+
+  void suppositions() {
+    supposed("growth", "1",
+             length_of(euler_.back().angular_momentum) / length_of(euler_.front().angular_momentum) - 1, 0,
+             "growth of |L| until the end, which the paper supposes to be none");
+    supposed("spin_drift", "1", largest(euler_, [&](const State& s) { return s.omega_3 / n_.spin_rate - 1; }),
+             0, "largest change of the spinning, which the paper supposes to be none");
+    const double size = cylinder::size_of(model_.torque);
+    if (size > 0)
+      supposed("torque_along_axis", "1",
+               largest(euler_, [&](const State& s) { return dot(s.torque, s.axis) / size; }), 0,
+               "largest part of the torque along the axis, which the paper supposes to be none");
   }
 
   const RotatingCylinder& model_;
   const Numbers& n_;
   const std::vector<State>&paper_, &euler_;
-  std::vector<Finding> out_;
 };
 
 /// What bounds the work of the integration: the angle that the fastest motion turns by.
@@ -249,6 +258,7 @@ constexpr double longest_phase = 1e6;  // [rad] some ten seconds of computing
 }  // namespace
 
 ModelResult solve(const RotatingCylinder& model) {
+  refuse(faults_of(model));
   const Numbers n = cylinder::numbers_of(model);
   const std::vector<State> paper = cylinder::paper(model, n), euler = cylinder::euler(model, n);
   std::vector<State> standard = euler;

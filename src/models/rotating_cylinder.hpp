@@ -12,10 +12,12 @@
 // dL/dt = M.
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <variant>
 #include <vector>
 
 #include "models/motion.hpp"
+#include "models/times.hpp"
 #include "parameter/parameter.hpp"
 
 namespace rabiline {
@@ -61,8 +63,8 @@ inline constexpr auto parameters<FieldTorque> = std::tuple{
     param("size", &FieldTorque::size, Dimension::torque, range::not_negative,
           "size of the torque where the axis is perpendicular to u"),
     param("angle", &FieldTorque::angle, Dimension::angle,
-          Range{0, 3.141592653589793, false, false, "greater than 0 and less than 180 deg"},
-          "angle between the axis and u at first", 1.5707963267948966),
+          Range{0, std::numbers::pi, false, false, "greater than 0 and less than 180 deg"},
+          "angle between the axis and u at first", std::numbers::pi / 2),
 };
 using CylinderTorque = std::variant<BodyFixedTorque, SpaceFixedTorque, FieldTorque>;
 
@@ -107,8 +109,8 @@ inline constexpr auto parameters<RotatingCylinder> = std::tuple{
     param("torque", &RotatingCylinder::torque, "the torque, along +y at first"),
     param("axis_start", &RotatingCylinder::axis_start, "how the axis moves at first"),
     param("duration", &RotatingCylinder::duration, Dimension::time, range::positive, "how long it flies"),
-    param("samples", &RotatingCylinder::samples, Dimension::number,
-          Range{2, 1e6, true, true, "from 2 to 1000000"}, "times that are written, both ends included"),
+    param("samples", &RotatingCylinder::samples, Dimension::number, range_of_samples,
+          "times that are written, both ends included"),
 };
 
 /// Motions `paper`, `euler` and `standard`.

@@ -8,10 +8,10 @@ namespace rabiline {
 
 void Batch::Free::operator()(void* p) const { std::free(p); }
 
-Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, sizeof(double) * capacity * columns))) {
+Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, bytes))) {
   static_assert(sizeof(double) == sizeof(std::uint64_t));
   if (!memory_) throw std::bad_alloc();
-  std::memset(static_cast<void*>(memory_.get()), 0, sizeof(double) * capacity * columns);
+  std::memset(static_cast<void*>(memory_.get()), 0, bytes);
   double* next = memory_.get();
   for (double** column : {&view_.x, &view_.z, &view_.vx, &view_.vy, &view_.vz, &view_.t, &view_.sx, &view_.sy,
                           &view_.sz, &view_.slowness}) {
@@ -26,7 +26,7 @@ Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, sizeof(doub
 }
 
 void Batch::copy_from(const Batch& other) {
-  std::memcpy(static_cast<void*>(memory_.get()), other.memory_.get(), sizeof(double) * capacity * columns);
+  std::memcpy(static_cast<void*>(memory_.get()), other.memory_.get(), bytes);
   view_.count = other.view_.count;
   view_.padded = other.view_.padded;
   view_.y = other.view_.y;

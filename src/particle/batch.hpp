@@ -1,5 +1,6 @@
 #pragma once
 // A fixed number of particles as padded columns (structure of arrays).
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -35,6 +36,7 @@ class Batch {
  public:
   static constexpr int capacity = 512;
   static constexpr int columns = 17;
+  static constexpr std::size_t bytes = sizeof(double) * columns * capacity;
 
   Batch();
   BatchView& view() { return view_; }

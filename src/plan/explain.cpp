@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "plan/explain_atoms.hpp"
-#include "plan/explain_magnets.hpp"
 #include "plan/explain_laws.hpp"
+#include "plan/explain_magnets.hpp"
 #include "plan/level_history.hpp"
 #include "plan/magnets.hpp"
 
@@ -205,7 +205,9 @@ class Explainer {
     const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
     const auto number = static_cast<std::size_t>(histogram.tally);
     std::string name, axes;
-    if (const auto* monitor = std::get_if<Monitor>(&part)) name = monitor->tallies[number].name;
+    std::uint64_t planes = 1;
+    if (const auto* monitor = std::get_if<Monitor>(&part))
+      name = monitor->tallies[number].name, planes = monitor->planes;
     if (const auto* detector = std::get_if<Detector>(&part)) name = detector->tallies[number].name;
     for (const HistogramAxis& axis : histogram.axes)
       axes += fmt::format("{}{} ({} bins)", axes.empty() ? "" : ", ", word_of(axis.quantity), axis.bins);
@@ -213,7 +215,7 @@ class Explainer {
       axes += fmt::format(", spins turned from {:.4g} to {:.4g} m", histogram.zones.front().begin,
                           histogram.zones.back().end);
     line("            {} tallies {}: {}; {:.4g} KiB of sums{}", name_of(histogram.part), name, axes,
-         static_cast<double>(sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
+         static_cast<double>(planes * sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
     if (histogram.transitions != nullptr && !histogram.caught) show_driven(histogram.part);
   }
   void show(const Exit&) { line("            what still flies has passed{}", reuse()); }
@@ -367,8 +369,8 @@ class Explainer {
     for (const PlanTree& tree : plan_.trees)
       seconds += tree.cost * static_cast<double>(tree.last - tree.first);
     line("");
-    line("cost       about {:.2g} s on one core; {:.0f} MiB of sums for each thread", seconds,
-         static_cast<double>(plan_.sums * sizeof(Sum)) / 1048576.0);
+    line("cost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread", seconds,
+         static_cast<double>(plan_.sums * sizeof(Sum) + bytes_at_planes(plan_)) / 1048576.0);
   }
 
   const Experiment& experiment_;

@@ -14,12 +14,6 @@ constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4
                  cost_of_closed_form = 2e-9, cost_of_tally = 1e-8, cost_of_share = 5e-9;
 
 // Estimated time for one particle of that speed on one core [s]; only its order of magnitude matters.
-double cost_of(const TurningRegion& region, double speed) {
-  double steps = 0;
-  for (const RegionZone& zone : region.zones)
-    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
-  return steps * cost_of_step;
-}
 double cost_of(const std::vector<SpinZone>& zones, double speed) {
   double sum = 0;
   for (const SpinZone& zone : zones)
@@ -39,6 +33,16 @@ double cost_of(const Histogram& histogram, double speed) {
   if (!histogram.zones.empty() || !histogram.polynomials.empty())
     sum += cost_of(SpinStretch{0, std::max(2, histogram.levels), true, false, histogram.zones, {}}, speed);
   return sum;
+}
+double cost_of(const TurningRegion& region, double speed) {
+  double steps = 0, sights = 0;
+  for (const RegionZone& zone : region.zones)
+    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+  for (const Sight& sight : region.sights) {
+    sights += cost_of_plane;
+    for (const Histogram& tally : sight.tallies) sights += cost_of(tally, speed);
+  }
+  return steps * cost_of_step + sights;
 }
 template <class Plain>
 double cost_of(const Plain&, double) {
@@ -256,7 +260,22 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   return tree;
 }
 
+std::size_t most_sights(const std::vector<PlanNode>& nodes) {
+  std::size_t most = 0;
+  for (const PlanNode& node : nodes) {
+    const auto* region = std::get_if<TurningRegion>(&node.stage);
+    most = std::max({most, region ? region->sights.size() : 0, most_sights(node.next)});
+  }
+  return most;
+}
+
 }  // namespace
+
+std::size_t bytes_at_planes(const Plan& plan) {
+  std::size_t most = 0;
+  for (const PlanTree& tree : plan.trees) most = std::max(most, most_sights(tree.next));
+  return most * Batch::bytes;
+}
 
 void add_reach(const LevelProjection& projection, std::vector<std::uint64_t>& reach) {
   reach.resize(static_cast<std::size_t>(projection.levels));

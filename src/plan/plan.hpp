@@ -72,6 +72,9 @@ struct Plan {
   int points = 0;
 };
 
+/// What each thread keeps of the particles at the planes inside a region, of that with most of them [bytes].
+std::size_t bytes_at_planes(const Plan&);
+
 /// One scan point's chain of stages for one species, which the tables must outlive.
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);
 /// The fields along the whole beam as the one moment of a species sees them; none of an atom under `quantum`.

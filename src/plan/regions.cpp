@@ -11,16 +11,11 @@ namespace {
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
 /// spin and field; the steps are chosen to keep it, and that of the direction at the end, below the usual
 /// error (tests/physics/dorado_test.cpp holds the path to it).
-constexpr double usual_path_error = 1e-6;
 double steps_per_turn_of_path(double tip, double turns) {
   return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
 }
 
 }  // namespace
-
-bool is_parallel(const Vector3& a, const Vector3& b) {
-  return length_of(cross(a, b)) <= 1e-12 * length_of(a) * length_of(b);
-}
 
 void RegionMaker::begin(const Section& section) {
   section_ = &section;
@@ -36,7 +31,7 @@ void RegionMaker::look(Sight sight) {
   const bool ends_last_zone = !region_.zones.empty() && sight.census.face.y <= begin_;
   region_.sights.push_back(std::move(sight));
   if (ends_last_zone && pending_.kind == EdgeKind::open)
-    region_.zones.back().sights = static_cast<int>(region_.sights.size());
+    region_.zones.back().sights_passed = static_cast<int>(region_.sights.size());
 }
 
 void RegionMaker::end() { close_zone(section_->end); }
@@ -52,7 +47,7 @@ void RegionMaker::close_zone(double end) {
   if (!region_.zones.empty()) region_.edges.push_back(pending_);
   pending_ = {};
   region_.zones.push_back(zone_up_to(end));
-  region_.zones.back().sights = static_cast<int>(region_.sights.size());
+  region_.zones.back().sights_passed = static_cast<int>(region_.sights.size());
   begin_ = end;
 }
 

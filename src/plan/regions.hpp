@@ -11,8 +11,6 @@ struct SpinOutlook {
   double tip = 1;            // largest sine of their angle with it; 1 for a beam that nothing has aligned
 };
 
-bool is_parallel(const Vector3&, const Vector3&);
-
 /// A region under construction, from its begin to its end: sections, cut at the planes that stand inside.
 class RegionMaker {
  public:

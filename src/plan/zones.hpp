@@ -12,7 +12,7 @@ namespace rabiline {
 struct Turning {
   double rate_per_tesla = 0;  // [rad/(s T)]
   bool take_off_spin_component = false;
-  double path_error = 1e-6;  // over the length of the flight: what steps are chosen for
+  double path_error = usual_path_error;  // over the length of the flight: what steps are chosen for
 };
 Turning turning_of(const Law&, const Species&);
 

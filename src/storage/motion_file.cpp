@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "core/units.hpp"
 #include "storage/nexus.hpp"
@@ -62,27 +60,20 @@ void write_motion(const GroupWriter& parent, const std::string& title, const Mot
   data.attribute("courses", numbers);
 }
 
-/// Every finding that any point has, in order of appearance: rows of values over the points.
+/// The findings of all points: rows of values over the points.
 struct Table {
-  std::vector<std::string> names{}, units{}, meanings{};
+  std::vector<std::string> names{}, units{}, meanings{}, expectations{};
   std::vector<double> values{}, expected{};  // [finding][point]
 
   explicit Table(const std::vector<ModelResult>& points) {
-    for (const ModelResult& point : points)
-      for (const Finding& finding : point.findings) {
-        if (std::find(names.begin(), names.end(), finding.name) != names.end()) continue;
-        names.push_back(finding.name);
-        units.push_back(finding.unit);
-        meanings.push_back(finding.meaning);
-      }
-    for (const std::string& name : names)
-      for (const ModelResult& point : points) {
-        const auto found = std::find_if(point.findings.begin(), point.findings.end(),
-                                        [&](const Finding& finding) { return finding.name == name; });
-        const bool there = found != point.findings.end();
-        values.push_back(there ? found->value : std::numeric_limits<double>::quiet_NaN());
-        expected.push_back(there ? found->expected : std::numeric_limits<double>::quiet_NaN());
-      }
+    for (const FoundAtPoints& found : findings_of(points)) {
+      names.push_back(found.name);
+      units.push_back(found.unit);
+      meanings.push_back(found.meaning);
+      expectations.emplace_back(word_of(found.expectation));
+      values.insert(values.end(), found.values.begin(), found.values.end());
+      expected.insert(expected.end(), found.expected.begin(), found.expected.end());
+    }
   }
 };
 
@@ -91,10 +82,12 @@ void write_columns(const GroupWriter& group, const Table& table, const hdf5::Sha
   group.dataset("name", one, table.names, {{"long_name", "what was found"}});
   group.dataset("units", one, table.units, {{"long_name", "unit of each finding"}});
   group.dataset("meaning", one, table.meanings, {{"long_name", "what each finding means"}});
-  group.dataset("value", shape, table.values, {{"long_name", "each finding, in its unit"}});
   group.dataset(
-      "expected", shape, table.expected,
-      {{"long_name", "closed form, or zero where the equations or the paper's hypothesis want nothing"}});
+      "expectation", one, table.expectations,
+      {{"long_name",
+        "what is expected of each finding: closed_form, conserved, approximate, or supposed by the paper"}});
+  group.dataset("value", shape, table.values, {{"long_name", "each finding, in its unit"}});
+  group.dataset("expected", shape, table.expected, {{"long_name", "what is expected of it, in its unit"}});
 }
 
 nexus::Axis axis_of(const ScanAxis& scanned) {
@@ -118,8 +111,8 @@ void write_scan(const GroupWriter& entry, const SolvedModel& solved, const Table
     return std::span(all).subspan(i * points, points);
   };
   const nexus::Axis axis = axis_of(*solved.axis);
-  nexus::Names names(
-      {"title", "name", "units", "meaning", "value", "expected", axis.name, axis.name + "_labels"});
+  nexus::Names names({"title", "name", "units", "meaning", "expectation", "value", "expected", axis.name,
+                      axis.name + "_labels"});
   const auto long_name = [&](std::size_t i) { return nexus::long_name(table.meanings[i], table.units[i]); };
   std::vector<std::string> claimed;
   for (const std::string& name : table.names) claimed.push_back(names.claim(name, {"", "_expected"}));

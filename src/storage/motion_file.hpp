@@ -23,10 +23,9 @@ struct SolvedModel {
 ///   /entry/<motion>            NXdata over `time`: x, y, z of the centre of mass, vectors [time][xyz],
 ///   numbers;
 ///                              of a scan /entry/point_<i>/<motion>
-///   /entry/findings            `name`, `value`, `expected`, `units`, `meaning`; of a scan `value` and
-///   `expected`
-///                              are [finding][point], NaN where a point has none, and each finding is a
-///                              dataset of its own over the scanned parameter
+///   /entry/findings            `name`, `units`, `meaning`, `expectation` (a word of Expectation), `value`,
+///                              `expected`; of a scan the last two are [finding][point], NaN where a point
+///                              has none, and each finding is a dataset of its own over the scanned parameter
 ///   /entry/model, motions      kind of the model, names of its motions in order
 void write_motions(const SolvedModel&, const std::filesystem::path&);
 

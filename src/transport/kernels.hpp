@@ -319,8 +319,8 @@ struct RegionZone {
   double wall_radius = 0;         // [m]
   double wall_x = 0, wall_z = 0;  // [m] its centre
   int wall_part = 0;
-  double step = 0;  // [s]
-  int sights = 0;   // where the sights of the zones behind it begin
+  double step = 0;        // [s]
+  int sights_passed = 0;  // of the region, up to its end
   bool operator==(const RegionZone&) const = default;
 };
 /// Touching fields that turn the velocity: dv/dt = W x v, W = turn - (turn . S) S where `along_spin` is taken

@@ -81,7 +81,7 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
   mask going = chosen;
-  real ahead = looks ? min(lookout.places(zone.sights), end) : end;
+  real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {
     const State old = now;
@@ -91,8 +91,8 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
     const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
       if constexpr (looks) {
-        lookout.look(stepper, old, now, h, going, zone.sights);
-        ahead = min(lookout.places(zone.sights), end);
+        lookout.look(stepper, old, now, h, going, zone.sights_passed);
+        ahead = min(lookout.places(zone.sights_passed), end);
       }
       const mask stays = goes_on & (now.place.y < end);
       const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;

@@ -75,6 +75,57 @@ def test_a_finding_that_a_point_does_not_have_is_no_number_there(tmp_path: Path)
     assert np.isfinite(file["entry/findings/precession"][:]).all()
 
 
+def test_run_prints_every_finding_that_any_point_of_a_scan_has(tmp_path: Path) -> None:
+    done = rabiline("run", CYLINDER, "-o", tmp_path / "p.h5", "--scan", "model.speed=0 m/s:2 m/s:3", "--set",
+                    "model.samples=101")
+    assert done.returncode == 0
+    lines = {line.split()[0]: line for line in done.stdout.splitlines() if line.startswith("  ")}
+    assert lines["radius"].endswith(" m, at 2 of the points")
+    assert "points" not in lines["precession"]
+    with h5py.File(tmp_path / "p.h5") as file:
+        assert set(lines) - {"over"} == {name.decode() for name in file["entry/findings/name"]}
+
+
+def test_findings_say_what_is_expected_of_them(tmp_path: Path) -> None:
+    with solve(tmp_path / "w.h5") as file:
+        group = file["entry/findings"]
+        words = dict(zip(group["name"].asstr(), group["expectation"].asstr()))
+    assert {word: sum(w == word for w in words.values()) for word in set(words.values())} == {
+        "supposed": 9, "conserved": 5, "closed_form": 2, "approximate": 1}
+    assert words["fast_top"] == words["path_distance"] == words["radius"] == "supposed"
+    told = rabiline("run", CYLINDER, "-o", tmp_path / "w2.h5").stdout
+    for name, expected in (("precession", ", approximately 0.636619772 rad/s"), ("energy_balance", ", conserved"),
+                           ("fast_top", ", the paper supposes 0"), ("tilt", ", closed form 0.00641692022 rad")):
+        line = next(line for line in told.splitlines() if line.split()[0] == name)
+        assert expected in line, line
+
+
+def test_an_angle_may_be_180_degrees(tmp_path: Path) -> None:
+    particle, charge = ROOT / "beamline" / "charged-particle.yaml", ROOT / "beamline" / "bound-charge.yaml"
+    for file, key in ((particle, "pitch"), (particle, "spin_angle"), (charge, "inclination")):
+        for value in ("180 deg", "3.141592653589793 rad"):
+            checked = rabiline("check", file, "--set", f"model.{key}={value}")
+            assert checked.returncode == 0, checked.stderr
+        refused = rabiline("check", file, "--set", f"model.{key}=180.001 deg")
+        assert refused.returncode == 2 and "between 0 and 180 deg" in refused.stderr
+
+
+def test_a_missing_key_is_suggested_as_the_example_of_its_model_has_it(tmp_path: Path) -> None:
+    (tmp_path / "m.yaml").write_text("rabiline: 1\nmodel: {kind: rotating_cylinder}\n")
+    told = rabiline("check", tmp_path / "m.yaml").stderr
+    for help in ("mass: 1 kg", "radius: 5 cm", "torque: {kind: body_fixed, size: 0.5 N m}", "spin: 100 Hz"):
+        assert f"add `{help}`" in told, told
+    (tmp_path / "b.yaml").write_text("rabiline: 1\nmodel: {kind: bound_charge, species: H atom}\n")
+    told = rabiline("check", tmp_path / "b.yaml").stderr
+    assert "add `binding: {kind: coulomb, charge: 1 e, radius: 100 nm}`" in told
+
+
+def test_help_says_that_a_file_may_hold_a_model() -> None:
+    for verb in ("run", "check"):
+        assert "an experiment or a model" in rabiline(verb, "--help").stdout
+    assert "or a model" not in rabiline("trace", "--help").stdout
+
+
 @pytest.mark.parametrize("scan", [(), ("--scan", "model.spin=50 Hz:100 Hz:3"),
                                   ("--scan", "model.axis_start=at_rest,precessing")])
 def test_viewers_plot_the_file_and_so_does_plot_motion(tmp_path: Path, scan: tuple[str, ...]) -> None:

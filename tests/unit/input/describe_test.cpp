@@ -34,9 +34,22 @@ TEST(Describe, ListsEveryPartAndLaw) {
 TEST(Describe, TellsUnitRangeDefaultAndMeaningOfEachKey) {
   EXPECT_THAT(describe("rotating_field"), HasSubstr("magnetic field, zero or greater"));
   EXPECT_THAT(describe("dorado"), HasSubstr("default torque"));
-  EXPECT_THAT(describe("slit"), HasSubstr("for a rectangle"));
+  EXPECT_THAT(describe("slit"), HasSubstr("one of: width and height | radius"));
   EXPECT_THAT(describe("species"), HasSubstr("Li-7"));
   EXPECT_THAT(describe("units"), HasSubstr("mT, uT"));
+}
+
+TEST(Describe, TellsOfAModelWithAllThatItHolds) {
+  const std::string page = describe("bound_charge");
+  for (const char* text : {"binding, harmonic: ", "orbits per second without the field", "binding, coulomb: ",
+                           "charge at the centre", "binding, free: ", "speed at the start"})
+    EXPECT_THAT(page, HasSubstr(text));
+  EXPECT_THAT(describe("charged_particle"), HasSubstr("one of: speed | lorentz_factor"));
+  EXPECT_THAT(describe("charged_particle"), HasSubstr("one of: duration | turns"));
+  for (const char* topic : {"harmonic", "coulomb", "free"})
+    EXPECT_THAT(describe(topic), HasSubstr(std::string(topic) + " (binding): "));
+  EXPECT_THAT(describe("binding"), HasSubstr("in the model `bound_charge`"));
+  EXPECT_THAT(describe("torque"), HasSubstr("in the model `rotating_cylinder`"));
 }
 
 TEST(Describe, TellsBothMeaningsOfAWordThatHasTwo) {

@@ -9,11 +9,14 @@
 #include "core/constants.hpp"
 #include "models/measure.hpp"
 #include "physics/agreement.hpp"
+#include "unit/models/findings.hpp"
 
 namespace rabiline {
 namespace {
 
 using constants::two_pi;
+using test::find;
+using test::finding;
 
 /// An electron in an orbit of 1 nm, with a field in which w/omega is about `ratio`.
 BoundCharge electron(Binding binding, double ratio, double inclination, double orbits) {
@@ -34,17 +37,6 @@ BoundCharge electron(Binding binding, double ratio, double inclination, double o
 }
 const HarmonicBinding spring{1e12, 1e-9};
 const CoulombBinding nucleus{1.602176634e-19, 1e-9};
-
-const Finding* find(const ModelResult& result, std::string_view name) {
-  for (const Finding& f : result.findings)
-    if (f.name == name) return &f;
-  return nullptr;
-}
-Finding finding(const ModelResult& result, std::string_view name) {
-  const Finding* f = find(result, name);
-  EXPECT_NE(f, nullptr) << name;
-  return f ? *f : Finding{};
-}
 
 TEST(BoundCharge, ConservesEnergyAndCanonicalAngularMomentumAlongTheField) {
   for (const Binding& binding : {Binding(spring), Binding(nucleus)})
@@ -172,7 +164,9 @@ TEST(BoundCharge, NamesTheKeyToBlameForWhatHasNoMeaning) {
   EXPECT_EQ(fault(model), "binding: a free charge turns in the field, and here nothing turns it");
   model.species.push_back(model.species.front());
   EXPECT_EQ(fault(model),
-            "species: the model `bound_charge` has one charge, and here a mixture of species stands");
+            "species: the model `bound_charge` has one particle, and here a mixture of species stands");
+  model.species = {{*find_species("H atom"), 1}};
+  EXPECT_EQ(fault(model), "species: `H atom` has levels, but this model needs a particle with one moment");
 }
 
 TEST(BoundCharge, TellsRatesBeforeItIsRun) {

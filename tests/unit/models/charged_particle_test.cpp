@@ -8,6 +8,7 @@
 
 #include "models/measure.hpp"
 #include "physics/agreement.hpp"
+#include "unit/models/findings.hpp"
 
 namespace rabiline {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 using constants::elementary_charge;
 using constants::speed_of_light;
 using constants::two_pi;
+using test::find;
+using test::finding;
 
 ChargedParticle particle(std::string_view species, double field, ParticleSpeed speed, double turns) {
   ChargedParticle model;
@@ -25,16 +28,6 @@ ChargedParticle particle(std::string_view species, double field, ParticleSpeed s
   model.time = ForTurns{turns};
   model.samples = 200;
   return model;
-}
-const Finding* find(const ModelResult& result, std::string_view name) {
-  for (const Finding& f : result.findings)
-    if (f.name == name) return &f;
-  return nullptr;
-}
-Finding finding(const ModelResult& result, std::string_view name) {
-  const Finding* f = find(result, name);
-  EXPECT_NE(f, nullptr) << name;
-  return f ? *f : Finding{};
 }
 /// Drifts are rounding, all else is its closed form.
 void expect_as_expected(const ModelResult& result) {
@@ -305,7 +298,7 @@ TEST(ChargedParticle, TellsRatesAndRadiiBeforeItIsRun) {
   for (const Fact& fact : facts_of(particle("proton", 1, StartSpeed{1e6}, 1)))
     text += fact.name + " = " + fact.value + "; ";
   EXPECT_EQ(text,
-            "v/c = 0.00333564; cyclotron = -15.25 MHz; larmor = -42.58 MHz; anomaly = -27.33 MHz; "
+            "v/c = 0.00333564; cyclotron = -15.25 MHz; larmor = -42.58 MHz; anomaly = 27.33 MHz; "
             "r standard = 10.44 mm; r larmor = 3.738 mm; g = 5.58569469; ");
 }
 

@@ -15,12 +15,6 @@ TEST(AnglesAbout, FollowAVectorThroughManyTurnsAboutAnyAxis) {
   EXPECT_NEAR(angles_about(axis, vectors).back(), -290, 1e-10);
 }
 
-TEST(TurnedAbout, TurnsRightHandedAndKeepsTheLength) {
-  const Vector3 v = turned_about({0, 0, 1}, std::numbers::pi / 2, {2, 0, 1});
-  EXPECT_NEAR(length_of(v - Vector3{0, 2, 1}), 0, 1e-15);
-  EXPECT_EQ(turned_about({0, 1, 0}, 0, v), v);
-}
-
 TEST(RadiusOf, FindsACircleFromPartOfItAndNoneOnALine) {
   std::vector<Vector3> arc, line;
   for (int i = 0; i < 40; ++i) {

@@ -123,6 +123,35 @@ TEST(MakePlan, KeepsIndependentPointsApartAndLargeScansInSeveralTrees) {
   EXPECT_GT(make_plan(scan(points), 1, 1e-3).trees.size(), 5U);
 }
 
+/// A monitor with one tally inside the fields, of a run under the hypothesis.
+Experiment with_planes(std::uint64_t planes) {
+  Beamline b = suggested(291e3);
+  b.law = DoradoLaw{Closure::larmor, 1};
+  Monitor monitor{Disc{5e-3}, {}};
+  Tally tally;
+  tally.name = "speeds";
+  tally.axes = {TallyAxis{Quantity::speed, AxisEnd{900}, AxisEnd{1100}, 49, {}}};
+  monitor.tallies = {tally};
+  monitor.length = planes > 1 ? 0.1 : 0;
+  monitor.planes = planes;
+  b.parts.insert(b.parts.begin() + 3, place("M", 0.4, monitor));
+  return scan({b});
+}
+
+TEST(Plan, CountsEachPlaneOfAMonitorAsWorkAndAsMemory) {
+  const Plan none = make_plan(scan({with_planes(1).points.front()})), many = make_plan(with_planes(101));
+  EXPECT_GT(bytes_at_planes(none), 0U);
+  EXPECT_EQ(bytes_at_planes(many), 101 * bytes_at_planes(none));
+  // Two numbers for each tally and one for each plane.
+  EXPECT_GT(many.trees.at(0).cost, none.trees.at(0).cost + 100 * 2e-8);
+  const auto sums_in = [](const Experiment& e) {
+    const std::string text = explain(e, make_plan(e));
+    const std::size_t end = text.find(" KiB of sums");
+    return std::stod(text.substr(text.rfind(' ', end - 1)));
+  };
+  EXPECT_NEAR(sums_in(with_planes(101)) / sums_in(with_planes(1)), 101, 0.1);
+}
+
 TEST(Explain, TellsTheNumbersThatAPhysicistWants) {
   const Experiment e = scan({suggested(291.6e3)});
   const std::string text = explain(e, make_plan(e));
