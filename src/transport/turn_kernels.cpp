@@ -79,8 +79,7 @@ RABILINE_LANES void move(State& s, const Vector& w1, const Vector& w2, real h) {
 
 /// One step where at most one field rotates; the spin is given in the field's frame.
 RABILINE_LANES State step_in_frame(const SpinZone& zone, bool take_off, const Propagator& p, State s) {
-  const real zero = broadcast(0);
-  const Vector turn{broadcast(zone.drives == 1 ? zone.drive[0].turn_rate : 0), zero,
+  const Vector turn{broadcast(zone.drives == 1 ? zone.drive[0].turn_rate : 0), real{},
                     broadcast(zone.turn_rate)};
   const Vector s1 = p.spin[0] * s.spin, s2 = p.spin[1] * s1;
   const Phasor e1 = s.frame * p.phase[0], e2 = e1 * p.phase[1];
@@ -109,7 +108,7 @@ State step_in_laboratory(const SpinZone& zone, bool take_off, const real* phases
   return s;
 }
 
-/// The two kinds of stepping behind one face.
+/// The two kinds of stepping behind one face; the spin is kept at length 1, or rounding would add up.
 struct Stepper {
   const SpinZone& zone;
   bool take_off;
@@ -133,8 +132,10 @@ struct Stepper {
     return s;
   }
   RABILINE_LANES State step(const Propagator& p, const State& s) const {
-    return in_frame() ? step_in_frame(zone, take_off, p, s)
-                      : step_in_laboratory(zone, take_off, phases, p.h, s);
+    State next =
+        in_frame() ? step_in_frame(zone, take_off, p, s) : step_in_laboratory(zone, take_off, phases, p.h, s);
+    next.spin = add(next.spin, 0.5 - 0.5 * dot(next.spin, next.spin), next.spin);
+    return next;
   }
   Propagator steps_of(real h) const {
     if (in_frame()) return propagator(zone, h);
@@ -381,16 +382,15 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
       real phases[most_drives];
       for (int k = 0; k < region.zones[zone].field.drives; ++k)
         phases[k] = oscillator_phase(region.zones[zone].field.drive[k], region.key, particle);
-      const bool recorded = recorder != nullptr && i == 0 && lane((words)chosen, 0) != 0;
+      const StepRecorder* records = i == 0 && lane((words)chosen, 0) != 0 ? recorder : nullptr;
       lookout.level = pack.level;
       const auto visits = region.sight_count > 0 ? visit<true> : visit<false>;
-      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout,
-                             recorded ? recorder : nullptr);
+      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout, records);
       leave_zone(region, zone, chosen, v, particle, pack);
       pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});
       finish(pack, pack.inside & (pack.visits >= broadcast_word(region.most_visits)),
              code(region_end::gave_up, 0));
-      if (recorded) record(*recorder, pack.state);
+      if (records != nullptr) record(*records, pack.state);
     }
     store_pack(region, pack, batch, i);
   }
