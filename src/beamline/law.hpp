@@ -67,7 +67,7 @@ inline constexpr auto parameters<DoradoLaw> = std::tuple{
     param("kappa", &DoradoLaw::kappa, Dimension::number, range::any,
           "strength of the hypothesis: 0 is straight flight, 1 is the paper", 1.0),
     param("path_error", &DoradoLaw::path_error, Dimension::number,
-          Range{1e-12, 1e-3, true, true, "from 1e-12 to 1e-3"},
+          Range{1e-9, 1e-3, true, true, "from 1e-9 to 1e-3"},
           "the path's error over its length, about, that steps are chosen for; a hundredth of it takes three "
           "times the steps",
           usual_path_error),

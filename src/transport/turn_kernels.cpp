@@ -83,9 +83,10 @@ Visit visit(const Region& region, const RegionZone& zone, const real* phases, co
   mask going = chosen;
   real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
-  while (any(going)) {
+  for (int steps = 1; any(going); ++steps) {
     const State old = now;
     now = stepper.step(whole_step, old);
+    if (steps % steps_between_lengths == 0) now.spin = of_unit_length(now.spin);
     const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
     const real from_axis2 = fma(from_x, from_x, from_z * from_z);
     const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
@@ -227,16 +228,15 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
       real phases[most_drives];
       for (int k = 0; k < region.zones[zone].field.drives; ++k)
         phases[k] = oscillator_phase(region.zones[zone].field.drive[k], region.key, particle);
-      const bool recorded = recorder != nullptr && i == 0 && lane((words)chosen, 0) != 0;
+      const StepRecorder* records = i == 0 && lane((words)chosen, 0) != 0 ? recorder : nullptr;
       lookout.level = pack.level;
       const auto visits = region.sight_count > 0 ? visit<true> : visit<false>;
-      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout,
-                             recorded ? recorder : nullptr);
+      const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout, records);
       leave_zone(region, zone, chosen, v, particle, pack);
       pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});
       finish(pack, pack.inside & (pack.visits >= broadcast_word(region.most_visits)),
              code(region_end::gave_up, 0));
-      if (recorded) record(*recorder, pack.state);
+      if (records != nullptr) record(*records, pack.state);
     }
     store_pack(region, pack, batch, i);
   }

@@ -122,6 +122,13 @@ inline State step_in_laboratory(const SpinZone& zone, bool take_off, const real*
   return s;
 }
 
+/// Rounding lengthens or shortens a spin by about the same in every step, which closure torque turns into an
+/// error of the path: now and then the length is set right.
+constexpr int steps_between_lengths = 16;
+RABILINE_LANES Vector of_unit_length(const Vector& spin) {  // for lengths that are nearly 1
+  return add(spin, 0.5 - 0.5 * dot(spin, spin), spin);
+}
+
 /// The two kinds of stepping behind one face.
 struct Stepper {
   const SpinZone& zone;

@@ -86,14 +86,14 @@ TEST(LorentzForce, BendsAProtonWithItsCyclotronRadius) {
 
 /// Largest distance of a traced path inside 0.35-0.55 m from the independent integration, over the flight's
 /// length.
-double path_deviation(const Beamline& b, std::uint64_t particle, double gamma_scale) {
-  const Track track = trace(b, particle, best_isa());
+double path_deviation(const Beamline& b, const Track& track, double gamma_scale, double tolerance) {
   const RotatingField& h0 = std::get<RotatingField>(b.parts.at(2).part);
   std::size_t i = 0;
   while (i < track.y.size() && track.y[i] < 0.35) ++i;
   const auto& law = std::get<DoradoLaw>(b.law);
   Integrator integrator({gamma_scale * gamma_n, 10e-3, h0.amplitude, two_pi * *h0.frequency, h0.phase.angle,
-                         law.kappa, law.closure == Closure::torque});
+                         law.kappa, law.closure == Closure::torque},
+                        tolerance);
   Motion m{track.t[i],
            {track.x[i], track.y[i], track.z[i]},
            {track.vx[i], track.vy[i], track.vz[i]},
@@ -105,6 +105,10 @@ double path_deviation(const Beamline& b, std::uint64_t particle, double gamma_sc
     worst = std::max(worst, std::hypot(track.x[i] - m.r[0], track.y[i] - m.r[1], track.z[i] - m.r[2]));
   }
   return worst / (speed * (m.t - begin));
+}
+
+double path_deviation(const Beamline& b, std::uint64_t particle, double gamma_scale) {
+  return path_deviation(b, trace(b, particle, best_isa()), gamma_scale, 1e-11);
 }
 
 Beamline with_phase(double frequency, double amplitude, double phase, DoradoLaw law) {
@@ -135,6 +139,25 @@ TEST(PathInsideTheFields, AgreesWithAnIndependentIntegrationToAMillionthOfTheFli
     EXPECT_LT(path_deviation(b, 5, 1), 1e-6) << c.offset << " Hz, " << c.amplitude << " T";
     if (std::abs(c.offset) < 10000) {
       EXPECT_GT(path_deviation(b, 5, 1.01), 1e-6) << "a gamma off by 1 % must show at " << c.offset << " Hz";
+    }
+  }
+}
+
+TEST(PathInsideTheFields, KeepsToTheErrorThatIsAskedForWithLargerStepsForALooserOne) {
+  for (const DoradoLaw& closed : {DoradoLaw{Closure::torque, 1}, DoradoLaw{Closure::larmor, 0.002}}) {
+    std::size_t steps = 0;
+    double deviation = 1;
+    for (const double path_error : {1e-4, 1e-6, 1e-9}) {
+      DoradoLaw law = closed;
+      law.path_error = path_error;
+      const Beamline b = with_phase(larmor + 700, 5e-6, 0.8, law);
+      const Track track = trace(b, 5, best_isa());
+      const double found = path_deviation(b, track, 1, 1e-13);
+      EXPECT_LT(found, path_error);
+      EXPECT_LT(found, 0.1 * deviation) << path_error;
+      EXPECT_GT(track.t.size(), 2 * steps) << path_error;
+      steps = track.t.size();
+      deviation = found;
     }
   }
 }
