@@ -16,6 +16,12 @@ namespace {
 using cylinder::Numbers;
 using cylinder::State;
 
+/// Whether the paper's solution is a circle: where the torque stays across the plane that the axis turns in.
+bool is_circle(const CylinderTorque& torque) {
+  if (const auto* field = std::get_if<FieldTorque>(&torque)) return std::abs(std::cos(field->angle)) < 1e-12;
+  return std::holds_alternative<BodyFixedTorque>(torque);
+}
+
 /// The paper's circle, eqs. 14 and 32: about a centre below the start, turned about -x.
 struct Circle {
   double radius;
@@ -92,7 +98,7 @@ class CylinderMotion {
         [](const State& s) { return dot(s.torque, s.axis); });
     add("rotational_energy", "J", "energy of the rotation",
         [&](const State& s) { return rotational_energy(n_, s); });
-    if (n_.radius > 0) {
+    if (n_.radius > 0 && is_circle(model_.torque)) {
       const Circle circle{n_.radius};
       add("radius", "m", "distance from the centre of the paper's circle",
           [&](const State& s) { return circle.distance(s); });
@@ -119,7 +125,7 @@ class CylinderFindings : private Findings {
 
   std::vector<Finding> all() {
     assumption();
-    if (n_.radius > 0) path();
+    if (n_.radius > 0 && is_circle(model_.torque)) path();
     conserved("speed_drift", "m/s",
               largest(euler_, [&](const State& s) { return length_of(s.velocity) - model_.speed; }),
               "largest change of the speed, which (6) keeps, as the velocity only turns");
@@ -148,6 +154,14 @@ class CylinderFindings : private Findings {
   /// An axis that starts precessing goes on steadily, but where the torque stands in space.
   void precession() {
     const double rate = euler_.back().turned / model_.duration, fast = paper_.back().turned / model_.duration;
+    if (std::holds_alternative<BodyFixedTorque>(model_.torque) && model_.axis_start == AxisStart::at_rest &&
+        fast > 0) {
+      // The mean of omega_1 = -(M/L)(1 - cos kt).
+      const double phase = n_.nutation_rate * model_.duration;
+      return closed_form(
+          "precession", "rad/s", rate, fast * (1 - std::sin(phase) / phase),
+          "mean rate of the axis about its pole: that of the fast top, less what is left of a nod");
+    }
     const bool steady = model_.axis_start == AxisStart::precessing &&
                         !std::holds_alternative<SpaceFixedTorque>(model_.torque);
     add(steady ? Expectation::closed_form : Expectation::approximate, "precession", "rad/s", rate,
