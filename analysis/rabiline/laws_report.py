@@ -167,7 +167,7 @@ def _data(made: Templates, beam: Beam, data: Observation) -> Iterable[str]:
     n, found, free = against_data(made, beam, data)
     result = verdict([law_name(name) for name in made.names], found, n)
     flux = "flux fitted" if free else "flux known"
-    yield f"measured: {data.path}, {n.sum():.6g} counts in {n.size} cells, {flux}; p from {result.trials} trials"
+    yield f"data: {data.path}, {n.sum():.6g} counts in {n.size} cells, {flux}; p from {result.trials} trials"
     best = min(fit.aic for fit in result.fits)
     width = max(map(len, result.names))
     for name, fit in zip(result.names, result.fits):

@@ -38,8 +38,9 @@ def findings(file: h5py.File) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 def test_the_cylinder_does_what_the_header_of_its_file_promises(tmp_path: Path) -> None:
     file = solve(tmp_path / "c.h5")
     found = findings(file)
+    k = L / I1  # the nodding, of which a part of a turn is left at the end
     for omega, agrees in ((0.5 / L, True), (1.01 * 0.5 / L, False)):
-        assert (abs(found["precession"][1] - omega) < 1e-12) == agrees
+        assert (abs(found["precession"][1] - omega * (1 - np.sin(10 * k) / (10 * k))) < 1e-12) == agrees
         assert (abs(found["precession"][0] - omega) < 2e-3 * omega) == agrees
         assert (abs(found["radius"][0] - 2 / omega) < 1e-3) == agrees
     assert 0.009 < found["path_distance"][0] < 0.0097
@@ -91,10 +92,10 @@ def test_findings_say_what_is_expected_of_them(tmp_path: Path) -> None:
         group = file["entry/findings"]
         words = dict(zip(group["name"].asstr(), group["expectation"].asstr()))
     assert {word: sum(w == word for w in words.values()) for word in set(words.values())} == {
-        "supposed": 9, "conserved": 5, "closed_form": 2, "approximate": 1}
+        "supposed": 9, "conserved": 5, "closed_form": 3}
     assert words["fast_top"] == words["path_distance"] == words["radius"] == "supposed"
     told = rabiline("run", CYLINDER, "-o", tmp_path / "w2.h5").stdout
-    for name, expected in (("precession", ", approximately 0.636619772 rad/s"), ("energy_balance", ", conserved"),
+    for name, expected in (("precession", ", closed form 0.636930805 rad/s"), ("energy_balance", ", conserved"),
                            ("fast_top", ", the paper supposes 0"), ("tilt", ", closed form 0.00641692022 rad")):
         line = next(line for line in told.splitlines() if line.split()[0] == name)
         assert expected in line, line
