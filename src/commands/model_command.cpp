@@ -51,10 +51,21 @@ void print_ranges(const SolvedModel& solved) {
   for (const FoundAtPoints& found : findings_of(solved.points)) {
     std::vector<double> values = found.values;
     std::erase_if(values, [](double value) { return std::isnan(value); });
+    if (values.empty()) continue;
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    fmt::print("  {:<30} from {:.6g} to {:.6g}{}{}\n", found.name, *least, *most,
-               found.unit == "1" ? "" : " " + found.unit,
+    fmt::print("  {:<30} from {:.9g} to {}{}\n", found.name, *least, with_unit(*most, found.unit),
                values.size() == points ? "" : fmt::format(", at {} of the points", values.size()));
+  }
+}
+
+/// GSL gives up near a place where a force has no bound.
+ModelResult solve_point(const SolvedModel& solved, const Model& model) {
+  try {
+    return std::visit([](const auto& any) { return solve(any); }, model);
+  } catch (const std::runtime_error& error) {
+    if (!solved.axis) throw ArgumentError(error.what());
+    throw ArgumentError(fmt::format("{}, at {} = {}", error.what(), solved.axis->parameter,
+                                    value_at(*solved.axis, solved.points.size())));
   }
 }
 
@@ -88,14 +99,7 @@ void run_model(const LoadedModel& loaded, const std::filesystem::path& output,
   solved.provenance = provenance_of(arguments, loaded.inputs);
   if (!loaded.axes.empty()) solved.axis = loaded.axes.front();
   const auto begin = std::chrono::steady_clock::now();
-  for (const ModelFile& point : loaded.points) try {
-      solved.points.push_back(std::visit([](const auto& any) { return solve(any); }, point.model));
-    } catch (const std::runtime_error& error) {  // GSL gave up, near a place where a force has no bound
-      throw ArgumentError(fmt::format("{}{}", error.what(),
-                                      solved.axis ? fmt::format(", at {} = {}", solved.axis->parameter,
-                                                                value_at(*solved.axis, solved.points.size()))
-                                                  : ""));
-    }
+  for (const ModelFile& point : loaded.points) solved.points.push_back(solve_point(solved, point.model));
   solved.provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   solved.provenance.end_time = now();
   write_motions(solved, output);

@@ -15,10 +15,6 @@ constexpr double pi = std::numbers::pi, gamma_n = -1.83247174e8, hbar = 1.054571
 constexpr double b_field = 0.1e-3, h0_field = 4.8e-6, begin = 0.35, length = 0.4;
 constexpr std::size_t planes = 81;
 
-TallyAxis over(Quantity quantity, double from, double to) {
-  return {quantity, AxisEnd{from}, AxisEnd{to}, 1, {}};
-}
-
 /// B' aligns, then B and in it H0 in resonance, with a monitor of 81 planes through all of H0.
 Beamline path(Law law, double sigma) {
   Beamline b = suggested(-gamma_n * b_field / (2 * pi), h0_field);
@@ -34,11 +30,11 @@ Beamline path(Law law, double sigma) {
   Monitor look{Disc{1}, {}};
   look.length = length;
   look.planes = planes;
-  TallyAxis along = over(Quantity::spin, -1, 1);
+  TallyAxis along = axis(Quantity::spin, -1, 1, 1);
   along.axis = UnitVector{};
-  look.tallies = {{"clock", {over(Quantity::time_of_flight, 0.3e-3, 0.9e-3)}},
-                  {"polar", {over(Quantity::spin_polar_angle, 2.7, pi)}},
-                  {"azimuth", {over(Quantity::spin_azimuth, -pi, pi)}},
+  look.tallies = {{"clock", {axis(Quantity::time_of_flight, 0.3e-3, 0.9e-3, 1)}},
+                  {"polar", {axis(Quantity::spin_polar_angle, 2.7, pi, 1)}},
+                  {"azimuth", {axis(Quantity::spin_azimuth, -pi, pi, 1)}},
                   {"along", {along}}};
   b.parts.insert(b.parts.end() - 1, place("path", begin, look));
   return b;

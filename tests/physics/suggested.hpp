@@ -15,6 +15,11 @@ inline PlacedPart place(const std::string& name, double at, Part part) {
   return {{name, at, {}}, std::move(part)};
 }
 
+/// An axis of a tally.
+inline TallyAxis axis(Quantity quantity, double from, double to, std::uint64_t bins) {
+  return {quantity, AxisEnd{from}, AxisEnd{to}, bins, {}};
+}
+
 /// B' 0.10-0.20 m, B 0.30-0.55 m, H0 0.35-0.55 m, a screen of 4 x 4 mm at 1.2 m, neutrons of 1000 m/s.
 inline Beamline suggested(double frequency, double amplitude = 0.3e-6) {
   Beamline b;

@@ -14,14 +14,6 @@ GradientMagnet magnet(double length, double gradient) {
   part.gap = Rectangle{6e-3, 0.5e-3};
   return part;
 }
-TallyAxis range_of(Quantity quantity, double from, double to, std::uint64_t bins) {
-  TallyAxis axis;
-  axis.quantity = quantity;
-  axis.from = AxisEnd{from};
-  axis.to = AxisEnd{to};
-  axis.bins = bins;
-  return axis;
-}
 TallyAxis over(Quantity quantity) {
   TallyAxis axis;
   axis.quantity = quantity;
@@ -43,12 +35,12 @@ Beamline apparatus(const Species& species, Outcomes outcomes, double amplitude) 
   drive.sense = Sense::positive;
   Monitor monitor{Rectangle{6e-3, 0.4e-3}, {}};
   monitor.tallies = {{"matrix", {over(Quantity::prepared_level), over(Quantity::level)}},
-                     {"z", {range_of(Quantity::z, -1e-4, 1e-4, 9)}}};
+                     {"z", {test::axis(Quantity::z, -1e-4, 1e-4, 9)}}};
   Detector detector{Rectangle{4e-3, 0.6e-3}, {3, 60}, {}};
   detector.efficiency = 2.0 / 3;
   detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};
   detector.tallies = {{"matrix", {over(Quantity::prepared_level), over(Quantity::level)}},
-                      {"speeds", {range_of(Quantity::speed, 700, 900, 5)}}};
+                      {"speeds", {test::axis(Quantity::speed, 700, 900, 5)}}};
   b.parts = {place("A", 0.1, magnet(0.1, 8)), place("C", 0.25, UniformField{0.2, 1e-3, {}}),
              place("drive", 0.3, drive),      place("B", 0.5, magnet(0.1, 20)),
              place("look", 0.7, monitor),     place("screen", 0.8, detector)};

@@ -14,13 +14,11 @@
 namespace rabiline {
 namespace {
 
+using test::axis;
 using test::place;
 using test::run_points;
 using test::suggested;
 
-TallyAxis axis(Quantity quantity, double from, double to, std::uint64_t bins) {
-  return {quantity, AxisEnd{from}, AxisEnd{to}, bins, {}};
-}
 TallyAxis spin(UnitVector along, std::uint64_t bins) {
   TallyAxis a = axis(Quantity::spin, -1, 1, bins);
   a.axis = along;

@@ -12,13 +12,10 @@
 namespace rabiline {
 namespace {
 
+using test::axis;
 using test::place;
 using test::run_points;
 using test::suggested;
-
-TallyAxis axis(Quantity quantity, double from, double to, std::uint64_t bins) {
-  return {quantity, AxisEnd{from}, AxisEnd{to}, bins, {}};
-}
 
 /// A neutron of 1000 m/s in 1 mT circles with R = 5.457 mm under closure larmor, towards -x.
 constexpr double radius = 1000 / (1.83247174e8 * 1e-3);
