@@ -54,6 +54,7 @@ std::string example_for(const Row& row) {
       {"particles", "10000"},
       {"points", "21"},
       {"duration", "10 s"},
+      {"turns", "5"},
       {"poles", "6"},
       {"pole_field", "1 T"},
       {"half_distance", "2 mm"},

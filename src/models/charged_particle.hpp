@@ -62,7 +62,7 @@ inline constexpr auto parameters<ForTurns> = std::tuple{
     param("turns", &ForTurns::turns, Dimension::number, range::positive,
           "how many turns of the velocity under the Lorentz force the particle is followed"),
 };
-using FollowedTime = std::variant<ForDuration, ForTurns>;
+using FollowedTime = std::variant<ForTurns, ForDuration>;
 template <>
 inline constexpr std::string_view tag_key<FollowedTime> = "";
 template <>
