@@ -45,7 +45,7 @@ TEST(Describe, TellsOfAModelWithAllThatItHolds) {
                            "charge at the centre", "binding, free: ", "speed at the start"})
     EXPECT_THAT(page, HasSubstr(text));
   EXPECT_THAT(describe("charged_particle"), HasSubstr("one of: speed | lorentz_factor"));
-  EXPECT_THAT(describe("charged_particle"), HasSubstr("one of: duration | turns"));
+  EXPECT_THAT(describe("charged_particle"), HasSubstr("one of: turns | duration"));
   for (const char* topic : {"harmonic", "coulomb", "free"})
     EXPECT_THAT(describe(topic), HasSubstr(std::string(topic) + " (binding): "));
   EXPECT_THAT(describe("binding"), HasSubstr("in the model `bound_charge`"));
