@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <span>
 #include <thread>
 
 #include <fmt/chrono.h>
@@ -13,6 +14,7 @@
 #include <sys/utsname.h>
 
 #include "core/version.hpp"
+#include "storage/digest.hpp"
 #include "storage/storage_error.hpp"
 
 namespace rabiline {
@@ -143,9 +145,9 @@ Provenance provenance_of(const std::vector<std::string>& arguments, const std::v
 }
 
 std::string fingerprint(const LoadedExperiment& loaded, const CommandLine& changes) {
-  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+  std::uint64_t hash = digest_of_nothing;
   const auto mix = [&](const std::string& text) {
-    for (const char c : text + '\0') hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+    hash = digest(std::as_bytes(std::span(text.c_str(), text.size() + 1)), hash);
   };
   mix(version);
   for (const InputText& input : loaded.inputs) mix(input.text);

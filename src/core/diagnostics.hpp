@@ -14,6 +14,12 @@ struct SourceText {
   std::vector<std::string> lines;  // without line ends
 };
 
+/// The whole text of an input file, as results keep it.
+struct InputText {
+  std::string path;
+  std::string text;
+};
+
 /// Where something stands; line and column count from 1, column in bytes. No text: nowhere in particular.
 struct Place {
   std::shared_ptr<const SourceText> text;

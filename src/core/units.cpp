@@ -42,15 +42,73 @@ constexpr std::array dimension_rows{
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
-/// How far a decimal prefix moves the point, or nothing where the factor is no power of ten.
+constexpr int least_power = 12;  // 1e-12
+constexpr std::array powers_of_ten{1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
+                                   1e-3,  1e-2,  1e-1,  1e0,  1e1,  1e2,  1e3,  1e4,  1e5,
+                                   1e6,   1e7,   1e8,   1e9,  1e10, 1e11, 1e12};
+
+/// How far a factor moves the decimal point, or nothing where it is no power of ten.
 std::optional<int> power_of_ten(double factor) {
-  static constexpr std::array powers{1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4,
-                                     1e-3,  1e-2,  1e-1,  1e0,  1e1,  1e2,  1e3,  1e4,  1e5,
-                                     1e6,   1e7,   1e8,   1e9,  1e10, 1e11, 1e12};
-  for (std::size_t i = 0; i < powers.size(); ++i)
-    if (powers[i] == factor) return static_cast<int>(i) - 12;
+  for (std::size_t i = 0; i < powers_of_ten.size(); ++i)
+    if (powers_of_ten[i] == factor) return static_cast<int>(i) - least_power;
   return std::nullopt;
 }
+
+constexpr int power_of(char prefix) {
+  constexpr std::string_view prefixes = "pnumcd-kMGT";
+  constexpr std::array powers{-12, -9, -6, -3, -2, -1, 0, 3, 6, 9, 12};
+  return powers[prefixes.find(prefix)];
+}
+
+/// A unit with the prefixes that it is written with; '-': with none, 'u': also with both characters for
+/// micro. One of it is factor 10^exponent in SI.
+struct UnitRow {
+  Dimension dimension;
+  std::string_view symbol, prefixes;
+  double factor = 1;
+  int exponent = 0;
+};
+constexpr std::array unit_rows{
+    UnitRow{Dimension::length, "m", "-kdcmunp"},
+    UnitRow{Dimension::length, "angstrom", "-", 1, -10},
+    UnitRow{Dimension::length, "\u00c5", "-", 1, -10},  // the letter
+    UnitRow{Dimension::length, "\u212b", "-", 1, -10},  // the sign of the unit
+    UnitRow{Dimension::time, "s", "-mun"},
+    UnitRow{Dimension::time, "min", "-", 60},
+    UnitRow{Dimension::time, "h", "-", 3600},
+    UnitRow{Dimension::speed, "m/s", "-kcm"},
+    UnitRow{Dimension::mass, "g", "k-", 1, -3},
+    UnitRow{Dimension::mass, "u", "-", constants::atomic_mass},
+    UnitRow{Dimension::charge, "C", "-"},
+    UnitRow{Dimension::charge, "e", "-", constants::elementary_charge},
+    UnitRow{Dimension::magnetic_field, "T", "-munp"},
+    UnitRow{Dimension::magnetic_field, "G", "-km", 1, -4},
+    UnitRow{Dimension::frequency, "Hz", "-mkMGT"},
+    UnitRow{Dimension::angle, "rad", "-mun"},
+    UnitRow{Dimension::angle, "deg", "-", two_pi / 360},
+    UnitRow{Dimension::angle, "\u00b0", "-", two_pi / 360},
+    UnitRow{Dimension::gyromagnetic, "rad/s/T", "-"},
+    UnitRow{Dimension::gyromagnetic, "Hz/T", "-kMG", two_pi},
+    UnitRow{Dimension::gyromagnetic, "Hz/G", "-kM", two_pi, 4},
+    UnitRow{Dimension::temperature, "K", "-muk"},
+    UnitRow{Dimension::energy, "J", "-"},
+    UnitRow{Dimension::energy, "eV", "-munkM", constants::elementary_charge},
+    UnitRow{Dimension::rate, "1/s", "-"},
+    UnitRow{Dimension::rate, "/s", "-"},
+    UnitRow{Dimension::rate, "1/min", "-", 1.0 / 60},
+    UnitRow{Dimension::rate, "/min", "-", 1.0 / 60},
+    UnitRow{Dimension::rate, "1/h", "-", 1.0 / 3600},
+    UnitRow{Dimension::rate, "/h", "-", 1.0 / 3600},
+    UnitRow{Dimension::field_gradient, "T/m", "-m"},
+    UnitRow{Dimension::field_gradient, "T/cm", "-", 1, 2},
+    UnitRow{Dimension::field_gradient, "T/mm", "-", 1, 3},
+    UnitRow{Dimension::field_gradient, "G/cm", "-k", 1, -2},
+    UnitRow{Dimension::current, "A", "-mk"},
+    UnitRow{Dimension::torque, "N m", "-kmu"},
+    UnitRow{Dimension::torque, "Nm", "-"},
+    UnitRow{Dimension::electric_field, "V/m", "-kM"},
+    UnitRow{Dimension::electric_field, "V/cm", "-k", 1, 2},
+};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
@@ -110,7 +168,7 @@ std::string suggest_unit(std::string_view symbol, std::optional<Dimension> wante
   std::vector<std::string> candidates;
   for (const UnitSymbol& unit : unit_table()) {
     if (dimension_known && unit.dimension != *wanted) continue;
-    candidates.emplace_back(unit.symbol);
+    candidates.push_back(unit.symbol);
     if (lower(unit.symbol) == lower(symbol))
       same_letters += fmt::format("{}`{}`", same_letters.empty() ? "" : " or ", unit.symbol);
   }
@@ -150,111 +208,22 @@ std::string_view example_of(Dimension d) { return row_of(d).example; }
 std::string_view si_unit_of(Dimension d) { return row_of(d).si_unit; }
 
 const std::vector<UnitSymbol>& unit_table() {
-  using enum Dimension;
-  static const std::vector<UnitSymbol> table{
-      {"m", length, 1},
-      {"km", length, 1e3},
-      {"dm", length, 1e-1},
-      {"cm", length, 1e-2},
-      {"mm", length, 1e-3},
-      {"um", length, 1e-6},
-      {"\u00b5m", length, 1e-6},
-      {"\u03bcm", length, 1e-6},
-      {"nm", length, 1e-9},
-      {"pm", length, 1e-12},
-      {"angstrom", length, 1e-10},
-      {"\u00c5", length, 1e-10},  // the letter
-      {"\u212b", length, 1e-10},  // the sign of the unit
-      {"s", time, 1},
-      {"ms", time, 1e-3},
-      {"us", time, 1e-6},
-      {"\u00b5s", time, 1e-6},
-      {"\u03bcs", time, 1e-6},
-      {"ns", time, 1e-9},
-      {"min", time, 60},
-      {"h", time, 3600},
-      {"m/s", speed, 1},
-      {"km/s", speed, 1e3},
-      {"cm/s", speed, 1e-2},
-      {"mm/s", speed, 1e-3},
-      {"kg", mass, 1},
-      {"g", mass, 1e-3},
-      {"u", mass, constants::atomic_mass},
-      {"C", charge, 1},
-      {"e", charge, constants::elementary_charge},
-      {"T", magnetic_field, 1},
-      {"mT", magnetic_field, 1e-3},
-      {"uT", magnetic_field, 1e-6},
-      {"\u00b5T", magnetic_field, 1e-6},
-      {"\u03bcT", magnetic_field, 1e-6},
-      {"nT", magnetic_field, 1e-9},
-      {"pT", magnetic_field, 1e-12},
-      {"G", magnetic_field, 1e-4},
-      {"kG", magnetic_field, 1e-1},
-      {"mG", magnetic_field, 1e-7},
-      {"Hz", frequency, 1},
-      {"mHz", frequency, 1e-3},
-      {"kHz", frequency, 1e3},
-      {"MHz", frequency, 1e6},
-      {"GHz", frequency, 1e9},
-      {"THz", frequency, 1e12},
-      {"rad", angle, 1},
-      {"mrad", angle, 1e-3},
-      {"urad", angle, 1e-6},
-      {"\u00b5rad", angle, 1e-6},
-      {"\u03bcrad", angle, 1e-6},
-      {"nrad", angle, 1e-9},
-      {"deg", angle, two_pi / 360},
-      {"\u00b0", angle, two_pi / 360},
-      {"rad/s/T", gyromagnetic, 1},
-      {"Hz/T", gyromagnetic, two_pi},
-      {"kHz/T", gyromagnetic, two_pi * 1e3},
-      {"MHz/T", gyromagnetic, two_pi * 1e6},
-      {"GHz/T", gyromagnetic, two_pi * 1e9},
-      {"Hz/G", gyromagnetic, two_pi * 1e4},
-      {"kHz/G", gyromagnetic, two_pi * 1e7},
-      {"MHz/G", gyromagnetic, two_pi * 1e10},
-      {"K", temperature, 1},
-      {"mK", temperature, 1e-3},
-      {"uK", temperature, 1e-6},
-      {"\u00b5K", temperature, 1e-6},
-      {"\u03bcK", temperature, 1e-6},
-      {"kK", temperature, 1e3},
-      {"J", energy, 1},
-      {"eV", energy, constants::elementary_charge},
-      {"meV", energy, constants::elementary_charge * 1e-3},
-      {"ueV", energy, constants::elementary_charge * 1e-6},
-      {"\u00b5eV", energy, constants::elementary_charge * 1e-6},
-      {"\u03bceV", energy, constants::elementary_charge * 1e-6},
-      {"neV", energy, constants::elementary_charge * 1e-9},
-      {"keV", energy, constants::elementary_charge * 1e3},
-      {"MeV", energy, constants::elementary_charge * 1e6},
-      {"1/s", rate, 1},
-      {"/s", rate, 1},
-      {"1/min", rate, 1.0 / 60},
-      {"/min", rate, 1.0 / 60},
-      {"1/h", rate, 1.0 / 3600},
-      {"/h", rate, 1.0 / 3600},
-      {"T/m", field_gradient, 1},
-      {"T/cm", field_gradient, 1e2},
-      {"T/mm", field_gradient, 1e3},
-      {"mT/m", field_gradient, 1e-3},
-      {"G/cm", field_gradient, 1e-2},
-      {"kG/cm", field_gradient, 1e1},
-      {"A", current, 1},
-      {"mA", current, 1e-3},
-      {"kA", current, 1e3},
-      {"N m", torque, 1},
-      {"Nm", torque, 1},
-      {"kN m", torque, 1e3},
-      {"mN m", torque, 1e-3},
-      {"uN m", torque, 1e-6},
-      {"V/m", electric_field, 1},
-      {"kV/m", electric_field, 1e3},
-      {"MV/m", electric_field, 1e6},
-      {"V/cm", electric_field, 1e2},
-      {"kV/cm", electric_field, 1e5},
-  };
+  static const std::vector<UnitSymbol> table = [] {
+    std::vector<UnitSymbol> all;
+    for (const UnitRow& row : unit_rows)
+      for (const char prefix : row.prefixes) {
+        const double factor = row.factor * powers_of_ten[power_of(prefix) + row.exponent + least_power];
+        const std::string symbol(row.symbol);
+        if (prefix == '-')
+          all.push_back({symbol, row.dimension, factor});
+        else
+          all.push_back({prefix + symbol, row.dimension, factor});
+        if (prefix != 'u') continue;
+        all.push_back({"\u00b5" + symbol, row.dimension, factor});  // the sign micro
+        all.push_back({"\u03bc" + symbol, row.dimension, factor});  // the letter mu
+      }
+    return all;
+  }();
   return table;
 }
 

@@ -37,7 +37,7 @@ std::string_view si_unit_of(Dimension);
 
 /// A known unit: its symbol and its factor to SI.
 struct UnitSymbol {
-  std::string_view symbol;
+  std::string symbol;
   Dimension dimension;
   double factor;  // [SI per unit]
 };

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "field/shape.hpp"
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 
 namespace rabiline {
 

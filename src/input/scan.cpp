@@ -24,9 +24,8 @@ std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view ke
   return std::nullopt;
 }
 
-/// The value at `part` of the way, in equal ratios, to 15 digits: so that decades are whole numbers, and on
-/// every
-
+/// The value at `part` of the way, in equal ratios, to 15 digits: so that decades are whole numbers, the same
+/// on every processor.
 double between_logarithmic(double first, double last, double part) {
   const auto ratio = static_cast<long double>(last) / first;
   const std::string text =

@@ -13,7 +13,7 @@
 #include "particle/source.hpp"
 #include "particle/species.hpp"
 #include "parts/part.hpp"
-#include "spin/unit_vector.hpp"
+#include "core/unit_vector.hpp"
 
 namespace rabiline {
 

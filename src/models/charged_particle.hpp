@@ -9,7 +9,7 @@
 #include "models/motion.hpp"
 #include "models/times.hpp"
 #include "particle/species.hpp"
-#include "spin/unit_vector.hpp"
+#include "core/unit_vector.hpp"
 
 namespace rabiline {
 

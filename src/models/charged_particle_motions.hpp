@@ -2,7 +2,7 @@
 // How the model `charged_particle` moves: its start, what turns spin and momentum, and the paths.
 #include <vector>
 
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 #include "models/charged_particle.hpp"
 
 namespace rabiline::charged {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 
 namespace rabiline {
 

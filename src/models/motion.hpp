@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 #include "parameter/parameter.hpp"
 
 namespace rabiline {

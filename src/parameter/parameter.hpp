@@ -59,8 +59,8 @@ constexpr Param<S, M, D> param(std::string_view key, M S::*member, Dimension d, 
                                std::string_view meaning, D fallback) {
   return {key, member, d, r, meaning, fallback};
 }
-/// An empty key: the member's own keys stand in the same mapping, not in one of their own.
-/// Rows for everything that is no number: names, choices, nested structs, std::optional of these.
+/// Rows for everything that is no number: names, choices, nested structs, std::optional of these. With an
+/// empty key the member's own keys stand in the same mapping, not in one of their own.
 template <class S, class M>
 constexpr Param<S, M> param(std::string_view key, M S::*member, std::string_view meaning) {
   return {key, member, Dimension::number, range::any, meaning, {}};

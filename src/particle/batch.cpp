@@ -32,10 +32,4 @@ void Batch::copy_from(const Batch& other) {
   view_.y = other.view_.y;
 }
 
-bool Batch::any_flying() const {
-  for (int i = 0; i < view_.count; ++i)
-    if (view_.flying[i] != 0) return true;
-  return false;
-}
-
 }  // namespace rabiline

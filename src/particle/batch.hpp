@@ -12,8 +12,7 @@ inline constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
 
 /// Columns of a batch, each `padded` long and aligned to 64 bytes. All particles are referred to the same
 /// plane y: where they are, or where their straight flight through that plane was or would be (those caught
-/// earlier). `flying`, `caught`: all bits set or none. Plain, because kernels of every instruction set read
-/// it.
+/// earlier). Plain, because kernels of every instruction set read it.
 struct BatchView {
   int count = 0;                                       // particles; the rest up to `padded` never flies
   int padded = 0;                                      // multiple of 8
@@ -27,7 +26,7 @@ struct BatchView {
   std::uint64_t* prepared = nullptr;   // the level that it started in
   std::uint64_t* weight = nullptr;     // [quanta]
   std::uint64_t* particle = nullptr;   // number in the run
-  std::uint64_t* flying = nullptr;     // mask
+  std::uint64_t* flying = nullptr;     // all bits set, or none
   std::uint64_t* caught_by = nullptr;  // part number + 1 of the detector that caught it, or 0
   std::uint64_t* scratch = nullptr;    // a kernel's answer for each particle: bin, end of a region
 };
@@ -43,7 +42,6 @@ class Batch {
   const BatchView& view() const { return view_; }
   /// Takes over everything but the memory: what a fork of the plan does.
   void copy_from(const Batch& other);
-  bool any_flying() const;
 
  private:
   struct Free {

@@ -47,8 +47,8 @@ using Opening = std::variant<Rectangle, Disc, Ring>;
 template <>
 inline constexpr std::string_view tag_key<Opening> = "";  // told apart by their keys
 
-/// A convex one: what a straight path is in at both ends, it is in all along.
-/// What a detector or a monitor turns to the beam.
+/// What a detector turns to the beam, or the opening of a channel. A convex opening: a straight path that is
+/// inside at both ends is inside throughout.
 using Face = std::variant<Rectangle, Disc>;
 template <>
 inline constexpr std::string_view tag_key<Face> = "";

@@ -4,9 +4,9 @@
 #include <variant>
 #include <vector>
 
+#include "core/unit_vector.hpp"
 #include "parameter/parameter.hpp"
 #include "spin/level_names.hpp"
-#include "spin/unit_vector.hpp"
 
 namespace rabiline {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <tuple>
 
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 #include "particle/opening.hpp"
 
 namespace rabiline {

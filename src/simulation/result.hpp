@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "core/diagnostics.hpp"
 
 namespace rabiline {
 
@@ -79,12 +80,6 @@ struct FateResult {
   std::vector<double> particles;  // [points] the same in particles
   std::vector<double>
       by_level;  // [points][levels] of those prepared in each; NaN where a point has no ledger
-};
-
-/// The text of an input file, for provenance.
-struct InputText {
-  std::string path;
-  std::string text;
 };
 
 struct Provenance {

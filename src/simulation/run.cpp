@@ -6,7 +6,7 @@
 #include <exception>
 #include <mutex>
 
-#include "simulation/units.hpp"
+#include "simulation/blocks.hpp"
 #include "simulation/walk.hpp"
 
 namespace rabiline {
@@ -17,8 +17,8 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What one thread has done. The lock is held while a unit is under way, so that a snapshot sees whole units
-/// only.
+/// What one thread has done. The lock is held while a block is under way, so that a snapshot sees whole
+/// blocks only.
 struct Share {
   std::mutex lock;
   Sums sums;
@@ -32,13 +32,13 @@ Sums sums_of(const Snapshot& snapshot) {
   return sums;
 }
 
-/// One run: threads take units until none is left or somebody asks to stop.
+/// One run: threads take blocks until none is left or somebody asks to stop.
 class Runner {
  public:
   Runner(const Plan& plan, const RunOptions& options)
       : plan_(plan),
         options_(options),
-        units_(plan, options.most_unit_cost),
+        blocks_(plan, options.most_block_cost),
         shares_(static_cast<std::size_t>(options.threads)) {
     for (Share& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) {
@@ -47,14 +47,14 @@ class Runner {
     } else {
       sums_before_.resize(plan.sums);
     }
-    finished_units_ = before_.size();
+    finished_blocks_ = before_.size();
   }
 
   RunOutcome run() {
 #pragma omp parallel num_threads(options_.threads)
     work(shares_[static_cast<std::size_t>(omp_get_thread_num())]);
     if (error_) std::rethrow_exception(error_);
-    const bool finished = finished_units_ == units_.count();
+    const bool finished = finished_blocks_ == blocks_.count();
     if (!finished && options_.snapshot) options_.snapshot(snapshot());
     return {std::move(collect().first), finished};
   }
@@ -66,15 +66,15 @@ class Runner {
   void work(Share& share) {
     try {
       Walker walker(kernels_for(options_.isa), options_.batch);
-      for (std::uint64_t number = next_++; number < units_.count() && !stopped(); number = next_++) {
+      for (std::uint64_t number = next_++; number < blocks_.count() && !stopped(); number = next_++) {
         if (before_.contains(number)) continue;
         {
           const std::lock_guard guard(share.lock);
-          const Unit unit = units_.unit(number);
-          walker.fly(plan_.trees[unit.tree], unit.first, unit.last, share.sums);
+          const Block block = blocks_.block(number);
+          walker.fly(plan_.trees[block.tree], block.first, block.last, share.sums);
           share.finished.insert(number);
         }
-        ++finished_units_;
+        ++finished_blocks_;
         report();
       }
     } catch (...) {
@@ -90,8 +90,8 @@ class Runner {
     if (!turn) return;
     const double seconds = seconds_since(start_);
     if (options_.progress && seconds >= next_progress_) {
-      const double all = static_cast<double>(units_.count()),
-                   done = static_cast<double>(finished_units_) / all;
+      const double all = static_cast<double>(blocks_.count()),
+                   done = static_cast<double>(finished_blocks_) / all;
       const double done_now = done - static_cast<double>(before_.size()) / all;
       options_.progress({done, seconds, done_now > 0 ? seconds * (1 - done) / done_now : 0});
       next_progress_ = seconds + 0.2;
@@ -102,7 +102,7 @@ class Runner {
     }
   }
 
-  /// Sums and units of all threads and of the runs before.
+  /// Sums and blocks of all threads and of the runs before.
   std::pair<Sums, Intervals> collect() {
     std::pair<Sums, Intervals> all{sums_before_, before_};
     for (Share& share : shares_) {
@@ -126,11 +126,11 @@ class Runner {
 
   const Plan& plan_;
   const RunOptions& options_;
-  const Units units_;
+  const Blocks blocks_;
   std::vector<Share> shares_;
   Intervals before_;
   Sums sums_before_;
-  std::atomic<std::uint64_t> next_{0}, finished_units_{0};
+  std::atomic<std::uint64_t> next_{0}, finished_blocks_{0};
   std::atomic<bool> failed_{false};
   std::mutex error_lock_, report_lock_;
   std::exception_ptr error_;

@@ -19,15 +19,15 @@ struct RunOptions {
   int threads = 1;
   Isa isa = Isa::baseline;
   int batch = Batch::capacity;              // particles that go through the loops together; a multiple of 8
-  double most_unit_cost = 0.025;            // [s] estimated; a unit never is less than 8 particles
-  const std::atomic<bool>* stop = nullptr;  // looked at between units
+  double most_block_cost = 0.025;           // [s] estimated; a block never is less than 8 particles
+  const std::atomic<bool>* stop = nullptr;  // looked at between blocks
   std::function<void(const Progress&)> progress;  // by one thread at a time, a few times a second
   std::function<void(const Snapshot&)> snapshot;  // likewise, every snapshot_seconds and when stopped
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here
 };
 
-/// What a run leaves: its sums, and whether all units are in them.
+/// What a run leaves: its sums, and whether all blocks are in them.
 struct RunOutcome {
   Sums sums;
   bool finished = false;

@@ -1,18 +1,18 @@
 #pragma once
-// Where a run stands between two units of work.
+// Where a run stands between two blocks of work.
 #include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "simulation/result.hpp"
+#include "core/diagnostics.hpp"
 
 namespace rabiline {
 
-/// Everything that a run needs to go on: which units are finished, and the exact sums over them.
+/// Everything that a run needs to go on: which blocks are finished, and the exact sums over them.
 struct Snapshot {
   std::string fingerprint;  // of the experiment; a snapshot of another one is refused
-  /// Half-open intervals of unit numbers, ascending and disjoint.
+  /// Half-open intervals of block numbers, ascending and disjoint.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> finished;
   std::vector<std::uint64_t> sums_high, sums_low;  // exact 128-bit sums: high * 2^64 + low
   std::vector<std::string> arguments;              // of the run

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/units.hpp"
+#include "particle/batch.hpp"
 #include "storage/nexus.hpp"
 #include "storage/provenance.hpp"
 #include "storage/tally_groups.hpp"
@@ -18,8 +19,6 @@ using hdf5::GroupWriter;
 using hdf5::Shape;
 using nexus::Axis;
 using nexus::Signal;
-
-constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
 
 std::vector<Axis> scan_axes(const Result& result) {
   nexus::Names names({"detected", "detected_errors", "detected_covariance", "count_rate", "count_rate_errors",

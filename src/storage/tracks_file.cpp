@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/version.hpp"
 #include "storage/nexus.hpp"
 
 namespace rabiline {
@@ -57,7 +58,7 @@ void write_tracks(const std::string& title, const std::vector<Track>& tracks,
                   const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
-    const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, RABILINE_VERSION);
+    const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, version);
     nexus::Names names({"title", "program_name", "law"});
     if (!tracks.empty()) entry.text("law", tracks.front().law, {{"long_name", "law of motion"}});
     for (const Track& track : tracks) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "parameter/parameter.hpp"
-#include "spin/unit_vector.hpp"
+#include "core/unit_vector.hpp"
 #include "tally/quantity.hpp"
 
 namespace rabiline {

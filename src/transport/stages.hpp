@@ -1,6 +1,5 @@
 #pragma once
 // What a batch passes, one after the other: plain values, compared with == where scan points may share them.
-#include <concepts>
 #include <cstddef>
 #include <variant>
 #include <vector>

@@ -125,7 +125,7 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   const Plan plan = make_plan(everything());
   RunOptions options;
   options.isa = best_isa();
-  options.most_unit_cost = 1e-5;
+  options.most_block_cost = 1e-5;
   const Sums expected = sums_of(plan, options);
 
   std::atomic<bool> stop{false};
@@ -153,7 +153,7 @@ TEST(Run, CarriesAnExceptionOutOfItsThreads) {
   RunOptions options;
   options.isa = best_isa();
   options.threads = 2;
-  options.most_unit_cost = 1e-6;  // many units, so that the reporting thread gets some
+  options.most_block_cost = 1e-6;  // many blocks, so that the reporting thread gets some
   options.snapshot_seconds = 0;
   options.snapshot = [](const Snapshot&) { throw std::runtime_error("disk full"); };
   EXPECT_THROW(run(plan, options), std::runtime_error);

@@ -1,4 +1,4 @@
-#include "field/vector3.hpp"
+#include "core/vector3.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Units of work: blocks of particles through one tree, numbered, and which of them are finished.
+// The work of a run: numbered blocks of particles through one tree each, and which of them are finished.
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -8,25 +8,25 @@
 
 namespace rabiline {
 
-struct Unit {
+struct Block {
   std::size_t tree;
   std::uint64_t first, last;  // particle numbers
 };
 
-/// All units of a plan in order; the same for every machine and every number of threads.
-class Units {
+/// All blocks of a plan in order; the same for every machine and every number of threads.
+class Blocks {
  public:
-  Units(const Plan&, double most_cost);
+  Blocks(const Plan&, double most_cost);
   std::uint64_t count() const { return begin_.back(); }
-  Unit unit(std::uint64_t number) const;
+  Block block(std::uint64_t number) const;
 
  private:
   const Plan& plan_;
-  std::vector<std::uint64_t> block_;  // particles in a unit of each tree
-  std::vector<std::uint64_t> begin_;  // first unit of each tree, and the number of all
+  std::vector<std::uint64_t> size_;   // particles in a block of each tree
+  std::vector<std::uint64_t> begin_;  // first block of each tree, and the number of all
 };
 
-/// A set of unit numbers as half-open intervals, ascending and disjoint.
+/// A set of block numbers as half-open intervals, ascending and disjoint.
 class Intervals {
  public:
   Intervals() = default;

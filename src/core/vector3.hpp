@@ -2,7 +2,7 @@
 // Vectors in the laboratory as plain values: x across, +y along the beam, +z along the static field.
 #include <cmath>
 
-#include "spin/unit_vector.hpp"
+#include "core/unit_vector.hpp"
 
 namespace rabiline {
 

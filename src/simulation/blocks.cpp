@@ -1,23 +1,23 @@
-#include "simulation/units.hpp"
+#include "simulation/blocks.hpp"
 
 #include <algorithm>
 
 namespace rabiline {
 
-Units::Units(const Plan& plan, double most_cost) : plan_(plan), begin_{0} {
+Blocks::Blocks(const Plan& plan, double most_cost) : plan_(plan), begin_{0} {
   for (const PlanTree& tree : plan.trees) {
-    std::uint64_t block = 8;
-    while (block < 65536 && 2 * static_cast<double>(block) * tree.cost <= most_cost) block *= 2;
-    block_.push_back(block);
-    begin_.push_back(begin_.back() + (tree.last - tree.first + block - 1) / block);
+    std::uint64_t size = 8;
+    while (size < 65536 && 2 * static_cast<double>(size) * tree.cost <= most_cost) size *= 2;
+    size_.push_back(size);
+    begin_.push_back(begin_.back() + (tree.last - tree.first + size - 1) / size);
   }
 }
 
-Unit Units::unit(std::uint64_t number) const {
+Block Blocks::block(std::uint64_t number) const {
   const auto after = std::upper_bound(begin_.begin(), begin_.end(), number);
   const auto tree = static_cast<std::size_t>(after - begin_.begin()) - 1;
-  const std::uint64_t first = plan_.trees[tree].first + (number - begin_[tree]) * block_[tree];
-  return {tree, first, std::min(first + block_[tree], plan_.trees[tree].last)};
+  const std::uint64_t first = plan_.trees[tree].first + (number - begin_[tree]) * size_[tree];
+  return {tree, first, std::min(first + size_[tree], plan_.trees[tree].last)};
 }
 
 void Intervals::insert(std::uint64_t number) {

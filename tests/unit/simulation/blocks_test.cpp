@@ -1,4 +1,4 @@
-#include "simulation/units.hpp"
+#include "simulation/blocks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,32 +9,32 @@
 namespace rabiline {
 namespace {
 
-TEST(Units, CoverEveryParticleOfEveryTreeOnce) {
+TEST(Blocks, CoverEveryParticleOfEveryTreeOnce) {
   Experiment e;
   Beamline b = test::suggested(291e3);
   b.particles = 1237;
   e.points = {b, b};
   e.particles = ScanParticles::independent;
   const Plan plan = make_plan(e);
-  const Units units(plan, 1e-4);
+  const Blocks blocks(plan, 1e-4);
   std::vector<std::uint64_t> next(plan.trees.size(), 0);
-  for (std::uint64_t n = 0; n < units.count(); ++n) {
-    const Unit u = units.unit(n);
-    EXPECT_EQ(u.first, next[u.tree]);
-    EXPECT_GT(u.last, u.first);
-    next[u.tree] = u.last;
+  for (std::uint64_t n = 0; n < blocks.count(); ++n) {
+    const Block block = blocks.block(n);
+    EXPECT_EQ(block.first, next[block.tree]);
+    EXPECT_GT(block.last, block.first);
+    next[block.tree] = block.last;
   }
   for (const std::uint64_t n : next) EXPECT_EQ(n, 1237U);
 }
 
-TEST(Units, AreSmallEnoughToBeSeenBetween) {
+TEST(Blocks, AreSmallEnoughToBeSeenBetween) {
   Experiment e;
   for (int i = 0; i < 101; ++i) e.points.push_back(test::suggested(266e3 + i * 500));
   const Plan plan = make_plan(e);
-  const Units units(plan, 0.025);
-  for (std::uint64_t n = 0; n < units.count(); ++n) {
-    const Unit u = units.unit(n);
-    EXPECT_LE(static_cast<double>(u.last - u.first) * plan.trees[u.tree].cost, 0.05);
+  const Blocks blocks(plan, 0.025);
+  for (std::uint64_t n = 0; n < blocks.count(); ++n) {
+    const Block block = blocks.block(n);
+    EXPECT_LE(static_cast<double>(block.last - block.first) * plan.trees[block.tree].cost, 0.05);
   }
 }
 
