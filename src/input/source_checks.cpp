@@ -65,39 +65,53 @@ const Node& node_below_source(const Node& root, std::initializer_list<std::strin
 
 // ---- speeds ----
 
-/// Something that says how fast particles are, and where it stands.
-struct Written {
-  SpeedQuantity quantity;
-  const Place* place;
-};
+/// Where a key of the law stands: "value", "lines[0].value".
+const Place& place_of_key(const Node& speed, std::string_view key) {
+  if (const std::size_t bracket = key.find('['); bracket != key.npos) {
+    const Entry* list = speed.find(key.substr(0, bracket));
+    const std::size_t index = std::stoul(std::string(key.substr(bracket + 1)));
+    if (list == nullptr || index >= list->value.items.size()) return speed.place;
+    return place_of(list->value.items[index], key.substr(key.find("].") + 2));
+  }
+  return place_of(speed, key);
+}
 
-void check_speed(const Written& written, const std::vector<Component>& beam, Reading& reading) {
-  if (!(written.quantity.value > 0)) return;
-  for (const Component& component : beam) {
+/// How fast a species flies that is too fast, and how to mend it.
+std::pair<std::string, std::string> too_fast(const StatedSpeed& stated, const Species& species) {
+  const std::string limit =
+      fmt::format("{:.4g} m/s{}, faster than 0.05 c = {:.4g} m/s: this program knows no relativity",
+                  speed_of(stated.value, species.mass), stated.is_mean ? " on average" : "", fastest_speed);
+  if (stated.is_mean)
+    return {fmt::format("at that temperature the species `{}` flies at {}", species.name, limit),
+            "make it colder"};
+  const Dimension quantity = stated.value.dimension;
+  if (quantity == Dimension::speed)
+    return {fmt::format("the species `{}` flies at {}", species.name, limit), "make it slower"};
+  return {fmt::format("at {} the species `{}` flies at {}", pretty_quantity(stated.value.value, quantity),
+                      species.name, limit),
+          quantity == Dimension::length ? "make the wavelength longer" : "make the energy smaller"};
+}
+
+/// The first species that is too fast, for each key of the law.
+void check_speeds(const Beamline& beamline, const Node& root, Reading& reading) {
+  std::vector<std::string> reported;
+  for (const Component& component : beamline.species) {
     const Species& species = component.species;
     if (!(species.mass > 0)) continue;
-    const double speed = speed_of(written.quantity, species.mass);
-    if (speed <= fastest_speed) continue;
-    const bool converted = written.quantity.dimension != Dimension::speed;
-    return reading.error(
-        *written.place,
-        fmt::format("{} at {:.4g} m/s, faster than 0.05 c = {:.4g} m/s: this program knows no relativity",
-                    converted
-                        ? fmt::format("at {} the species `{}` flies",
-                                      pretty_quantity(written.quantity.value, written.quantity.dimension),
-                                      species.name)
-                        : fmt::format("the species `{}` flies", species.name),
-                    speed, fastest_speed),
-        written.quantity.dimension == Dimension::length   ? "make the wavelength longer"
-        : written.quantity.dimension == Dimension::energy ? "make the energy smaller"
-                                                          : "make it slower");
+    for (const StatedSpeed& stated : std::visit(
+             [&](const auto& law) { return law.stated_speeds(species.mass); }, beamline.source.speed)) {
+      if (!(stated.value.value > 0) || speed_of(stated.value, species.mass) <= fastest_speed ||
+          std::ranges::count(reported, stated.key) > 0)
+        continue;
+      const auto [message, help] = too_fast(stated, species);
+      reading.error(place_of_key(node_below_source(root, {"speed"}), stated.key), message, help);
+      reported.push_back(stated.key);
+    }
   }
 }
 
-void check_speeds(const SingleSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
-  check_speed({law.value, &node_below_source(root, {"speed", "value"}).place}, beamline.species, reading);
-}
-void check_speeds(const GaussianSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
+/// A normal law is normal in one quantity.
+void check_gaussian(const GaussianSpeed& law, const Node& root, Reading& reading) {
   const Node& sigma = node_below_source(root, {"speed", "sigma"});
   if (law.mean.value > 0 && law.mean.dimension != law.sigma.dimension && sigma.is_scalar())
     reading.error(
@@ -111,62 +125,12 @@ void check_speeds(const GaussianSpeed& law, const Beamline& beamline, const Node
                     law.mean.dimension == Dimension::length   ? "angstrom"
                     : law.mean.dimension == Dimension::energy ? "meV"
                                                               : "m/s"));
-  check_speed({law.mean, &node_below_source(root, {"speed", "mean"}).place}, beamline.species, reading);
-  // Five standard deviations up; a wavelength's fast tail is cut where it is drawn.
-  if (law.mean.dimension == law.sigma.dimension && law.mean.dimension != Dimension::length &&
-      law.sigma.value > 0)
-    check_speed({{law.mean.value + 5 * law.sigma.value, law.mean.dimension}, &sigma.place}, beamline.species,
-                reading);
-}
-/// The fastest thermal speed of a law, for each species.
-void check_thermal(double (*speed)(const SpeedLaw&, double mass), const Beamline& beamline, const Node& root,
-                   Reading& reading) {
-  const Place& place = node_below_source(root, {"speed", "temperature"}).place;
-  for (const Component& component : beamline.species)
-    if (const double v = speed(beamline.source.speed, component.species.mass);
-        component.species.mass > 0 && v > fastest_speed)
-      return reading.error(
-          place,
-          fmt::format("at that temperature the species `{}` flies at {:.4g} m/s on average, faster than "
-                      "0.05 c = {:.4g} m/s: this program knows no relativity",
-                      component.species.name, v, fastest_speed),
-          "make it colder");
-}
-void check_speeds(const EffusiveSpeed&, const Beamline& beamline, const Node& root, Reading& reading) {
-  check_thermal(&mean_speed, beamline, root, reading);
-}
-void check_speeds(const MaxwellSpeed&, const Beamline& beamline, const Node& root, Reading& reading) {
-  check_thermal(&mean_speed, beamline, root, reading);
-}
-void check_speeds(const SupersonicSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
-  if (law.adiabatic_exponent > 1 && law.speed_ratio > 0) check_thermal(&mean_speed, beamline, root, reading);
-}
-void check_speeds(const TabulatedSpeed& law, const Beamline& beamline, const Node& root, Reading& reading) {
-  if (!law.file.spectrum) return;
-  const Spectrum& s = *law.file.spectrum;
-  const double fastest = s.dimension == Dimension::length ? s.at.front() : s.at.back();
-  check_speed({{fastest, s.dimension}, &node_below_source(root, {"speed", "file"}).place}, beamline.species,
-              reading);
-}
-void check_speeds(const LineSpeeds& law, const Beamline& beamline, const Node& root, Reading& reading) {
-  const Node& lines = node_below_source(root, {"speed", "lines"});
-  for (std::size_t i = 0; i < law.lines.size() && i < lines.items.size(); ++i)
-    check_speed({law.lines[i].value, &place_of(lines.items[i], "value")}, beamline.species, reading);
 }
 
 // ---- directions ----
 
 constexpr double right_angle = std::numbers::pi / 2;
 constexpr double farthest_normal = 8.6;  // [sigma] the kernels draw none beyond: sqrt(-2 ln 2^-53) = 8.57
-
-/// The largest angle to the axis that a law gives [rad].
-double widest(const ParallelDirection&) { return 0; }
-double widest(const GaussianDirection& law) { return std::atan(farthest_normal * std::hypot(law.x, law.z)); }
-double widest(const BoxDirection& law) { return std::atan(std::hypot(law.x, law.z)); }
-double widest(const ConeDirection& law) { return law.half_angle; }
-double widest(const CosineDirection& law) { return law.half_angle; }
-double widest(const ChannelDirection&) { return right_angle; }
-double widest(const AimedDirection&) { return 0; }
 
 std::string degrees(double angle) { return fmt::format("{:.4g} deg", angle / right_angle * 90); }
 
@@ -180,7 +144,9 @@ void check_tilt(const Source& source, const Node& root, Reading& reading) {
     return reading.error(node.place,
                          fmt::format("the tilt turns the source's axis by {}, off the beam", degrees(tilt)),
                          "tilt it by less than 90 deg");
-  const double angle = std::visit([](const auto& law) { return widest(law); }, source.direction);
+  if (std::holds_alternative<AimedDirection>(source.direction)) return;
+  const double angle =
+      std::visit([](const auto& law) { return law.widest_angle(farthest_normal); }, source.direction);
   if (tilt + angle < right_angle) return;
   const bool limited = std::holds_alternative<CosineDirection>(source.direction) ||
                        std::holds_alternative<ConeDirection>(source.direction);
@@ -321,7 +287,9 @@ void check_named_levels(const Beamline& beamline, const Node& root, Reading& rea
 
 void check_source(const Beamline& beamline, const Node& root, const PartNodes& nodes, Reading& reading) {
   check_aim(beamline, root, nodes, reading);
-  std::visit([&](const auto& law) { check_speeds(law, beamline, root, reading); }, beamline.source.speed);
+  check_speeds(beamline, root, reading);
+  if (const auto* gaussian = std::get_if<GaussianSpeed>(&beamline.source.speed))
+    check_gaussian(*gaussian, root, reading);
   check_tilt(beamline.source, root, reading);
   check_channel(beamline.source.direction, root, reading);
   check_populations(beamline, root, reading);

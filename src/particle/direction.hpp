@@ -1,16 +1,49 @@
 #pragma once
 // Where particles start to: laws of directions about the source's axis, which is +y unless it is tilted.
+#include <concepts>
+#include <map>
 #include <string>
 #include <variant>
 
 #include "parameter/parameter.hpp"
+#include "particle/draw.hpp"
 
 namespace rabiline {
+
+class LawTables;
+
+/// What the program asks of a distribution of directions about the source's axis.
+template <class L>
+concept DirectionDistribution = requires(const L& law, double deviations, LawTables& tables) {
+  // The word for it in a file, and the line of help that explains it.
+  { L::kind } -> std::convertible_to<std::string_view>;
+  { L::meaning } -> std::convertible_to<std::string_view>;
+  // [rad] The largest angle to the axis; a normal law is taken to end at so many standard deviations.
+  { law.widest_angle(deviations) } -> std::same_as<double>;
+  // What kernels draw with; tables that they read are made in, and belong to, `tables`.
+  { law.draw(tables) } -> std::same_as<DirectionDraw>;
+};
+
+/// W of channels that were solved before, by their length over their radius.
+using Transmissions = std::map<double, double>;
+/// What it asks of one that a source can be aimed with: what such a source emits, and does not draw, counts.
+template <class L>
+concept AimableDistribution = requires(const L& law, LawTables& tables, DirectionDraw& draw,
+                                       Transmissions& known) {
+  // [1/sr] Share of all that leaves into the forward hemisphere, per solid angle on the axis.
+  { law.density_on_axis(known) } -> std::same_as<double>;
+  // Adds what kernels weigh directions with.
+  law.weigh(tables, draw);
+};
 
 struct ParallelDirection {
   static constexpr std::string_view kind = "parallel", meaning = "every particle starts along +y";
   bool operator==(const ParallelDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<ParallelDirection>);
 
 /// Slopes dx/dy and dz/dy are independent normal variables.
 struct GaussianDirection {
@@ -18,7 +51,11 @@ struct GaussianDirection {
   double x = 0;  // [rad] standard deviation of the slope dx/dy
   double z = 0;  // [rad] of dz/dy
   bool operator==(const GaussianDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<GaussianDirection>);
 template <>
 inline constexpr auto parameters<GaussianDirection> = std::tuple{
     param("x", &GaussianDirection::x, Dimension::angle, range::below_right_angle,
@@ -33,7 +70,11 @@ struct ConeDirection {
                                     meaning = "uniform in solid angle inside a cone around the beam";
   double half_angle = 0;  // [rad]
   bool operator==(const ConeDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<ConeDirection>);
 template <>
 inline constexpr auto parameters<ConeDirection> = std::tuple{
     param("half_angle", &ConeDirection::half_angle, Dimension::angle, range::below_right_angle,
@@ -46,7 +87,11 @@ struct BoxDirection {
   double x = 0;  // [rad] the largest |dx/dy|
   double z = 0;  // [rad] the largest |dz/dy|
   bool operator==(const BoxDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<BoxDirection>);
 template <>
 inline constexpr auto parameters<BoxDirection> = std::tuple{
     param("x", &BoxDirection::x, Dimension::angle, range::below_right_angle,
@@ -61,7 +106,11 @@ struct CosineDirection {
                                     meaning = "what leaves a thin hole of an oven: Lambert's law, cos(theta)";
   double half_angle = 1.5707963267948966;  // [rad] nothing starts beyond
   bool operator==(const CosineDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<CosineDirection>);
 template <>
 inline constexpr auto parameters<CosineDirection> = std::tuple{
     param("half_angle", &CosineDirection::half_angle, Dimension::angle,
@@ -76,7 +125,14 @@ struct ChannelDirection {
   double length = 0;  // [m]
   double radius = 0;  // [m]
   bool operator==(const ChannelDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
+  double density_on_axis(Transmissions& known) const;
+  void weigh(LawTables&, DirectionDraw&) const;
 };
+static_assert(DirectionDistribution<ChannelDirection>);
+static_assert(AimableDistribution<ChannelDirection>);
 template <>
 inline constexpr auto parameters<ChannelDirection> = std::tuple{
     param("length", &ChannelDirection::length, Dimension::length, range::positive,
@@ -89,11 +145,19 @@ struct IsotropicEmission {
   static constexpr std::string_view kind = "isotropic",
                                     meaning = "the same in all directions of the forward hemisphere";
   bool operator==(const IsotropicEmission&) const = default;
+
+  double density_on_axis(Transmissions& known) const;
+  void weigh(LawTables&, DirectionDraw&) const;
 };
+static_assert(AimableDistribution<IsotropicEmission>);
 struct CosineEmission {
   static constexpr std::string_view kind = "cosine", meaning = CosineDirection::meaning;
   bool operator==(const CosineEmission&) const = default;
+
+  double density_on_axis(Transmissions& known) const;
+  void weigh(LawTables&, DirectionDraw&) const;
 };
+static_assert(AimableDistribution<CosineEmission>);
 using EmissionLaw = std::variant<IsotropicEmission, CosineEmission, ChannelDirection>;
 
 /// Of all that such a source emits only the particles towards one opening are drawn, uniform over it. Each
@@ -106,7 +170,11 @@ struct AimedDirection {
   std::string target;  // name of a slit or detector
   EmissionLaw emission = IsotropicEmission{};
   bool operator==(const AimedDirection&) const = default;
+
+  double widest_angle(double deviations) const;
+  DirectionDraw draw(LawTables&) const;
 };
+static_assert(DirectionDistribution<AimedDirection>);
 template <>
 inline constexpr auto parameters<AimedDirection> = std::tuple{
     param("target", &AimedDirection::target, "name of the slit or detector that the source is aimed at"),

@@ -1,5 +1,6 @@
 #pragma once
 // How fast particles start. A speed may be written as itself, as a wavelength or as an energy.
+#include <concepts>
 #include <memory>
 #include <string>
 #include <variant>
@@ -7,6 +8,7 @@
 
 #include "core/constants.hpp"
 #include "parameter/parameter.hpp"
+#include "particle/draw.hpp"
 
 namespace rabiline {
 
@@ -24,25 +26,65 @@ struct SpeedQuantity {
 /// Where a program without relativity ends [m/s]: 0.05 c, where its energies are off by 0.2 %.
 inline constexpr double fastest_speed = 0.05 * constants::speed_of_light;
 
+class LawTables;
+
+struct SpeedRange {
+  double slowest = 0, fastest = 0;  // [m/s]
+};
+/// A speed that a file states, or a mean that follows from what it states: nothing may fly too fast.
+struct StatedSpeed {
+  std::string key;  // of the law's mapping: "value", "lines[0].value"
+  SpeedQuantity value;
+  bool is_mean = false;  // of a thermal distribution
+};
+
+/// What the program asks of a distribution of speeds, for particles of a mass [kg]. The kernel that draws
+/// from it is transport/emission_kernels.cpp; most distributions are a table there.
+template <class L>
+concept SpeedDistribution = requires(const L& law, double mass, LawTables& tables) {
+  // The word for it in a file, and the line of help that explains it.
+  { L::kind } -> std::convertible_to<std::string_view>;
+  { L::meaning } -> std::convertible_to<std::string_view>;
+  // [m/s] What steps, costs and derived numbers are calculated with.
+  { law.mean_speed(mass) } -> std::same_as<double>;
+  // All but 1e-4 of the particles: what tables of transitions cover.
+  { law.speed_range(mass) } -> std::same_as<SpeedRange>;
+  // What kernels draw with; tables that they read are made in, and belong to, `tables`.
+  { law.draw(mass, tables) } -> std::same_as<SpeedDraw>;
+  // What a rule compares with the fastest speed.
+  { law.stated_speeds(mass) } -> std::same_as<std::vector<StatedSpeed>>;
+};
+
 struct SingleSpeed {
   static constexpr std::string_view kind = "single", meaning = "every particle has the same speed";
   SpeedQuantity value;
   bool operator==(const SingleSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<SingleSpeed>);
 template <>
 inline constexpr auto parameters<SingleSpeed> = std::tuple{
     param("value", &SingleSpeed::value, Dimension::speed, range::positive,
           "the speed, or its wavelength or energy"),
 };
 
-/// A normal law cut at zero: what is not positive is drawn again.
+/// A normal law cut at zero: what is not positive is drawn again. In m/s its mean is taken as if it were not
+/// cut.
 struct GaussianSpeed {
   static constexpr std::string_view kind = "gaussian",
                                     meaning = "a normal law, cut at zero, in the quantity that is written";
   SpeedQuantity mean;
   SpeedQuantity sigma;  // standard deviation, of the same kind as the mean
   bool operator==(const GaussianSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<GaussianSpeed>);
 template <>
 inline constexpr auto parameters<GaussianSpeed> = std::tuple{
     param("mean", &GaussianSpeed::mean, Dimension::speed, range::positive,
@@ -57,7 +99,12 @@ struct EffusiveSpeed {
                                     meaning = "what leaves a hole of an oven: flux ~ v^3 exp(-m v^2/2kT)";
   double temperature = 0;  // [K]
   bool operator==(const EffusiveSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<EffusiveSpeed>);
 template <>
 inline constexpr auto parameters<EffusiveSpeed> = std::tuple{
     param("temperature", &EffusiveSpeed::temperature, Dimension::temperature, range::positive,
@@ -70,7 +117,12 @@ struct MaxwellSpeed {
                                     meaning = "speeds of a gas in a box: density ~ v^2 exp(-m v^2/2kT)";
   double temperature = 0;  // [K]
   bool operator==(const MaxwellSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<MaxwellSpeed>);
 template <>
 inline constexpr auto parameters<MaxwellSpeed> = std::tuple{
     param("temperature", &MaxwellSpeed::temperature, Dimension::temperature, range::positive,
@@ -85,7 +137,12 @@ struct SupersonicSpeed {
   double adiabatic_exponent = 0;  // g
   double speed_ratio = 0;         // S
   bool operator==(const SupersonicSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<SupersonicSpeed>);
 template <>
 inline constexpr auto parameters<SupersonicSpeed> = std::tuple{
     param("temperature", &SupersonicSpeed::temperature, Dimension::temperature, range::positive,
@@ -95,6 +152,29 @@ inline constexpr auto parameters<SupersonicSpeed> = std::tuple{
           "g in u = sqrt(2g/(g-1) kT0/m): 5/3 = 1.66667 of a gas of atoms"),
     param("speed_ratio", &SupersonicSpeed::speed_ratio, Dimension::number,
           Range{1, 1000, true, true, "from 1 to 1000"}, "S, the flow's speed over the thermal one"),
+};
+
+/// The same number of particles in equal intervals, as what a velocity selector lets through is taken for.
+struct UniformSpeed {
+  static constexpr std::string_view kind = "uniform",
+                                    meaning = "the same between two limits, in the quantity that is written",
+                                    example = "mean: 4.5 angstrom, spread: 0.1";
+  SpeedQuantity mean;
+  double spread = 0;  // half the width over the mean
+  bool operator==(const UniformSpeed&) const = default;
+
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
+};
+static_assert(SpeedDistribution<UniformSpeed>);
+template <>
+inline constexpr auto parameters<UniformSpeed> = std::tuple{
+    param("mean", &UniformSpeed::mean, Dimension::speed, range::positive, "mean speed, wavelength or energy"),
+    param("spread", &UniformSpeed::spread, Dimension::number,
+          Range{0, 1, false, false, "greater than 0 and less than 1"},
+          "half the width over the mean: from mean (1 - spread) to mean (1 + spread)"),
 };
 
 /// A measured spectrum: flux per unit of the quantity, linear between rows.
@@ -116,7 +196,12 @@ struct TabulatedSpeed {
                                     meaning = "a spectrum from a CSV file, linear between its rows";
   SpectrumFile file;
   bool operator==(const TabulatedSpeed&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<TabulatedSpeed>);
 template <>
 inline constexpr auto parameters<TabulatedSpeed> = std::tuple{
     param("file", &TabulatedSpeed::file,
@@ -140,14 +225,19 @@ struct LineSpeeds {
   static constexpr std::string_view kind = "lines", meaning = "a few sharp speeds, each with its weight";
   std::vector<SpeedLine> lines;
   bool operator==(const LineSpeeds&) const = default;
+  double mean_speed(double mass) const;
+  SpeedRange speed_range(double mass) const;
+  SpeedDraw draw(double mass, LawTables&) const;
+  std::vector<StatedSpeed> stated_speeds(double mass) const;
 };
+static_assert(SpeedDistribution<LineSpeeds>);
 template <>
 inline constexpr auto parameters<LineSpeeds> = std::tuple{
     param("lines", &LineSpeeds::lines, "the speeds and their weights"),
 };
 
 using SpeedLaw = std::variant<SingleSpeed, GaussianSpeed, EffusiveSpeed, MaxwellSpeed, SupersonicSpeed,
-                              TabulatedSpeed, LineSpeeds>;
+                              UniformSpeed, TabulatedSpeed, LineSpeeds>;
 
 /// The speed [m/s] of a particle of that mass [kg]: v = h/(m lambda), v = sqrt(2E/m).
 double speed_of(const SpeedQuantity&, double mass);
@@ -155,8 +245,6 @@ double speed_of(const SpeedQuantity&, double mass);
 double thermal_speed(double temperature, double mass);
 /// The speed that all heat of a nozzle's gas would give, u = sqrt(2g/(g-1) kT0/m) [m/s].
 double terminal_speed(const SupersonicSpeed&, double mass);
-/// The mean of a law [m/s] for a particle of that mass [kg]: what steps, costs and derived numbers are
-/// reckoned with. A gaussian in m/s counts with its `mean`, as if it were not cut.
 double mean_speed(const SpeedLaw&, double mass);
 
 }  // namespace rabiline

@@ -91,13 +91,13 @@ class Explainer {
          s.mass / 1.66053906892e-27, s.charge / 1.602176634e-19, tree.last - tree.first);
     if (s.structure && !atom_)
       line("            its levels are left out under this law: the spin is that of J alone");
-    speed_ = tree.source.speed;
+    const SpeedDraw& drawn = tree.source.speed;
+    speed_ = drawn.mean;
     tip_ = 0;
-    const std::size_t law = beamline_.source.speed.index();
     line("{}  source, {}", metres(0),
-         law < 2 && tree.source.speed_kind != SpeedKind::converted_gaussian
-             ? fmt::format("{} m/s{}", speed_,
-                           tree.source.speed_sigma > 0 ? fmt::format(" +- {}", tree.source.speed_sigma) : "")
+         drawn.kind == SpeedKind::single ||
+                 (drawn.kind == SpeedKind::gaussian && drawn.scale == SpeedScale::proportional)
+             ? fmt::format("{} m/s{}", speed_, drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
              : fmt::format("{}, {:.6g} m/s on average",
                            std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), speed_));
     walk(tree.next);

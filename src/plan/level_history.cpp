@@ -85,67 +85,12 @@ LevelZone zone_of(const Section& section, const Species& species) {
   return zone;
 }
 
-// ---- speeds ----
+// ---- directions ----
 
 /// Beyond this many standard deviations is less than 1e-4.
 constexpr double deviations = 4;
-/// Speeds in units of the thermal one between which all but 1e-4 lie: flux, then density.
-constexpr double slowest_flux = 0.12, slowest_density = 0.05, fastest_thermal = 4;
-
-struct Speeds {
-  double slowest = 0, fastest = 0;  // [m/s]
-};
-Speeds from_values(double a, double b) { return {std::min(a, b), std::max(a, b)}; }
-
-Speeds speeds_of(const SingleSpeed& law, double mass) {
-  const double v = speed_of(law.value, mass);
-  return {v, v};
-}
-Speeds speeds_of(const GaussianSpeed& law, double mass) {
-  const double width = deviations * law.sigma.value, mean = law.mean.value;
-  SpeedQuantity low = law.mean, high = law.mean;
-  low.value = std::max(mean - width, mean / 20);
-  high.value = mean + width;
-  return from_values(speed_of(low, mass), speed_of(high, mass));
-}
-Speeds speeds_of(const EffusiveSpeed& law, double mass) {
-  const double alpha = thermal_speed(law.temperature, mass);
-  return {slowest_flux * alpha, fastest_thermal * alpha};
-}
-Speeds speeds_of(const MaxwellSpeed& law, double mass) {
-  const double alpha = thermal_speed(law.temperature, mass);
-  return {slowest_density * alpha, fastest_thermal * alpha};
-}
-Speeds speeds_of(const SupersonicSpeed& law, double mass) {
-  const double u = terminal_speed(law, mass), width = deviations / law.speed_ratio;
-  return {u * std::max(1 - width, 0.12 / law.speed_ratio), u * (1 + width)};
-}
-Speeds speeds_of(const TabulatedSpeed& law, double mass) {
-  const Spectrum& spectrum = *law.file.spectrum;
-  return from_values(speed_of({spectrum.at.front(), spectrum.dimension}, mass),
-                     speed_of({spectrum.at.back(), spectrum.dimension}, mass));
-}
-Speeds speeds_of(const LineSpeeds& law, double mass) {
-  Speeds speeds{fastest_speed, 0};
-  for (const SpeedLine& line : law.lines) {
-    const double v = speed_of(line.value, mass);
-    speeds = {std::min(speeds.slowest, v), std::max(speeds.fastest, v)};
-  }
-  return speeds;
-}
-
-// ---- directions ----
-
 /// Nothing is told apart beyond this angle [rad].
 constexpr double widest = 1.3;
-
-double angle_of(const ParallelDirection&) { return 0; }
-double angle_of(const GaussianDirection& law) { return std::atan(deviations * std::hypot(law.x, law.z)); }
-double angle_of(const ConeDirection& law) { return law.half_angle; }
-double angle_of(const CosineDirection& law) { return law.half_angle; }
-double angle_of(const BoxDirection& law) { return std::atan(std::hypot(law.x, law.z)); }
-double angle_of(const ChannelDirection&) { return widest; }
-double angle_of(const AimedDirection&) { return widest; }
 
 /// How far the rim is from the centre.
 double reach_of(const Rectangle& hole) { return std::hypot(hole.width, hole.height) / 2; }
@@ -180,7 +125,8 @@ std::vector<LevelZone> driven_zones(const Species& species, const std::vector<Se
 double steepest_before(const Plane& asked, const Beamline& beamline, const Sections& sections) {
   const Source& source = beamline.source;
   const double tilt = std::acos(std::clamp(std::cos(source.tilt.x) * std::cos(source.tilt.z), -1.0, 1.0));
-  const double law = std::visit([](const auto& l) { return angle_of(l); }, source.direction) + tilt;
+  const double law =
+      std::visit([](const auto& l) { return l.widest_angle(deviations); }, source.direction) + tilt;
   if (law == 0) return 0;
   const double hole = reach_of(source.opening) + std::hypot(source.offset.x, source.offset.z);
   double slope = std::numeric_limits<double>::infinity();
@@ -211,7 +157,7 @@ double steepest_before(const Plane& asked, const Beamline& beamline, const Secti
 }
 
 SlownessRange slownesses_of(const Source& source, double mass, double steepest) {
-  const Speeds speeds = std::visit([&](const auto& law) { return speeds_of(law, mass); }, source.speed);
+  const SpeedRange speeds = std::visit([&](const auto& law) { return law.speed_range(mass); }, source.speed);
   // What flies aslant goes more slowly along the beam; in steps, so that scan points share their tables.
   constexpr double step = 0.02;
   const double longer = 1 + step * std::ceil((1 / std::cos(steepest) - 1) / step);

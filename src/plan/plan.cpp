@@ -236,7 +236,7 @@ std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& 
       deflects =
           deflects || std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage);
     }
-  return deflects || of_atom ? static_cast<std::size_t>(root.source.levels) : 0;
+  return deflects || of_atom ? static_cast<std::size_t>(root.source.spin.levels) : 0;
 }
 
 PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bool of_atom,
@@ -256,7 +256,7 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
   tree.cost = cost_of_emission;
-  for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed);
+  for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed.mean);
   return tree;
 }
 

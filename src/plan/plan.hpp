@@ -1,7 +1,6 @@
 #pragma once
 // The plan of a scan: every point compiles to a source and a chain of stages; equal beginnings are shared.
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -41,7 +40,7 @@ struct EmissionSums {
   static std::size_t group(std::size_t g) { return 2 + g; }
   std::size_t size() const { return weights_differ ? 2 + group_count : 2; }
 };
-inline EmissionSums sums_of(const Emission& e) { return {e.direction == DirectionKind::aimed}; }
+inline EmissionSums sums_of(const Emission& e) { return {e.direction.kind == DirectionKind::aimed}; }
 
 /// What becomes of the particles that were prepared in each level, at one stage [quanta]: what was caught by
 /// its screen, and what ended there otherwise.
@@ -81,8 +80,6 @@ std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&
 std::vector<SpinZone> zones_along(const Beamline&, const Component&);
 /// How the particles of a beamline start. What it draws from stays in the tables, which must outlive it.
 Emission emission_of(const Beamline&, const Component&, RandomKey, SampledTables&);
-/// Transmissions of channels that were worked out already, by length over radius.
-using Transmissions = std::map<double, double>;
 /// The share of all particles leaving the source that weight 1 of an aimed one stands for; 1 where it is not
 /// aimed. The detected weight per particle times it is the detected share of all that leave.
 double aimed_fraction(const Beamline&, Transmissions&);

@@ -90,7 +90,7 @@ class Finisher {
       result_.emitted_quanta_low.push_back(static_cast<std::uint64_t>(m.q));
     }
     const Aperture& target = plan_.trees.front().source.target;
-    if (plan_.trees.front().source.direction == DirectionKind::aimed) {
+    if (plan_.trees.front().source.direction.kind == DirectionKind::aimed) {
       result_.solid_angle = area_of(target) / (target.y * target.y);
     }
     add_absolute_numbers();

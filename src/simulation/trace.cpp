@@ -27,7 +27,7 @@ class Tracer {
     kernels_.emit(tree.source, particle, batch_.view());
     const Component& component = beamline.species[static_cast<std::size_t>(tree.component)];
     zones_ = zones_along(beamline, component);
-    along_ = parts_along(component.species, tree.source.levels);
+    along_ = parts_along(component.species, tree.source.spin.levels);
   }
 
   Track fly() {

@@ -5,93 +5,90 @@
 namespace rabiline::RABILINE_ISA {
 namespace {
 
-RABILINE_LANES real normal_speed(const Emission& e, real u0, real u1) {
+RABILINE_LANES real normal_number(const SpeedDraw& s, real u0, real u1) {
   real normal, unused;
   normal_pair(u0, u1, normal, unused);
-  return fma(normal, broadcast(e.speed_sigma), broadcast(e.speed));
+  return fma(normal, broadcast(s.sigma), broadcast(s.centre));
 }
 /// The parameters by value: a pointer to them would keep emit from holding them in registers.
-[[gnu::noinline]] real redrawn(Emission e, words particle, real speed) {
-  for (unsigned draw = 1; any(speed <= broadcast(0)); ++draw) {
+[[gnu::noinline]] real redrawn(SpeedDraw s, RandomKey key, words particle, real q) {
+  for (unsigned draw = 1; any(q <= broadcast(s.least)); ++draw) {
     real u1;
-    const real u0 = uniform_pair(particle, e.key, purpose::speed, draw, u1);
-    speed = select(speed <= broadcast(0), normal_speed(e, u0, u1), speed);
+    const real u0 = uniform_pair(particle, key, purpose::speed, draw, u1);
+    q = select(q <= broadcast(s.least), normal_number(s, u0, u1), q);
   }
-  return speed;
+  return q;
 }
-/// A normal law in the wavelength or the energy; what is not above the least is drawn again.
-real converted_normal(const Emission& e, words particle, real u0, real u1) {
-  real normal, unused;
-  normal_pair(u0, u1, normal, unused);
-  const real least = broadcast(e.normal_least);
-  real q = fma(normal, broadcast(e.normal_sigma), broadcast(e.normal_mean));
-  for (unsigned draw = 1; any(q <= least); ++draw) {
-    u0 = uniform_pair(particle, e.key, purpose::speed, draw, u1);
-    normal_pair(u0, u1, normal, unused);
-    q = select(q <= least, fma(normal, broadcast(e.normal_sigma), broadcast(e.normal_mean)), q);
+/// A normal law; what is not above the least is drawn again.
+RABILINE_LANES void draw_normal_numbers(const SpeedDraw& s, const RandomKey& key, BatchView& batch) {
+  alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real second;
+    store(u0 + i, uniform_pair(load(batch.particle + i), key, purpose::speed, 0, second));
+    store(u1 + i, second);
   }
-  return converted(e, q);
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real q = normal_number(s, load(u0 + i), load(u1 + i));
+    const bool again = any(q <= broadcast(s.least));
+    store(batch.vy + i, again ? redrawn(s, key, load(batch.particle + i), q) : q);
+  }
 }
 /// Thermal laws, y = v/alpha. Flux 2 y^3 exp(-y^2): y^2 is the sum of two exponential variables. Density
 /// (4/sqrt(pi)) y^2 exp(-y^2): of one and half the square of a normal one, since y^2 has three degrees of
 /// freedom.
-[[gnu::noinline]] void draw_other_speeds(const Emission& e, BatchView& batch) {
+[[gnu::noinline]] void draw_other_numbers(const SpeedDraw& s, const RandomKey& key, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words particle = load(batch.particle + i);
-    real u1, speed;
-    const real u0 = uniform_pair(particle, e.key, purpose::speed, 0, u1);
-    if (e.speed_kind == SpeedKind::effusive) {
-      speed = sqrt(-log(u0 * u1)) * e.speed_factor;
-    } else if (e.speed_kind == SpeedKind::maxwell) {
+    real u1, q;
+    const real u0 = uniform_pair(particle, key, purpose::speed, 0, u1);
+    if (s.kind == SpeedKind::effusive) {
+      q = sqrt(-log(u0 * u1));
+    } else if (s.kind == SpeedKind::maxwell) {
       real v1, normal, unused;
-      const real v0 = uniform_pair(particle, e.key, purpose::speed, 1, v1);
+      const real v0 = uniform_pair(particle, key, purpose::speed, 1, v1);
       normal_pair(v0, v1, normal, unused);
-      speed = sqrt(fma(normal * 0.5, normal, -log(u0))) * e.speed_factor;
-    } else if (e.speed_kind == SpeedKind::sampled) {
-      speed = converted(e, drawn_from(e.speed_law, u0));
+      q = sqrt(fma(normal * 0.5, normal, -log(u0)));
     } else {
-      speed = converted_normal(e, particle, u0, u1);
+      q = drawn_from(s.table, u0);
     }
-    store(batch.vy + i, speed);
+    store(batch.vy + i, q);
   }
 }
-
-/// A normal law; speeds that are not positive are drawn again.
-RABILINE_LANES void draw_speeds(const Emission& e, BatchView& batch) {
-  if (e.speed_kind == SpeedKind::single) {
-    for (int i = 0; i < batch.padded; i += lane_count) store(batch.vy + i, broadcast(e.speed));
-    return;
-  }
-  alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
+[[gnu::noinline]] void convert_to_speeds(const SpeedDraw& s, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
-    real second;
-    store(u0 + i, uniform_pair(load(batch.particle + i), e.key, purpose::speed, 0, second));
-    store(u1 + i, second);
+    const real q = load(batch.vy + i);
+    store(batch.vy + i, s.scale == SpeedScale::proportional ? q * s.factor
+                        : s.scale == SpeedScale::inverse    ? s.factor / q
+                                                            : sqrt(q * s.factor));
   }
-  for (int i = 0; i < batch.padded; i += lane_count) {
-    const real speed = normal_speed(e, load(u0 + i), load(u1 + i));
-    const bool again = any(speed <= broadcast(0));
-    store(batch.vy + i, again ? redrawn(e, load(batch.particle + i), speed) : speed);
-  }
+}
+RABILINE_LANES void draw_speeds(const SpeedDraw& s, const RandomKey& key, BatchView& batch) {
+  if (s.kind == SpeedKind::single)
+    for (int i = 0; i < batch.padded; i += lane_count) store(batch.vy + i, broadcast(s.mean));
+  else if (s.kind == SpeedKind::gaussian)
+    draw_normal_numbers(s, key, batch);
+  else
+    draw_other_numbers(s, key, batch);
+  if (s.scale != SpeedScale::proportional || s.factor != 1) convert_to_speeds(s, batch);
 }
 
 /// Slopes dx/dy and dz/dy, from the place of emission.
 RABILINE_LANES void draw_slopes(const Emission& e, words particle, real x, real z, real& slope_x,
                                 real& slope_z) {
   slope_x = slope_z = broadcast(0);
-  if (e.direction == DirectionKind::parallel) return;
-  if (e.direction == DirectionKind::gaussian) {
+  if (e.direction.kind == DirectionKind::parallel) return;
+  if (e.direction.kind == DirectionKind::gaussian) {
     real u1;
     const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
     normal_pair(u0, u1, slope_x, slope_z);
-    slope_x = slope_x * e.spread_x;
-    slope_z = slope_z * e.spread_z;
+    slope_x = slope_x * e.direction.spread_x;
+    slope_z = slope_z * e.direction.spread_z;
     return;
   }
   real u1;
   const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
-  if (e.direction == DirectionKind::cone) {
-    const real below = u0 * e.spread_x, cosine = 1.0 - below;  // below = 1 - cos(theta)
+  if (e.direction.kind == DirectionKind::cone) {
+    const real below = u0 * e.direction.spread_x, cosine = 1.0 - below;  // below = 1 - cos(theta)
     const real tangent = sqrt(below * (1.0 + cosine)) / cosine;
     const Phasor p = phasor(u1 * two_pi);
     slope_x = tangent * p.c;
@@ -111,9 +108,10 @@ RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchVie
   const real zero = broadcast(0);
   Vector s{zero, zero, broadcast(1)};
   words level = words{};
-  if (e.levels > 0) {
-    for (int k = 1; k < e.levels; ++k)
-      level = level + select(u0 >= broadcast(static_cast<double>(k) / e.levels), broadcast_word(1), words{});
+  if (e.spin.levels > 0) {
+    for (int k = 1; k < e.spin.levels; ++k)
+      level =
+          level + select(u0 >= broadcast(static_cast<double>(k) / e.spin.levels), broadcast_word(1), words{});
   } else {
     s.z = fma(u0, broadcast(2), broadcast(-1));
     const real transverse = sqrt(max(fma(-s.z, s.z, broadcast(1)), zero));
@@ -131,7 +129,7 @@ RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchVie
 /// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
 /// value.
 RABILINE_LANES words weight_of(const Emission& e, real cosine) {
-  if (e.direction != DirectionKind::aimed) return broadcast_word(quanta_per_particle);
+  if (e.direction.kind != DirectionKind::aimed) return broadcast_word(quanta_per_particle);
   return quanta_of(cosine * cosine * cosine);
 }
 
@@ -139,7 +137,7 @@ RABILINE_LANES words weight_of(const Emission& e, real cosine) {
 RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
   real slope_x, slope_z, cosine = broadcast(1);
   draw_slopes(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i), slope_x, slope_z);
-  if (e.direction != DirectionKind::parallel)
+  if (e.direction.kind != DirectionKind::parallel)
     cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
   const real vy = load(batch.vy + i) * cosine;
   store(batch.vx + i, vy * slope_x);
@@ -150,10 +148,10 @@ RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
 
 /// Directions that `direct` knows.
 bool is_common(const Emission& e) {
-  const bool known = e.direction == DirectionKind::parallel || e.direction == DirectionKind::gaussian ||
-                     e.direction == DirectionKind::cone;
-  return (known && !e.tilted) ||
-         (e.direction == DirectionKind::aimed && e.aimed_law == AimedLaw::isotropic && !e.tilted);
+  const bool known = e.direction.kind == DirectionKind::parallel ||
+                     e.direction.kind == DirectionKind::gaussian || e.direction.kind == DirectionKind::cone;
+  return (known && !e.tilted) || (e.direction.kind == DirectionKind::aimed &&
+                                  e.direction.aimed_law == AimedLaw::isotropic && !e.tilted);
 }
 
 // ---- what few sources ask for ----
@@ -174,20 +172,20 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
   real slope_x, slope_z;
   real u1;
   const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
-  if (e.direction == DirectionKind::channel) {
+  if (e.direction.kind == DirectionKind::channel) {
     real sine, cosine;
-    sincos(drawn_from(e.angle_law, u0), sine, cosine);
+    sincos(drawn_from(e.direction.angles, u0), sine, cosine);
     const Phasor p = phasor(u1 * two_pi);
     return {sine * p.c, max(cosine, broadcast(1e-9)), sine * p.s};
   }
-  if (e.direction == DirectionKind::cosine) {  // sin^2(theta) is uniform
-    const real square = u0 * e.spread_x, sine = sqrt(square);
+  if (e.direction.kind == DirectionKind::cosine) {  // sin^2(theta) is uniform
+    const real square = u0 * e.direction.spread_x, sine = sqrt(square);
     const Phasor p = phasor(u1 * two_pi);
     return {sine * p.c, sqrt(1.0 - square), sine * p.s};
   }
-  if (e.direction == DirectionKind::box) {
-    slope_x = fma(u0, broadcast(2), broadcast(-1)) * e.spread_x;
-    slope_z = fma(u1, broadcast(2), broadcast(-1)) * e.spread_z;
+  if (e.direction.kind == DirectionKind::box) {
+    slope_x = fma(u0, broadcast(2), broadcast(-1)) * e.direction.spread_x;
+    slope_z = fma(u1, broadcast(2), broadcast(-1)) * e.direction.spread_z;
   } else {
     draw_slopes(e, particle, x, z, slope_x, slope_z);
   }
@@ -197,7 +195,7 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
 
 /// Directions and weights of all the sources that `direct` does not know.
 [[gnu::noinline]] void direct_otherwise(const Emission& e, BatchView& batch) {
-  const bool aimed = e.direction == DirectionKind::aimed;
+  const bool aimed = e.direction.kind == DirectionKind::aimed;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real speed = load(batch.vy + i);
     Vector d = draw_direction(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i));
@@ -216,31 +214,32 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
 /// Spins along an axis: |m> along it for levels, whose image of the axis the batch then holds; else S with
 /// the component m/I along it.
 [[gnu::noinline]] void draw_prepared_spins(const Emission& e, BatchView& batch) {
+  const double* axis = e.spin.axis;
   // Two directions across the axis a: b = a x (the unit vector least along it), c = a x b.
-  const double least_x = __builtin_fabs(e.axis_x) < 0.6 ? 1 : 0, least_y = 1 - least_x;
-  double bx = -e.axis_z * least_y, by = e.axis_z * least_x, bz = e.axis_x * least_y - e.axis_y * least_x;
+  const double least_x = __builtin_fabs(axis[0]) < 0.6 ? 1 : 0, least_y = 1 - least_x;
+  double bx = -axis[2] * least_y, by = axis[2] * least_x, bz = axis[0] * least_y - axis[1] * least_x;
   const double length = __builtin_sqrt(bx * bx + by * by + bz * bz);
   bx /= length, by /= length, bz /= length;
-  const double cx = e.axis_y * bz - e.axis_z * by, cy = e.axis_z * bx - e.axis_x * bz,
-               cz = e.axis_x * by - e.axis_y * bx;
+  const double cx = axis[1] * bz - axis[2] * by, cy = axis[2] * bx - axis[0] * bz,
+               cz = axis[0] * by - axis[1] * bx;
   for (int i = 0; i < batch.padded; i += lane_count) {
     real u1;
     const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::spin, 0, u1);
     words level = words{};
-    real along = broadcast(e.spin_along[0]);
-    for (int k = 1; k < e.spin_steps; ++k) {
-      const mask beyond = u0 >= broadcast(e.spin_cumulative[k - 1]);
+    real along = broadcast(e.spin.along[0]);
+    for (int k = 1; k < e.spin.steps; ++k) {
+      const mask beyond = u0 >= broadcast(e.spin.cumulative[k - 1]);
       level = level + select(beyond, broadcast_word(1), words{});
-      along = select(beyond, broadcast(e.spin_along[k]), along);
+      along = select(beyond, broadcast(e.spin.along[k]), along);
     }
-    const bool levels = e.spin_kind == SpinKind::levels;
+    const bool levels = e.spin.kind == SpinKind::levels;
     if (levels) along = broadcast(1);
     const real across = sqrt(max(fma(-along, along, broadcast(1)), broadcast(0)));
     const Phasor p = phasor(u1 * two_pi);
     const real b = across * p.c, c = across * p.s;
-    store(batch.sx + i, fma(along, broadcast(e.axis_x), fma(b, broadcast(bx), c * cx)));
-    store(batch.sy + i, fma(along, broadcast(e.axis_y), fma(b, broadcast(by), c * cy)));
-    store(batch.sz + i, fma(along, broadcast(e.axis_z), fma(b, broadcast(bz), c * cz)));
+    store(batch.sx + i, fma(along, broadcast(axis[0]), fma(b, broadcast(bx), c * cx)));
+    store(batch.sy + i, fma(along, broadcast(axis[1]), fma(b, broadcast(by), c * cy)));
+    store(batch.sz + i, fma(along, broadcast(axis[2]), fma(b, broadcast(bz), c * cz)));
     store(batch.level + i, levels ? level : words{});
     store(batch.prepared + i, levels ? level : words{});
   }
@@ -279,15 +278,12 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
   }
   if (e.gaussian_spot) draw_spot(emission, view);
   if (e.pulse != PulseKind::none) draw_times(emission, view);
-  if (e.speed_kind == SpeedKind::single || e.speed_kind == SpeedKind::gaussian)
-    draw_speeds(e, batch);
-  else
-    draw_other_speeds(emission, view);
+  draw_speeds(e.speed, e.key, batch);
   if (is_common(emission))
     for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);
   else
     direct_otherwise(emission, view);
-  if (e.spin_kind == SpinKind::unpolarised)
+  if (e.spin.kind == SpinKind::unpolarised)
     for (int i = 0; i < batch.padded; i += lane_count) draw_spin(e, load(batch.particle + i), i, batch);
   else
     draw_prepared_spins(emission, view);

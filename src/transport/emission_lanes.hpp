@@ -61,11 +61,6 @@ inline real drawn_from(const SampledLaw& law, real u) {
   return out;
 }
 
-inline real converted(const Emission& e, real q) {
-  if (e.speed_scale == SpeedScale::proportional) return q * e.speed_factor;
-  if (e.speed_scale == SpeedScale::inverse) return e.speed_factor / q;
-  return sqrt(q * e.speed_factor);
-}
 /// A weight from 0 to 1: the integer stands in the low bits.
 RABILINE_LANES words quanta_of(real weight) {
   const real quanta = weight * static_cast<double>(quanta_per_particle);
@@ -99,11 +94,12 @@ inline real relative_density(const Emission& e, const Vector& d) {
   const real zero = broadcast(0);
   const Vector n = tilted(e, {zero, broadcast(1), zero});
   const real along = dot(d, n), cosine = min(broadcast(1), max(zero, along));
-  if (e.aimed_law == AimedLaw::isotropic) return select(along > zero, broadcast(1), zero);
-  if (e.aimed_law == AimedLaw::cosine) return cosine;
+  if (e.direction.aimed_law == AimedLaw::isotropic) return select(along > zero, broadcast(1), zero);
+  if (e.direction.aimed_law == AimedLaw::cosine) return cosine;
   const Vector across = cross(d, n);
   const real sine = sqrt(dot(across, across));
-  return select(along > zero, shape_at(e.channel_shape, sine / max(along, broadcast(1e-300))) * cosine, zero);
+  return select(along > zero, shape_at(e.direction.channel, sine / max(along, broadcast(1e-300))) * cosine,
+                zero);
 }
 
 }  // namespace rabiline::RABILINE_ISA

@@ -7,6 +7,7 @@
 #include "field/magnet_shape.hpp"
 #include "field/shape.hpp"
 #include "particle/batch.hpp"
+#include "particle/draw.hpp"
 #include "tally/quantity.hpp"
 
 namespace rabiline {
@@ -38,65 +39,31 @@ struct Aperture {
 
 inline constexpr int most_levels = 40;
 
-/// A density that is linear between points, or a few sharp values, to draw from (plan/sampled_tables.hpp).
-/// All columns have cells + 1 entries but `guide`. Compared by address: a plan makes each table once.
-struct SampledLaw {
-  const double* at = nullptr;
-  const double* density = nullptr;     // null: the sharp values `at`, one for each cell
-  const double* cumulative = nullptr;  // from 0 to 1
-  const int* guide = nullptr;          // [guides] the first cell that reaches a share k/guides of all
-  int cells = 0;
-  static constexpr int guides = 1024;
-  bool operator==(const SampledLaw&) const = default;
-};
-/// How a drawn number q becomes a speed: factor q, factor/q (a wavelength) or sqrt(factor q) (an energy).
-enum class SpeedScale { proportional, inverse, root };
-
-/// j(theta) of a channel, between points of equal distance in p = tan(theta)/edge and, beyond p = 1, in 1/p.
-struct ChannelShape {
-  const double *inside = nullptr, *outside = nullptr;  // [cells + 1]
-  int cells = 0;
-  double edge = 1;  // tan(theta) where p = 1
-  bool operator==(const ChannelShape&) const = default;
-};
-
-enum class SpeedKind { single, gaussian, converted_gaussian, effusive, maxwell, sampled };
-enum class DirectionKind { parallel, gaussian, cone, aimed, cosine, box, channel };
-enum class AimedLaw { isotropic, cosine, channel };
 enum class SpinKind { unpolarised, levels, along_axis };
+/// The spin that particles start with.
+struct SpinDraw {
+  SpinKind kind = SpinKind::unpolarised;
+  int levels = 0;              // quantum: how many levels, uniformly populated; 0: a random direction of S
+  double axis[3] = {0, 0, 1};  // of what is not unpolarised
+  int steps = 0;               // levels to choose from
+  double cumulative[most_levels] = {};  // the last is 1
+  double along[most_levels] = {};       // S . axis of each (vector laws)
+  bool operator==(const SpinDraw&) const = default;
+};
 enum class PulseKind { none, rectangle, gaussian };
 
 /// How a batch begins.
 struct Emission {
   RandomKey key;
-  SpeedKind speed_kind = SpeedKind::single;
-  double speed = 0, speed_sigma = 0;  // [m/s] the mean; sigma (gaussian)
-  Aperture opening;                   // at y = 0
-  DirectionKind direction = DirectionKind::parallel;
-  double spread_x = 0, spread_z = 0;  // slopes (gaussian, box); in spread_x 1 - cos(half angle) (cone) or
-                                      // sin^2(half angle) (cosine)
-  Aperture target;                    // (aimed)
-  int levels = 0;  // quantum: how many levels, uniformly populated; 0: a random direction of S
-
-  // speeds of other laws
-  SpeedScale speed_scale = SpeedScale::proportional;
-  double speed_factor = 1;  // alpha (effusive, maxwell); that of SpeedScale
-  double normal_mean = 0, normal_sigma = 0, normal_least = 0;  // (converted_gaussian)
-  SampledLaw speed_law;                                        // (sampled)
-  // places and directions
+  SpeedDraw speed{};
+  Aperture opening;  // at y = 0
   bool gaussian_spot = false;
-  double spot_x = 0, spot_z = 0;  // [m] sigma
-  SampledLaw angle_law;           // of theta (channel)
-  AimedLaw aimed_law = AimedLaw::isotropic;
-  ChannelShape channel_shape;  // (aimed from a channel)
+  double spot_x = 0, spot_z = 0;  // [m] sigma about the opening's centre
+  DirectionDraw direction{};
+  Aperture target;  // (aimed)
   bool tilted = false;
   double tilt_cos_x = 1, tilt_sin_x = 0, tilt_cos_z = 1, tilt_sin_z = 0;  // first about x, then about z
-  // spins and times
-  SpinKind spin_kind = SpinKind::unpolarised;
-  double axis_x = 0, axis_y = 0, axis_z = 1;
-  int spin_steps = 0;                        // levels to choose from
-  double spin_cumulative[most_levels] = {};  // the last is 1
-  double spin_along[most_levels] = {};       // S . axis of each (vector laws)
+  SpinDraw spin{};
   PulseKind pulse = PulseKind::none;
   double pulse_width = 0;  // [s] length; sigma (gaussian)
   bool operator==(const Emission&) const = default;

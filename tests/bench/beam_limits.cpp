@@ -51,7 +51,7 @@ struct NormalSlowness {
     const real minus_two_log = -2.0 * log(u0);
     const real radius = minus_two_log * reciprocal_root(minus_two_log);
     return reciprocal(
-        fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed_sigma), broadcast(draw.e.speed)));
+        fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed.sigma), broadcast(draw.e.speed.centre)));
   }
 };
 
@@ -61,7 +61,7 @@ struct FluxWeightedSlowness {
   RABILINE_LANES real operator()(std::uint64_t first) const {
     real u0, u1;
     draw(first, u0, u1);
-    return reciprocal_root(-log(u0 * u1)) * (1 / draw.e.speed);
+    return reciprocal_root(-log(u0 * u1)) * (1 / draw.e.speed.mean);
   }
 };
 

@@ -37,7 +37,7 @@ double dorado_steps() {
     Experiment one;
     one.points = {point};
     const Plan plan = make_plan(one);
-    steps += steps_through(region_of(plan), emission_of(plan).speed) * dorado_particles;
+    steps += steps_through(region_of(plan), emission_of(plan).speed.mean) * dorado_particles;
   }
   return steps;
 }

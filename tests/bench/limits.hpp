@@ -21,7 +21,7 @@ struct FlipSums {
 /// For each particle: draw its normal speed, its flip probability, sums of P and P^2. The same random numbers
 /// as the program's, so that the sums agree.
 FlipSums normal_beam(const Emission&, const RabiLine&, std::uint64_t particles);
-/// As above with speeds v^3 exp(-v^2/a^2), a = Emission::speed, for comparison with other programs.
+/// As above with speeds v^3 exp(-v^2/a^2), a = SpeedDraw::mean, for comparison with other programs.
 FlipSums flux_weighted_beam(const Emission&, const RabiLine&, std::uint64_t particles);
 /// Each particle's speed is drawn once and serves all lines; sums[line].
 void scan_of_normal_beam(const Emission&, const std::vector<RabiLine>&, std::uint64_t particles,

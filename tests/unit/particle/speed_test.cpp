@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "core/constants.hpp"
+#include "particle/law_tables.hpp"
 
 namespace rabiline {
 namespace {
@@ -65,6 +66,47 @@ TEST(MeanSpeed, OfWavelengthsIsNotTheSpeedOfTheirMean) {
       400, 5000);
   EXPECT_NEAR(mean_speed(law, neutron) / expected, 1, 1e-5);
   EXPECT_GT(mean_speed(law, neutron), 1.009 * speed_of(law.mean, neutron));
+}
+
+TEST(MeanSpeed, OfEqualSharesOfWavelengthsAndEnergiesIsTheIntegral) {
+  const double length = 4e-10, energy = 4e-21, spread = 0.6;
+  const auto mean = [&](double q0, Dimension d) {
+    return integral(
+               [&](double q) {
+                 return speed_of({q, d}, neutron);
+               },
+               q0 * (1 - spread), q0 * (1 + spread)) /
+           (2 * spread * q0);
+  };
+  EXPECT_NEAR(mean_speed(UniformSpeed{{length, Dimension::length}, spread}, neutron) /
+                  mean(length, Dimension::length),
+              1, 1e-9);
+  EXPECT_NEAR(mean_speed(UniformSpeed{{energy, Dimension::energy}, spread}, neutron) /
+                  mean(energy, Dimension::energy),
+              1, 1e-9);
+  EXPECT_EQ(mean_speed(UniformSpeed{1000, spread}, neutron), 1000);
+}
+
+TEST(SpeedRange, HoldsAllButOneInTenThousandParticlesOfEachLaw) {
+  const double alpha = thermal_speed(300, helium);
+  const auto share_outside = [](const SpeedRange& range, const std::function<double(double)>& density,
+                                double last) {
+    return 1 - integral(density, range.slowest, range.fastest) / integral(density, 0, last);
+  };
+  const auto flux = [&](double v) { return std::pow(v / alpha, 3) * std::exp(-v * v / alpha / alpha); };
+  const auto box = [&](double v) { return std::pow(v / alpha, 2) * std::exp(-v * v / alpha / alpha); };
+  EXPECT_LT(share_outside(EffusiveSpeed{300}.speed_range(helium), flux, 12 * alpha), 1.1e-4);
+  EXPECT_LT(share_outside(MaxwellSpeed{300}.speed_range(helium), box, 12 * alpha), 1.1e-4);
+  const SpeedRange uniform = UniformSpeed{{4e-10, Dimension::length}, 0.1}.speed_range(neutron);
+  EXPECT_DOUBLE_EQ(uniform.slowest, speed_of({4.4e-10, Dimension::length}, neutron));
+  EXPECT_DOUBLE_EQ(uniform.fastest, speed_of({3.6e-10, Dimension::length}, neutron));
+}
+
+TEST(LawTables, MakeATableOnce) {
+  LawTables tables;
+  const SupersonicSpeed cold{77, 5.0 / 3, 8}, warm{300, 5.0 / 3, 8}, fast{300, 5.0 / 3, 9};
+  EXPECT_EQ(cold.draw(helium, tables).table, warm.draw(helium, tables).table);
+  EXPECT_NE(cold.draw(helium, tables).table.at, fast.draw(helium, tables).table.at);
 }
 
 TEST(MeanSpeed, OfATableIsThatOfItsLinearDensity) {

@@ -19,7 +19,7 @@ using test::speed_of;
 Emission base() {
   Emission e;
   e.key = {1938, 0};
-  e.speed = 1000;
+  e.speed.mean = 1000;
   e.opening.half_x = 1e-3;
   e.opening.half_z = 2e-3;
   return e;
@@ -27,15 +27,17 @@ Emission base() {
 
 TEST(Emission, DrawsGaussianSpeeds) {
   Emission e = base();
-  e.speed_kind = SpeedKind::gaussian;
-  e.speed_sigma = 50;
+  e.speed.kind = SpeedKind::gaussian;
+  e.speed.centre = 1000;
+  e.speed.sigma = 50;
   expect_law(emitted(e, speed_of), [](double v, double s) { return gsl_cdf_gaussian_P(v - 1000, s * 50); });
 }
 
 TEST(Emission, CutsAWideGaussianAtZeroSpeed) {
   Emission e = base();
-  e.speed_kind = SpeedKind::gaussian;
-  e.speed_sigma = 2000;
+  e.speed.kind = SpeedKind::gaussian;
+  e.speed.centre = 1000;
+  e.speed.sigma = 2000;
   const std::vector<double> values = emitted(e, speed_of);
   EXPECT_GT(*std::min_element(values.begin(), values.end()), 0);
   expect_law(values, [](double v, double s) {
@@ -60,9 +62,9 @@ TEST(Emission, FillsADiscUniformly) {
 
 TEST(Emission, DrawsGaussianSlopesOfTheirOwnWidthInXAndZ) {
   Emission e = base();
-  e.direction = DirectionKind::gaussian;
-  e.spread_x = 1e-3;
-  e.spread_z = 4e-3;
+  e.direction.kind = DirectionKind::gaussian;
+  e.direction.spread_x = 1e-3;
+  e.direction.spread_z = 4e-3;
   expect_law(emitted(e, [](const BatchView& b, int i) { return b.vx[i] / b.vy[i]; }),
              [](double slope, double s) { return gsl_cdf_gaussian_P(slope, s * 1e-3); });
   expect_law(emitted(e, [](const BatchView& b, int i) { return b.vz[i] / b.vy[i]; }),
@@ -73,8 +75,8 @@ TEST(Emission, DrawsGaussianSlopesOfTheirOwnWidthInXAndZ) {
 TEST(Emission, FillsAConeUniformlyInSolidAngle) {
   Emission e = base();
   const double half = 0.3;
-  e.direction = DirectionKind::cone;
-  e.spread_x = 1 - std::cos(half);
+  e.direction.kind = DirectionKind::cone;
+  e.direction.spread_x = 1 - std::cos(half);
   expect_law(
       emitted(e, [](const BatchView& b, int i) { return b.vy[i] / speed_of(b, i); }),
       [&](double cosine, double s) { return std::max(0.0, 1 - (1 - cosine) / (1 - std::cos(s * half))); });
@@ -84,7 +86,7 @@ TEST(Emission, OfUnpolarisedSpinsIsIsotropicForVectorsAndUniformOverLevels) {
   expect_law(emitted(base(), [](const BatchView& b, int i) { return b.sz[i]; }),
              [](double z, double s) { return (z / s + 1) / 2; });
   Emission e = base();
-  e.levels = 4;
+  e.spin.levels = 4;
   std::vector<double> count(4, 0.0);
   for (const double level :
        emitted(e, [](const BatchView&b, int i) { return static_cast<double>(b.level[i]); }))
@@ -94,7 +96,7 @@ TEST(Emission, OfUnpolarisedSpinsIsIsotropicForVectorsAndUniformOverLevels) {
 
 TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
   Emission e = base();
-  e.direction = DirectionKind::aimed;
+  e.direction.kind = DirectionKind::aimed;
   e.target.y = 0.01;
   e.target.x0 = 2e-3;
   e.target.half_x = 3e-3;
@@ -113,10 +115,11 @@ TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
 
 TEST(Emission, GivesAParticleTheSameStartInAnyBatchAndOnAnyInstructionSet) {
   Emission e = base();
-  e.speed_kind = SpeedKind::gaussian;
-  e.speed_sigma = 50;
-  e.direction = DirectionKind::cone;
-  e.spread_x = 0.01;
+  e.speed.kind = SpeedKind::gaussian;
+  e.speed.centre = 1000;
+  e.speed.sigma = 50;
+  e.direction.kind = DirectionKind::cone;
+  e.direction.spread_x = 0.01;
   Batch whole, alone;
   whole.view().count = whole.view().padded = 256;
   kernels_for(best_isa()).emit(e, 1000, whole.view());
