@@ -5,29 +5,9 @@
 #include <string_view>
 #include <vector>
 
-namespace rabiline {
+#include "core/dimension.hpp"
 
-/// What kind of quantity a number is. Each dimension has one SI unit that the program computes in.
-enum class Dimension {
-  number,          // a pure number
-  length,          // m
-  time,            // s
-  speed,           // m/s
-  mass,            // kg
-  charge,          // C
-  magnetic_field,  // T
-  frequency,       // Hz: turns per second, never radians
-  angle,           // rad
-  gyromagnetic,    // rad/(s T): "MHz/T" is accepted and means gamma/2pi, turns; "rad/s/T" means gamma itself
-  temperature,     // K, absolute
-  energy,          // J
-  rate,            // 1/s: what happens so many times a second; never a frequency
-  field_gradient,  // T/m
-  current,         // A
-  torque,          // N m
-  electric_field   // V/m
-};
-inline constexpr Dimension last_dimension = Dimension::electric_field;
+namespace rabiline {
 
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);

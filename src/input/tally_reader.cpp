@@ -1,64 +1,16 @@
 // An axis of a tally: its quantity says which keys it has and in what they are written.
-#include <cmath>
-#include <numbers>
-
 #include "input/reader.hpp"
 
 namespace rabiline {
 namespace {
 
-/// Values that the quantity can have.
 Range range_of(Quantity q) {
-  switch (q) {
-    case Quantity::spin:
-      return {-1, 1, true, true, "between -1 and 1"};
-    case Quantity::spin_polar_angle:
-      return {0, std::numbers::pi, true, true, "from 0 to 180 deg"};
-    case Quantity::spin_azimuth:
-      return {-std::numbers::pi, std::numbers::pi, true, true, "from -180 to 180 deg"};
-    case Quantity::speed:
-    case Quantity::wavelength:
-    case Quantity::energy:
-    case Quantity::angle:
-    case Quantity::weight:
-    case Quantity::time_of_flight:
-      return range::not_negative;
-    default:
-      return range::any;
-  }
+  const Limits& limits = row_of(q).limits;
+  return {limits.low, limits.high, true, true, limits.words};
 }
 
 /// One way to write an end, with a size that a bench has.
-std::string example_of_end(Quantity q, bool from) {
-  switch (q) {
-    case Quantity::x:
-    case Quantity::z:
-      return from ? "-2 mm" : "2 mm";
-    case Quantity::y:
-      return from ? "0 m" : "2 m";
-    case Quantity::time_of_flight:
-      return from ? "0 ms" : "5 ms";
-    case Quantity::speed:
-      return from ? "0 m/s" : "2000 m/s";
-    case Quantity::wavelength:
-      return from ? "0 nm" : "2 nm";
-    case Quantity::energy:
-      return from ? "0 meV" : "100 meV";
-    case Quantity::angle_x:
-    case Quantity::angle_z:
-      return from ? "-5 mrad" : "5 mrad";
-    case Quantity::angle:
-      return from ? "0 mrad" : "10 mrad";
-    case Quantity::spin:
-      return from ? "-1" : "1";
-    case Quantity::spin_polar_angle:
-      return from ? "0 deg" : "180 deg";
-    case Quantity::spin_azimuth:
-      return from ? "-180 deg" : "180 deg";
-    default:
-      return from ? "0" : "1";
-  }
-}
+std::string example_of_end(Quantity q, bool from) { return from ? row_of(q).from : row_of(q).to; }
 
 bool read_end(Keys& keys, std::string_view key, Quantity quantity, std::optional<AxisEnd>& out) {
   const bool from = key == "from";

@@ -49,4 +49,11 @@ struct DirectionDraw {
   bool operator==(const DirectionDraw&) const = default;
 };
 
+enum class PulseKind { none, rectangle, gaussian };
+struct PulseDraw {
+  PulseKind kind = PulseKind::none;
+  double width = 0;  // [s] length; sigma (gaussian)
+  bool operator==(const PulseDraw&) const = default;
+};
+
 }  // namespace rabiline

@@ -6,6 +6,7 @@
 
 #include "core/unit_vector.hpp"
 #include "parameter/parameter.hpp"
+#include "particle/draw.hpp"
 #include "spin/level_names.hpp"
 
 namespace rabiline {
@@ -99,6 +100,12 @@ using Pulse = std::variant<RectanglePulse, GaussianPulse>;
 template <>
 inline constexpr std::string_view tag_key<Pulse> = "shape";
 
+inline PulseDraw draw_of(const std::optional<Pulse>& pulse) {
+  if (!pulse) return {};
+  if (const auto* gaussian = std::get_if<GaussianPulse>(&*pulse))
+    return {PulseKind::gaussian, gaussian->sigma};
+  return {PulseKind::rectangle, std::get<RectanglePulse>(*pulse).length};
+}
 /// When the last particles start [s]; eight standard deviations of a gaussian are never drawn.
 inline double latest_start(const std::optional<Pulse>& pulse) {
   if (!pulse) return 0;

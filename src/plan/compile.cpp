@@ -185,6 +185,7 @@ class Compiler {
   Histogram tally_at(const Plane& plane, const Tally& tally, std::size_t number, const Aperture& face) const {
     Histogram histogram = histogram_of(tally, static_cast<int>(number), species_, levels());
     histogram.part = plane.part;
+    histogram.pulse = draw_of(beamline_.source.pulse);
     if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term)) histogram.plane = monitor->plane;
     histogram.face = face;
     return histogram;

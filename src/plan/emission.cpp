@@ -44,7 +44,7 @@ class Emitter {
     tilt(source.tilt);
     if (quantum_) e_.spin.levels = species_.levels();
     std::visit([&](const auto& spin) { polarise(spin); }, source.spin);
-    if (source.pulse) std::visit([&](const auto& pulse) { time(pulse); }, *source.pulse);
+    e_.pulse = draw_of(source.pulse);
   }
 
  private:
@@ -71,7 +71,7 @@ class Emitter {
     e_.tilt_sin_z = std::sin(tilt.z);
   }
 
-  // ---- spins and times ----
+  // ---- spins ----
 
   void polarise(const UnpolarisedSpin&) {}
   void polarise(const PolarisedSpin& spin) {
@@ -107,15 +107,6 @@ class Emitter {
       if (!quantum_) e_.spin.along[i] = 1 - 2 * static_cast<double>(i) / species_.spin.twice;
     }
     e_.spin.cumulative[shares.size() - 1] = 1;
-  }
-
-  void time(const RectanglePulse& pulse) {
-    e_.pulse = PulseKind::rectangle;
-    e_.pulse_width = pulse.length;
-  }
-  void time(const GaussianPulse& pulse) {
-    e_.pulse = PulseKind::gaussian;
-    e_.pulse_width = pulse.sigma;
   }
 
   const Beamline& beamline_;

@@ -17,14 +17,14 @@ std::string unit_of(const TallyAxisResult& axis) {
   return unit.empty() ? "1" : std::string(unit);
 }
 
+const QuantityRow& row_of(const TallyAxisResult& axis) {
+  return *std::ranges::find(quantity_rows, axis.quantity, &QuantityRow::word);
+}
+
 /// What plots write along the axis.
 std::string title_of(const TallyAxisResult& axis) {
-  if (axis.quantity == "level") return "m along +z";
-  if (axis.quantity == "prepared_level") return "m along +z that the particle was prepared in";
-  if (axis.quantity == "weight") return "weight in particles";
-  if (axis.quantity == "spin_polar_angle") return long_name("polar angle of the spin from +z", "rad");
-  if (axis.quantity == "spin_azimuth") return long_name("azimuth of the spin about +z", "rad");
-  std::string words = axis.quantity;
+  const QuantityRow& row = row_of(axis);
+  std::string words = row.title != nullptr ? row.title : row.word;
   for (char& c : words)
     if (c == '_') c = ' ';
   if (!axis.direction.empty())
@@ -48,7 +48,7 @@ void write_numbers(const GroupWriter& data, const std::string& name, const Shape
                {{"units", units}, {"long_name", "standard error of " + meaning}});
 }
 
-bool is_circle(const TallyAxisResult& axis) { return axis.quantity == "spin_azimuth"; }
+bool is_circle(const TallyAxisResult& axis) { return row_of(axis).circular; }
 
 void write_moments(const GroupWriter& data, const Shape& shape, const std::string& name,
                    const TallyAxisResult& axis) {

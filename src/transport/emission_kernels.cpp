@@ -246,12 +246,8 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
 }
 
 [[gnu::noinline]] void draw_times(const Emission& e, BatchView& batch) {
-  for (int i = 0; i < batch.padded; i += lane_count) {
-    real u1, normal, unused;
-    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::emission_time, 0, u1);
-    normal_pair(u0, u1, normal, unused);
-    store(batch.t + i, (e.pulse == PulseKind::rectangle ? u0 : normal) * e.pulse_width);
-  }
+  for (int i = 0; i < batch.padded; i += lane_count)
+    store(batch.t + i, start_time(e.pulse, e.key, load(batch.particle + i)));
 }
 
 }  // namespace
@@ -277,7 +273,7 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
     store(batch.caught_by + i, words{});
   }
   if (e.gaussian_spot) draw_spot(emission, view);
-  if (e.pulse != PulseKind::none) draw_times(emission, view);
+  if (e.pulse.kind != PulseKind::none) draw_times(emission, view);
   draw_speeds(e.speed, e.key, batch);
   if (is_common(emission))
     for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);

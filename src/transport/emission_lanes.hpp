@@ -21,6 +21,14 @@ RABILINE_LANES void normal_pair(real u0, real u1, real& a, real& b) {
   b = r * p.s;
 }
 
+/// When a particle leaves a pulsed source [s].
+inline real start_time(const PulseDraw& pulse, const RandomKey& key, words particle) {
+  real u1, normal, unused;
+  const real u0 = uniform_pair(particle, key, purpose::emission_time, 0, u1);
+  normal_pair(u0, u1, normal, unused);
+  return (pulse.kind == PulseKind::rectangle ? u0 : normal) * pulse.width;
+}
+
 /// A point uniform in the opening.
 RABILINE_LANES void draw_point(const Aperture& a, real u0, real u1, real& x, real& z) {
   if (a.radius >= 0) {

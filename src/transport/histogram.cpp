@@ -121,8 +121,9 @@ class Filler {
     for (std::size_t a = 0; a < rulers_.size(); ++a) {
       const HistogramAxis& axis = histogram_.axes[a];
       if (!asks_for_spin(axis.quantity)) {
-        flight_.kernels.measure({axis.quantity, histogram_.face.y, histogram_.mass}, batch_, weights_,
-                                values_[a]);
+        flight_.kernels.measure(
+            {axis.quantity, histogram_.face.y, histogram_.mass, flight_.key, histogram_.pulse}, batch_,
+            weights_, values_[a]);
         continue;
       }
       std::copy_n(axis.direction, 3, spin.axis);

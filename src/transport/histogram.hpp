@@ -41,6 +41,7 @@ struct Histogram {
   Aperture face;        // of a detector only its place along the beam
   std::vector<HistogramAxis> axes;
   double mass = 0;                  // [kg]
+  PulseDraw pulse{};                // of the source
   int levels = 0;                   // quantum: how many; 0: a vector law
   std::vector<SpinZone> zones;      // that turn spins before the plane, where an axis asks for them
   std::vector<double> polynomials;  // MajoranaTable::coefficients

@@ -50,7 +50,6 @@ struct SpinDraw {
   double along[most_levels] = {};       // S . axis of each (vector laws)
   bool operator==(const SpinDraw&) const = default;
 };
-enum class PulseKind { none, rectangle, gaussian };
 
 /// How a batch begins.
 struct Emission {
@@ -64,8 +63,7 @@ struct Emission {
   bool tilted = false;
   double tilt_cos_x = 1, tilt_sin_x = 0, tilt_cos_z = 1, tilt_sin_z = 0;  // first about x, then about z
   SpinDraw spin{};
-  PulseKind pulse = PulseKind::none;
-  double pulse_width = 0;  // [s] length; sigma (gaussian)
+  PulseDraw pulse{};
   bool operator==(const Emission&) const = default;
 };
 
@@ -223,6 +221,8 @@ struct Gauge {
   Quantity quantity = Quantity::x;
   double y = 0;     // [m] the plane
   double mass = 0;  // [kg]
+  RandomKey key{};
+  PulseDraw pulse{};
 };
 /// What measuring the spin along an axis gives where particles meet a plane; or an angle of a spin that is a
 /// vector.

@@ -1,4 +1,5 @@
 // What tallies ask about particles where they meet a plane. Reads only.
+#include "transport/emission_lanes.hpp"
 #include "transport/kernel_functions.hpp"
 #include "transport/majorana_lanes.hpp"
 #include "transport/plane_lanes.hpp"
@@ -33,6 +34,8 @@ RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) 
       return broadcast(gauge.y);
     case Quantity::time_of_flight:
       return c.t;
+    case Quantity::start_time:  // drawn again: the same number as the source drew
+      return start_time(gauge.pulse, gauge.key, load(batch.particle + i));
     case Quantity::speed:
       return sqrt(speed2);
     case Quantity::wavelength:

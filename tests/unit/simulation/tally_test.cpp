@@ -77,6 +77,27 @@ double last_of(const Track& t, Quantity quantity) {
   }
 }
 
+TEST(Tally, OfStartTimesIsThePulse) {
+  Beamline b = divergent();
+  b.particles = 20000;
+  b.source.pulse = RectanglePulse{2e-3};
+  screen(b).tallies = {{"start", {axis(Quantity::start_time, 0, 4e-3, 4)}},
+                       {"both", {axis(Quantity::time_of_flight, 0, 9e-3, 1)}}};
+  const Result pulsed = run_points({b});
+  const std::vector<double>& counts = pulsed.tallies.at(0).counts;
+  const double all = sum(counts);
+  EXPECT_NEAR(counts.at(0) / all, 0.5, 4 * 0.5 / std::sqrt(all));
+  EXPECT_EQ(counts.at(2) + counts.at(3), 0);
+  b.source.pulse.reset();
+  const Result steady = run_points({b});
+  EXPECT_EQ(steady.tallies.at(0).axes.at(0).mean.at(0), 0);
+  // What is measured against t = 0 of a pulse is start and flight; the flight alone does not know of it.
+  const auto mean = [](const Result& r, std::size_t tally) {
+    return r.tallies.at(tally).axes.at(0).mean.at(0);
+  };
+  EXPECT_NEAR(mean(pulsed, 1), mean(pulsed, 0) + mean(steady, 1), 2e-9);
+}
+
 TEST(Tally, AgreesWithAHistogramOfTracksMadeWithoutIt) {
   Beamline b = divergent();
   screen(b).face = Rectangle{1, 1};
