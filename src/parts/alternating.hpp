@@ -11,17 +11,14 @@ void add_alternating(const Part& part, const Placement& place, RotatingTerm term
                      SectionBuilder& builder) {
   const double end = place.at + part.length;
   term.amplitude = part.amplitude;
-  term.profile = profile_of(part.profile, place.at, part.length);
-  if (part.oscillator) {
-    term.phase = part.phase.angle;
-  } else {
-    RotatingTerm clock;
-    clock.frequency = part.frequency.value();
-    clock.turn = turn;
-    clock.phase = part.phase.angle;
-    clock.random_phase = part.phase.kind == Phase::Kind::random;
-    builder.oscillator(place.name, clock);
-  }
+  term.envelope = envelope_of(part.profile, place.at, part.length);
+  if (part.oscillator)
+    term.oscillator.phase = part.phase.angle;
+  else
+    builder.oscillator(place.name, {.frequency = part.frequency.value(),
+                                    .turn = turn,
+                                    .phase = part.phase.angle,
+                                    .random_phase = part.phase.kind == Phase::Kind::random});
   builder.zone(place.at, end, term, part.oscillator.value_or(place.name));
   if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
 }

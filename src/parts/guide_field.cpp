@@ -19,7 +19,7 @@ void contribute(const GuideField& part, const Placement& place, SectionBuilder& 
     term.first = from;
     term.second = cross((1 / sine) * axis, from);
     term.twist = angle / part.length;
-    term.profile = {Shape::rectangular, place.at, part.length, 0};
+    term.envelope = {Shape::rectangular, place.at, part.length, 0};
     builder.twisted(place.at, end, term);
   }
   if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);

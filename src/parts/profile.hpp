@@ -29,7 +29,7 @@ inline constexpr auto parameters<GaussianProfile> = std::tuple{
 };
 using AmplitudeProfile = std::variant<RectangularProfile, HalfSineProfile, GaussianProfile>;
 
-inline Profile profile_of(const AmplitudeProfile& shape, double begin, double length) {
+inline Envelope envelope_of(const AmplitudeProfile& shape, double begin, double length) {
   if (const auto* gaussian = std::get_if<GaussianProfile>(&shape))
     return {Shape::gaussian, begin, length, gaussian->sigma};
   return {std::holds_alternative<HalfSineProfile>(shape) ? Shape::half_sine : Shape::rectangular, begin,

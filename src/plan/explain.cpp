@@ -297,9 +297,9 @@ class Explainer {
   }
   /// Mean of a drive's size over its length.
   static double mean_size(const DriveTerm& drive) {
-    if (drive.shape == Shape::half_sine) return 2 / std::numbers::pi;
-    if (drive.shape == Shape::gaussian) {
-      const double ends = drive.length / (2 * drive.sigma);
+    if (drive.envelope.shape == Shape::half_sine) return 2 / std::numbers::pi;
+    if (drive.envelope.shape == Shape::gaussian) {
+      const double ends = drive.envelope.length / (2 * drive.envelope.sigma);
       return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
     }
     return 1;

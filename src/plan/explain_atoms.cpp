@@ -25,20 +25,20 @@ struct Transition {
 /// Those that the direction of a field and its sense allow, the nearest first.
 std::vector<Transition> transitions_near(const Structure& structure, const LevelZone& zone) {
   const CoupledSpins spins = coupled_spins(structure);
-  const LevelDrive& drive = *zone.drive;
+  const RotatingTerm& drive = *zone.drive;
   const Levels levels = levels_at(spins, zone.field);
   const DrivenStates states = driven_states(spins, levels, drive);
-  const bool swings = drive.kind == DriveKind::oscillating;
-  const int turn = drive.kind == DriveKind::rotating_positive ? 2 : -2;
+  const bool swings = sense_of(drive) == 0;
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
       const double apart = states.energy(i) - states.energy(k);
       const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
-      const bool turns = swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == turn;
+      const bool turns =
+          swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
       if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
-      out.push_back(
-          {i, k, apart, drive.frequency - apart, (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
+      out.push_back({i, k, apart, drive.oscillator.frequency - apart,
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
@@ -72,7 +72,7 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
     const Transition& t = near[i];
     std::string flips;
     if (const double rate = std::hypot(t.rabi, t.detuning);
-        zone.drive->envelope == Envelope::rectangular && rate > 0)
+        zone.drive->envelope.shape == Shape::rectangular && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           std::pow(t.rabi / rate * std::sin(std::numbers::pi * rate / width), 2));
     out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}", name_of(structure, t),
@@ -177,7 +177,7 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
     const double width = speed / (zone.end - zone.begin);
     out.push_back(fmt::format("at B = {}{}: {}, width v/L {}", tesla(zone.field),
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),
-                              megahertz(zone.drive->frequency),
+                              megahertz(zone.drive->oscillator.frequency),
                               pretty_quantity(width, Dimension::frequency)));
     tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, out);
   }
@@ -265,7 +265,7 @@ std::vector<std::string> DrivenParts::warnings() const {
                             megahertz(b.near[i].frequency));
       add(fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
                       experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
-                      megahertz(b.zone->drive->frequency), list.empty() ? "none" : list));
+                      megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
     }
     const std::string& name = experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name;
     if (error > 10 * transition_tolerance)

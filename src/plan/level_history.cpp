@@ -18,50 +18,21 @@ constexpr double rounding = 1e-12;
                                           section.begin, section.end, why, help));
 }
 
-Envelope envelope_of(Shape shape) {
-  switch (shape) {
-    case Shape::half_sine:
-      return Envelope::half_sine;
-    case Shape::gaussian:
-      return Envelope::gaussian;
-    case Shape::rectangular:
-      break;
-  }
-  return Envelope::rectangular;
-}
-
-LevelDrive drive_of(const RotatingTerm& term, const Species& species, const Section& section) {
-  LevelDrive drive;
-  drive.amplitude = term.amplitude;
-  drive.frequency = term.frequency;
-  drive.phase = term.phase;
-  drive.clock = term.oscillator;
-  drive.random_phase = term.random_phase;
-  drive.envelope = envelope_of(term.profile.shape);
-  drive.begin = term.profile.begin;
-  drive.length = term.profile.length;
-  drive.sigma = term.profile.sigma;
+/// What cannot drive levels.
+void require_drive(const RotatingTerm& term, const Species& species, const Section& section) {
   if (term.twist != 0)
     refuse(species, section, "the field that drives an atom's levels turns along the beam",
            "leave out `twist`");
   if (term.motion == FieldMotion::swings)
     refuse(species, section, "the levels of an atom are driven in the rotating-wave approximation only",
            "write `approximation: rotating_wave`");
-  if (term.motion == FieldMotion::swings_in_rotating_wave) {
-    drive.kind = DriveKind::oscillating;
-    drive.direction[0] = term.first.x;
-    drive.direction[1] = term.first.y;
-    drive.direction[2] = term.first.z;
-    return drive;
-  }
+  if (term.motion == FieldMotion::swings_in_rotating_wave) return;
   if (!(term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0}))
     refuse(species, section, "a field that turns in a tilted plane cannot drive an atom's levels",
            "leave out its `tilt`");
-  if (term.turn == Turn::with_precession || term.turn == Turn::against_precession)
+  if (term.oscillator.turn == Turn::with_precession || term.oscillator.turn == Turn::against_precession)
     refuse(species, section, "its levels precess both ways, so `co` and `counter` mean nothing",
            "write `sense: positive` or `sense: negative`");
-  drive.kind = term.turn == Turn::positive ? DriveKind::rotating_positive : DriveKind::rotating_negative;
-  return drive;
 }
 
 LevelZone zone_of(const Section& section, const Species& species) {
@@ -80,7 +51,8 @@ LevelZone zone_of(const Section& section, const Species& species) {
     if (zone.drive)
       refuse(species, section, "two fields drive an atom's levels at one place",
              "place them one behind the other");
-    zone.drive = drive_of(term, species, section);
+    require_drive(term, species, section);
+    zone.drive = term;
   }
   return zone;
 }

@@ -17,16 +17,16 @@ namespace {
 void require_one_frequency(const std::vector<LevelZone>& zones, const Beamline& beamline,
                            const Species& species) {
   if (!beamline.source.pulse) return;
-  const LevelDrive* first = nullptr;
+  const Oscillator* first = nullptr;
   for (const LevelZone& zone : zones) {
-    if (!zone.drive || zone.drive->random_phase) continue;
-    if (first != nullptr && zone.drive->frequency != first->frequency)
+    if (!zone.drive || zone.drive->oscillator.random_phase) continue;
+    if (first != nullptr && zone.drive->oscillator.frequency != first->frequency)
       throw std::invalid_argument(fmt::format(
           "{} between {:.6g} m and {:.6g} m: two clocks of known phases and different frequencies "
           "drive the levels of a pulsed beam, whose particles find them at different times\n  "
           "help: write `phase: random` for one of them, or leave out the source's `pulse`",
           species.name, zones.front().begin, zones.back().end));
-    first = &*zone.drive;
+    first = &zone.drive->oscillator;
   }
 }
 

@@ -73,9 +73,9 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
           std::max(std::abs(zone.spin_rate - drive.omega - drive.twist * speed_), std::abs(drive.spin_rate));
     }
     for (int i = 0; i < zone.drives; ++i) {
-      const DriveTerm& drive = zone.drive[i];
-      if (drive.shape == Shape::gaussian) shortest = std::min(shortest, 6 * drive.sigma);
-      if (drive.shape == Shape::half_sine) shortest = std::min(shortest, drive.length);
+      const Envelope& envelope = zone.drive[i].envelope;
+      if (envelope.shape == Shape::gaussian) shortest = std::min(shortest, 6 * envelope.sigma);
+      if (envelope.shape == Shape::half_sine) shortest = std::min(shortest, envelope.length);
     }
     zone.step = std::min(two_pi / (steps_per_turn * rate), shortest / speed_ / steps_per_profile);
   }
@@ -86,17 +86,14 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
 DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, double static_field) const {
   DriveTerm drive;
   double amplitude = term.amplitude;
-  drive.omega = term.omega(species_.gyromagnetic_ratio);
-  drive.phase = term.phase;
-  drive.oscillator = term.random_phase ? term.oscillator : -1;
+  drive.omega = term.oscillator.omega(species_.gyromagnetic_ratio);
+  drive.phase = term.oscillator.phase;
+  drive.oscillator = term.oscillator.random_phase ? term.oscillator.part : -1;
   drive.twist = term.twist;
-  drive.shape = term.profile.shape;
-  drive.begin = term.profile.begin;
-  drive.length = term.profile.length;
-  drive.sigma = term.profile.sigma;
+  drive.envelope = term.envelope;
   Vector3 first = term.first, second = term.second;
   if (term.motion == FieldMotion::swings) {
-    drive.omega = two_pi * term.frequency;
+    drive.omega = two_pi * term.oscillator.frequency;
     second = {};
   }
   if (term.motion == FieldMotion::swings_in_rotating_wave) {
@@ -108,7 +105,7 @@ DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, dou
     amplitude *= part / 2;
     first = part > square_to ? (1 / part) * across : some_normal(axis);
     second = cross(axis, first);
-    drive.omega = sense * two_pi * term.frequency;
+    drive.omega = sense * two_pi * term.oscillator.frequency;
     drive.phase *= sense;
     drive.random_turn *= sense;
   }
@@ -139,7 +136,7 @@ void ZoneMaker::choose_frame(SpinZone& zone, const Vector3& axis, bool is_static
     zone.kind = ZoneKind::general;
     return;
   }
-  zone.kind = drive.shape == Shape::rectangular ? ZoneKind::rotating : ZoneKind::profiled;
+  zone.kind = drive.envelope.shape == Shape::rectangular ? ZoneKind::rotating : ZoneKind::profiled;
   if (drive.in_xy && !zone.turned) return;
   // The frame's third axis is the plane's normal; a field against it turns every rate about it round.
   if (cosine < 0 && is_static) {

@@ -12,9 +12,9 @@ constexpr double same_place = 1e-12;  // [m]
 void SectionBuilder::uniform(double begin, double end, UniformTerm term) {
   uniform_.push_back({{begin, end, part_}, term});
 }
-void SectionBuilder::oscillator(const std::string& name, RotatingTerm clock) {
-  clock.oscillator = part_;
-  oscillators_[name] = clock;
+void SectionBuilder::oscillator(const std::string& name, Oscillator oscillator) {
+  oscillator.part = part_;
+  oscillators_[name] = oscillator;
 }
 void SectionBuilder::zone(double begin, double end, const RotatingTerm& term, const std::string& oscillator) {
   zones_.push_back({{begin, end, part_}, {term, oscillator}});
@@ -32,12 +32,9 @@ void SectionBuilder::bore(double begin, double end, double radius, Offset offset
 RotatingTerm SectionBuilder::follow(const Zone& zone) const {
   RotatingTerm term = zone.term;
   if (zone.oscillator.empty()) return term;
-  const RotatingTerm& clock = oscillators_.at(zone.oscillator);
-  term.frequency = clock.frequency;
-  term.turn = clock.turn;
-  term.oscillator = clock.oscillator;
-  term.random_phase = clock.random_phase;
-  term.phase += clock.phase;
+  const double own = term.oscillator.phase;
+  term.oscillator = oscillators_.at(zone.oscillator);
+  term.oscillator.phase += own;
   return term;
 }
 

@@ -18,8 +18,8 @@ class SectionBuilder {
   void begin_part(int part) { part_ = part; }
 
   void uniform(double begin, double end, UniformTerm);
-  /// An oscillator: a RotatingTerm without amplitude, under the name that zones follow it by.
-  void oscillator(const std::string& name, RotatingTerm clock);
+  /// An oscillator of this part, under the name that zones follow it by.
+  void oscillator(const std::string& name, Oscillator);
   /// A zone that follows that oscillator, its own phase added; the oscillator may be declared later.
   void zone(double begin, double end, const RotatingTerm&, const std::string& oscillator);
   /// A field that turns along the beam only.
@@ -46,7 +46,7 @@ class SectionBuilder {
   RotatingTerm follow(const Zone&) const;
   std::vector<double> edges() const;
 
-  std::map<std::string, RotatingTerm> oscillators_;
+  std::map<std::string, Oscillator> oscillators_;
   std::vector<std::pair<Extent, Zone>> zones_;
   std::vector<std::pair<Extent, CoilTerm>> coils_;
   std::vector<std::pair<Extent, Wall>> bores_;

@@ -37,7 +37,7 @@ Levels followed(const CoupledSpins& spins, const Levels& from, double field, int
 struct Stretch {
   double begin = 0, end = 0;  // [m]
   Eigen::VectorXd energy{};   // [Hz]
-  std::optional<LevelDrive> drive{};
+  std::optional<RotatingTerm> drive{};
   DrivenStates states{};                 // where driven
   const RotatingFrame* frame = nullptr;  // where driven
   Eigen::MatrixXd kept{};                // [Hz] coupling at full amplitude, where driven
@@ -54,7 +54,7 @@ void check(const LevelZone& zone, double last_end) {
 std::vector<Stretch> stretches_of(const CoupledSpins& spins, std::vector<LevelZone> zones) {
   std::vector<Stretch> stretches;
   Levels levels = levels_at(spins, zones.empty() ? 0 : zones.front().field);
-  const auto add = [&](double begin, double end, double field, const std::optional<LevelDrive>& drive) {
+  const auto add = [&](double begin, double end, double field, const std::optional<RotatingTerm>& drive) {
     if (levels.field != field) levels = followed(spins, levels, field);
     Stretch stretch;
     stretch.begin = begin;
@@ -62,9 +62,9 @@ std::vector<Stretch> stretches_of(const CoupledSpins& spins, std::vector<LevelZo
     stretch.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / planck;
     if (drive && drive->amplitude != 0 && end > begin) {
       stretch.drive = drive;
-      if (drive->kind == DriveKind::oscillating && drive->frequency < 0) {  // cos p = cos(-p)
-        stretch.drive->frequency *= -1;
-        stretch.drive->phase *= -1;
+      if (sense_of(*drive) == 0 && drive->oscillator.frequency < 0) {  // cos p = cos(-p)
+        stretch.drive->oscillator.frequency *= -1;
+        stretch.drive->oscillator.phase *= -1;
       }
       stretch.states = driven_states(spins, levels, *stretch.drive);
     }
@@ -87,17 +87,20 @@ std::deque<RotatingFrame> add_frames(const CoupledSpins& spins, std::vector<Stre
   const std::vector<LevelLabel> labels = level_labels(spins);
   for (Stretch& stretch : stretches) {
     if (!stretch.drive) continue;
-    const LevelDrive& drive = *stretch.drive;
-    if (frequencies.try_emplace(drive.clock, drive.frequency).first->second != drive.frequency)
+    const RotatingTerm& drive = *stretch.drive;
+    const Oscillator& clock = drive.oscillator;
+    if (frequencies.try_emplace(clock.part, clock.frequency).first->second != clock.frequency)
       throw std::invalid_argument("fields of one clock have different frequencies");
-    const auto ours = [&drive](const auto& other) {
-      return other.clock == drive.clock && other.kind == drive.kind;
+    const auto is_ours = [&](int other_clock, int sense) {
+      return other_clock == clock.part && sense == sense_of(drive);
     };
-    auto frame = std::ranges::find_if(frames, ours);
+    auto frame = std::ranges::find_if(
+        frames, [&](const RotatingFrame& other) { return is_ours(other.clock, other.sense); });
     if (frame == frames.end()) {
       std::vector<const DrivenStates*> zones;
       for (const Stretch& other : stretches)
-        if (other.drive && ours(*other.drive)) zones.push_back(&other.states);
+        if (other.drive && is_ours(other.drive->oscillator.part, sense_of(*other.drive)))
+          zones.push_back(&other.states);
       frames.push_back(rotating_frame(labels, drive, zones));
       frame = std::prev(frames.end());
     }
@@ -140,8 +143,8 @@ std::vector<Slice> magnus_slices(const Stretch& stretch, int steps) {
   const double near = 0.5 + 2 * gauss, far = 0.5 - 2 * gauss;
   for (int k = 0; k < steps; ++k) {
     const double middle = stretch.begin + (k + 0.5) * step;
-    const double first = stretch.drive->share(middle - gauss * step);
-    const double second = stretch.drive->share(middle + gauss * step);
+    const double first = share_of(stretch.drive->envelope, middle - gauss * step);
+    const double second = share_of(stretch.drive->envelope, middle + gauss * step);
     slices.push_back({step / 2, near * first + far * second});
     slices.push_back({step / 2, far * first + near * second});
   }
@@ -195,7 +198,7 @@ class BlockBuilder {
         return frame.photons[levels_[k]] - frame.photons[levels_[0]];
       };
       const double m = (labels_[levels_[k]].twice_m - labels_[levels_[0]].twice_m) / 2.0;
-      phase(k) = (photons(next) * stretch.drive->phase + m * stretch.states.axis) / two_pi;
+      phase(k) = (photons(next) * stretch.drive->oscillator.phase + m * stretch.states.axis) / two_pi;
       if (frame_ == nullptr || frame_ == &next) continue;
       rate(k) = (photons(*frame_) * frame_->frequency - photons(next) * next.frequency) * stretch.begin;
       for (std::size_t c = 0; c < random_clocks_.size(); ++c)
@@ -223,7 +226,7 @@ class BlockBuilder {
   }
 
   void drive(Evolution& out, const Stretch& stretch, double largest_slowness) const {
-    if (stretch.drive->envelope == Envelope::rectangular)
+    if (stretch.drive->envelope.shape == Shape::rectangular)
       return pass(out, stretch, {{stretch.end - stretch.begin, 1}});
     const auto amplitudes = [&](int steps) {
       Evolution alone(size(), 0);
@@ -257,9 +260,9 @@ class BlockBuilder {
 std::vector<int> random_clocks(const std::vector<Stretch>& stretches) {
   std::vector<int> clocks;
   for (const Stretch& stretch : stretches)
-    if (stretch.drive && stretch.drive->random_phase &&
-        std::ranges::find(clocks, stretch.drive->clock) == clocks.end())
-      clocks.push_back(stretch.drive->clock);
+    if (stretch.drive && stretch.drive->oscillator.random_phase &&
+        std::ranges::find(clocks, stretch.drive->oscillator.part) == clocks.end())
+      clocks.push_back(stretch.drive->oscillator.part);
   return clocks;
 }
 

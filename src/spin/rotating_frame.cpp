@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/constants.hpp"
 
@@ -38,26 +37,16 @@ double ratio(double coupling, double detuning) {
 
 }  // namespace
 
-double LevelDrive::share(double y) const {
-  if (envelope == Envelope::half_sine)
-    return y > begin && y < begin + length ? std::sin(std::numbers::pi * (y - begin) / length) : 0;
-  if (envelope == Envelope::gaussian) {
-    const double sigmas = (y - begin - length / 2) / sigma;
-    return sigma > 0 ? std::exp(-sigmas * sigmas / 2) : 0;
-  }
-  return 1;
-}
-
-DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const LevelDrive& drive) {
+DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive) {
   const auto mu = dipole_matrices(spins, levels);
-  const bool swings = drive.kind == DriveKind::oscillating;
-  const double across = swings ? std::hypot(drive.direction[0], drive.direction[1]) : 1;
-  const double along = swings ? drive.direction[2] : 0;
+  const bool swings = sense_of(drive) == 0;
+  const double across = swings ? std::hypot(drive.first.x, drive.first.y) : 1;
+  const double along = swings ? drive.first.z : 0;
   DrivenStates states;
   states.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / constants::planck;
   states.coupling =
       -drive.amplitude / constants::planck * (across * mu[0].real() + along * mu[2].real()).eval();
-  states.axis = swings && across > 0 ? std::atan2(drive.direction[1], drive.direction[0]) : 0;
+  states.axis = swings && across > 0 ? std::atan2(drive.first.y, drive.first.x) : 0;
   // What vanishes by symmetry is zero, not its rounding: levels that do not couple stay apart.
   const double least =
       1e-12 * std::abs(drive.amplitude) *
@@ -66,18 +55,18 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
   return states;
 }
 
-RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const LevelDrive& drive,
+RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones) {
-  RotatingFrame frame{drive.clock, drive.kind, drive.frequency, std::vector<int>(labels.size())};
-  if (drive.kind != DriveKind::oscillating) {
-    const int sense = drive.kind == DriveKind::rotating_positive ? 1 : -1;
+  RotatingFrame frame{drive.oscillator.part, sense_of(drive), drive.oscillator.frequency,
+                      std::vector<int>(labels.size())};
+  if (frame.sense != 0) {
     for (std::size_t i = 0; i < labels.size(); ++i)
-      frame.photons[i] = sense * (labels[i].twice_m - labels[0].twice_m) / 2;
+      frame.photons[i] = frame.sense * (labels[i].twice_m - labels[0].twice_m) / 2;
     return frame;
   }
   std::vector<Pair> pairs;
   for (const DrivenStates* zone : zones)
-    std::ranges::copy(coupled_pairs(*zone, drive.frequency), std::back_inserter(pairs));
+    std::ranges::copy(coupled_pairs(*zone, frame.frequency), std::back_inserter(pairs));
   std::ranges::stable_sort(pairs, {}, &Pair::detuning);
   std::vector<int> tree(labels.size());
   for (std::size_t i = 0; i < tree.size(); ++i) tree[i] = static_cast<int>(i);
@@ -95,7 +84,7 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const LevelDriv
 }
 
 Eigen::MatrixXd kept_coupling(const RotatingFrame& frame, const DrivenStates& states) {
-  if (frame.kind != DriveKind::oscillating) return states.coupling;
+  if (frame.sense != 0) return states.coupling;
   Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(states.coupling.rows(), states.coupling.cols());
   for (const Pair& pair : coupled_pairs(states, frame.frequency))
     if (keeps(frame, pair))
@@ -105,7 +94,7 @@ Eigen::MatrixXd kept_coupling(const RotatingFrame& frame, const DrivenStates& st
 }
 
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states) {
-  if (frame.kind != DriveKind::oscillating) return 0;
+  if (frame.sense != 0) return 0;
   double largest = 0;
   for (const Pair& pair : coupled_pairs(states, frame.frequency)) {
     const double apart = std::abs(states.energy(pair.upper) - states.energy(pair.lower));

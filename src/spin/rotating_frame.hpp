@@ -19,7 +19,7 @@ struct DrivenStates {
   Eigen::MatrixXd coupling{};  // -A <i|mu.u|j>/h at p = 0, u turned into the xz plane
   double axis = 0;             // [rad] chi
 };
-DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const LevelDrive& drive);
+DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive);
 
 /// Amplitudes c_i in the laboratory are a_i exp(-i (n_i p + m_i chi)) with the drive's angle p = 2 pi f t +
 /// phase. With mu_+ = mu_x + i mu_y raising m, a field that turns by +-p about +z has
@@ -28,15 +28,15 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
 /// n_i - n_j = +-1 with i the upper level: the rotating-wave approximation.
 struct RotatingFrame {
   int clock = 0;
-  DriveKind kind = DriveKind::rotating_positive;
+  int sense = 1;               // +1 or -1; 0 of fields that swing
   double frequency = 0;        // [Hz] f
   std::vector<int> photons{};  // n_i, up to a constant of each set of connected levels
 };
 
-/// n_i of all fields of one kind and one clock. For an oscillating field the couplings are joined from the
+/// n_i of all fields of one sense and one clock. For an oscillating field the couplings are joined from the
 /// smallest detuning | |E_i - E_j|/h - f | up, wherever they are in accord (Kruskal's forest): the nearest
 /// resonances are never left out.
-RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const LevelDrive& drive,
+RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones);
 
 /// V_ij [Hz] that stands still in the frame.

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "core/isa.hpp"
+#include "field/envelope.hpp"
 #include "field/magnet_shape.hpp"
-#include "field/shape.hpp"
 #include "particle/batch.hpp"
 #include "particle/draw.hpp"
 #include "tally/quantity.hpp"
@@ -155,7 +155,7 @@ inline constexpr double step_angle = 0.06, most_steps = 4096;
 }  // namespace steering
 
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
-/// angle = omega t + twist (y - begin) + phase.
+/// angle = omega t + twist (y - envelope.begin) + phase.
 struct DriveTerm {
   double spin_rate = 0;                    // [rad/s] -gamma H0: turns the spin
   double turn_rate = 0;                    // [rad/s] turns the velocity, strength included
@@ -164,9 +164,8 @@ struct DriveTerm {
   int oscillator = -1;                     // part number that a random phase is drawn for; -1: none is drawn
   double random_turn = 6.283185307179586;  // [rad] that a random number in (0, 1) adds, times it
   double twist = 0;                        // [rad/m]
-  Shape shape = Shape::rectangular;
-  double begin = 0, length = 0, sigma = 0;             // [m] of the whole field, not only of this zone
-  bool in_xy = true;                                   // first and second are x and y
+  Envelope envelope{};                     // of the whole field, not only of this zone
+  bool in_xy = true;                       // first and second are x and y
   double first[3] = {1, 0, 0}, second[3] = {0, 1, 0};  // in the laboratory
   bool operator==(const DriveTerm&) const = default;
 };

@@ -58,8 +58,8 @@ inline Vector through_profiled(const SpinZone& zone, real phase, real t, real st
     const real y1 = fma(fma(broadcast(gauss_first), h, from), v, broadcast(zone.begin)),
                y2 = fma(fma(broadcast(gauss_second), h, from), v, broadcast(zone.begin));
     const real zero = broadcast(0);
-    const Vector w1{drive.spin_rate * envelope(drive, y1), zero, detuned},
-        w2{drive.spin_rate * envelope(drive, y2), zero, detuned};
+    const Vector w1{drive.spin_rate * share_of(drive.envelope, y1), zero, detuned},
+        w2{drive.spin_rate * share_of(drive.envelope, y2), zero, detuned};
     return rotate(magnus(w1, w2, h), now);
   });
   return turn_about_z(phasor(stay * omega), turn_about_z(in, r));

@@ -94,7 +94,7 @@ RABILINE_LANES State step_in_frame(const SpinZone& zone, bool take_off, const Pr
 /// Whether fields differ along the beam within the zone.
 RABILINE_LANES bool depends_on_place(const SpinZone& zone) {
   for (int i = 0; i < zone.drives; ++i)
-    if (zone.drive[i].twist != 0 || zone.drive[i].shape != Shape::rectangular) return true;
+    if (zone.drive[i].twist != 0 || zone.drive[i].envelope.shape != Shape::rectangular) return true;
   return false;
 }
 

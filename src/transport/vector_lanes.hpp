@@ -82,17 +82,17 @@ RABILINE_LANES real oscillator_phase(const DriveTerm& drive, const RandomKey& ke
 /// Angle of a drive at time t and place y, from its phase at emission.
 RABILINE_LANES real angle_at(const DriveTerm& drive, real phase, real t, real y) {
   const real angle = fma(broadcast(drive.omega), t, phase);
-  return drive.twist == 0 ? angle : fma(broadcast(drive.twist), y - drive.begin, angle);
+  return drive.twist == 0 ? angle : fma(broadcast(drive.twist), y - drive.envelope.begin, angle);
 }
-/// Size of a drive at place y as a part of its highest.
-RABILINE_LANES real envelope(const DriveTerm& drive, real y) {
-  if (drive.shape == Shape::rectangular) return broadcast(1);
-  if (drive.shape == Shape::half_sine) {
+/// The share of a field's highest size at place y.
+RABILINE_LANES real share_of(const Envelope& envelope, real y) {
+  if (envelope.shape == Shape::rectangular) return broadcast(1);
+  if (envelope.shape == Shape::half_sine) {
     real s, c;
-    sincos((y - drive.begin) * (3.141592653589793 / drive.length), s, c);
+    sincos((y - envelope.begin) * (3.141592653589793 / envelope.length), s, c);
     return s;
   }
-  const real off = (y - (drive.begin + 0.5 * drive.length)) * (1 / drive.sigma);
+  const real off = (y - (envelope.begin + 0.5 * envelope.length)) * (1 / envelope.sigma);
   return exp(off * off * -0.5);
 }
 
@@ -130,8 +130,8 @@ RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, 
   for (int i = 0; i < zone.drives; ++i) {
     const DriveTerm& drive = zone.drive[i];
     Phasor p = phasor(angle_at(drive, phases[i], t, y));
-    if (drive.shape != Shape::rectangular) {
-      const real size = envelope(drive, y);
+    if (drive.envelope.shape != Shape::rectangular) {
+      const real size = share_of(drive.envelope, y);
       p = {p.c * size, p.s * size};
     }
     const real spin = broadcast(drive.spin_rate), turn = broadcast(drive.turn_rate);

@@ -82,26 +82,26 @@ TEST(SectionBuilder, LetsAZoneFollowTheClockOfItsOscillatorAndAddsItsOwnPhase) {
   contribute(h0(0.1), {"first", 0.1, {}}, builder);
   const Sections s = builder.build();
   ASSERT_EQ(s.sections.size(), 2U);
-  const RotatingTerm& a = s.sections[0].rotating.at(0);
-  const RotatingTerm& b = s.sections[1].rotating.at(0);
-  EXPECT_EQ(a.oscillator, 1);
-  EXPECT_EQ(b.oscillator, 1);
+  const Oscillator& a = s.sections[0].rotating.at(0).oscillator;
+  const Oscillator& b = s.sections[1].rotating.at(0).oscillator;
+  EXPECT_EQ(a.part, 1);
+  EXPECT_EQ(b.part, 1);
   EXPECT_TRUE(b.random_phase);
   EXPECT_EQ(b.frequency, 1e5);
   EXPECT_EQ(b.turn, Turn::against_precession);
   EXPECT_EQ(b.phase - a.phase, 0.7);
 }
 
-TEST(RotatingTerm, TurnsWithThePrecessionOfEitherSignOfGamma) {
-  RotatingTerm term;
-  term.frequency = 1;
-  term.turn = Turn::with_precession;
-  EXPECT_GT(term.omega(-1e8), 0);  // dS/dt = gamma S x B: S turns with -gamma B
-  EXPECT_LT(term.omega(1e8), 0);
-  term.turn = Turn::against_precession;
-  EXPECT_LT(term.omega(-1e8), 0);
-  term.turn = Turn::negative;
-  EXPECT_LT(term.omega(-1e8), 0);
+TEST(Oscillator, TurnsWithThePrecessionOfEitherSignOfGamma) {
+  Oscillator oscillator;
+  oscillator.frequency = 1;
+  oscillator.turn = Turn::with_precession;
+  EXPECT_GT(oscillator.omega(-1e8), 0);  // dS/dt = gamma S x B: S turns with -gamma B
+  EXPECT_LT(oscillator.omega(1e8), 0);
+  oscillator.turn = Turn::against_precession;
+  EXPECT_LT(oscillator.omega(-1e8), 0);
+  oscillator.turn = Turn::negative;
+  EXPECT_LT(oscillator.omega(-1e8), 0);
 }
 
 }  // namespace

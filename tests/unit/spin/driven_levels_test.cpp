@@ -129,19 +129,18 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForOscillatingFieldsAsFarAsWhatIsNeglec
   const int f1 = *find_weak_field_level(levels.labels, 2, 0);
   const int f2 = *find_weak_field_level(levels.labels, 4, 0),
             f22 = *find_weak_field_level(levels.labels, 4, 2);
-  LevelDrive slanted = drive(oscillating, 1, transition_frequency(levels, f1, f22) + 300, 0.3);
-  slanted.direction[0] = 0.6;
-  slanted.direction[1] = -0.8;
-  LevelDrive pi = along_z(drive(oscillating, 1, transition_frequency(levels, f1, f2) + 100));
-  LevelDrive low = drive(oscillating, 1, transition_frequency(levels, f2, f22) + 100);
-  for (const LevelDrive& full : {slanted, pi, low}) {
+  RotatingTerm slanted = drive(oscillating, 1, transition_frequency(levels, f1, f22) + 300, 0.3);
+  slanted.first = {0.6, -0.8, 0};
+  RotatingTerm pi = along_z(drive(oscillating, 1, transition_frequency(levels, f1, f2) + 100));
+  RotatingTerm low = drive(oscillating, 1, transition_frequency(levels, f2, f22) + 100);
+  for (const RotatingTerm& full : {slanted, pi, low}) {
     double error = 1;
     for (const double amplitude : {4e-7, 2e-7, 1e-7}) {  // pulses of one area
       const double length = 5e-9 / amplitude, s = 5e-3;
-      LevelDrive weak = full;
+      RotatingTerm weak = full;
       weak.amplitude = amplitude;
-      LevelDrive second = weak;
-      second.phase += 1.2;
+      RotatingTerm second = weak;
+      second.oscillator.phase += 1.2;
       const std::vector<LevelZone> zones{{0, length, field, weak},
                                          {length, 2 * length, field, std::nullopt},
                                          {2 * length, 3 * length, field, second}};
@@ -160,12 +159,12 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForOneClockInFieldsAlongAnyAxes) {
   // Transitions with dm = 0 and +-1 overlap: 7 kHz between neighbours of one F, 1 kHz of coupling.
   const CoupledSpins spins = small_atom(3, 1);
   const double field = 1e-6, s = 5e-3, f = transition_frequency(levels_at(spins, field), 6, 2) + 1500;
-  LevelDrive first = drive(oscillating, 1.6e-7, f, 0.3), second = drive(oscillating, 1.6e-7, f, 1.5);
-  std::ranges::copy(std::array{0.6, -0.48, 0.64}, first.direction);
-  std::ranges::copy(std::array{0.36, 0.8, -0.48}, second.direction);
+  RotatingTerm first = drive(oscillating, 1.6e-7, f, 0.3), second = drive(oscillating, 1.6e-7, f, 1.5);
+  first.first = {0.6, -0.48, 0.64};
+  second.first = {0.36, 0.8, -0.48};
   const auto zones = [&](double x, double y, double z) -> std::vector<LevelZone> {
-    LevelDrive other = second;
-    std::ranges::copy(std::array{x, y, z}, other.direction);
+    RotatingTerm other = second;
+    other.first = {x, y, z};
     return {{0, 0.05, field, first}, {0.05, 0.06, field, std::nullopt}, {0.06, 0.11, 1.1e-6, other}};
   };
   const DrivenLevels driven(spins, zones(0.36, 0.8, -0.48), slowest);
@@ -178,8 +177,8 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForOneClockInFieldsAlongAnyAxes) {
 
 TEST(DrivenLevels, InAnOscillatingFieldDoNotKnowTheSignOfItsFrequency) {
   const auto p = [](double sign) {
-    const LevelDrive first = drive(oscillating, 2e-7, sign * 2.8e7),
-                     second = drive(oscillating, 2e-7, sign * 2.8e7, sign * 0.8);
+    const RotatingTerm first = drive(oscillating, 2e-7, sign * 2.8e7),
+                       second = drive(oscillating, 2e-7, sign * 2.8e7, sign * 0.8);
     return DrivenLevels(half(), {{0, 0.04, 1.00002e-3, first}, {0.1, 0.14, 1.00002e-3, second}}, slowest)
         .probabilities(2e-3);
   };
@@ -242,9 +241,9 @@ TEST(DrivenLevels, OfTheCaesiumClockFollowRamseysFormulaOverOneHundredMillionCyc
 TEST(DrivenLevels, FollowRamseysFormulaAndAPhaseMovesItsFringes) {
   const double larmor = 2.8e10 * 1e-3, s = 2e-3, tau = 0.02 * s, between = 0.5 * s, w1 = two_pi / (4 * tau);
   const auto flip = [&](double off, double phase) {
-    const LevelDrive first = drive(positive, w1 / two_pi / 2.8e10, larmor + off);
-    LevelDrive second = first;
-    second.phase = phase;
+    const RotatingTerm first = drive(positive, w1 / two_pi / 2.8e10, larmor + off);
+    RotatingTerm second = first;
+    second.oscillator.phase = phase;
     const std::vector<LevelZone> zones{
         {0, 0.02, 1e-3, first}, {0.02, 0.52, 1e-3, std::nullopt}, {0.52, 0.54, 1e-3, second}};
     return DrivenLevels(half(), zones, slowest).probabilities(s)(1, 0);
@@ -262,7 +261,7 @@ TEST(DrivenLevels, FollowRamseysFormulaAndAPhaseMovesItsFringes) {
 TEST(DrivenLevels, AreFieldFreeInAGap) {
   // The gap's zero field detunes the spin by the whole frequency.
   const double larmor = 2.8e10 * 1e-6, s = 1e-3;
-  const LevelDrive field = drive(positive, 5e-7, larmor);
+  const RotatingTerm field = drive(positive, 5e-7, larmor);
   const std::vector<LevelZone> gap{{0, 0.01, 1e-6, field}, {0.03, 0.04, 1e-6, field}};
   const std::vector<LevelZone> zero{
       {0, 0.01, 1e-6, field}, {0.01, 0.03, 0, std::nullopt}, {0.03, 0.04, 1e-6, field}};
@@ -278,12 +277,9 @@ TEST(DrivenLevels, AreFieldFreeInAGap) {
 
 TEST(DrivenLevels, AgreeWithTheLaboratoryUnderEveryEnvelope) {
   const CoupledSpins spins = small_atom(1, 1);
-  for (const Envelope envelope : {Envelope::half_sine, Envelope::gaussian}) {
-    LevelDrive field = drive(positive, 1.5e-6, 6e4, 0.2);
-    field.envelope = envelope;
-    field.begin = 0.01;
-    field.length = 0.06;
-    field.sigma = 0.011;
+  for (const Shape shape : {Shape::half_sine, Shape::gaussian}) {
+    RotatingTerm field = drive(positive, 1.5e-6, 6e4, 0.2);
+    field.envelope = {shape, 0.01, 0.06, 0.011};
     // one field over two static fields
     const std::vector<LevelZone> zones{{0.01, 0.03, 8e-6, field}, {0.03, 0.07, 9e-6, field}};
     const double s = 2e-3;

@@ -17,9 +17,9 @@ TEST(DrivenLevels, WithRandomClocksAreTheMeanOverAllStartPhases) {
   const double field = 1e-6, s = 3e-3;
   const double f = transition_frequency(levels_at(spins, field), 6, 2);
   const auto zones = [&](bool random, double first, double second, double third) -> std::vector<LevelZone> {
-    const LevelDrive a = on_clock(drive(oscillating, 6e-7, f + 2e3, first), 0, random);
-    const LevelDrive b = on_clock(drive(positive, 4e-7, 7e3, second), 7, random);
-    const LevelDrive c = on_clock(along_z(drive(oscillating, 4e-7, f, third)), 1, random);
+    const RotatingTerm a = on_clock(drive(oscillating, 6e-7, f + 2e3, first), 0, random);
+    const RotatingTerm b = on_clock(drive(positive, 4e-7, 7e3, second), 7, random);
+    const RotatingTerm c = on_clock(along_z(drive(oscillating, 4e-7, f, third)), 1, random);
     return {{0, 0.03, field, a}, {0.03, 0.07, field, b}, {0.07, 0.1, field, c}, {0.1, 0.12, field, b}};
   };
   const Eigen::MatrixXd p = DrivenLevels(spins, zones(true, 0.3, 0.9, 1.3), slowest).probabilities(s);
@@ -44,8 +44,8 @@ TEST(DrivenLevels, WithRandomClocksAreTheMeanOverAllStartPhases) {
 TEST(DrivenLevels, WithOneClockDoNotDependOnItsStartPhaseAndWithTwoAlikeOnlyOnTheirDifference) {
   const CoupledSpins spins = small_atom(3, 1);
   const auto p = [&](bool random, double phase, int second_clock) {
-    const LevelDrive a = on_clock(drive(positive, 4e-7, 56e3, phase), 0, random);
-    const LevelDrive b = on_clock(drive(positive, 4e-7, 56e3, 0), second_clock, random);
+    const RotatingTerm a = on_clock(drive(positive, 4e-7, 56e3, phase), 0, random);
+    const RotatingTerm b = on_clock(drive(positive, 4e-7, 56e3, 0), second_clock, random);
     return DrivenLevels(spins, {{0, 0.03, 8e-6, a}, {0.05, 0.08, 8e-6, b}}, slowest).probabilities(3e-3);
   };
   EXPECT_LT(difference(p(true, 0.4, 0), p(false, 0.4, 0)), 1e-14);
@@ -73,12 +73,12 @@ TEST(DrivenLevels, WithoutAnythingToDriveThemStayWhereTheyAre) {
 
 TEST(DrivenLevels, AreFiniteAtZeroFieldAndZeroFrequencyAndTellWhatTheyNeglect) {
   const CoupledSpins spins = small_atom(3, 1);
-  for (const DriveKind kind : {positive, negative, oscillating})
+  for (const int sense : {positive, negative, oscillating})
     for (const double frequency : {0.0, 5e4, 4e5})
       for (const double field : {0.0, 1e-5})
-        for (const Envelope envelope : {Envelope::rectangular, Envelope::half_sine, Envelope::gaussian}) {
-          LevelDrive d = drive(kind, 1e-7, frequency);
-          d.envelope = envelope;  // with a length and a sigma of zero
+        for (const Shape shape : {Shape::rectangular, Shape::half_sine, Shape::gaussian}) {
+          RotatingTerm d = drive(sense, 1e-7, frequency);
+          d.envelope.shape = shape;  // with a length and a sigma of zero
           expect_doubly_stochastic(DrivenLevels(spins, {{0, 0.1, field, d}}, slowest).probabilities(2e-3));
         }
   EXPECT_TRUE(

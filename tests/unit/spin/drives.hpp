@@ -10,29 +10,25 @@
 
 namespace rabiline {
 
-constexpr auto positive = DriveKind::rotating_positive;
-constexpr auto negative = DriveKind::rotating_negative;
-constexpr auto oscillating = DriveKind::oscillating;
-constexpr double slowest = 0.02;  // [s/m]
+constexpr int positive = 1, negative = -1, oscillating = 0;  // as sense_of() has them
+constexpr double slowest = 0.02;                             // [s/m]
 
-inline LevelDrive drive(DriveKind kind, double amplitude, double frequency, double phase = 0) {
-  LevelDrive out;
-  out.kind = kind;
+inline RotatingTerm drive(int sense, double amplitude, double frequency, double phase = 0) {
+  RotatingTerm out;
+  out.motion = sense == 0 ? FieldMotion::swings_in_rotating_wave : FieldMotion::turns;
+  out.oscillator.turn = sense < 0 ? Turn::negative : Turn::positive;
   out.amplitude = amplitude;
-  out.frequency = frequency;
-  out.phase = phase;
-  out.direction[0] = 1;
-  out.direction[2] = 0;
+  out.oscillator.frequency = frequency;
+  out.oscillator.phase = phase;
   return out;
 }
-inline LevelDrive along_z(LevelDrive out) {
-  out.direction[0] = 0;
-  out.direction[2] = 1;
+inline RotatingTerm along_z(RotatingTerm out) {
+  out.first = {0, 0, 1};
   return out;
 }
-inline LevelDrive on_clock(LevelDrive out, int clock, bool random = false) {
-  out.clock = clock;
-  out.random_phase = random;
+inline RotatingTerm on_clock(RotatingTerm out, int clock, bool random = false) {
+  out.oscillator.part = clock;
+  out.oscillator.random_phase = random;
   return out;
 }
 

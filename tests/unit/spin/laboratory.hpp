@@ -42,15 +42,17 @@ inline Eigen::MatrixXcd in_product_basis(const CoupledSpins& spins, bool of_j, i
   return out;
 }
 
-inline Eigen::Vector3d driving_field(const LevelDrive& drive, double y, double slowness) {
+inline Eigen::Vector3d driving_field(const RotatingTerm& drive, double y, double slowness) {
   double share = 1;
-  if (drive.envelope == Envelope::half_sine) share = std::sin(two_pi / 2 * (y - drive.begin) / drive.length);
-  if (drive.envelope == Envelope::gaussian)
-    share = std::exp(-std::pow((y - drive.begin - drive.length / 2) / drive.sigma, 2) / 2);
-  const double p = two_pi * drive.frequency * slowness * y + drive.phase, size = drive.amplitude * share;
-  if (drive.kind == DriveKind::oscillating)
-    return size * std::cos(p) * Eigen::Vector3d(drive.direction[0], drive.direction[1], drive.direction[2]);
-  const double sense = drive.kind == DriveKind::rotating_positive ? 1 : -1;
+  if (drive.envelope.shape == Shape::half_sine)
+    share = std::sin(two_pi / 2 * (y - drive.envelope.begin) / drive.envelope.length);
+  if (drive.envelope.shape == Shape::gaussian)
+    share = std::exp(
+        -std::pow((y - drive.envelope.begin - drive.envelope.length / 2) / drive.envelope.sigma, 2) / 2);
+  const double p = two_pi * drive.oscillator.frequency * slowness * y + drive.oscillator.phase,
+               size = drive.amplitude * share;
+  const int sense = sense_of(drive);
+  if (sense == 0) return size * std::cos(p) * Eigen::Vector3d(drive.first.x, drive.first.y, drive.first.z);
   return size * Eigen::Vector3d(std::cos(p), sense * std::sin(p), 0);
 }
 

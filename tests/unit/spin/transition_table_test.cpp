@@ -16,11 +16,11 @@ namespace {
 DrivenLevels sodium(double off = 800) {
   const CoupledSpins spins = coupled_spins(*find_atom("Na-23"));
   const double field = 2e-5;
-  LevelDrive drive;
+  RotatingTerm drive;
   drive.amplitude = 2.5e-7;
-  drive.frequency = transition_frequency(levels_at(spins, field), 1, 0) + off;
-  LevelDrive second = drive;
-  second.phase = 0.7;
+  drive.oscillator.frequency = transition_frequency(levels_at(spins, field), 1, 0) + off;
+  RotatingTerm second = drive;
+  second.oscillator.phase = 0.7;
   return {spins, {{0, 0.1, field, drive}, {0.1, 0.3, field, std::nullopt}, {0.3, 0.4, field, second}}, 4e-3};
 }
 
@@ -69,9 +69,9 @@ TEST(TransitionTable, OfOneSlownessIsExactThereToSinglePrecision) {
 
 TEST(TransitionTable, KeepsWhatALevelCanGoToAndHoldsItsEndsOutsideItsRange) {
   const CoupledSpins spins = coupled_spins(*find_atom("H"));
-  LevelDrive drive;
+  RotatingTerm drive;
   drive.amplitude = 1e-7;
-  drive.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
+  drive.oscillator.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
   const DrivenLevels driven(spins, {{0, 0.1, 1e-5, drive}}, 4e-3);
   const TransitionTable table = tabulate(driven, 1e-3, 4e-3, 1e-4);
   // F = 1 keeps to itself but for what the other level takes, and rows add up.
