@@ -104,7 +104,7 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForEveryRotatingField) {
         << "2I = " << twice_i << ", 2J = " << twice_j;
     expect_doubly_stochastic(p);
     std::vector<LevelZone> other = zones;
-    other[3].drive->phase += 0.03;
+    other[3].drive->oscillator.phase += 0.03;
     EXPECT_GT(difference(p, DrivenLevels(spins, other, slowest).probabilities(s)), 1e-4);
   }
 }
