@@ -1,8 +1,33 @@
 #pragma once
 // What planes across the beam do to lanes, for kernels only: openings, screens, alignment.
+#include "transport/stages/alignment.hpp"
 #include "transport/vector_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
+
+/// The sum of a word of each lane.
+inline std::uint64_t sum_of_lanes(words w) {
+  std::uint64_t total = 0;
+  for (int k = 0; k < lane_count; ++k) total += lane(w, k);
+  return total;
+}
+
+/// A constant acceleration across the beam [m/s^2].
+struct Acceleration {
+  double x = 0, z = 0;
+};
+/// Particles on a plane of constant y, and how long they fly there.
+struct OnPlane {
+  real dt, x, z;
+};
+/// The flight of particles from the batch's common plane on to another one, or back to it.
+RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a = {}) {
+  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  real vx = load(batch.vx + i), vz = load(batch.vz + i);
+  if (a.x != 0) vx = fma(broadcast(0.5 * a.x), dt, vx);
+  if (a.z != 0) vz = fma(broadcast(0.5 * a.z), dt, vz);
+  return {dt, fma(vx, dt, load(batch.x + i)), fma(vz, dt, load(batch.z + i))};
+}
 
 RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {
   const real dx = x - a.x0, dz = z - a.z0;

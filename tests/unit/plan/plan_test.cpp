@@ -140,8 +140,8 @@ Experiment with_planes(std::uint64_t planes) {
 
 TEST(Plan, CountsEachPlaneOfAMonitorAsWorkAndAsMemory) {
   const Plan none = make_plan(scan({with_planes(1).points.front()})), many = make_plan(with_planes(101));
-  EXPECT_GT(bytes_at_planes(none), 0U);
-  EXPECT_EQ(bytes_at_planes(many), 101 * bytes_at_planes(none));
+  EXPECT_GT(bytes_of_stages(none), 0U);
+  EXPECT_EQ(bytes_of_stages(many), 101 * bytes_of_stages(none));
   // Two numbers for each tally and one for each plane.
   EXPECT_GT(many.trees.at(0).cost, none.trees.at(0).cost + 100 * 2e-8);
   const auto sums_in = [](const Experiment& e) {
