@@ -35,7 +35,7 @@ Sections sections_of(const Beamline& beamline) {
                beamline.parts[i].part);
   }
   Sections sections = builder.build();
-  if (!deflects(beamline.law))
+  if (!law_traits(beamline.law).deflects)
     std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
   return sections;
 }
@@ -49,7 +49,7 @@ class Compiler {
         tables_(tables),
         species_(species),
         sections_(sections_of(beamline)),
-        quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
+        quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
         zones_(species, beamline.species.front().species, turning_,
                mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
@@ -139,6 +139,14 @@ class Compiler {
                       species_.spin.twice));
     return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, plane.part, plane.y};
   }
+  void add_own_stage(const Plane& plane) {
+    std::visit(
+        [&](const auto& part) {
+          if constexpr (requires(const StageSite& site) { stage_of(part, site); })
+            chain_.push_back(stage_of(part, StageSite{plane.y, plane.part, species_}));
+        },
+        beamline_.parts[static_cast<std::size_t>(plane.part)].part);
+  }
   void add_plane(const Plane& plane) {
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
       chain_.push_back(alignment_of(*align, plane));
@@ -155,6 +163,10 @@ class Compiler {
       return;
     }
     stop_at_chamber(plane.y);
+    if (std::holds_alternative<OwnStageTerm>(plane.term)) {
+      add_own_stage(plane);
+      return;
+    }
     if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term)) {
       add_monitor(plane, *monitor);
       return;
@@ -265,7 +277,8 @@ class Compiler {
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
       edge.plate = aperture_of(plane.y, *plate);
-    } else if (std::holds_alternative<FilterTerm>(plane.term)) {
+    } else if (std::holds_alternative<FilterTerm>(plane.term) ||
+               std::holds_alternative<OwnStageTerm>(plane.term)) {
       throw std::invalid_argument(fmt::format(
           "`{}` stands where fields turn the path under the law {}, and can only be passed in one "
           "direction\n  "
@@ -334,7 +347,7 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
 }
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
-  if (std::holds_alternative<QuantumLaw>(beamline.law) && component.species.structure) return {};
+  if (law_traits(beamline.law).has_levels && component.species.structure) return {};
   const ZoneMaker maker(
       component.species, beamline.species.front().species, turning_of(beamline.law, component.species),
       mean_speed(beamline.source.speed, component.species.mass), latest_start(beamline.source.pulse));

@@ -77,7 +77,7 @@ class Explainer {
     const Species& s = beamline_.species[static_cast<std::size_t>(tree.component)].species;
     report_.species = &s;
     line("");
-    const bool of_atom = s.structure && std::holds_alternative<QuantumLaw>(beamline_.law);
+    const bool of_atom = s.structure && law_traits(beamline_.law).has_levels;
     report_.of_atom = of_atom;
     report_.on_axis = levels_on_axis(beamline_.source, s, beamline_.law);
     line("{}, {:.6g} u, charge {:+g} e; {} particles",

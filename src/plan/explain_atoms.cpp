@@ -303,7 +303,7 @@ std::vector<int> all_levels(const Species& species) {
 }
 
 std::vector<int> levels_on_axis(const Source& source, const Species& species, const Law& law) {
-  if (!std::holds_alternative<QuantumLaw>(law) || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
+  if (!law_traits(law).has_levels || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
     return {};
   const auto* named = std::get_if<LevelsSpin>(&source.spin);
   if (!named || !species.structure) return all_levels(species);

@@ -38,7 +38,7 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
       sections_(sections),
       spins_(spins),
       straight_(straight),
-      quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
+      quantum_(law_traits(beamline.law).has_levels),
       tables_(tables) {}
 
 const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) const {
@@ -86,8 +86,7 @@ SpinStretch LevelQuestions::at_detector(const Plane& plane) const {
 }
 
 void split_projections(const Law& law, std::vector<Stage>& chain) {
-  const auto* quantum = std::get_if<QuantumLaw>(&law);
-  if (quantum == nullptr || quantum->outcomes == Outcomes::sample) return;
+  if (!law_traits(law).splits) return;
   const auto bookable = std::find_if_not(chain.rbegin(), chain.rend(), follows_paths).base();
   const auto first = std::find_if(bookable, chain.end(), [](const Stage& stage) {
     return std::holds_alternative<LevelProjection>(stage);

@@ -59,8 +59,6 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
 
 }  // namespace
 
-bool deflects(const Law& law) { return !std::holds_alternative<DoradoLaw>(law); }
-
 void add_deflection(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
                     SampledTables& tables, std::vector<Stage>& chain) {
   const bool constant_force = magnet.shape.kind == MagnetKind::gradient && !(levels > 0 && species.structure);

@@ -9,9 +9,6 @@
 
 namespace rabiline {
 
-/// Whether magnets deflect under a law: the hypothesis replaces the force grad(mu.B).
-bool deflects(const Law&);
-
 /// The path through a magnet, its gap included: a parabola where the force is constant, else stepped.
 /// `levels`: 0 under a vector law.
 void add_deflection(const Plane&, const MagnetTerm&, const Species&, int levels, SampledTables&,

@@ -190,7 +190,7 @@ class Finisher {
     return beamline.species.size() == 1 ? name : species.name + " " + name;
   }
   static std::string name_of_level(const Beamline& beamline, const Species& species, int levels, int level) {
-    if (!std::holds_alternative<QuantumLaw>(beamline.law)) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
+    if (!law_traits(beamline.law).has_levels) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
     if (species.structure)
       return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
     const int m = levels - 1 - 2 * level;

@@ -195,8 +195,7 @@ Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
   Experiment experiment;
   experiment.points = {beamline};
   // A track follows one branch.
-  if (auto* quantum = std::get_if<QuantumLaw>(&experiment.points.front().law))
-    quantum->outcomes = Outcomes::sample;
+  experiment.points.front().law = without_splitting(beamline.law);
   const Plan plan = make_plan(experiment);
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();

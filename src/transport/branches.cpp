@@ -50,22 +50,13 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   for (int i = 0; i < from.count; ++i) {
     if (from.flying[i] == 0 || (reach[from.level[i]] >> level & 1) == 0) continue;
     flown_number_[number(count)] = static_cast<std::uint16_t>(i);
-    for (const auto column : {&BatchView::x, &BatchView::z, &BatchView::vx, &BatchView::vy, &BatchView::vz,
-                              &BatchView::t, &BatchView::slowness})
-      (to.*column)[count] = (from.*column)[i];
-    for (const auto column : {&BatchView::weight, &BatchView::particle, &BatchView::prepared})
-      (to.*column)[count] = (from.*column)[i];
-    to.flying[count++] = yes;
+    copy_particle(from, i, to, count++);
   }
   to.count = count;
   to.padded = (count + 7) / 8 * 8;
-  for (int i = count; i < to.padded; ++i) to.flying[i] = 0;
-  for (const auto column :
-       {&BatchView::x, &BatchView::z, &BatchView::vx, &BatchView::vz, &BatchView::t, &BatchView::slowness})
-    std::fill(to.*column + count, to.*column + to.padded, 0.0);
+  for (const auto column : real_columns) std::fill(to.*column + count, to.*column + to.padded, 0.0);
+  for (const auto column : word_columns) std::fill(to.*column + count, to.*column + to.padded, 0);
   std::fill(to.vy + count, to.vy + to.padded, 1.0);
-  for (const auto column : {&BatchView::weight, &BatchView::particle, &BatchView::prepared})
-    std::fill(to.*column + count, to.*column + to.padded, 0);
   std::fill_n(to.caught_by, to.padded, 0);
   std::fill_n(to.level, to.padded, static_cast<std::uint64_t>(level));
   std::fill_n(to.sx, to.padded, 0.0);
@@ -142,10 +133,7 @@ void Branches::keep(const BatchView& from, int i) {
   BatchView& to = paths_.asked.view();
   const int k = to.count++;
   paths_.number[number(k)] = static_cast<std::uint16_t>(i);
-  for (const auto column : {&BatchView::vy, &BatchView::t, &BatchView::sx, &BatchView::sy, &BatchView::sz})
-    (to.*column)[k] = (from.*column)[i];
-  for (const auto column : {&BatchView::level, &BatchView::weight, &BatchView::particle})
-    (to.*column)[k] = (from.*column)[i];
+  copy_particle(from, i, to, k);
 }
 
 void Branches::find_stops() {

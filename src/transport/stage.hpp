@@ -8,7 +8,9 @@
 #include "transport/spin_path.hpp"
 #include "transport/stage_concept.hpp"
 #include "transport/stages/alignment.hpp"
+#include "transport/stages/attenuation.hpp"
 #include "transport/stages/census.hpp"
+#include "transport/stages/chopping.hpp"
 #include "transport/stages/deflection.hpp"
 #include "transport/stages/drift.hpp"
 #include "transport/stages/exit.hpp"
@@ -21,13 +23,14 @@
 #include "transport/stages/spin_stretch.hpp"
 #include "transport/stages/steering.hpp"
 #include "transport/stages/turning_region.hpp"
+#include "transport/stages/velocity_selection.hpp"
 
 namespace rabiline {
 
 template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
-                        TurningRegion, Score, Exit, SpinStretch, Census, Histogram>;
+                        TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping, VelocitySelection>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

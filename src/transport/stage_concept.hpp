@@ -11,6 +11,7 @@
 namespace rabiline {
 
 struct RandomKey;
+struct Species;
 struct StepRecorder;
 class SumSink;     // transport/sum_sink.hpp
 class PathTally;   // transport/paths.hpp
@@ -79,6 +80,14 @@ concept StageKind =
 //   int reads_catch_of()       the part whose catch it tallies, or no_part
 //   unique_ptr<PathTally> tally_paths()   what it keeps of paths and counts of their shares
 //   size_t own_memory()        what each thread keeps while a batch passes it [bytes]
+
+/// Where a part stands that is a stage of its own, for one species: its stage is stage_of(part, site), declared beside
+/// the stage.
+struct StageSite {
+  double y = 0;  // [m]
+  int part = 0;
+  const Species& species;
+};
 
 /// Stands for no part of the beamline where one may be named; the chamber is part -1.
 inline constexpr int no_part = -2;

@@ -57,11 +57,7 @@ std::uint64_t filter(const Filter& f, BatchView& batch) {
     store(batch.sx + i, select(changes, out.x, load(batch.sx + i)));
     store(batch.sy + i, select(changes, out.y, load(batch.sy + i)));
     store(batch.sz + i, select(changes, out.z, load(batch.sz + i)));
-    const words weight = load(batch.weight + i);
-    const words kept = weight_of(floor(number_of(weight) * passed));
-    store(batch.weight + i, select(flying, kept, weight));
-    store(batch.flying + i, (words)(flying & (kept != words{})));
-    lost = lost + ((weight - kept) & (words)flying);
+    lost = lost + let_pass(batch, i, passed);
   }
   return sum_of_lanes(lost);
 }

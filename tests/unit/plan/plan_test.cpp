@@ -12,10 +12,11 @@ using test::place;
 using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
-/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally.
+/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally, G gas, O a chopper, U a velocity
+/// selector.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFVBWRSELMH"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFVBWRSELMHGOU"[stage.index()];
   return text;
 }
 std::vector<Stage> chain_of(const Beamline& b) {
