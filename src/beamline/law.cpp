@@ -13,6 +13,24 @@ std::string_view word_of(Closure closure) {
 
 }  // namespace
 
+LawTraits law_traits(const Law& law) {
+  struct Of {
+    LawTraits operator()(const QuantumLaw& quantum) const {
+      return {.has_levels = true, .splits = quantum.outcomes == Outcomes::split};
+    }
+    LawTraits operator()(const ClassicalLaw&) const { return {}; }
+    LawTraits operator()(const DoradoLaw& dorado) const {
+      return {.deflects = false, .turns_with_spin = dorado.kappa != 0};
+    }
+  };
+  return std::visit(Of{}, law);
+}
+
+Law without_splitting(Law law) {
+  if (auto* quantum = std::get_if<QuantumLaw>(&law)) quantum->outcomes = Outcomes::sample;
+  return law;
+}
+
 std::string describe(const Law& law) {
   if (const auto* dorado = std::get_if<DoradoLaw>(&law))
     return fmt::format("{} ({}, kappa = {})", DoradoLaw::kind, word_of(dorado->closure), dorado->kappa);

@@ -80,4 +80,16 @@ inline constexpr std::string_view tag_key<Law> = "name";
 /// "quantum", or "dorado (torque, kappa = 1)".
 std::string describe(const Law&);
 
+/// What a law does with levels, magnets and velocities: all that anything else needs to know of it, but for the
+/// parameters of its own force.
+struct LawTraits {
+  bool has_levels = false;       // spins are found in levels; else they are vectors
+  bool splits = false;           // weights are shared out over the levels that a magnet asks for
+  bool deflects = true;          // magnets act on the moment by the gradient of their field
+  bool turns_with_spin = false;  // the velocity turns jointly with the spin
+};
+LawTraits law_traits(const Law&);
+/// The same law, under which a particle is found in one level where it asks for levels.
+Law without_splitting(Law);
+
 }  // namespace rabiline

@@ -138,7 +138,7 @@ class Checkpoints {
 /// Sums of every thread and of the whole, and what threads keep at planes, must fit into the machine.
 void require_memory(const Plan& plan, int threads) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
-                        static_cast<double>(bytes_at_planes(plan)) * threads;
+                        static_cast<double>(bytes_of_stages(plan)) * threads;
   const double there =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (needed > 0.7 * there)

@@ -21,8 +21,11 @@ enum class Dimension {
   field_gradient,  // T/m
   current,         // A
   torque,          // N m
-  electric_field   // V/m
+  electric_field,  // V/m
+  area,            // m^2
+  number_density,  // 1/m^3
+  pressure         // Pa
 };
-inline constexpr Dimension last_dimension = Dimension::electric_field;
+inline constexpr Dimension last_dimension = Dimension::pressure;
 
 }  // namespace rabiline

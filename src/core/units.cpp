@@ -39,6 +39,9 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::current, "current", "100 A", "A"},
     DimensionRow{Dimension::torque, "torque", "0.5 N m", "N m"},
     DimensionRow{Dimension::electric_field, "electric field", "10 kV/m", "V/m"},
+    DimensionRow{Dimension::area, "area", "100 angstrom^2", "m^2"},
+    DimensionRow{Dimension::number_density, "number density", "1e12 1/cm^3", "1/m^3"},
+    DimensionRow{Dimension::pressure, "pressure", "1 mPa", "Pa"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -108,6 +111,22 @@ constexpr std::array unit_rows{
     UnitRow{Dimension::torque, "Nm", "-"},
     UnitRow{Dimension::electric_field, "V/m", "-kM"},
     UnitRow{Dimension::electric_field, "V/cm", "-k", 1, 2},
+    UnitRow{Dimension::area, "m^2", "-"},
+    UnitRow{Dimension::area, "cm^2", "-", 1, -4},
+    UnitRow{Dimension::area, "mm^2", "-", 1, -6},
+    UnitRow{Dimension::area, "um^2", "-", 1, -12},
+    UnitRow{Dimension::area, "nm^2", "-", 1e-18},
+    UnitRow{Dimension::area, "angstrom^2", "-", 1e-20},
+    UnitRow{Dimension::area, "barn", "-", 1e-28},
+    UnitRow{Dimension::number_density, "1/m^3", "-"},
+    UnitRow{Dimension::number_density, "/m^3", "-"},
+    UnitRow{Dimension::number_density, "1/cm^3", "-", 1, 6},
+    UnitRow{Dimension::number_density, "/cm^3", "-", 1, 6},
+    UnitRow{Dimension::pressure, "Pa", "-umk"},
+    UnitRow{Dimension::pressure, "hPa", "-", 1, 2},
+    UnitRow{Dimension::pressure, "bar", "-", 1, 5},
+    UnitRow{Dimension::pressure, "mbar", "-", 1, 2},
+    UnitRow{Dimension::pressure, "Torr", "-m", 101325.0 / 760},
 };
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -279,7 +298,10 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "T/m|mT/m",
                                                     "kA|A|mA",
                                                     "kN m|N m|mN m|uN m",
-                                                    "MV/m|kV/m|V/m"};
+                                                    "MV/m|kV/m|V/m",
+                                                    "m^2|cm^2|mm^2|nm^2|angstrom^2",
+                                                    "1/cm^3|1/m^3",
+                                                    "kPa|Pa|mPa|uPa"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

@@ -13,14 +13,12 @@ Batch::Batch() : memory_(static_cast<double*>(std::aligned_alloc(64, bytes))) {
   if (!memory_) throw std::bad_alloc();
   std::memset(static_cast<void*>(memory_.get()), 0, bytes);
   double* next = memory_.get();
-  for (double** column : {&view_.x, &view_.z, &view_.vx, &view_.vy, &view_.vz, &view_.t, &view_.sx, &view_.sy,
-                          &view_.sz, &view_.slowness}) {
-    *column = next;
+  for (const auto column : real_columns) {
+    view_.*column = next;
     next += capacity;
   }
-  for (std::uint64_t** column : {&view_.level, &view_.prepared, &view_.weight, &view_.particle, &view_.flying,
-                                 &view_.caught_by, &view_.scratch}) {
-    *column = reinterpret_cast<std::uint64_t*>(next);
+  for (const auto column : word_columns) {
+    view_.*column = reinterpret_cast<std::uint64_t*>(next);
     next += capacity;
   }
 }

@@ -31,10 +31,25 @@ struct BatchView {
   std::uint64_t* scratch = nullptr;    // a kernel's answer for each particle: bin, end of a region
 };
 
+/// The columns, a new one here too: what makes room for particles or copies them goes through these lists.
+inline constexpr double* BatchView::*real_columns[] = {
+    &BatchView::x, &BatchView::z,  &BatchView::vx, &BatchView::vy, &BatchView::vz,
+    &BatchView::t, &BatchView::sx, &BatchView::sy, &BatchView::sz, &BatchView::slowness};
+inline constexpr std::uint64_t* BatchView::*word_columns[] = {
+    &BatchView::level,  &BatchView::prepared,  &BatchView::weight, &BatchView::particle,
+    &BatchView::flying, &BatchView::caught_by, &BatchView::scratch};
+
+/// Particle i of one batch becomes particle k of another one.
+inline void copy_particle(const BatchView& from, int i, const BatchView& to, int k) {
+  for (const auto column : real_columns) (to.*column)[k] = (from.*column)[i];
+  for (const auto column : word_columns) (to.*column)[k] = (from.*column)[i];
+}
+
 class Batch {
  public:
   static constexpr int capacity = 512;
-  static constexpr int columns = 17;
+  static constexpr int columns = sizeof(real_columns) / sizeof(*real_columns) +
+                                 sizeof(word_columns) / sizeof(*word_columns);
   static constexpr std::size_t bytes = sizeof(double) * columns * capacity;
 
   Batch();

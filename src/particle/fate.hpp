@@ -1,16 +1,14 @@
 #pragma once
-// What became of a particle. Every one has exactly one fate, and the fates add up to what was emitted.
+// What became of a particle, in the words of results. Every one has exactly one fate, and the fates add up to
+// what was emitted. A stage may have a fate of its own.
 #include <string_view>
 
-namespace rabiline {
+namespace rabiline::fate {
 
-enum class Fate : int {
-  flying = 0,      // not decided yet
-  stopped,         // by a part, a bore or the chamber
-  detected,        // by a detector
-  passed,          // flew past the last part
-  left_backwards,  // left a field against the beam
-  gave_up          // was still circling in a field when its flight was cut off
-};
+inline constexpr std::string_view stopped = "stopped",                // by a part, a bore or the chamber
+    detected = "detected",                                            // by a detector
+    passed = "passed",                                                // flew past the last part
+    left_backwards = "left_backwards",                                // left a field against the beam
+    gave_up = "gave_up";  // was still circling in a field when its flight was cut off
 
-}  // namespace rabiline
+}  // namespace rabiline::fate

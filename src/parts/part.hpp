@@ -4,8 +4,10 @@
 
 #include "parts/beam_stop.hpp"
 #include "parts/coil.hpp"
+#include "parts/chopper.hpp"
 #include "parts/collimator.hpp"
 #include "parts/detector.hpp"
+#include "parts/gas_cell.hpp"
 #include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
 #include "parts/iron_magnet.hpp"
@@ -18,6 +20,7 @@
 #include "parts/spin_filter.hpp"
 #include "parts/two_wire_magnet.hpp"
 #include "parts/uniform_field.hpp"
+#include "parts/velocity_selector.hpp"
 
 namespace rabiline {
 
@@ -35,6 +38,9 @@ using Part = std::variant<Polarizer,         //
                           Slit,              //
                           Collimator,        //
                           BeamStop,          //
+                          GasCell,           //
+                          Chopper,           //
+                          VelocitySelector,  //
                           Detector,          //
                           Monitor>;
 

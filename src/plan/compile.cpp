@@ -35,7 +35,7 @@ Sections sections_of(const Beamline& beamline) {
                beamline.parts[i].part);
   }
   Sections sections = builder.build();
-  if (!deflects(beamline.law))
+  if (!law_traits(beamline.law).deflects)
     std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
   return sections;
 }
@@ -49,7 +49,7 @@ class Compiler {
         tables_(tables),
         species_(species),
         sections_(sections_of(beamline)),
-        quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
+        quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
         zones_(species, beamline.species.front().species, turning_,
                mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
@@ -83,14 +83,15 @@ class Compiler {
           fmt::format("`{}` prepares spins of one moment, and {} has the levels of two spins",
                       beamline_.parts[static_cast<std::size_t>(part)].placement.name, species_.name));
   }
-  Alignment alignment_of(const AlignTerm& term, int part) const {
-    require_one_moment(part);
+  Alignment alignment_of(const AlignTerm& term, const Plane& plane) const {
+    require_one_moment(plane.part);
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
     return {term.probability,
             spin_along_field * term.field_sign,
             {term.axis.x, term.axis.y, term.axis.z},
             levels(),
-            part};
+            plane.part,
+            plane.y};
   }
 
   // ---- planes ----
@@ -125,22 +126,30 @@ class Compiler {
   void add_filter(const FilterTerm& filter, const Plane& plane) {
     std::vector<SpinZone> zones = straight_ ? spins_.zones_before(plane) : std::vector<SpinZone>{};
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    chain_.push_back(filter_of(filter, plane.part));
+    chain_.push_back(filter_of(filter, plane));
     outlook_.tip = 1;
   }
-  Filter filter_of(const FilterTerm& term, int part) const {
-    require_one_moment(part);
+  Filter filter_of(const FilterTerm& term, const Plane& plane) const {
+    require_one_moment(plane.part);
     if (quantum_ && species_.spin.twice != 1)
       throw std::invalid_argument(
           fmt::format("`{}` filters spins 1/2 only, and {} has spin {}/2 under the law `quantum`\n  help: a "
                       "polarizer prepares a beam of any spin",
-                      beamline_.parts[static_cast<std::size_t>(part)].placement.name, species_.name,
+                      beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, species_.name,
                       species_.spin.twice));
-    return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, part};
+    return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, plane.part, plane.y};
+  }
+  void add_own_stage(const Plane& plane) {
+    std::visit(
+        [&](const auto& part) {
+          if constexpr (requires(const StageSite& site) { stage_of(part, site); })
+            chain_.push_back(stage_of(part, StageSite{plane.y, plane.part, species_}));
+        },
+        beamline_.parts[static_cast<std::size_t>(plane.part)].part);
   }
   void add_plane(const Plane& plane) {
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
-      chain_.push_back(alignment_of(*align, plane.part));
+      chain_.push_back(alignment_of(*align, plane));
       aligned_along(align->axis);
       return;
     }
@@ -154,6 +163,10 @@ class Compiler {
       return;
     }
     stop_at_chamber(plane.y);
+    if (std::holds_alternative<OwnStageTerm>(plane.term)) {
+      add_own_stage(plane);
+      return;
+    }
     if (const auto* monitor = std::get_if<MonitorTerm>(&plane.term)) {
       add_monitor(plane, *monitor);
       return;
@@ -197,10 +210,10 @@ class Compiler {
       Histogram histogram = tally_at(plane, tallies[i], i, face);
       histogram.caught = caught;
       if (of_spin && quantum_ && species_.structure) {
-        histogram.of_atom = true;
-        histogram.transitions = questions_.transitions_before(plane);
+        histogram.spins.of_atom = true;
+        histogram.spins.transitions = questions_.transitions_before(plane);
       } else if (of_spin && straight_) {
-        histogram.zones = zones_seen_by(histogram, plane);
+        histogram.spins.zones = zones_seen_by(histogram, plane);
       }
       chain_.push_back(std::move(histogram));
     }
@@ -260,11 +273,12 @@ class Compiler {
     edge.part = plane.part;
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
       edge.kind = EdgeKind::align;
-      edge.align = alignment_of(*align, plane.part);
+      edge.align = alignment_of(*align, plane);
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
       edge.plate = aperture_of(plane.y, *plate);
-    } else if (std::holds_alternative<FilterTerm>(plane.term)) {
+    } else if (std::holds_alternative<FilterTerm>(plane.term) ||
+               std::holds_alternative<OwnStageTerm>(plane.term)) {
       throw std::invalid_argument(fmt::format(
           "`{}` stands where fields turn the path under the law {}, and can only be passed in one "
           "direction\n  "
@@ -333,7 +347,7 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
 }
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
-  if (std::holds_alternative<QuantumLaw>(beamline.law) && component.species.structure) return {};
+  if (law_traits(beamline.law).has_levels && component.species.structure) return {};
   const ZoneMaker maker(
       component.species, beamline.species.front().species, turning_of(beamline.law, component.species),
       mean_speed(beamline.source.speed, component.species.mass), latest_start(beamline.source.pulse));

@@ -31,7 +31,7 @@ class Emitter {
       : beamline_(beamline),
         species_(species),
         tables_(tables),
-        quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
+        quantum_(law_traits(beamline.law).has_levels),
         e_(e) {}
 
   void fill() {

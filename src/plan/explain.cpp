@@ -1,7 +1,6 @@
 #include "plan/explain.hpp"
 
 #include <bit>
-#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -9,17 +8,13 @@
 
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
-#include "plan/explain_magnets.hpp"
 #include "plan/level_history.hpp"
-#include "plan/magnets.hpp"
+#include "transport/plan_report.hpp"
 
 namespace rabiline {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
-
-std::string metres(double y) { return fmt::format("{:8.4f} m", y); }
-std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
 
 /// Prints one chain of the plan: the stages that scan point 0 passes.
 class Explainer {
@@ -28,7 +23,11 @@ class Explainer {
       : experiment_(experiment),
         beamline_(experiment.points.front()),
         plan_(plan),
-        driven_(experiment, plan) {}
+        driven_(experiment, plan),
+        report_(beamline_) {
+    report_.tell_driven = [this](int part) { tell_driven(part); };
+    report_.fastest = [this] { return 1 / slownesses_of(beamline_.source, report_.species->mass, 0).from; };
+  }
 
   std::string text() {
     head();
@@ -36,24 +35,20 @@ class Explainer {
       if (serves_first_point(tree.points) && !seen_component_[static_cast<std::size_t>(tree.component)])
         component(tree);
     cost();
-    for (std::string& warning : driven_.warnings()) warnings_.push_back(std::move(warning));
-    for (std::string& warning : warnings_of_laws(experiment_)) warnings_.push_back(std::move(warning));
-    for (const std::string& warning : warnings_) out_ += "warning: " + warning + "\n";
-    return std::move(out_);
+    for (std::string& warning : driven_.warnings()) report_.warn(std::move(warning));
+    for (std::string& warning : warnings_of_laws(experiment_)) report_.warn(std::move(warning));
+    for (const std::string& warning : report_.warnings) report_.text += "warning: " + warning + "\n";
+    return std::move(report_.text);
   }
 
  private:
   template <class... Args>
   void line(fmt::format_string<Args...> format, Args&&... args) {
-    out_ += fmt::format(format, std::forward<Args>(args)...) + "\n";
+    report_.line(format, std::forward<Args>(args)...);
   }
   static bool serves_first_point(const std::vector<int>& points) {
     return !points.empty() && points.front() == 0;
   }
-  std::string name_of(int part) const {
-    return part < 0 ? "chamber" : beamline_.parts[static_cast<std::size_t>(part)].placement.name;
-  }
-
   void head() {
     line("{}", beamline_.title);
     line("law        {}", describe(beamline_.law));
@@ -79,29 +74,30 @@ class Explainer {
 
   void component(const PlanTree& tree) {
     seen_component_[static_cast<std::size_t>(tree.component)] = true;
-    species_ = &beamline_.species[static_cast<std::size_t>(tree.component)].species;
-    const Species& s = *species_;
+    const Species& s = beamline_.species[static_cast<std::size_t>(tree.component)].species;
+    report_.species = &s;
     line("");
-    atom_ = s.structure && std::holds_alternative<QuantumLaw>(beamline_.law);
-    on_axis_ = levels_on_axis(beamline_.source, s, beamline_.law);
+    const bool of_atom = s.structure && law_traits(beamline_.law).has_levels;
+    report_.of_atom = of_atom;
+    report_.on_axis = levels_on_axis(beamline_.source, s, beamline_.law);
     line("{}, {:.6g} u, charge {:+g} e; {} particles",
-         atom_ ? headline_of(s)
+         of_atom ? headline_of(s)
                : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
                              s.gyromagnetic_ratio / two_pi / 1e6),
          s.mass / 1.66053906892e-27, s.charge / 1.602176634e-19, tree.last - tree.first);
-    if (s.structure && !atom_)
+    if (s.structure && !of_atom)
       line("            its levels are left out under this law: the spin is that of J alone");
     const SpeedDraw& drawn = tree.source.speed;
-    speed_ = drawn.mean;
-    tip_ = 0;
-    line("{}  source, {}", metres(0),
+    report_.speed = drawn.mean;
+    report_.tip = 0;
+    line("{}  source, {}", PlanReport::metres(0),
          drawn.kind == SpeedKind::single ||
                  (drawn.kind == SpeedKind::gaussian && drawn.scale == SpeedScale::proportional)
-             ? fmt::format("{} m/s{}", speed_, drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
+             ? fmt::format("{} m/s{}", report_.speed, drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
              : fmt::format("{}, {:.6g} m/s on average",
-                           std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), speed_));
+                           std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), report_.speed));
     walk(tree.next);
-    const std::string gaps = atom_ ? field_free_gaps(beamline_) : "";
+    const std::string gaps = of_atom ? field_free_gaps(beamline_) : "";
     if (!gaps.empty())
       line(
           "            no field from {}: levels keep their names there, as a weak guiding field would make "
@@ -112,256 +108,28 @@ class Explainer {
   void walk(const std::vector<PlanNode>& nodes) {
     for (const PlanNode& node : nodes)
       if (serves_first_point(node.points)) {
-        shared_ = node.points.size();
-        node_ = &node;
-        std::visit([&](const auto& stage) { show(stage); }, node.stage);
+        report_.reuse = reuse(node.points.size());
+        report_.reweightings = node.ways.size();
+        report_.levels_found = levels_found(node);
+        rabiline::explain(node.stage, report_);
         walk(node.next);
       }
-  }
-  std::string reuse() const {
-    if (plan_.points == 1) return "";
-    if (shared_ == 1) return "  [this point only]";
-    return shared_ == static_cast<std::size_t>(plan_.points) ? "  [once for all points]"
-                                                             : fmt::format("  [once for {} points]", shared_);
-  }
-
-  void show(const Drift& drift) { line("{}  straight to here{}", metres(drift.y), reuse()); }
-  void show(const Passage& p) {
-    line("{}  {}: stops what {}{}", metres(p.aperture.y), name_of(p.part),
-         p.part < 0                ? "meets its wall"
-         : p.aperture.stops_inside ? "hits it"
-                                   : "misses its opening",
-         reuse());
-  }
-  void show(const Alignment& a) {
-    tip_ = 0;
-    const double y = beamline_.parts[static_cast<std::size_t>(a.part)].placement.at;
-    line("{}  {}: moments along the field with probability {:g}{}", metres(y), name_of(a.part), a.probability,
-         reuse());
-  }
-  void show(const Precession& precession) {
-    line("            spins are carried to the next plane{}", reuse());
-    for (const SpinZone& zone : precession.zones) show_zone(zone);
-  }
-  void show(const Filter& f) {
-    const double y = beamline_.parts[static_cast<std::size_t>(f.part)].placement.at;
-    line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}", metres(y),
-         name_of(f.part), f.axis[0], f.axis[1], f.axis[2], f.up, f.down, reuse());
   }
   static int levels_found(const PlanNode& node) {
     std::uint64_t levels = 0;
     for (const std::uint64_t mask : node.reach) levels |= mask;
     return std::popcount(levels);
   }
-  void show(const LevelProjection& asked) {
-    line("            {}: each particle is in one level from here on, {}{}", name_of(asked.part),
-         asked.split ? "all are followed with their shares of its weight" : "drawn by its probability",
-         reuse());
-    if (node_->ways.size() > 1)
-      line("{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them",
-           "", levels_found(*node_), node_->ways.size());
-    if (atom_ && !on_axis_.empty()) on_axis_ = all_levels(*species_);
-    show_driven(asked.part);
-  }
   /// What drives an atom's levels before a part asks for them, once for each.
-  void show_driven(int part) {
+  void tell_driven(int part) {
     if (!told_.insert(part).second) return;
-    for (const std::string& text : driven_.lines(part, speed_)) line("{:>16}{}", "", text);
+    for (const std::string& text : driven_.lines(part, report_.speed)) line("{:>16}{}", "", text);
   }
-  void show(const Deflection& d) {
-    line("{}  {}: deflects up to {}{}", metres(d.begin), name_of(d.part), metres(d.end), reuse());
-    tell(text_of(d, name_of(d.part), speed_));
-  }
-  void show(const Steering& s) {
-    line("{}  {}: steers up to {}, about {:.0f} steps{}", metres(s.begin), name_of(s.part), metres(s.end),
-         outlook_of(s, speed_).steps, reuse());
-    tell(text_of(s, name_of(s.part), speed_,
-                 {on_axis_, 1 / slownesses_of(beamline_.source, species_->mass, 0).from}));
-  }
-  void tell(const MagnetText& text) {
-    for (const std::string& told : text.lines) line("{:>16}{}", "", told);
-    warnings_.insert(warnings_.end(), text.warnings.begin(), text.warnings.end());
-    on_axis_.clear();
-  }
-  void show(const Score& s) {
-    line("{}  {}: catches and histograms, {} x {} bins{}{}{}", metres(s.screen.y), name_of(s.screen.part),
-         s.screen.bins_x, s.screen.bins_z,
-         s.screen.efficiency == 1 ? "" : fmt::format(", counts {:g} of each", s.screen.efficiency),
-         s.screen.has_dead_area ? ", nothing in its dead area" : "", reuse());
-  }
-  /// Of a monitor with several planes the first one stands for all.
-  void show(const Census& census) {
-    if (census.plane > 0) return;
-    const PlacedPart& part = beamline_.parts[static_cast<std::size_t>(census.part)];
-    const auto& monitor = std::get<Monitor>(part.part);
-    line("{}  {}: counts what passes{}{}", metres(census.face.y), name_of(census.part),
-         monitor.planes > 1 ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
-                                          metres(place_of_plane(monitor, part.placement, monitor.planes - 1)))
-                            : "",
-         reuse());
-  }
-  void show(const Histogram& histogram) {
-    if (histogram.plane > 0) return;
-    const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
-    const auto number = static_cast<std::size_t>(histogram.tally);
-    std::string name, axes;
-    std::uint64_t planes = 1;
-    if (const auto* monitor = std::get_if<Monitor>(&part))
-      name = monitor->tallies[number].name, planes = monitor->planes;
-    if (const auto* detector = std::get_if<Detector>(&part)) name = detector->tallies[number].name;
-    for (const HistogramAxis& axis : histogram.axes)
-      axes += fmt::format("{}{} ({} bins)", axes.empty() ? "" : ", ", word_of(axis.quantity), axis.bins);
-    if (!histogram.zones.empty())
-      axes += fmt::format(", spins turned from {:.4g} to {:.4g} m", histogram.zones.front().begin,
-                          histogram.zones.back().end);
-    line("            {} tallies {}: {}; {:.4g} KiB of sums{}", name_of(histogram.part), name, axes,
-         static_cast<double>(planes * sums_of(histogram).size() * sizeof(Sum)) / 1024, reuse());
-    if (histogram.transitions != nullptr && !histogram.caught) show_driven(histogram.part);
-  }
-  void show(const Exit&) { line("            what still flies has passed{}", reuse()); }
-  void show(const TurningRegion& region) {
-    line("{}  region that turns the velocity, to {}{}", metres(region.zones.front().field.begin),
-         metres(region.zones.back().field.end), reuse());
-    for (const RegionZone& zone : region.zones) {
-      show_zone(zone.field);
-      const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate));
-      if (rate > 0)
-        line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
-             two_pi / (rate * zone.step));
-    }
-    for (const Sight& sight : region.sights) {
-      show(sight.census);
-      for (const Histogram& tally : sight.tallies) show(tally);
-    }
-    warn_of_claim_one(region);
-  }
-  void show(const SpinStretch& stretch) {
-    line("            spins at {}: {} levels, {}{}", name_of(stretch.part), stretch.levels,
-         stretch.transitions != nullptr ? "coherent through the fields below, which drive them"
-         : stretch.zones.empty()        ? "as they arrive"
-         : stretch.from_level && stretch.zones.size() == 1 && stretch.zones.front().kind == ZoneKind::rotating
-             ? "closed form"
-             : "coherent through the zones below",
-         reuse());
-    for (const SpinZone& zone : stretch.zones) show_zone(zone);
-    show_driven(stretch.part);
-  }
-
-  /// The derived numbers of one zone.
-  void show_zone(const SpinZone& zone) {
-    const double stay = (zone.end - zone.begin) / speed_;
-    const double* axis = zone.frame + 6;
-    line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
-         pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
-         std::abs(zone.spin_rate) * stay / two_pi,
-         zone.turned && zone.spin_rate != 0
-             ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
-             : "");
-    for (int i = 0; i < zone.drives; ++i) show_drive(zone, zone.drive[i], stay);
-    if (zone.step > 0)
-      line("{:>16}{}: about {:.0f} steps", "",
-           zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
-           stay / zone.step);
-    show_neglected(zone);
-  }
-  void show_drive(const SpinZone& zone, const DriveTerm& drive, double stay) {
-    const double omega = drive.omega + drive.twist * speed_, detuning = omega - zone.spin_rate;
-    const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
-    const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
-    if (closed && omega * zone.spin_rate < 0)
-      warnings_.push_back(
-          fmt::format("the field that rotates from {:.4g} m on turns against the precession there and cannot "
-                      "be resonant",
-                      zone.begin));
-    if (drive.twist != 0)
-      line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
-           drive.twist * 180 / std::numbers::pi, hertz(drive.twist * speed_),
-           std::abs(drive.twist * speed_ / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
-    if (drive.omega == 0) return;
-    if (!closed) {
-      line("{:>16}{} at {}, {:.4g} deg of precession in its full size", "",
-           length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
-           std::abs(w1) * stay * 180 / std::numbers::pi);
-      return;
-    }
-    line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance", "",
-         hertz(drive.omega), drive.omega < 0 ? '-' : '+', (omega < 0 ? -1 : 1) * detuning / two_pi,
-         std::abs(w1) * mean_size(drive) * stay * 180 / std::numbers::pi);
-    if (zone.kind == ZoneKind::rotating)
-      line("{:>16}resonance width 1/T = {}, flip probability of spin 1/2 here {:.4g}", "",
-           pretty_quantity(1 / stay, Dimension::frequency),
-           rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
-  }
-  static double length_of_second(const DriveTerm& drive) {
-    return std::hypot(drive.second[0], drive.second[1], drive.second[2]);
-  }
-  /// Mean of a drive's size over its length.
-  static double mean_size(const DriveTerm& drive) {
-    if (drive.envelope.shape == Shape::half_sine) return 2 / std::numbers::pi;
-    if (drive.envelope.shape == Shape::gaussian) {
-      const double ends = drive.envelope.length / (2 * drive.envelope.sigma);
-      return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
-    }
-    return 1;
-  }
-  /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
-  /// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).
-  void show_neglected(const SpinZone& zone) {
-    for (const PlacedPart& part : beamline_.parts) {
-      const auto* field = std::get_if<OscillatingField>(&part.part);
-      const double begin = part.placement.at;
-      if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
-          begin > zone.begin || begin + field->length < zone.end)
-        continue;
-      if (zone.spin_rate == 0) {
-        warnings_.push_back(
-            fmt::format("`{}` is used in the rotating-wave approximation where there is no "
-                        "static field for spins to precess in: `approximation: none`",
-                        part.placement.name));
-        continue;
-      }
-      const double w0 = std::abs(zone.spin_rate),
-                   w1 = std::abs(species_->gyromagnetic_ratio) * field->amplitude / 2;
-      const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4, width = speed_ / (zone.end - zone.begin);
-      line(
-          "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
-          "of "
-          "1/T)",
-          "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
-      if (w1 > 0.1 * w0)
-        warnings_.push_back(
-            fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is {:.2g} "
-                        "of the static field; `approximation: none` integrates the whole field",
-                        part.placement.name, w1 / w0));
-    }
-  }
-
-  /// Under `torque` tipped spins keep turning the path in every field until something aligns them again, and
-  /// a large tip deflects nearly everything. `tip_` is what all drives since the last alignment can have
-  /// done.
-  void warn_of_claim_one(const TurningRegion& region) {
-    if (!region.take_off_spin_component) return;
-    for (std::size_t i = 0; i < region.zones.size(); ++i) {
-      const SpinZone& zone = region.zones[i].field;
-      if (tip_ > 0 && zone.drives == 0 && zone.turn_rate != 0)
-        warnings_.push_back(
-            fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
-                        "it keeps turning "
-                        "the path of tipped spins",
-                        zone.end));
-      const bool before = tip_ > large_tip;
-      for (int k = 0; k < zone.drives; ++k)
-        tip_ += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / speed_;
-      if (tip_ > large_tip && !before) tip_is_large_ = true;
-      if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) tip_ = 0;
-    }
-    if (tip_is_large_)
-      warnings_.push_back(
-          fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
-                      "frequencies then "
-                      "deflect, and the resonance is far wider than 1/T",
-                      tip_ * 180 / std::numbers::pi));
-    tip_is_large_ = false;
+  std::string reuse(std::size_t shared) const {
+    if (plan_.points == 1) return "";
+    if (shared == 1) return "  [this point only]";
+    return shared == static_cast<std::size_t>(plan_.points) ? "  [once for all points]"
+                                                             : fmt::format("  [once for {} points]", shared);
   }
 
   void cost() {
@@ -370,25 +138,16 @@ class Explainer {
       seconds += tree.cost * static_cast<double>(tree.last - tree.first);
     line("");
     line("cost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread", seconds,
-         static_cast<double>(plan_.sums * sizeof(Sum) + bytes_at_planes(plan_)) / 1048576.0);
+         static_cast<double>(plan_.sums * sizeof(Sum) + bytes_of_stages(plan_)) / 1048576.0);
   }
 
   const Experiment& experiment_;
   const Beamline& beamline_;
   const Plan& plan_;
-  const Species* species_ = nullptr;
-  static constexpr double large_tip = 0.05;  // [rad]
-  double speed_ = 0, tip_ = 0;
-  bool tip_is_large_ = false;
   const DrivenParts driven_;
-  const PlanNode* node_ = nullptr;  // that is shown
-  bool atom_ = false;
-  std::vector<int> on_axis_;  // levels of a beam that nothing has bent yet
   std::set<int> told_;
-  std::size_t shared_ = 0;
   std::vector<bool> seen_component_;
-  std::vector<std::string> warnings_;
-  std::string out_;
+  PlanReport report_;
 };
 
 }  // namespace

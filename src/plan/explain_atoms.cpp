@@ -127,21 +127,18 @@ DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
 
 void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
   for (const PlanNode& node : nodes) {
-    if (const auto* asked = std::get_if<LevelProjection>(&node.stage))
-      collect(asked->transitions, asked->part, node.points);
-    if (const auto* stretch = std::get_if<SpinStretch>(&node.stage))
-      collect(stretch->transitions, stretch->part, node.points);
-    if (const auto* histogram = std::get_if<Histogram>(&node.stage))
-      collect(histogram->transitions, histogram->part, node.points);
+    collect(node.stage, node.points);
     for (const PlanNode::Way& way : node.ways)
-      collect(way.projection.transitions, way.projection.part, way.points);
+      collect(way.projection, way.points);
     collect(node.next);
   }
 }
 
-void DrivenParts::collect(const TransitionTable* table, int part, const std::vector<int>& points) {
-  if (table == nullptr) return;
-  std::vector<const Driven*>& at = parts_[part];
+void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
+  const SpinPath* path = path_of(stage);
+  if (path == nullptr || path->transitions == nullptr) return;
+  const TransitionTable* table = path->transitions;
+  std::vector<const Driven*>& at = parts_[part_of(stage)];
   at.resize(experiment_.points.size());
   const Driven* driven = &plan_.tables->driven_by(table);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
@@ -306,7 +303,7 @@ std::vector<int> all_levels(const Species& species) {
 }
 
 std::vector<int> levels_on_axis(const Source& source, const Species& species, const Law& law) {
-  if (!std::holds_alternative<QuantumLaw>(law) || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
+  if (!law_traits(law).has_levels || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
     return {};
   const auto* named = std::get_if<LevelsSpin>(&source.spin);
   if (!named || !species.structure) return all_levels(species);

@@ -26,7 +26,7 @@ class DrivenParts {
  private:
   using Driven = SampledTables::Driven;
   void collect(const std::vector<PlanNode>&);
-  void collect(const TransitionTable*, int part, const std::vector<int>& points);
+  void collect(const Stage&, const std::vector<int>& points);
   std::string name_at(double y) const;
   void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/constants.hpp"
-#include "plan/magnets.hpp"
 
 namespace rabiline {
 namespace {
@@ -32,7 +31,7 @@ void tell_relativity(const Experiment& experiment, std::vector<std::string>& out
 /// The hypothesis replaces mu grad |B|; what is left of a magnet is its field at the beam.
 void tell_magnets(const Experiment& experiment, std::vector<std::string>& out) {
   const auto point = std::find_if(experiment.points.begin(), experiment.points.end(),
-                                  [](const Beamline& b) { return !deflects(b.law); });
+                                  [](const Beamline& b) { return !law_traits(b.law).deflects; });
   if (point == experiment.points.end()) return;
   std::string names;
   for (const PlacedPart& part : point->parts)

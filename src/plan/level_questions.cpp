@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "spin/majorana.hpp"
-#include "transport/branches.hpp"
 
 namespace rabiline {
 namespace {
@@ -39,7 +38,7 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
       sections_(sections),
       spins_(spins),
       straight_(straight),
-      quantum_(std::holds_alternative<QuantumLaw>(beamline.law)),
+      quantum_(law_traits(beamline.law).has_levels),
       tables_(tables) {}
 
 const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) const {
@@ -56,15 +55,16 @@ std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) con
   if (!quantum_) return std::nullopt;
   LevelProjection asked;
   asked.part = plane.part;
-  asked.levels = species_.levels();
+  asked.at = plane.y;
+  asked.spins.levels = species_.levels();
   if (species_.structure) {
-    asked.transitions = transitions_before(plane);
-    return asked.transitions != nullptr ? std::optional(asked) : std::nullopt;
+    asked.spins.transitions = transitions_before(plane);
+    return asked.spins.is_idle() ? std::nullopt : std::optional(asked);
   }
-  asked.from_level = spins_.start_before(plane) == UnitVector{};
-  asked.zones = spins_.zones_before_levels(plane);
-  if (asked.from_level && asked.zones.empty()) return std::nullopt;
-  asked.polynomials = majorana_table(species_.spin.twice).coefficients;
+  asked.spins.from_level = spins_.start_before(plane) == UnitVector{};
+  asked.spins.zones = spins_.zones_before_levels(plane);
+  if (asked.spins.from_level && asked.spins.is_idle()) return std::nullopt;
+  asked.spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return asked;
 }
 
@@ -72,22 +72,22 @@ SpinStretch LevelQuestions::at_detector(const Plane& plane) const {
   SpinStretch stretch;
   stretch.part = plane.part;
   stretch.majorana = quantum_;
-  stretch.levels = quantum_ ? species_.levels() : 2;
+  SpinPath& spins = stretch.spins;
+  spins.levels = quantum_ ? species_.levels() : 2;
   if (quantum_ && species_.structure) {
-    stretch.of_atom = true;
-    stretch.transitions = transitions_before(plane);
+    spins.of_atom = true;
+    spins.transitions = transitions_before(plane);
     return stretch;
   }
-  if (straight_) stretch.zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
-  if (straight_ && quantum_) stretch.from_level = spins_.start_before(plane) == UnitVector{};
-  if (stretch.levels > 2) stretch.polynomials = majorana_table(species_.spin.twice).coefficients;
+  if (straight_) spins.zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
+  if (straight_ && quantum_) spins.from_level = spins_.start_before(plane) == UnitVector{};
+  if (spins.levels > 2) spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return stretch;
 }
 
 void split_projections(const Law& law, std::vector<Stage>& chain) {
-  const auto* quantum = std::get_if<QuantumLaw>(&law);
-  if (quantum == nullptr || quantum->outcomes == Outcomes::sample) return;
-  const auto bookable = std::find_if_not(chain.rbegin(), chain.rend(), can_be_booked).base();
+  if (!law_traits(law).splits) return;
+  const auto bookable = std::find_if_not(chain.rbegin(), chain.rend(), follows_paths).base();
   const auto first = std::find_if(bookable, chain.end(), [](const Stage& stage) {
     return std::holds_alternative<LevelProjection>(stage);
   });

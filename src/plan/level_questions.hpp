@@ -5,7 +5,7 @@
 
 #include "plan/sampled_tables.hpp"
 #include "plan/spin_history.hpp"
-#include "transport/stages.hpp"
+#include "transport/stage.hpp"
 
 namespace rabiline {
 

@@ -1,6 +1,5 @@
 #include "plan/magnets.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/constants.hpp"
@@ -58,19 +57,7 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   return s;
 }
 
-/// [J/T] along the field, where its size is B.
-double moment_of(const Steering& s, int level, double size) {
-  if (s.moments.coefficients == nullptr) return s.moment * (1 - 2.0 * level / (s.levels - 1));
-  const double place = size / (size + s.moments.scale) * s.moments.cells;
-  const int cell = std::min(static_cast<int>(place), s.moments.cells - 1);
-  const double* c = s.moments.coefficients + std::ptrdiff_t{4} * (level * s.moments.cells + cell);
-  const double t = place - cell;
-  return ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
-}
-
 }  // namespace
-
-bool deflects(const Law& law) { return !std::holds_alternative<DoradoLaw>(law); }
 
 void add_deflection(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
                     SampledTables& tables, std::vector<Stage>& chain) {
@@ -84,40 +71,6 @@ void add_deflection(const Plane& plane, const MagnetTerm& magnet, const Species&
     chain.push_back(
         Passage{aperture_of(plane.y, Rectangle{2 * d.half_x, 2 * d.half_z}, {d.x0, d.z0}), plane.part});
   chain.push_back(d);
-}
-
-SteeringOutlook outlook_of(const Steering& s, double speed) {
-  const bool multipole = s.shape.kind == MagnetKind::multipole;
-  const auto at = field_size(s.shape, multipole ? s.shape.radius / 2 : 0.0, s.shape.height,
-                             [](double q) { return std::sqrt(q); });
-  SteeringOutlook out;
-  out.field = at.size;
-  out.gradient = std::hypot(at.along_x, at.along_z);
-  out.acceleration = std::abs(s.moment) / s.mass * out.gradient;
-  const double turn =
-      s.moments.coefficients != nullptr ? out.gradient * out.gradient / (at.size + s.moments.scale) : 0.0;
-  out.rate = std::sqrt(std::abs(s.moment) / s.mass * (at.bend + turn));
-  out.steps =
-      std::clamp(out.rate * (s.end - s.begin) / speed / steering::step_angle, 1.0, steering::most_steps);
-  return out;
-}
-
-std::optional<double> stopped_at(const Steering& s, int level, double speed) {
-  constexpr int steps = 4000;
-  const double length = s.end - s.begin, h = length / speed / steps;
-  double x = s.sine * s.z0 - s.cosine * s.x0, z = s.shape.height - s.sine * s.x0 - s.cosine * s.z0;
-  double vx = 0, vz = 0;
-  for (int i = 0; i <= steps; ++i) {
-    if (!is_free<bool>(s.walls, x, z)) return s.begin + length * i / steps;
-    const auto field = field_size(s.shape, x, z, [](double q) { return std::sqrt(q); });
-    if (!std::isfinite(field.size)) return std::nullopt;
-    const double pull = moment_of(s, level, field.size) / s.mass;
-    vx += h * pull * field.along_x;
-    vz += h * pull * field.along_z;
-    x += h * vx;
-    z += h * vz;
-  }
-  return std::nullopt;
 }
 
 }  // namespace rabiline

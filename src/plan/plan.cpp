@@ -2,73 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "plan/magnets.hpp"
+#include "transport/cost.hpp"
 
 namespace rabiline {
 namespace {
-
-// Rough times on one core with AVX-512 [s].
-constexpr double cost_of_plane = 3e-9, cost_of_emission = 1e-8, cost_of_step = 4e-9, cost_of_zone = 5e-9,
-                 cost_of_closed_form = 2e-9, cost_of_tally = 1e-8, cost_of_share = 5e-9;
-
-// Estimated time for one particle of that speed on one core [s]; only its order of magnitude matters.
-double cost_of(const std::vector<SpinZone>& zones, double speed) {
-  double sum = 0;
-  for (const SpinZone& zone : zones)
-    sum += zone.step > 0 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost_of_step : cost_of_zone;
-  return sum;
-}
-double cost_of(const Steering& steering, double speed) {
-  return outlook_of(steering, speed).steps * 4 * cost_of_step;
-}
-double cost_of(const Precession& precession, double speed) { return cost_of(precession.zones, speed); }
-double cost_of(const SpinStretch& stretch, double speed) {
-  if (stretch.from_level && stretch.zones.size() <= 1 && stretch.levels == 2) return cost_of_closed_form;
-  return cost_of_closed_form * stretch.levels + cost_of(stretch.zones, speed);
-}
-double cost_of(const Histogram& histogram, double speed) {
-  double sum = cost_of_tally * static_cast<double>(histogram.axes.size() + 1);
-  if (!histogram.zones.empty() || !histogram.polynomials.empty())
-    sum += cost_of(SpinStretch{0, std::max(2, histogram.levels), true, false, histogram.zones, {}}, speed);
-  return sum;
-}
-double cost_of(const TurningRegion& region, double speed) {
-  double steps = 0, sights = 0;
-  for (const RegionZone& zone : region.zones)
-    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
-  for (const Sight& sight : region.sights) {
-    sights += cost_of_plane;
-    for (const Histogram& tally : sight.tallies) sights += cost_of(tally, speed);
-  }
-  return steps * cost_of_step + sights;
-}
-template <class Plain>
-double cost_of(const Plain&, double) {
-  return cost_of_plane;
-}
-
-double cost_of(const LevelProjection& projection, double speed) {
-  return cost_of_closed_form * projection.levels + cost_of(projection.zones, speed);
-}
 
 struct Chain {
   int point;
   std::vector<Stage> stages;
 };
 
-const LevelProjection* split_at(const Chain& chain, std::size_t depth) {
-  const auto* projection =
-      depth < chain.stages.size() ? std::get_if<LevelProjection>(&chain.stages[depth]) : nullptr;
-  return projection != nullptr && projection->split ? projection : nullptr;
-}
-
-/// Whether particles end at a stage.
-bool ends_particles(const Stage& stage) {
-  return std::holds_alternative<Passage>(stage) || std::holds_alternative<Filter>(stage) ||
-         std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage) ||
-         std::holds_alternative<Score>(stage) || std::holds_alternative<Exit>(stage);
+bool splits_at(const Chain& chain, std::size_t depth) {
+  return depth < chain.stages.size() && splits(chain.stages[depth]);
 }
 
 /// Merges chains into a tree and gives each stage its place among the sums.
@@ -103,7 +49,7 @@ class TreeMaker {
       const std::size_t size = sums_ - begin;
       for (const Chain* chain : group) {
         node.points.push_back(chain->point);
-        const LevelProjection& projection = *split_at(*chain, depth);
+        const Stage& projection = chain->stages[depth];
         const auto way = std::find_if(node.ways.begin(), node.ways.end(),
                                       [&](const auto& w) { return w.projection == projection; });
         if (way == node.ways.end())
@@ -120,8 +66,7 @@ class TreeMaker {
   /// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through
   /// at once: scans put equal ones next to each other or repeat a short list.
   std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth) {
-    if (std::all_of(chains.begin(), chains.end(),
-                    [&](const Chain* c) { return split_at(*c, depth) != nullptr; }))
+    if (std::all_of(chains.begin(), chains.end(), [&](const Chain* c) { return splits_at(*c, depth); }))
       return merge_ways(chains, depth);
     constexpr std::size_t looked_through = 16;
     std::vector<std::vector<const Chain*>> groups;
@@ -139,11 +84,11 @@ class TreeMaker {
     // Points that differ in what is looked at, and not in what happens, go on together.
     const bool look_apart =
         groups.size() > 1 && std::all_of(chains.begin(), chains.end(), [&](const Chain* c) {
-          return c->stages.size() > depth && only_reads(c->stages[depth]);
+          return c->stages.size() > depth && traits_of(c->stages[depth]).only_reads;
         });
     std::vector<PlanNode> nodes;
     for (const auto& group : groups) {
-      if (split_at(*group.front(), depth) != nullptr) {
+      if (splits_at(*group.front(), depth)) {
         for (PlanNode& node : merge_ways(group, depth)) nodes.push_back(std::move(node));
         continue;
       }
@@ -161,7 +106,7 @@ class TreeMaker {
  private:
   void add_sums(PlanNode& node) {
     sums_ += sums_needed(node.stage);
-    if (ledger_levels_ == 0 || !ends_particles(node.stage)) return;
+    if (ledger_levels_ == 0 || !traits_of(node.stage).ends_particles) return;
     node.ledger = sums_;
     sums_ += LedgerSums{ledger_levels_}.size();
   }
@@ -171,12 +116,11 @@ class TreeMaker {
 };
 
 double cost_of_branch(const PlanNode& node, double speed) {
-  double sum = std::visit([&](const auto& stage) { return cost_of(stage, speed); }, node.stage);
+  const double sum = cost_of(node.stage, speed);
   double behind = 0;
   for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
   if (node.ways.empty()) return sum + behind;
-  const double levels = std::get<LevelProjection>(node.stage).levels;
-  return levels * (behind + cost_of_share * static_cast<double>(node.ways.size())) +
+  return path_of(node.stage)->levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
          sum * static_cast<double>(node.ways.size());
 }
 
@@ -226,17 +170,17 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
   return groups;
 }
 
-/// Levels matter to what becomes of particles where magnets deflect them, and where atoms have them. What a
+/// Levels matter to what becomes of particles where magnets separate them, and where atoms have them. What a
 /// polarizer prepares anew does not end in the level that it was emitted in.
 std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& chains, bool of_atom) {
-  bool deflects = false;
+  bool separated = false;
   for (const Chain* chain : chains)
     for (const Stage& stage : chain->stages) {
-      if (std::holds_alternative<TurningRegion>(stage) || std::holds_alternative<Alignment>(stage)) return 0;
-      deflects =
-          deflects || std::holds_alternative<Deflection>(stage) || std::holds_alternative<Steering>(stage);
+      const LevelEffect effect = traits_of(stage).levels;
+      if (effect == LevelEffect::replaced) return 0;
+      separated = separated || effect == LevelEffect::separated;
     }
-  return deflects || of_atom ? static_cast<std::size_t>(root.source.spin.levels) : 0;
+  return separated || of_atom ? static_cast<std::size_t>(root.source.spin.levels) : 0;
 }
 
 PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bool of_atom,
@@ -255,29 +199,26 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   TreeMaker maker(sums, tree.ledger_levels);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
-  tree.cost = cost_of_emission;
+  tree.cost = cost::emission;
   for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed.mean);
   return tree;
 }
 
-std::size_t most_sights(const std::vector<PlanNode>& nodes) {
+std::size_t most_memory(const std::vector<PlanNode>& nodes) {
   std::size_t most = 0;
-  for (const PlanNode& node : nodes) {
-    const auto* region = std::get_if<TurningRegion>(&node.stage);
-    most = std::max({most, region ? region->sights.size() : 0, most_sights(node.next)});
-  }
+  for (const PlanNode& node : nodes) most = std::max({most, own_memory(node.stage), most_memory(node.next)});
   return most;
 }
 
 }  // namespace
 
-std::size_t bytes_at_planes(const Plan& plan) {
+std::size_t bytes_of_stages(const Plan& plan) {
   std::size_t most = 0;
-  for (const PlanTree& tree : plan.trees) most = std::max(most, most_sights(tree.next));
-  return most * Batch::bytes;
+  for (const PlanTree& tree : plan.trees) most = std::max(most, most_memory(tree.next));
+  return most;
 }
 
-void add_reach(const LevelProjection& projection, std::vector<std::uint64_t>& reach) {
+void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
   reach.resize(static_cast<std::size_t>(projection.levels));
   for (std::size_t from = 0; from < reach.size(); ++from) {
     if (projection.transitions == nullptr) {
@@ -292,7 +233,7 @@ void add_reach(const LevelProjection& projection, std::vector<std::uint64_t>& re
 }
 
 void find_reach(PlanNode& node) {
-  for (const PlanNode::Way& way : node.ways) add_reach(way.projection, node.reach);
+  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.projection), node.reach);
   for (PlanNode& next : node.next) find_reach(next);
 }
 

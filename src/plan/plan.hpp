@@ -7,7 +7,7 @@
 #include "beamline/beamline.hpp"
 #include "plan/geometry.hpp"
 #include "plan/sampled_tables.hpp"
-#include "transport/stages.hpp"
+#include "transport/stage.hpp"
 
 namespace rabiline {
 
@@ -20,10 +20,10 @@ struct PlanNode {
   std::vector<PlanNode> next;
   std::size_t ledger =
       0;  // where the ledger by prepared level begins; 0: the stage ends nobody, or there is none
-  /// Of a LevelProjection that splits: paths behind it are flown once in each level, and each way shares the
+  /// Of a stage that splits weights: paths behind it are flown once in each level, and each way shares the
   /// weights over them. `next` is one chain, its sums those of the first way.
   struct Way {
-    LevelProjection projection;
+    Stage projection;
     std::vector<int> points;
     std::size_t shift = 0;  // of its sums behind those of the first way
   };
@@ -71,8 +71,8 @@ struct Plan {
   int points = 0;
 };
 
-/// What each thread keeps of the particles at the planes inside a region, of that with most of them [bytes].
-std::size_t bytes_at_planes(const Plan&);
+/// The most that each thread keeps while a batch passes one stage [bytes].
+std::size_t bytes_of_stages(const Plan&);
 
 /// One scan point's chain of stages for one species, which the tables must outlive.
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);

@@ -1,7 +1,7 @@
 #pragma once
 // Touching fields that turn the velocity, put together as a region.
 #include "plan/zones.hpp"
-#include "transport/stages.hpp"
+#include "transport/stages/turning_region.hpp"
 
 namespace rabiline {
 

@@ -20,7 +20,7 @@ Histogram histogram_of(const Tally& tally, int number, const Species& species, i
   Histogram histogram;
   histogram.tally = number;
   histogram.mass = species.mass;
-  histogram.levels = levels;
+  histogram.spins.levels = levels;
   for (const TallyAxis& axis : tally.axes) {
     HistogramAxis made;
     made.quantity = axis.quantity;
@@ -40,7 +40,7 @@ Histogram histogram_of(const Tally& tally, int number, const Species& species, i
     histogram.axes.push_back(made);
   }
   if (levels > 0 && asks_for_spin(tally) && !species.structure)
-    histogram.polynomials = majorana_table(levels - 1).coefficients;
+    histogram.spins.polynomials = majorana_table(levels - 1).coefficients;
   return histogram;
 }
 

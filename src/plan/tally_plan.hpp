@@ -3,7 +3,7 @@
 #include "beamline/beamline.hpp"
 #include "particle/species.hpp"
 #include "section/section.hpp"
-#include "transport/stages.hpp"
+#include "transport/stages/histogram.hpp"
 
 namespace rabiline {
 

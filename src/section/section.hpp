@@ -94,10 +94,16 @@ struct MonitorTerm {
   bool operator==(const MonitorTerm&) const = default;
 };
 
+/// The part itself is the stage that stands there (stage_of, beside the stage).
+struct OwnStageTerm {
+  bool operator==(const OwnStageTerm&) const = default;
+};
+
 struct Plane {
   double y = 0;  // [m]
   int part = 0;
-  std::variant<PlateTerm, AlignTerm, FilterTerm, MagnetTerm, ScreenTerm, MonitorTerm> term;
+  std::variant<PlateTerm, AlignTerm, FilterTerm, MagnetTerm, ScreenTerm, MonitorTerm, OwnStageTerm>
+      term;
   bool operator==(const Plane&) const = default;
 };
 

@@ -20,24 +20,6 @@
 namespace rabiline {
 namespace {
 
-std::string_view name_of(Fate fate) {
-  switch (fate) {
-    case Fate::stopped:
-      return "stopped";
-    case Fate::detected:
-      return "detected";
-    case Fate::passed:
-      return "passed";
-    case Fate::left_backwards:
-      return "left_backwards";
-    case Fate::gave_up:
-      return "gave_up";
-    case Fate::flying:
-      break;
-  }
-  return "flying";
-}
-
 /// Turns the sums of one run into a Result.
 class Finisher {
  public:
@@ -171,8 +153,8 @@ class Finisher {
       all.q2 += whole.q2;
       for (std::size_t b = 0; b < own.size(); ++b)
         for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz]}) {
-          m->q += s[screen.layout.bin(b)];
-          m->q2 += s[screen.layout.bin(b) + 1];
+          m->q += s[ScreenSums::bin(b)];
+          m->q2 += s[ScreenSums::bin(b) + 1];
         }
       for (std::size_t x = 0; x < nx; ++x) own_x[x].q2 += s[screen.layout.across_column(x)];
       for (std::size_t z = 0; z < nz; ++z) own_z[z].q2 += s[screen.layout.across_row(z)];
@@ -208,7 +190,7 @@ class Finisher {
     return beamline.species.size() == 1 ? name : species.name + " " + name;
   }
   static std::string name_of_level(const Beamline& beamline, const Species& species, int levels, int level) {
-    if (!std::holds_alternative<QuantumLaw>(beamline.law)) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
+    if (!law_traits(beamline.law).has_levels) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
     if (species.structure)
       return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
     const int m = levels - 1 - 2 * level;
@@ -243,7 +225,7 @@ class Finisher {
     std::vector<std::map<std::string, LevelMoments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
       const int part = number_of(experiment_.points[p], detector.name);
-      for (const LevelTally& tally : tallies_.levels) {
+      for (const LevelTally& tally : tallies_.level_tallies) {
         if (tally.part != part || !concerns(*tally.points, p)) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {
@@ -302,26 +284,26 @@ class Finisher {
             : tally.part == no_part
                 ? ""
                 : experiment_.points[point].parts[static_cast<std::size_t>(tally.part)].placement.name;
-        LedgerRow& row = ledger[{std::string(name_of(tally.fate)), where}];
+        LedgerRow& row = ledger[{std::string(tally.fate), where}];
         row.all.resize(points_);
         row.by_level.resize(points_ * levels);
         row.all[point] += sums_[tally.at];
         for (std::size_t level = 0; tally.ledger != 0 && level < tally.levels; ++level) {
           const std::size_t at = ledger_place(p, tally.component, level);
-          const Sum q = sums_[tally.ledger + (tally.fate == Fate::detected ? LedgerSums::caught(level)
+          const Sum q = sums_[tally.ledger + (tally.fate == fate::detected ? LedgerSums::caught(level)
                                                                            : LedgerSums::ended(level))];
           row.by_level[at] += q;
           left[at] -= q;
         }
       }
     for (const auto& [key, row] : ledger) {
-      FateResult fate{key.first, key.second, {}, {}, {}, shown(row.by_level)};
+      FateResult ended{key.first, key.second, {}, {}, {}, shown(row.by_level)};
       for (const Sum q : row.all) {
-        fate.quanta_high.push_back(static_cast<std::uint64_t>(q >> 64));
-        fate.quanta_low.push_back(static_cast<std::uint64_t>(q));
-        fate.particles.push_back(particles(q));
+        ended.quanta_high.push_back(static_cast<std::uint64_t>(q >> 64));
+        ended.quanta_low.push_back(static_cast<std::uint64_t>(q));
+        ended.particles.push_back(particles(q));
       }
-      result_.fates.push_back(std::move(fate));
+      result_.fates.push_back(std::move(ended));
     }
     for (std::size_t p = 0; p < points_; ++p) {
       Sum all = 0;

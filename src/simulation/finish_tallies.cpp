@@ -156,8 +156,8 @@ class TallyFinisher {
                                            std::size_t p) const {
     std::vector<const HistogramTally*> out;
     for (const HistogramTally& tally : run_.tallies.histograms)
-      if (tally.histogram->part == part && static_cast<std::size_t>(tally.histogram->tally) == number &&
-          static_cast<std::size_t>(tally.histogram->plane) == plane && concerns(*tally.points, p))
+      if (tally.part == part && static_cast<std::size_t>(tally.tally) == number &&
+          static_cast<std::size_t>(tally.plane) == plane && concerns(*tally.points, p))
         out.push_back(&tally);
     return out;
   }
@@ -174,7 +174,7 @@ class TallyFinisher {
       const double n = static_cast<double>(tally->tree->last - tally->tree->first);
       std::vector<Moments> own(layout.bins);
       for (std::size_t b = 0; b < layout.bins; ++b) {
-        own[b] = {s[layout.bin(b)], s[layout.bin(b) + 1]};
+        own[b] = {s[HistogramSums::bin(b)], s[HistogramSums::bin(b) + 1]};
         sum += own[b].q;
       }
       const Moments beyond{s[layout.outside()], s[layout.outside() + 1]};
@@ -210,9 +210,8 @@ class TallyFinisher {
       if (is_categorical(tally.axes[a].quantity)) continue;
       std::vector<MomentSums> groups(moment_groups);
       for (const HistogramTally* found : found(number_of(beamline(p), out.part), number, plane, p)) {
-        const HistogramSums layout = sums_of(*found->histogram);
         for (std::size_t g = 0; g < moment_groups; ++g) {
-          const Sum* s = &run_.sums[found->at + layout.moments(ranged, g)];
+          const Sum* s = &run_.sums[found->at + found->layout.moments(ranged, g)];
           groups[g].q += s[0];
           groups[g].qu += s[1];
           groups[g].quu += s[2];

@@ -65,7 +65,7 @@ class Runner {
   /// One thread's loop. No exception leaves it.
   void work(Share& share) {
     try {
-      Walker walker(kernels_for(options_.isa), options_.batch);
+      Walker walker(options_.isa, options_.batch);
       for (std::uint64_t number = next_++; number < blocks_.count() && !stopped(); number = next_++) {
         if (before_.contains(number)) continue;
         {

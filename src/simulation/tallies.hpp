@@ -1,55 +1,51 @@
 #pragma once
 // Where in the sums of a plan each tally stands.
+#include <string_view>
 #include <vector>
 
-#include "particle/fate.hpp"
 #include "plan/plan.hpp"
+#include "transport/sum_sink.hpp"
 
 namespace rabiline {
 
-/// Where in the sums one screen's tallies stand, and for which points.
-struct ScreenTally {
-  int part;
+/// Where the sums of a stage begin, and for which points they are.
+struct TallyPlace {
   const PlanTree* tree;
-  ScreenSums layout;
   std::size_t at;
   const std::vector<int>* points;
 };
-struct LevelTally {
+struct ScreenTally : TallyPlace {
+  int part;
+  ScreenSums layout;
+};
+struct LevelTally : TallyPlace {
   int part;
   int component;  // of the beam
   int levels;
-  std::size_t at;
-  const std::vector<int>* points;
 };
-struct CensusTally {
+struct CensusTally : TallyPlace {
   int part;
   int plane;  // of the monitor
-  const PlanTree* tree;
-  std::size_t at;
-  const std::vector<int>* points;
 };
-struct HistogramTally {
-  const Histogram* histogram;
-  const PlanTree* tree;
-  std::size_t at;
-  const std::vector<int>* points;
+struct HistogramTally : TallyPlace {
+  int part;
+  int tally;  // its number in the part's list
+  int plane;  // of the monitor
+  HistogramSums layout;
 };
-struct FateTally {
-  Fate fate;
-  int part;  // no_part where it does not apply
-  std::size_t at;
-  const std::vector<int>* points;
-  int component = 0;       // of the beam
-  std::size_t ledger = 0;  // where LedgerSums begin, or 0
-  std::size_t levels = 0;  // of the ledger
+struct FateTally : TallyPlace {
+  std::string_view fate;
+  int part;            // no_part where it does not apply
+  int component;       // of the beam
+  std::size_t ledger;  // where LedgerSums begin, or 0
+  std::size_t levels;  // of the ledger
 };
-constexpr int no_part = -2;
 
 /// Every tally of a plan, found by walking its trees.
-struct Tallies {
+class Tallies : private SumSink {
+ public:
   std::vector<ScreenTally> screens;
-  std::vector<LevelTally> levels;
+  std::vector<LevelTally> level_tallies;
   std::vector<FateTally> fates;
   std::vector<CensusTally> censuses;
   std::vector<HistogramTally> histograms;
@@ -57,32 +53,21 @@ struct Tallies {
   explicit Tallies(const Plan&);
 
  private:
-  /// The sums of a stage, and the points they are for.
-  struct Stand {
-    std::size_t at;
-    const std::vector<int>* points;
-    std::size_t ledger = 0;
-  };
   void visit(const PlanNode&);
   void visit_way(const PlanNode&, const PlanNode::Way&);
-  void add(const Drift&, const Stand&) {}
-  void add(const Alignment&, const Stand&) {}
-  void add(const Precession&, const Stand&) {}
-  void add(const Filter&, const Stand&);
-  void add(const LevelProjection&, const Stand&) {}
-  void add(const Deflection&, const Stand&);
-  void add(const Steering&, const Stand&);
-  void add(const Passage&, const Stand&);
-  void add(const Exit&, const Stand&);
-  void add(const SpinStretch&, const Stand&);
-  void add(const Score&, const Stand&);
-  void add(const TurningRegion&, const Stand&);
-  void add(const Census&, const Stand&);
-  void add(const Histogram&, const Stand&);
-  void add_screen(const Screen&, const Stand&);
-  void add_fate(Fate, int part, std::size_t at, const Stand&);
+  void list(const Stage&, std::size_t sums, std::size_t ledger, const std::vector<int>& points);
+  TallyPlace place(std::size_t at) const { return {tree_, sums_ + at, points_}; }
 
+  void fate(std::string_view word, int part, std::size_t at) override;
+  void screen(int part, const ScreenSums& layout, std::size_t at) override;
+  void levels(int part, int levels, std::size_t at) override;
+  void plane(int part, int plane, std::size_t at) override;
+  void histogram(int part, int tally, int plane, const HistogramSums& layout, std::size_t at) override;
+
+  // of the stage at hand
   const PlanTree* tree_ = nullptr;
+  std::size_t sums_ = 0, ledger_ = 0;
+  const std::vector<int>* points_ = nullptr;
 };
 
 }  // namespace rabiline

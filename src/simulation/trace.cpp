@@ -7,24 +7,45 @@
 
 #include <fmt/format.h>
 
+#include "particle/fate.hpp"
 #include "spin/level_labels.hpp"
+#include "transport/sum_sink.hpp"
 
 namespace rabiline {
 namespace {
 
 constexpr double points_per_turn = 16, most_points = 2000;  // recorded where a straight flight passes a field
 
+/// Which fate a stage has counted: of one particle it is one.
+class CountedFate : public SumSink {
+ public:
+  explicit CountedFate(const Sums& sums) : sums_(sums) {}
+  void fate(std::string_view word, int part, std::size_t at) override {
+    const bool better = word == fate::detected || fate_.empty();
+    if (!better || sums_[at] == 0) return;
+    fate_ = word;
+    part_ = part;
+  }
+  std::string_view word() const { return fate_; }
+  int part() const { return part_; }
+
+ private:
+  const Sums& sums_;
+  std::string_view fate_;
+  int part_ = no_part;
+};
+
 /// Follows one particle through a chain of stages.
 class Tracer {
  public:
   Tracer(const Beamline& beamline, const PlanTree& tree, std::uint64_t particle, Isa isa)
-      : beamline_(beamline), tree_(tree), kernels_(kernels_for(isa)) {
+      : beamline_(beamline), tree_(tree), isa_(isa) {
     track_.particle = particle;
     track_.law = describe(beamline.law);
     track_.species = beamline.species[static_cast<std::size_t>(tree.component)].species.name;
     batch_.view().count = 1;
     batch_.view().padded = 8;
-    kernels_.emit(tree.source, particle, batch_.view());
+    kernel::emit(isa_)(tree.source, particle, batch_.view());
     const Component& component = beamline.species[static_cast<std::size_t>(tree.component)];
     zones_ = zones_along(beamline, component);
     along_ = parts_along(component.species, tree.source.spin.levels);
@@ -56,87 +77,55 @@ class Tracer {
   bool flying() const { return batch_.view().flying[0] != 0; }
 
   void pass(const PlanNode& node) {
-    if (!flying() || std::holds_alternative<Histogram>(node.stage)) return;
-    show_plane(node.stage);
+    if (!flying()) return;
+    const StageTraits& traits = traits_of(node.stage);
+    const double y = place_of(node.stage);
+    if (y < behind_everything) record_straight(y);
+    if (traits.only_reads) return;
     Sums sums(sums_needed(node.stage));
     const auto forward = [](void* self, double t, const double* place, const double* velocity,
                             const double* spin) {
       static_cast<Tracer*>(self)->record(t, place, velocity, spin);
     };
     const StepRecorder recorder{forward, this};
-    Flight flight{kernels_, tree_.source.key, batch_, sums.data(), &recorder};
-    const auto* precession = std::get_if<Precession>(&node.stage);
-    if (precession != nullptr) record_straight(precession->zones.back().end);
-    if (const auto* deflection = std::get_if<Deflection>(&node.stage))
-      deflect(*deflection, flight);
-    else if (const auto* steering = std::get_if<Steering>(&node.stage))
-      deflect(*steering, flight);
-    else
-      advance(node.stage, flight);
-    if (std::holds_alternative<Alignment>(node.stage) || std::holds_alternative<Filter>(node.stage) ||
-        std::holds_alternative<LevelProjection>(node.stage)) {
-      spin_at_ = track_.y.back();
-      show_plane(node.stage);  // the same place, another spin
+    StageContext context{isa_, tree_.source.key, batch_, sums.data(), &recorder};
+    std::visit([&](const auto& stage) { fly_through(stage, traits, context); }, node.stage);
+    if (traits.spins == SpinEffect::set) {
+      spin_at_ = y;
+      record_straight(y);  // the same place, another spin
     }
-    if (precession != nullptr) spin_at_ = precession->zones.back().end;
-    if (std::holds_alternative<TurningRegion>(node.stage)) spin_at_ = batch_.view().y;
-    if (!flying()) end(node.stage);
+    if (!flying()) end(node.stage, sums);
   }
 
-  /// The path in a deflecting magnet, in pieces; where it is stepped, the spin follows the field.
-  template <class Magnet>
-  void deflect(const Magnet& whole, Flight& flight) {
-    constexpr int pieces = 32;
-    for (int i = 1; i <= pieces && flying(); ++i) {
-      Magnet piece = whole;
-      piece.begin = batch_.view().y;
-      piece.end =
-          i == pieces ? whole.end : std::lerp(whole.begin, whole.end, static_cast<double>(i) / pieces);
-      advance(piece, flight);
-      if constexpr (std::is_same_v<Magnet, Steering>) spin_at_ = piece.end;
-      record_at(piece.end);
+  template <class S>
+  void fly_through(const S& stage, const StageTraits& traits, StageContext& context) {
+    if constexpr (requires { stage.piece(0.0, 0.0); }) {
+      constexpr int pieces = 32;
+      for (int i = 1; i <= pieces && flying(); ++i)
+        fly_piece(stage.piece(batch_.view().y,
+                              i == pieces ? stage.end : std::lerp(stage.begin, stage.end, i * (1.0 / pieces))),
+                  traits, context);
+    } else {
+      stage.pass(context);
+      if (traits.spins == SpinEffect::carried) spin_at_ = std::max(stage.y(), batch_.view().y);
     }
   }
-
-  /// Straight flights are recorded where they meet something.
-  void show_plane(const Stage& stage) {
-    if (const auto* passage = std::get_if<Passage>(&stage)) record_straight(passage->aperture.y);
-    if (const auto* score = std::get_if<Score>(&stage)) record_straight(score->screen.y);
-    if (const auto* census = std::get_if<Census>(&stage)) record_straight(census->face.y);
-    if (const auto* drift = std::get_if<Drift>(&stage)) record_straight(drift->y);
-    if (const auto* align = std::get_if<Alignment>(&stage)) record_straight(place_of(align->part));
-    if (const auto* filter = std::get_if<Filter>(&stage)) record_straight(place_of(filter->part));
-    if (const auto* asked = std::get_if<LevelProjection>(&stage)) record_straight(place_of(asked->part));
+  /// The path where a stage bends it, in pieces.
+  template <class S>
+  void fly_piece(const S& piece, const StageTraits& traits, StageContext& context) {
+    piece.pass(context);
+    if (traits.spins == SpinEffect::carried) spin_at_ = piece.end;
+    record_at(piece.end);
   }
 
-  double place_of(int part) const { return beamline_.parts[static_cast<std::size_t>(part)].placement.at; }
-
-  void end(const Stage& stage) {
-    const auto name = [&](int part) {
-      return part < 0 ? std::string("chamber")
-                      : beamline_.parts[static_cast<std::size_t>(part)].placement.name;
-    };
-    if (const auto* passage = std::get_if<Passage>(&stage)) set_fate("stopped", name(passage->part));
-    if (const auto* filter = std::get_if<Filter>(&stage)) set_fate("stopped", name(filter->part));
-    if (const auto* magnet = std::get_if<Deflection>(&stage)) set_fate("stopped", name(magnet->part));
-    if (const auto* magnet = std::get_if<Steering>(&stage)) set_fate("stopped", name(magnet->part));
-    if (const auto* score = std::get_if<Score>(&stage))
-      set_fate(batch_.view().caught_by[0] != 0 ? "detected" : "stopped", name(score->screen.part));
-    if (std::holds_alternative<Exit>(stage)) set_fate("passed", "");
-    if (const auto* region = std::get_if<TurningRegion>(&stage)) {
-      const std::uint64_t code = batch_.view().scratch[0] & 0xffffffffULL;
-      if (code == region_end::backwards) return set_fate("left_backwards", "");
-      if (code == region_end::gave_up) return set_fate("gave_up", "");
-      if ((code & region_end::caught_at_edge) != 0)
-        return set_fate("detected", name(region->edges[code & 0xffff].screen.part));
-      if ((code & region_end::stopped_at_edge) != 0)
-        return set_fate("stopped", name(region->edges[code & 0xffff].part));
-      set_fate("stopped", name(region->zones[code - region_end::wall_of_zone].wall_part));
-    }
-  }
-  void set_fate(const char* fate, const std::string& where) {
-    track_.fate = fate;
-    track_.where = where;
+  void end(const Stage& stage, const Sums& sums) {
+    CountedFate counted(sums);
+    list_sums(stage, counted);
+    track_.fate = counted.word();
+    if (counted.part() == no_part) return;
+    track_.where = counted.part() < 0
+                       ? std::string("chamber")
+                       : beamline_.parts[static_cast<std::size_t>(counted.part())].placement.name;
   }
 
   /// A straight flight up to a plane, with the turning of the spin on the way.
@@ -167,7 +156,7 @@ class Tracer {
       zone.end = std::min(zone.end, y);
       if (zone.begin < zone.end) passed.push_back(zone);
     }
-    kernels_.precess(passed.data(), static_cast<int>(passed.size()), tree_.source.key, there.view());
+    kernel::precess(isa_)(passed.data(), static_cast<int>(passed.size()), tree_.source.key, there.view());
     const double spin[3] = {there.view().sx[0], there.view().sy[0], there.view().sz[0]};
     record(b.t[0] + dt, place, velocity, spin);
   }
@@ -192,7 +181,7 @@ class Tracer {
 
   const Beamline& beamline_;
   const PlanTree& tree_;
-  const Kernels& kernels_;
+  const Isa isa_;
   Batch batch_;
   std::vector<SpinZone> zones_;  // along the whole beam
   std::vector<double> along_;    // of each level, what its spin has along z or the image of z
@@ -206,8 +195,7 @@ Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
   Experiment experiment;
   experiment.points = {beamline};
   // A track follows one branch.
-  if (auto* quantum = std::get_if<QuantumLaw>(&experiment.points.front().law))
-    quantum->outcomes = Outcomes::sample;
+  experiment.points.front().law = without_splitting(beamline.law);
   const Plan plan = make_plan(experiment);
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();

@@ -7,7 +7,7 @@ namespace {
 
 /// All that follows only reads.
 bool leaves_untouched(const PlanNode& node) {
-  return only_reads(node.stage) && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
+  return traits_of(node.stage).only_reads && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
 }
 
 void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* all) {
@@ -48,16 +48,12 @@ class LedgerBook {
   std::uint64_t before_[Batch::capacity];  // [quanta] of what flew
 };
 
-/// Whether a link behind a projection looks at what a screen in front of it caught.
-bool looks_in_front(const ChainLink& link, const std::vector<ChainLink>& chain) {
-  const auto* stretch = std::get_if<SpinStretch>(link.stage);
-  const auto* histogram = std::get_if<Histogram>(link.stage);
-  if (stretch == nullptr && (histogram == nullptr || !histogram->caught)) return false;
-  const int part = stretch != nullptr ? stretch->part : histogram->part;
-  return std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
-    const auto* score = std::get_if<Score>(other.stage);
-    return score != nullptr && score->screen.part == part;
-  });
+/// Whether a stage behind a projection tallies particles that were caught upstream of it.
+bool reads_earlier_catch(const ChainLink& link, const std::vector<ChainLink>& chain) {
+  const int part = reads_catch_of(*link.stage);
+  return part != no_part && std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
+           return catches(*other.stage) == part;
+         });
 }
 
 }  // namespace
@@ -73,7 +69,7 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
     start.view().count =
         static_cast<int>(std::min<std::uint64_t>(last - begin, static_cast<std::uint64_t>(batch_size_)));
     start.view().padded = (start.view().count + 7) / 8 * 8;
-    kernels_.emit(tree.source, begin, start.view());
+    kernel::emit(isa_)(tree.source, begin, start.view());
     count_emitted(tree, start.view(), sums.data());
     walk(tree.next, 0, tree.source.key, sums);
   }
@@ -85,22 +81,22 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_.fly(batch, chain, node.reach, kernels_, key);
+  branches_.fly(batch, chain, node.reach, isa_, key);
   for (const PlanNode::Way& way : node.ways) {
-    branches_.book(way.projection, sums.data(), way.shift);
+    branches_.book(*path_of(way.projection), sums.data(), way.shift);
     for (const ChainLink& link : chain) {
-      if (!looks_in_front(link, chain)) continue;
-      Flight flight{kernels_, key, batch, sums.data() + link.sums + way.shift};
-      advance(*link.stage, flight);
+      if (!reads_earlier_catch(link, chain)) continue;
+      StageContext context{isa_, key, batch, sums.data() + link.sums + way.shift};
+      advance(*link.stage, context);
     }
   }
 }
 
 void Walker::pass(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
-  Flight flight{kernels_, key, batch, sums.data() + node.sums};
-  if (node.ledger == 0) return advance(node.stage, flight);
+  StageContext context{isa_, key, batch, sums.data() + node.sums};
+  if (node.ledger == 0) return advance(node.stage, context);
   const LedgerBook book(batch.view());
-  advance(node.stage, flight);
+  advance(node.stage, context);
   book.book(sums.data() + node.ledger);
 }
 

@@ -8,7 +8,7 @@ namespace rabiline {
 /// Batches for the depth of a tree: a fork flies each branch but the last with a copy.
 class Walker {
  public:
-  Walker(const Kernels& kernels, int batch_size) : kernels_(kernels), batch_size_(batch_size) {}
+  Walker(Isa isa, int batch_size) : isa_(isa), batch_size_(batch_size) {}
 
   /// Particles [first, last) of the tree, summed into `sums` (the plan's).
   void fly(const PlanTree&, std::uint64_t first, std::uint64_t last, Sums& sums);
@@ -19,7 +19,7 @@ class Walker {
   void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
-  const Kernels& kernels_;
+  const Isa isa_;
   int batch_size_;
   std::vector<std::unique_ptr<Batch>> batches_;
   Branches branches_;

@@ -1,6 +1,5 @@
 // How particles start: places, speeds, directions, weights, spins, times.
 #include "transport/emission_lanes.hpp"
-#include "transport/kernel_functions.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {

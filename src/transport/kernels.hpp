@@ -9,6 +9,7 @@
 #include "particle/batch.hpp"
 #include "particle/draw.hpp"
 #include "tally/quantity.hpp"
+#include "transport/kernel.hpp"
 
 namespace rabiline {
 
@@ -87,73 +88,6 @@ struct Caught {
   std::uint64_t counted = 0, lost = 0;
 };
 
-struct Alignment {
-  double probability = 1;      // that S comes out along `spin_sign` times the axis
-  double spin_sign = 1;        // +1 or -1: S along the axis that puts the moment along the field
-  double axis[3] = {0, 0, 1};  // unit vector
-  int levels = 0;              // quantum: how many levels; 0: a vector law
-  int part = 0;
-  bool operator==(const Alignment&) const = default;
-};
-
-/// Spins S along the axis pass with one probability, spins against it with another one.
-struct Filter {
-  double axis[3] = {0, 0, 1};
-  double up = 1, down = 0;
-  bool quantum = false;  // the state is the level's, along the spin's image: spin 1/2
-  int part = 0;
-  bool operator==(const Filter&) const = default;
-};
-
-/// A constant force on the moment's part along z, from one plane to another.
-struct Deflection {
-  double begin = 0, end = 0;        // [m]
-  double acceleration = 0;          // [m/s^2] of a moment that points along +z in full, in units of spin
-  double along_x = 0, along_z = 1;  // its direction
-  int levels = 0;                   // quantum: how many levels; 0: a vector law
-  bool has_gap = false;
-  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;  // [m] free between the walls
-  int part = 0;
-  bool operator==(const Deflection&) const = default;
-};
-
-/// Moments of levels against the size of the field, as MomentTable has them (spin/moment_table.hpp). Compared
-/// by address: a plan makes each table once.
-struct MomentLaw {
-  const double* coefficients = nullptr;  // [level][cell][power] J/T; null: one constant moment
-  int cells = 1;
-  double scale = 1;  // [T]
-  bool operator==(const MomentLaw&) const = default;
-};
-/// A force mu(|B|) grad |B| across the beam, from one plane to another. A level, or S_z, is that along the
-/// field wherever it points: the spin follows it (adiabatically), also where the field is not along z.
-struct Steering {
-  double begin = 0, end = 0;  // [m]
-  MagnetShape shape;
-  MagnetWalls walls;
-  double x0 = 0, z0 = 0;        // [m] of the point (0, shape.height) of the magnet's frame
-  double cosine = 1, sine = 0;  // of the frame's turn about the beam, from +z towards +x
-  double mass = 1;              // [kg]
-  double moment = 0;            // [J/T] the largest; signed, that of m = I or S along the field, if constant
-  int levels = 0;               // quantum: how many levels; 0: a vector law
-  MomentLaw moments;
-  int part = 0;
-  bool operator==(const Steering&) const = default;
-};
-/// Its path takes VEFRL steps, symplectic and of fourth order (I. Omelyan, I. Mryglod, R. Folk, Comput. Phys.
-/// Commun. 146, 188 (2002)), of h = step_angle/w at most, w^2 = |mu|/m (bend + d^2) + v^2 (sharpness + e^2):
-/// bend and sharpness of FieldSize, v the speed across the beam; of moments that depend on the field, d^2 =
-/// |grad B|^2/(B + scale), e = |grad B|/(B + scale) and |mu| the largest, else d = e = 0. What is left of the
-/// magnet is shared out in equal steps. For particles a few mm from the beam the exit was then measured to be
-/// off by less than 1e-9 m + 1e-6 of the deflection (tests/unit/transport/steering_test.cpp). No flight takes
-/// more than most_steps, so that close to the axis of a quadrupole, where the force jumps, a step may be too
-/// long.
-/// Walls are asked about at the begin and behind every step: between them a path may cut a convex wall by
-/// (v h)^2/8R, less than step_angle^2/8 of its radius R.
-namespace steering {
-inline constexpr double step_angle = 0.06, most_steps = 4096;
-}  // namespace steering
-
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
 /// angle = omega t + twist (y - envelope.begin) + phase.
 struct DriveTerm {
@@ -192,18 +126,6 @@ struct SpinZone {
   bool operator==(const SpinZone&) const = default;
 };
 
-/// Where spins end: zones flown straight since the last projection, then the levels at a detector. Reads
-/// only.
-struct Projection {
-  RandomKey key;
-  int part = 0;  // the detector
-  int levels = 2;
-  bool majorana = false;    // quantum: S is the image of z, levels follow from the flip probability
-  bool from_level = false;  // quantum, S untouched so far: one zone has a closed form
-  const SpinZone* zones = nullptr;
-  int zone_count = 0;
-  const double* polynomials = nullptr;  // MajoranaTable::coefficients
-};
 /// Sums over the particles that the detector caught: of q and of q^2 = high 2^40 + low. One more than levels:
 /// of all of them.
 struct LevelSums {
@@ -223,18 +145,6 @@ struct Gauge {
   RandomKey key{};
   PulseDraw pulse{};
 };
-/// What measuring the spin along an axis gives where particles meet a plane; or an angle of a spin that is a
-/// vector.
-struct SpinGauge {
-  RandomKey key;
-  Quantity quantity = Quantity::spin;
-  double axis[3] = {0, 0, 1};
-  int levels = 0;  // quantum: how many outcomes; 0: a vector law, whose spin has a projection
-  const SpinZone* zones = nullptr;  // flown straight since the last projection
-  int zone_count = 0;
-  const double* polynomials = nullptr;  // MajoranaTable::coefficients
-};
-
 /// P(from -> to) between the levels of an atom on a stretch of the beam, as TransitionTable has them: at
 /// slownesses of equal distance, cubic between them, and beyond the ends as at the ends.
 struct Transitions {
@@ -248,16 +158,31 @@ struct Transitions {
   int row = 0;
 };
 
-/// In which level along the field a state is found, after a straight flight through the zones: the image of z
-/// tells of a point moment, the transitions of an atom.
-struct LevelQuestion {
+/// How spins are carried on a straight flight, and in which level along the field they are then found: the
+/// image of z tells of a point moment, the transitions of an atom (SpinPath).
+struct SpinPathView {
   RandomKey key;
-  int levels = 2;
+  int levels = 2;           // 0: a vector law, whose spin has a projection
   bool from_level = false;  // S untouched so far: one zone has a closed form
   const SpinZone* zones = nullptr;
   int zone_count = 0;
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
   Transitions transitions;
+};
+
+/// The levels of what a detector caught.
+struct Projection {
+  SpinPathView path;
+  int part = 0;           // the detector
+  bool majorana = false;  // quantum: S is the image of z, levels follow from the flip probability
+};
+
+/// What measuring the spin along an axis gives where particles meet a plane; or an angle of a spin that is a
+/// vector.
+struct SpinGauge {
+  SpinPathView path;
+  Quantity quantity = Quantity::spin;
+  double axis[3] = {0, 0, 1};
 };
 
 /// Shares of particles that follow a path each, of which some are counted by a screen.
@@ -269,48 +194,6 @@ struct ShareCount {
   double efficiency = 1;  // share that is counted
 };
 
-enum class EdgeKind { open, plate, screen, align };
-/// A plane inside a region, between two zones.
-struct RegionEdge {
-  EdgeKind kind = EdgeKind::open;
-  Aperture plate;
-  Screen screen;
-  Alignment align;
-  int part = 0;
-  bool operator==(const RegionEdge&) const = default;
-};
-/// One zone of a region with its wall and step.
-struct RegionZone {
-  SpinZone field;
-  double wall_radius = 0;         // [m]
-  double wall_x = 0, wall_z = 0;  // [m] its centre
-  int wall_part = 0;
-  double step = 0;        // [s]
-  int sights_passed = 0;  // of the region, up to its end
-  bool operator==(const RegionZone&) const = default;
-};
-/// Touching fields that turn the velocity: dv/dt = W x v, W = turn - (turn . S) S where `along_spin` is taken
-/// off.
-struct Region {
-  RandomKey key;
-  const RegionZone* zones = nullptr;
-  const RegionEdge* edges = nullptr;  // edges[i] is crossed between zones i and i+1; zone_count - 1 of them
-  int zone_count = 0;
-  bool take_off_spin_component = false;  // closure torque
-  double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
-  std::uint64_t most_visits = 0;  // of zones
-  // Planes that are looked at, ascending. Nothing happens there: steps go on across them. `seen` takes for
-  // each of them, where it is crossed forward for the first time, a particle's state in its own row.
-  BatchView* seen = nullptr;
-  int sight_count = 0;
-};
-/// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + zone or
-/// edge.
-namespace region_end {
-inline constexpr std::uint64_t forward = 0, backwards = 1, gave_up = 2;
-inline constexpr std::uint64_t wall_of_zone = 16, stopped_at_edge = 1 << 16, caught_at_edge = 1 << 17;
-}  // namespace region_end
-
 /// Receives every step of the batch's first particle: time, place, velocity, spin.
 struct StepRecorder {
   void (*record)(void* self, double t, const double* place, const double* velocity,
@@ -318,39 +201,24 @@ struct StepRecorder {
   void* self = nullptr;
 };
 
-struct Kernels {
-  void (*emit)(const Emission&, std::uint64_t first_particle, BatchView&);
-  void (*drift)(double y, BatchView&);
-  std::uint64_t (*pass)(const Aperture&, BatchView&);  // returns the weight that stopped [quanta]
-  // Bins in scratch, ~0: not counted. What was caught weighs what was counted of it.
-  Caught (*screen)(const Screen&, BatchView&);
-  void (*align)(const Alignment&, const RandomKey&, BatchView&);
-  /// Carries the spins of what flies through the zones.
-  void (*precess)(const SpinZone*, int zone_count, const RandomKey&, BatchView&);
-  std::uint64_t (*filter)(const Filter&, BatchView&);  // returns the weight that stopped [quanta]
-  /// The shares of each weight that are found in each level, a column for each: floored, the largest takes
-  /// the rest.
-  void (*outcomes)(const LevelQuestion&, const BatchView&, const std::uint64_t* weights,
-                   std::uint64_t* shares);
-  /// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums
-  /// are by path; of particles they come last, at index `paths`.
-  void (*count_shares)(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&);
-  /// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
-  /// drawn for that part.
-  void (*collapse)(const LevelQuestion&, int part, BatchView&);
-  /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].
-  std::uint64_t (*deflect)(const Deflection&, BatchView&);
-  std::uint64_t (*steer)(const Steering&, BatchView&);  // likewise
-  void (*project)(const Projection&, const BatchView&, LevelSums&);
-  void (*turn)(const Region&, BatchView&, const StepRecorder*);
-  // For tallies; columns are `padded` long. The weight of what flies through an opening, else 0.
-  void (*cross)(const Aperture&, const BatchView&, std::uint64_t* weights);
-  void (*measure)(const Gauge&, const BatchView&, const std::uint64_t* weights, double* values);
-  // The angle or the projection, or the probability of each outcome from m = I down to -I, a column for each.
-  void (*measure_spin)(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values);
-};
-
-/// The kernels of an instruction set that this machine supports.
-const Kernels& kernels_for(Isa);
+RABILINE_KERNEL(emit, void(const Emission&, std::uint64_t first_particle, BatchView&))
+/// The shares of each weight that are found in each level, a column for each: floored, the largest takes the
+/// rest.
+RABILINE_KERNEL(outcomes, void(const SpinPathView&, const BatchView&, const std::uint64_t* weights,
+                               std::uint64_t* shares))
+/// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are drawn
+/// for that part.
+RABILINE_KERNEL(collapse, void(const SpinPathView&, int part, BatchView&))
+/// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums are
+/// by path; of particles they come last, at index `paths`.
+RABILINE_KERNEL(count_shares,
+                void(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&))
+RABILINE_KERNEL(project, void(const Projection&, const BatchView&, LevelSums&))
+// For tallies; columns are `padded` long. The weight of what flies through an opening, else 0.
+RABILINE_KERNEL(cross, void(const Aperture&, const BatchView&, std::uint64_t* weights))
+RABILINE_KERNEL(measure, void(const Gauge&, const BatchView&, const std::uint64_t* weights, double* values))
+// The angle or the projection, or the probability of each outcome from m = I down to -I, a column for each.
+RABILINE_KERNEL(measure_spin,
+                void(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values))
 
 }  // namespace rabiline

@@ -1,5 +1,4 @@
 // In which level along the field a state is found: shared out among all levels, or drawn.
-#include "transport/kernel_functions.hpp"
 #include "transport/outcome_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -8,7 +7,7 @@ namespace {
 /// The probability that a state's image of z is flipped.
 class Flip {
  public:
-  explicit Flip(const LevelQuestion& q)
+  explicit Flip(const SpinPathView& q)
       : q_(q), closed_(q.from_level && q.zone_count == 1 && has_closed_form(q.zones[0])) {
     if (closed_) flop_ = RabiFlop(q.zones[0]);
   }
@@ -19,12 +18,12 @@ class Flip {
   }
 
  private:
-  const LevelQuestion& q_;
+  const SpinPathView& q_;
   const bool closed_;
   RabiFlop flop_;
 };
 
-void share_by_flip(const LevelQuestion& q, const BatchView& batch, const std::uint64_t* weights,
+void share_by_flip(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
                    std::uint64_t* shares) {
   const Flip flip(q);
   for (int i = 0; i < batch.padded; i += lane_count) {
@@ -75,7 +74,7 @@ Stencil stencil_at(const Transitions& t, double slowness) {
 }
 
 /// One particle after the other, all levels it may go to at once.
-void share_by_table(const LevelQuestion& q, const BatchView& batch, const std::uint64_t* weights,
+void share_by_table(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
                     std::uint64_t* shares) {
   const Transitions& t = q.transitions;
   for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
@@ -110,7 +109,7 @@ void share_by_table(const LevelQuestion& q, const BatchView& batch, const std::u
 
 }  // namespace
 
-void outcomes(const LevelQuestion& q, const BatchView& batch, const std::uint64_t* weights,
+void outcomes(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
               std::uint64_t* shares) {
   if (q.transitions.values != nullptr)
     share_by_table(q, batch, weights, shares);
@@ -118,7 +117,7 @@ void outcomes(const LevelQuestion& q, const BatchView& batch, const std::uint64_
     share_by_flip(q, batch, weights, shares);
 }
 
-void collapse(const LevelQuestion& q, int part, BatchView& batch) {
+void collapse(const SpinPathView& q, int part, BatchView& batch) {
   alignas(64) std::uint64_t whole[Batch::capacity], shares[most_levels * Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count)
     store(whole + i, load(batch.flying + i) & broadcast_word(quanta_per_particle));

@@ -1,8 +1,33 @@
 #pragma once
 // What planes across the beam do to lanes, for kernels only: openings, screens, alignment.
+#include "transport/stages/alignment.hpp"
 #include "transport/vector_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
+
+/// The sum of a word of each lane.
+inline std::uint64_t sum_of_lanes(words w) {
+  std::uint64_t total = 0;
+  for (int k = 0; k < lane_count; ++k) total += lane(w, k);
+  return total;
+}
+
+/// A constant acceleration across the beam [m/s^2].
+struct Acceleration {
+  double x = 0, z = 0;
+};
+/// Particles on a plane of constant y, and how long they fly there.
+struct OnPlane {
+  real dt, x, z;
+};
+/// The flight of particles from the batch's common plane on to another one, or back to it.
+RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a = {}) {
+  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  real vx = load(batch.vx + i), vz = load(batch.vz + i);
+  if (a.x != 0) vx = fma(broadcast(0.5 * a.x), dt, vx);
+  if (a.z != 0) vz = fma(broadcast(0.5 * a.z), dt, vz);
+  return {dt, fma(vx, dt, load(batch.x + i)), fma(vz, dt, load(batch.z + i))};
+}
 
 RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {
   const real dx = x - a.x0, dz = z - a.z0;
@@ -58,6 +83,15 @@ RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
 /// A weight up to 2^52 as a number, and back.
 RABILINE_LANES real number_of(words weight) { return from_bits(weight | 0x4330000000000000ULL) - 0x1p52; }
 RABILINE_LANES words weight_of(real whole) { return bit_pattern(whole + 0x1p52) & 0xfffffffffffffULL; }
+
+/// Lets a share of each weight in flight pass, floored; what has none left ends. Returns what stays behind [quanta].
+RABILINE_LANES words let_pass(BatchView& batch, int i, real share) {
+  const words flying = load(batch.flying + i), weight = load(batch.weight + i);
+  const words kept = weight_of(floor(number_of(weight) * share));
+  store(batch.weight + i, select((mask)flying, kept, weight));
+  store(batch.flying + i, flying & (words)(kept != words{}));
+  return (weight - kept) & flying;
+}
 
 /// The spin that alignment gives where S comes out with that sign: the image of z under `quantum`.
 RABILINE_LANES Vector aligned_spin(const Alignment& a, real sign) {

@@ -1,5 +1,4 @@
 // Spins through the fields of a straight flight, and the levels that a detector finds. Moves nobody.
-#include "transport/kernel_functions.hpp"
 #include "transport/outcome_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -58,7 +57,7 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real sz = spin_after(p.zones, p.zone_count, p.key, batch, i, caught_slowness(batch, i, weight)).z;
+    const real sz = spin_after(p.path.zones, p.path.zone_count, p.path.key, batch, i, caught_slowness(batch, i, weight)).z;
     const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
     const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
     upper.add(shares.first);
@@ -70,7 +69,7 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
 
 /// From a level through one rotating field.
 void project_two_through_one_zone(const Projection& p, const BatchView& batch, LevelSums& sums) {
-  const RabiFlop flop(p.zones[0]);
+  const RabiFlop flop(p.path.zones[0]);
   // Two short loops: a processor holds several rounds of each at a time.
   alignas(64) double flips[Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count)
@@ -94,18 +93,18 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
         broadcast(0),
         min(broadcast(1),
             flip_probability(
-                spin_after(p.zones, p.zone_count, p.key, batch, i, caught_slowness(batch, i, weight)).z)));
+                spin_after(p.path.zones, p.path.zone_count, p.path.key, batch, i, caught_slowness(batch, i, weight)).z)));
     real quanta[most_levels];
-    for (int to = 0; to < p.levels; ++to)
+    for (int to = 0; to < p.path.levels; ++to)
       quanta[to] =
-          floor(weight * outcome_probability(p.polynomials, p.levels, load(batch.level + i), to, flip));
-    give_rest_to_largest(quanta, p.levels, weight);
-    for (int to = 0; to < p.levels; ++to) {
+          floor(weight * outcome_probability(p.path.polynomials, p.path.levels, load(batch.level + i), to, flip));
+    give_rest_to_largest(quanta, p.path.levels, weight);
+    for (int to = 0; to < p.path.levels; ++to) {
       levels[to].add(quanta[to]);
       products[to].add_product(quanta[to], weight);
     }
   }
-  for (int to = 0; to < p.levels; ++to) {
+  for (int to = 0; to < p.path.levels; ++to) {
     levels[to].flush(sums, to);
     products[to].flush_products(sums, to);
   }
@@ -140,9 +139,9 @@ void count_shares(const ShareCount& c, std::uint64_t* counts, std::uint64_t* tot
 }
 
 void project(const Projection& p, const BatchView& batch, LevelSums& sums) {
-  if (p.levels > 2)
+  if (p.path.levels > 2)
     project_many(p, batch, sums);
-  else if (p.from_level && p.zone_count == 1 && has_closed_form(p.zones[0]))
+  else if (p.path.from_level && p.path.zone_count == 1 && has_closed_form(p.path.zones[0]))
     project_two_through_one_zone(p, batch, sums);
   else
     project_two(p, batch, sums);

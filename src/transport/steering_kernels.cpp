@@ -1,5 +1,5 @@
 // Magnets whose force depends on the place: stepped paths.
-#include "transport/kernel_functions.hpp"
+#include "transport/stages/steering.hpp"
 #include "transport/plane_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -127,9 +127,7 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
     store(batch.vz + i, select(flies, back_z(at.vx, at.vz), vz));
   }
   batch.y = s.end;
-  std::uint64_t total = 0;
-  for (int k = 0; k < lane_count; ++k) total += lane(stopped, k);
-  return total;
+  return sum_of_lanes(stopped);
 }
 
 }  // namespace rabiline::RABILINE_ISA

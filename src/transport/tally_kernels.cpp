@@ -1,6 +1,5 @@
 // What tallies ask about particles where they meet a plane. Reads only.
 #include "transport/emission_lanes.hpp"
-#include "transport/kernel_functions.hpp"
 #include "transport/majorana_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/spin_lanes.hpp"
@@ -11,15 +10,17 @@ namespace {
 constexpr double planck = 6.62607015e-34;  // [J s] h, exact
 constexpr double pi = 0x1.921fb54442d18p+1;
 
-/// Particles on the plane that a tally looks at: straight on from, or back to, the batch's common plane.
+/// Particles on the plane that a tally looks at.
 struct Crossing {
   real x, z, t;
   Vector velocity;
 };
 RABILINE_LANES Crossing crossing_at(double y, const BatchView& batch, int i) {
-  const Vector v{load(batch.vx + i), load(batch.vy + i), load(batch.vz + i)};
-  const real dt = broadcast(y - batch.y) / v.y;
-  return {fma(v.x, dt, load(batch.x + i)), fma(v.z, dt, load(batch.z + i)), load(batch.t + i) + dt, v};
+  const OnPlane there = to_plane(y, batch, i);
+  return {there.x,
+          there.z,
+          load(batch.t + i) + there.dt,
+          {load(batch.vx + i), load(batch.vy + i), load(batch.vz + i)}};
 }
 
 RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) {
@@ -80,8 +81,8 @@ RABILINE_LANES real azimuth(const Vector& s) {
 
 void cross(const Aperture& face, const BatchView& batch, std::uint64_t* weights) {
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const Crossing c = crossing_at(face.y, batch, i);
-    const words through = (words)inside(face, c.x, c.z) & load(batch.flying + i);
+    const OnPlane there = to_plane(face.y, batch, i);
+    const words through = (words)inside(face, there.x, there.z) & load(batch.flying + i);
     store(weights + i, load(batch.weight + i) & through);
   }
 }
@@ -101,20 +102,20 @@ void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uin
     if (!any(counted)) continue;
     // What does not count stays for no time, however it flies.
     const real slowness = select(counted, 1.0 / load(batch.vy + i), broadcast(0));
-    const Vector s = spin_after(gauge.zones, gauge.zone_count, gauge.key, batch, i, slowness);
+    const Vector s = spin_after(gauge.path.zones, gauge.path.zone_count, gauge.path.key, batch, i, slowness);
     if (gauge.quantity == Quantity::spin_polar_angle || gauge.quantity == Quantity::spin_azimuth) {
       store(values + i, gauge.quantity == Quantity::spin_azimuth ? azimuth(s) : polar_angle(s));
       continue;
     }
     const real along = max(broadcast(-1), min(broadcast(1), dot(axis, s)));
-    if (gauge.levels == 0) {
+    if (gauge.path.levels == 0) {
       store(values + i, along);
       continue;
     }
     const real flip = fma(along, broadcast(-0.5), broadcast(0.5));
-    for (int to = 0; to < gauge.levels; ++to)
+    for (int to = 0; to < gauge.path.levels; ++to)
       store(values + to * batch.padded + i,
-            outcome_probability(gauge.polynomials, gauge.levels, load(batch.level + i), to, flip));
+            outcome_probability(gauge.path.polynomials, gauge.path.levels, load(batch.level + i), to, flip));
   }
 }
 

@@ -11,7 +11,7 @@
 #include "spin/atoms.hpp"
 #include "spin/breit_rabi.hpp"
 #include "spin/moment_table.hpp"
-#include "transport/stages.hpp"
+#include "transport/stages/steering.hpp"
 
 namespace rabiline::test {
 namespace {
@@ -244,7 +244,7 @@ TEST(MultipoleMagnet, FocusesHydrogenByItsEffectiveMoment) {
     v.weight[i] = 1;
     v.flying[i] = ~std::uint64_t{0};
   }
-  kernels_for(best_isa()).steer(s, v);
+  kernel::steer(best_isa())(s, v);
   const auto integrated = [&](double scale) {
     double x = 2e-3, speed = 0;
     const int steps = 200000;

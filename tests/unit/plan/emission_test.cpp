@@ -262,7 +262,7 @@ TEST(ChannelShape, IsReadToAPartInAHundredThousand) {
   const ChannelFlow flow(7);
   Batch batch;
   batch.view().count = batch.view().padded = 512;
-  kernels_for(best_isa()).emit(emission_of(b, b.species.front(), {1, 0}, tables), 0, batch.view());
+  kernel::emit(best_isa())(emission_of(b, b.species.front(), {1, 0}, tables), 0, batch.view());
   for (int i = 0; i < 512; ++i) {
     const double c = cosine_of(batch.view(), i);
     const double expected = std::pow(c, 4) * flow.angular(std::sqrt(1 - c * c) / c);
@@ -276,7 +276,7 @@ TEST(SourceTilt, TurnsTheAxisOfTheDirections) {
   b.source.tilt = {0.1, 0.2};
   Batch batch;
   batch.view().count = batch.view().padded = 8;
-  kernels_for(best_isa()).emit(Drawn(b).emission, 0, batch.view());
+  kernel::emit(best_isa())(Drawn(b).emission, 0, batch.view());
   // +y about x by a: (0, cos a, sin a); then about z by b: (-sin b cos a, cos b cos a, sin a).
   EXPECT_NEAR(batch.view().vx[0], -1000 * std::sin(0.2) * std::cos(0.1), 1e-9);
   EXPECT_NEAR(batch.view().vy[0], 1000 * std::cos(0.2) * std::cos(0.1), 1e-9);
@@ -383,11 +383,11 @@ TEST(Emission, OfEveryLawIsTheSameOnEveryInstructionSet) {
     const Drawn drawn(each);
     Batch reference, other;
     reference.view().count = reference.view().padded = 512;
-    kernels_for(Isa::baseline).emit(drawn.emission, 5000, reference.view());
+    kernel::emit(Isa::baseline)(drawn.emission, 5000, reference.view());
     for (const Isa isa : {Isa::avx2, Isa::avx512}) {
       if (!supported(isa)) continue;
       other.view().count = other.view().padded = 512;
-      kernels_for(isa).emit(drawn.emission, 5000, other.view());
+      kernel::emit(isa)(drawn.emission, 5000, other.view());
       const BatchView &r = reference.view(), &o = other.view();
       for (int i = 0; i < 512; ++i) {
         ASSERT_EQ(r.x[i], o.x[i]);

@@ -12,10 +12,11 @@ using test::place;
 using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
-/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally.
+/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally, G gas, O a chopper, U a velocity
+/// selector.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFVBWRSELMH"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFVBWRSELMHGOU"[stage.index()];
   return text;
 }
 std::vector<Stage> chain_of(const Beamline& b) {
@@ -140,8 +141,8 @@ Experiment with_planes(std::uint64_t planes) {
 
 TEST(Plan, CountsEachPlaneOfAMonitorAsWorkAndAsMemory) {
   const Plan none = make_plan(scan({with_planes(1).points.front()})), many = make_plan(with_planes(101));
-  EXPECT_GT(bytes_at_planes(none), 0U);
-  EXPECT_EQ(bytes_at_planes(many), 101 * bytes_at_planes(none));
+  EXPECT_GT(bytes_of_stages(none), 0U);
+  EXPECT_EQ(bytes_of_stages(many), 101 * bytes_of_stages(none));
   // Two numbers for each tally and one for each plane.
   EXPECT_GT(many.trees.at(0).cost, none.trees.at(0).cost + 100 * 2e-8);
   const auto sums_in = [](const Experiment& e) {

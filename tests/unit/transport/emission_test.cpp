@@ -122,12 +122,12 @@ TEST(Emission, GivesAParticleTheSameStartInAnyBatchAndOnAnyInstructionSet) {
   e.direction.spread_x = 0.01;
   Batch whole, alone;
   whole.view().count = whole.view().padded = 256;
-  kernels_for(best_isa()).emit(e, 1000, whole.view());
+  kernel::emit(best_isa())(e, 1000, whole.view());
   for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
     if (!supported(isa)) continue;
     alone.view().count = 1;
     alone.view().padded = 8;
-    kernels_for(isa).emit(e, 1077, alone.view());
+    kernel::emit(isa)(e, 1077, alone.view());
     EXPECT_EQ(alone.view().x[0], whole.view().x[77]);
     EXPECT_EQ(alone.view().vx[0], whole.view().vx[77]);
     EXPECT_EQ(alone.view().vy[0], whole.view().vy[77]);

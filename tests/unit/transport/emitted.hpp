@@ -24,7 +24,7 @@ inline std::vector<double> emitted(const Emission& e,
   for (std::uint64_t first = 0; first < count; first += Batch::capacity) {
     view.count = static_cast<int>(std::min<std::uint64_t>(Batch::capacity, count - first));
     view.padded = (view.count + 7) / 8 * 8;
-    kernels_for(best_isa()).emit(e, first, view);
+    kernel::emit(best_isa())(e, first, view);
     for (int i = 0; i < view.count; ++i) values.push_back(value(view, i));
   }
   return values;

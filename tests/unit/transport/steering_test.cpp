@@ -166,7 +166,7 @@ double worst_exit(const Steering& s, int levels, const MomentTable* table = null
   Batch before, after;
   fill(before, levels, spread);
   after.copy_from(before);
-  kernels_for(best_isa()).steer(s, after.view());
+  kernel::steer(best_isa())(s, after.view());
   const BatchView &b = before.view(), &a = after.view();
   double worst = 0;
   for (int i = 0; i < b.count; i += every) {
@@ -268,14 +268,14 @@ TEST(Steering, GivesTheSameBitsOnEveryInstructionSet) {
     const Batch& start = reference;
     other.copy_from(start);
     const double straight = start.view().x[3] + start.view().vx[3] * (s.end - s.begin) / start.view().vy[3];
-    const std::uint64_t stopped = kernels_for(Isa::baseline).steer(s, reference.view());
+    const std::uint64_t stopped = kernel::steer(Isa::baseline)(s, reference.view());
     EXPECT_NEAR(reference.view().x[3], straight, 1e-15);
     Batch begin;
     begin.copy_from(other);
     for (const Isa isa : {Isa::avx2, Isa::avx512}) {
       if (!supported(isa)) continue;
       other.copy_from(begin);
-      EXPECT_EQ(kernels_for(isa).steer(s, other.view()), stopped);
+      EXPECT_EQ(kernel::steer(isa)(s, other.view()), stopped);
       const BatchView &r = reference.view(), &o = other.view();
       for (int i = 0; i < r.count; ++i) {
         ASSERT_EQ(r.flying[i], o.flying[i]);
@@ -295,7 +295,7 @@ TEST(Steering, DoesNothingWithoutAField) {
   fill(batch, 2);
   Batch before;
   before.copy_from(batch);
-  EXPECT_EQ(kernels_for(best_isa()).steer(s, batch.view()), 0U);
+  EXPECT_EQ(kernel::steer(best_isa())(s, batch.view()), 0U);
   for (int i = 0; i < batch.view().count; ++i) {
     const BatchView &b = before.view(), &a = batch.view();
     EXPECT_EQ(a.vx[i], b.vx[i]);
@@ -310,7 +310,7 @@ TEST(Steering, OfParticlesThatMeetTheAxisEnds) {
   BatchView& v = batch.view();
   for (int i = 0; i < v.count; ++i) v.x[i] = v.z[i] = v.vx[i] = v.vz[i] = 0;
   for (int i = 0; i < v.count; i += 2) v.vx[i] = 3;  // along the axis, and through it
-  EXPECT_EQ(kernels_for(best_isa()).steer(s, v), 0U);
+  EXPECT_EQ(kernel::steer(best_isa())(s, v), 0U);
   for (int i = 1; i < v.count; i += 2) EXPECT_EQ(v.x[i], 0);
   for (int i = 0; i < v.count; i += 2) EXPECT_TRUE(std::isfinite(v.x[i]));
 }

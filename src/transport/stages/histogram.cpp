@@ -1,18 +1,37 @@
-#include "transport/histogram.hpp"
+#include "transport/stages/histogram.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "tally/tally.hpp"
-#include "transport/stages.hpp"
+#include "transport/cost.hpp"
+#include "transport/paths.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/sum_sink.hpp"
 
 namespace rabiline {
 namespace {
 
-Sum square(std::uint64_t q) { return static_cast<Sum>(q) * q; }
-
 constexpr std::size_t most_axes = most_tally_axes;
 constexpr int outside_axis = -1;
 constexpr auto last_step = static_cast<std::int64_t>(moment_steps) - 1;
+
+/// Where each particle of a batch stands in a histogram, as long as no measurement has several outcomes.
+struct HistogramPlaces {
+  static constexpr std::uint32_t beyond = ~std::uint32_t{0};       // the range of an axis
+  static constexpr std::uint32_t nowhere = ~std::uint32_t{0} - 1;  // does not count
+  std::array<std::uint32_t, Batch::capacity> bin;
+  std::array<std::array<std::uint32_t, Batch::capacity>, most_tally_axes>
+      steps;  // of the axes that have moments
+};
+
+/// Adds what one particle has in one bin, or beyond an axis, to the sums of a histogram.
+void add_score(const HistogramSums& layout, std::uint32_t bin, std::uint64_t q, Sum* sums) {
+  Sum* at = sums + (bin == HistogramPlaces::beyond ? layout.outside() : HistogramSums::bin(bin));
+  at[0] += q;
+  at[1] += square(q);
+}
 
 /// Where a value is on an axis.
 struct Mark {
@@ -54,8 +73,8 @@ class Ruler {
 /// Fills one histogram with one batch.
 class Filler {
  public:
-  Filler(const Histogram& histogram, Flight& flight)
-      : histogram_(histogram), batch_(flight.batch.view()), flight_(flight), layout_(sums_of(histogram)) {
+  Filler(const Histogram& histogram, StageContext& context)
+      : histogram_(histogram), batch_(context.batch.view()), context_(context), layout_(sums_of(histogram)) {
     for (const HistogramAxis& axis : histogram.axes) rulers_.emplace_back(axis);
   }
 
@@ -80,7 +99,7 @@ class Filler {
     int found = 0;
     if (measured_) {
       share(i, shares);
-      found = static_cast<int>(std::max_element(shares, shares + histogram_.levels) - shares);
+      found = static_cast<int>(std::max_element(shares, shares + histogram_.spins.levels) - shares);
     }
     const auto at = static_cast<std::size_t>(i);
     std::size_t bin = 0, ranged = 0;
@@ -97,7 +116,7 @@ class Filler {
   }
 
   bool is_measured(const HistogramAxis& axis) const {
-    return histogram_.levels > 0 && asks_for_spin(axis.quantity);
+    return histogram_.spins.levels > 0 && asks_for_spin(axis.quantity);
   }
 
   /// The weight of each particle that counts; whether there is any.
@@ -107,34 +126,30 @@ class Filler {
         weights_[i] =
             batch_.caught_by[i] == static_cast<std::uint64_t>(histogram_.part) + 1 ? batch_.weight[i] : 0;
     else
-      flight_.kernels.cross(histogram_.face, batch_, weights_);
+      kernel::cross(context_.isa)(histogram_.face, batch_, weights_);
     return std::any_of(weights_, weights_ + batch_.padded, [](std::uint64_t w) { return w != 0; });
   }
 
   void measure() {
     SpinGauge spin;
-    spin.key = flight_.key;
-    spin.levels = histogram_.levels;
-    spin.zones = histogram_.zones.data();
-    spin.zone_count = static_cast<int>(histogram_.zones.size());
-    spin.polynomials = histogram_.polynomials.data();
+    spin.path = histogram_.spins.view(context_.key);
     for (std::size_t a = 0; a < rulers_.size(); ++a) {
       const HistogramAxis& axis = histogram_.axes[a];
       if (!asks_for_spin(axis.quantity)) {
-        flight_.kernels.measure(
-            {axis.quantity, histogram_.face.y, histogram_.mass, flight_.key, histogram_.pulse}, batch_,
-            weights_, values_[a]);
+        kernel::measure(context_.isa)(
+            {axis.quantity, histogram_.face.y, histogram_.mass, context_.key, histogram_.pulse}, batch_, weights_,
+            values_[a]);
         continue;
       }
       std::copy_n(axis.direction, 3, spin.axis);
       if (is_measured(axis) && measured_) continue;  // the checks let pass one direction only
       measured_ = is_measured(axis);
-      if (histogram_.of_atom) {
-        share_levels(histogram_.levels, histogram_.transitions, flight_, weights_, shares_);
+      if (histogram_.spins.of_atom) {
+        share_levels(histogram_.spins, context_.isa, batch_, weights_, shares_);
         continue;
       }
       spin.quantity = axis.quantity;
-      flight_.kernels.measure_spin(spin, batch_, weights_, measured_ ? probabilities_ : values_[a]);
+      kernel::measure_spin(context_.isa)(spin, batch_, weights_, measured_ ? probabilities_ : values_[a]);
       if (is_circular(axis.quantity)) measure_across(spin);
     }
   }
@@ -145,7 +160,7 @@ class Filler {
     for (std::size_t k = 0; k < 2; ++k) {
       std::fill_n(spin.axis, 3, 0.0);
       spin.axis[k] = 1;
-      flight_.kernels.measure_spin(spin, batch_, weights_, across_[k]);
+      kernel::measure_spin(context_.isa)(spin, batch_, weights_, across_[k]);
     }
   }
 
@@ -158,7 +173,7 @@ class Filler {
     } else {
       std::int64_t shares[most_levels];
       share(i, shares);
-      for (int k = 0; k < histogram_.levels; ++k) {
+      for (int k = 0; k < histogram_.spins.levels; ++k) {
         if (shares[k] == 0) continue;
         for (std::size_t a = 0; a < rulers_.size(); ++a)
           if (is_measured(histogram_.axes[a])) marks[a] = rulers_[a].mark(outcome(a, k));
@@ -186,21 +201,21 @@ class Filler {
   /// What an axis shows of outcome k: the level's number, or m/I.
   double outcome(std::size_t axis, int k) const {
     if (rulers_[axis].of_levels()) return k;
-    const int twice = histogram_.levels - 1;
+    const int twice = histogram_.spins.levels - 1;
     return static_cast<double>(twice - 2 * k) / twice;
   }
 
   /// All shares are floored, the largest takes what is missing.
   void share(int i, std::int64_t* shares) const {
-    if (histogram_.of_atom) {
-      for (int k = 0; k < histogram_.levels; ++k)
+    if (histogram_.spins.of_atom) {
+      for (int k = 0; k < histogram_.spins.levels; ++k)
         shares[k] = static_cast<std::int64_t>(shares_[k * batch_.padded + i]);
       return;
     }
     const double weight = static_cast<double>(weights_[i]);
     auto rest = static_cast<std::int64_t>(weights_[i]);
     int largest = 0;
-    for (int k = 0; k < histogram_.levels; ++k) {
+    for (int k = 0; k < histogram_.spins.levels; ++k) {
       shares[k] = static_cast<std::int64_t>(weight * probabilities_[k * batch_.padded + i]);
       if (shares[k] > shares[largest]) largest = k;
       rest -= shares[k];
@@ -223,7 +238,7 @@ class Filler {
       bin_ = bin;
     }
     inside_ += q;
-    Sum* sums = flight_.sums;
+    Sum* sums = context_.sums;
     std::size_t axis = 0;
     for (std::size_t a = 0; a < rulers_.size(); ++a) {
       if (rulers_[a].of_levels()) continue;
@@ -234,18 +249,18 @@ class Filler {
     }
   }
   void flush_bin() {
-    add_score(layout_, static_cast<std::uint32_t>(bin_), inside_, flight_.sums);
+    add_score(layout_, static_cast<std::uint32_t>(bin_), inside_, context_.sums);
     inside_ = 0;
   }
   void flush() {
     if (inside_ != 0) flush_bin();
-    add_score(layout_, HistogramPlaces::beyond, outside_, flight_.sums);
+    add_score(layout_, HistogramPlaces::beyond, outside_, context_.sums);
     outside_ = 0;
   }
 
   const Histogram& histogram_;
   const BatchView& batch_;
-  Flight& flight_;
+  StageContext& context_;
   const HistogramSums layout_;
   std::vector<Ruler> rulers_;
   bool measured_ = false;  // the spin has outcomes
@@ -260,6 +275,73 @@ class Filler {
   };
 };
 
+/// Where the particles on each path stand.
+class HistogramPaths : public PathTally {
+ public:
+  explicit HistogramPaths(const Histogram& histogram) : histogram_(histogram), layout_(sums_of(histogram)) {}
+
+  void see(std::size_t path, StageContext& here, const std::uint16_t* numbers) override {
+    HistogramPlaces seen;
+    Filler(histogram_, here).find_places(seen);
+    if (places_.size() <= path) places_.resize(path + 1);
+    HistogramPlaces& places = places_[path];
+    places.bin.fill(HistogramPlaces::nowhere);
+    for (std::size_t n = 0; n < static_cast<std::size_t>(here.batch.view().count); ++n) {
+      places.bin[numbers[n]] = seen.bin[n];
+      for (std::size_t axis = 0; axis < seen.steps.size(); ++axis)
+        places.steps[axis][numbers[n]] = seen.steps[axis][n];
+    }
+  }
+
+  void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
+    for (std::size_t k = 0; k < paths.count(); ++k) {
+      const std::size_t at = paths.number[k], group = paths.asked.view().particle[k] % moment_groups;
+      std::array<std::uint32_t, most_levels> bins{};
+      std::array<std::uint64_t, most_levels> scores{};
+      std::size_t found = 0;
+      for (std::size_t path = 0; path < paths.levels.size(); ++path) {
+        const std::uint32_t bin = places_[path].bin[at];
+        const std::uint64_t q = bin == HistogramPlaces::nowhere ? 0 : weights.of[path][k];
+        if (q == 0) continue;
+        std::size_t cell = 0;
+        while (cell < found && bins[cell] != bin) ++cell;
+        if (cell == found) bins[found++] = bin;
+        scores[cell] += q;
+        if (bin == HistogramPlaces::beyond) continue;
+        for (std::size_t axis = 0; axis < layout_.axes; ++axis) {
+          Sum* moments = sums + layout_.moments(axis, group);
+          const Sum u = places_[path].steps[axis][at];
+          moments[0] += q;
+          moments[1] += q * u;
+          moments[2] += q * u * u;
+        }
+      }
+      for (std::size_t cell = 0; cell < found; ++cell) add_score(layout_, bins[cell], scores[cell], sums);
+    }
+  }
+
+ private:
+  const Histogram& histogram_;
+  const HistogramSums layout_;
+  std::vector<HistogramPlaces> places_;  // [path]
+};
+
+/// The name of a tally, and in how many planes its part has it.
+struct Told {
+  std::string name;
+  std::uint64_t planes = 1;
+};
+Told told_of(const Part& part, std::size_t number) {
+  return std::visit(
+      [&](const auto& p) {
+        Told told;
+        if constexpr (requires { p.tallies; }) told.name = p.tallies[number].name;
+        if constexpr (requires { p.planes; }) told.planes = p.planes;
+        return told;
+      },
+      part);
+}
+
 }  // namespace
 
 HistogramSums sums_of(const Histogram& histogram) {
@@ -271,27 +353,33 @@ HistogramSums sums_of(const Histogram& histogram) {
   return layout;
 }
 
-void pass(const Census& census, Flight& flight) {
-  const BatchView& batch = flight.batch.view();
-  alignas(64) std::uint64_t weights[Batch::capacity];
-  flight.kernels.cross(census.face, batch, weights);
-  for (int i = 0; i < batch.count; ++i) {
-    flight.sums[CensusSums::total()] += weights[i];
-    flight.sums[CensusSums::total() + 1] += square(weights[i]);
-    flight.sums[CensusSums::group(batch.particle[i] % group_count)] += weights[i];
-  }
+std::size_t Histogram::sums() const { return sums_of(*this).size(); }
+void Histogram::pass(StageContext& context) const { Filler(*this, context).fill(); }
+void Histogram::list_sums(SumSink& sink) const { sink.histogram(part, tally, plane, sums_of(*this), 0); }
+double Histogram::y() const { return face.y; }
+double Histogram::cost(double speed) const {
+  const bool carries = !spins.zones.empty() || !spins.polynomials.empty();
+  return cost::tally * static_cast<double>(axes.size() + 1) + (carries ? spins.cost(speed) : 0);
 }
-
-void add_score(const HistogramSums& layout, std::uint32_t bin, std::uint64_t q, Sum* sums) {
-  Sum* at = sums + (bin == HistogramPlaces::beyond ? layout.outside() : layout.bin(bin));
-  at[0] += q;
-  at[1] += square(q);
+bool Histogram::follows_paths() const {
+  return spins.is_idle() && std::all_of(axes.begin(), axes.end(), [](const HistogramAxis& axis) {
+           return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
+         });
 }
+std::unique_ptr<PathTally> Histogram::tally_paths() const { return std::make_unique<HistogramPaths>(*this); }
 
-void find_places(const Histogram& histogram, Flight& flight, HistogramPlaces& places) {
-  Filler(histogram, flight).find_places(places);
+void Histogram::explain(PlanReport& report) const {
+  if (plane > 0) return;
+  const Told told = told_of(report.part(part).part, static_cast<std::size_t>(tally));
+  std::string list;
+  for (const HistogramAxis& axis : axes)
+    list += fmt::format("{}{} ({} bins)", list.empty() ? "" : ", ", word_of(axis.quantity), axis.bins);
+  if (!spins.zones.empty())
+    list += fmt::format(", spins turned from {:.4g} to {:.4g} m", spins.zones.front().begin,
+                        spins.zones.back().end);
+  report.line("            {} tallies {}: {}; {:.4g} KiB of sums{}", report.name_of(part), told.name, list,
+              static_cast<double>(told.planes * sums() * sizeof(Sum)) / 1024, report.reuse);
+  if (spins.transitions != nullptr && !caught) report.tell_driven(part);
 }
-
-void pass(const Histogram& histogram, Flight& flight) { Filler(histogram, flight).fill(); }
 
 }  // namespace rabiline

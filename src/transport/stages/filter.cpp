@@ -1,18 +1,35 @@
-// Spins in the middle of a straight flight: carried through fields, and filtered.
-#include "transport/kernel_functions.hpp"
-#include "transport/spin_lanes.hpp"
+#include "transport/stages/filter.hpp"
+
+#ifndef RABILINE_ISA  // what the host does
+
+#include "particle/fate.hpp"
+#include "transport/cost.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+
+std::size_t Filter::sums() const { return 1; }
+void Filter::pass(StageContext& context) const {
+  context.sums[0] += kernel::filter(context.isa)(*this, context.batch.view());
+}
+void Filter::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
+double Filter::y() const { return at; }
+double Filter::cost(double) const { return cost::plane; }
+void Filter::explain(PlanReport& report) const {
+  report.line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}",
+              PlanReport::metres(at), report.name_of(part), axis[0], axis[1], axis[2], up, down, report.reuse);
+}
+/// It changes weights.
+bool Filter::follows_paths() const { return false; }
+
+}  // namespace rabiline
+
+#else  // its kernel, compiled once for each instruction set
+
+#include "transport/plane_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
-
-void precess(const SpinZone* zones, int zone_count, const RandomKey& key, BatchView& batch) {
-  for (int i = 0; i < batch.padded; i += lane_count) {
-    const mask flying = (mask)load(batch.flying + i);
-    const Vector s = spin_after(zones, zone_count, key, batch, i, 1.0 / load(batch.vy + i));
-    store(batch.sx + i, select(flying, s.x, load(batch.sx + i)));
-    store(batch.sy + i, select(flying, s.y, load(batch.sy + i)));
-    store(batch.sz + i, select(flying, s.z, load(batch.sz + i)));
-  }
-}
 
 /// A pure state of spin 1/2 with Bloch vector s passes diag(sqrt(up), sqrt(down)) along the axis a: with c =
 /// s.a it is transmitted with w = (up (1 + c) + down (1 - c))/2, and leaves with the Bloch vector
@@ -20,7 +37,6 @@ void precess(const SpinZone* zones, int zone_count, const RandomKey& key, BatchV
 std::uint64_t filter(const Filter& f, BatchView& batch) {
   const Vector axis{broadcast(f.axis[0]), broadcast(f.axis[1]), broadcast(f.axis[2])};
   const double coherence = __builtin_sqrt(f.up * f.down);
-  std::uint64_t stopped = 0;
   words lost = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
@@ -41,15 +57,11 @@ std::uint64_t filter(const Filter& f, BatchView& batch) {
     store(batch.sx + i, select(changes, out.x, load(batch.sx + i)));
     store(batch.sy + i, select(changes, out.y, load(batch.sy + i)));
     store(batch.sz + i, select(changes, out.z, load(batch.sz + i)));
-    const words weight = load(batch.weight + i);
-    const real quanta = from_bits(weight | 0x4330000000000000ULL) - 0x1p52;
-    const words kept = bit_pattern(floor(quanta * passed) + 0x1p52) & 0xfffffffffffffULL;
-    store(batch.weight + i, select(flying, kept, weight));
-    store(batch.flying + i, (words)(flying & (kept != words{})));
-    lost = lost + ((weight - kept) & (words)flying);
+    lost = lost + let_pass(batch, i, passed);
   }
-  for (int k = 0; k < lane_count; ++k) stopped += lane(lost, k);
-  return stopped;
+  return sum_of_lanes(lost);
 }
 
 }  // namespace rabiline::RABILINE_ISA
+
+#endif

@@ -1,0 +1,106 @@
+// What `check` tells of the fields in one zone.
+#include <cmath>
+#include <numbers>
+
+#include "transport/plan_report.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
+
+double length_of_second(const DriveTerm& drive) {
+  return std::hypot(drive.second[0], drive.second[1], drive.second[2]);
+}
+/// Mean of a drive's size over its length.
+double mean_size(const DriveTerm& drive) {
+  if (drive.envelope.shape == Shape::half_sine) return 2 / std::numbers::pi;
+  if (drive.envelope.shape == Shape::gaussian) {
+    const double ends = drive.envelope.length / (2 * drive.envelope.sigma);
+    return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
+  }
+  return 1;
+}
+void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, PlanReport& report) {
+  const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
+  const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
+  const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
+  if (closed && omega * zone.spin_rate < 0)
+    report.warn(
+        fmt::format("the field that rotates from {:.4g} m on turns against the precession there and cannot "
+                    "be resonant",
+                    zone.begin));
+  if (drive.twist != 0)
+    report.line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
+         drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
+         std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
+  if (drive.omega == 0) return;
+  if (!closed) {
+    report.line("{:>16}{} at {}, {:.4g} deg of precession in its full size", "",
+         length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
+         std::abs(w1) * stay * 180 / std::numbers::pi);
+    return;
+  }
+  report.line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance", "",
+       hertz(drive.omega), drive.omega < 0 ? '-' : '+', (omega < 0 ? -1 : 1) * detuning / two_pi,
+       std::abs(w1) * mean_size(drive) * stay * 180 / std::numbers::pi);
+  if (zone.kind == ZoneKind::rotating)
+    report.line("{:>16}resonance width 1/T = {}, flip probability of spin 1/2 here {:.4g}", "",
+         pretty_quantity(1 / stay, Dimension::frequency),
+         rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+}
+
+/// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
+/// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).
+void explain_neglected(const SpinZone& zone, PlanReport& report) {
+  for (const PlacedPart& part : report.beamline.parts) {
+    const auto* field = std::get_if<OscillatingField>(&part.part);
+    const double begin = part.placement.at;
+    if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
+        begin > zone.begin || begin + field->length < zone.end)
+      continue;
+    if (zone.spin_rate == 0) {
+      report.warn(
+          fmt::format("`{}` is used in the rotating-wave approximation where there is no "
+                      "static field for spins to precess in: `approximation: none`",
+                      part.placement.name));
+      continue;
+    }
+    const double w0 = std::abs(zone.spin_rate),
+                 w1 = std::abs(report.species->gyromagnetic_ratio) * field->amplitude / 2;
+    const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4, width = report.speed / (zone.end - zone.begin);
+    report.line(
+        "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
+        "of "
+        "1/T)",
+        "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
+    if (w1 > 0.1 * w0)
+      report.warn(
+          fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is {:.2g} "
+                      "of the static field; `approximation: none` integrates the whole field",
+                      part.placement.name, w1 / w0));
+  }
+}
+
+}  // namespace
+
+void explain_zone(const SpinZone& zone, PlanReport& report) {
+  const double stay = (zone.end - zone.begin) / report.speed;
+  const double* axis = zone.frame + 6;
+  report.line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
+       pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
+       std::abs(zone.spin_rate) * stay / two_pi,
+       zone.turned && zone.spin_rate != 0
+           ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
+           : "");
+  for (int i = 0; i < zone.drives; ++i) explain_drive(zone, zone.drive[i], stay, report);
+  if (zone.step > 0)
+    report.line("{:>16}{}: about {:.0f} steps", "",
+         zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
+         stay / zone.step);
+  explain_neglected(zone, report);
+}
+
+}  // namespace rabiline

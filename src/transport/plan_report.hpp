@@ -1,0 +1,52 @@
+#pragma once
+// What `check` tells of a plan, stage by stage, and what is known of the beam on the way.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "beamline/beamline.hpp"
+#include "core/units.hpp"
+#include "transport/kernels.hpp"
+
+namespace rabiline {
+
+class PlanReport {
+ public:
+  explicit PlanReport(const Beamline& of) : beamline(of) {}
+
+  template <class... Args>
+  void line(fmt::format_string<Args...> format, Args&&... args) {
+    text += fmt::format(format, std::forward<Args>(args)...) + "\n";
+  }
+  void warn(std::string warning) { warnings.push_back(std::move(warning)); }
+
+  const PlacedPart& part(int number) const { return beamline.parts[static_cast<std::size_t>(number)]; }
+  std::string name_of(int number) const { return number < 0 ? "chamber" : part(number).placement.name; }
+  /// A place along the beam, at the beginning of a line.
+  static std::string metres(double y) { return fmt::format("{:8.4f} m", y); }
+
+  const Beamline& beamline;
+  // the species at hand
+  const Species* species = nullptr;
+  bool of_atom = false;            // under `quantum`, with the levels of two spins
+  double speed = 0;                // [m/s] on average
+  std::function<double()> fastest;  // [m/s]
+  std::function<void(int part)> tell_driven;  // what drives an atom's levels before a part asks for them
+  // the stage at hand
+  std::string reuse;                         // "  [once for all points]"
+  std::size_t reweightings = 0;              // of a projection that splits
+  int levels_found = 0;                      // likewise
+  // the beam where it stands
+  std::vector<int> on_axis;  // levels of a beam that nothing has bent yet
+  double tip = 0;            // [rad] what all drives since the last alignment can have done at most
+
+  std::string text;
+  std::vector<std::string> warnings;
+};
+
+/// The derived numbers of one zone, and where they mislead.
+void explain_zone(const SpinZone&, PlanReport&);
+
+}  // namespace rabiline

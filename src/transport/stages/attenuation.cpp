@@ -1,0 +1,52 @@
+#include "transport/stages/attenuation.hpp"
+
+#ifndef RABILINE_ISA  // what the host does
+
+#include <cmath>
+
+#include "particle/fate.hpp"
+#include "transport/cost.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+
+Attenuation stage_of(const GasCell& cell, const StageSite& site) {
+  return {density_of(cell.gas) * cell.cross_section * cell.length, site.part, site.y};
+}
+
+std::size_t Attenuation::sums() const { return 1; }
+void Attenuation::pass(StageContext& context) const {
+  context.sums[0] += kernel::attenuate(context.isa)(*this, context.batch.view());
+}
+void Attenuation::list_sums(SumSink& sink) const { sink.fate("scattered", part, 0); }
+double Attenuation::y() const { return at; }
+double Attenuation::cost(double) const { return cost::plane; }
+void Attenuation::explain(PlanReport& report) const {
+  report.line("{}  {}: gas lets {:.4g} of each weight along the beam pass{}", PlanReport::metres(at),
+              report.name_of(part), std::exp(-depth), report.reuse);
+}
+/// It changes weights.
+bool Attenuation::follows_paths() const { return false; }
+
+}  // namespace rabiline
+
+#else  // its kernel, compiled once for each instruction set
+
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+std::uint64_t attenuate(const Attenuation& a, BatchView& batch) {
+  words scattered = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real vx = load(batch.vx + i), vy = load(batch.vy + i), vz = load(batch.vz + i);
+    const real slant = sqrt(fma(vx, vx, fma(vy, vy, vz * vz))) / vy;
+    scattered = scattered + let_pass(batch, i, exp(slant * -a.depth));
+  }
+  return sum_of_lanes(scattered);
+}
+
+}  // namespace rabiline::RABILINE_ISA
+
+#endif

@@ -1,0 +1,75 @@
+#include "transport/stages/census.hpp"
+
+#include <array>
+#include <vector>
+
+#include "transport/cost.hpp"
+#include "transport/paths.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+namespace {
+
+void add_crossed(std::uint64_t q, std::uint64_t particle, Sum* sums) {
+  sums[CensusSums::total()] += q;
+  sums[CensusSums::total() + 1] += square(q);
+  sums[CensusSums::group(particle % group_count)] += q;
+}
+
+/// Which particles cross the face on each path.
+class CensusPaths : public PathTally {
+ public:
+  explicit CensusPaths(const Census& census) : census_(census) {}
+
+  void see(std::size_t path, StageContext& here, const std::uint16_t* numbers) override {
+    alignas(64) std::uint64_t weights[Batch::capacity];
+    const BatchView& batch = here.batch.view();
+    kernel::cross(here.isa)(census_.face, batch, weights);
+    if (crossed_.size() <= path) crossed_.resize(path + 1);
+    crossed_[path].fill(0);
+    for (int n = 0; n < batch.count; ++n) crossed_[path][numbers[n]] = weights[n] != 0 ? ~std::uint64_t{0} : 0;
+  }
+  void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
+    for (std::size_t k = 0; k < paths.count(); ++k) {
+      std::uint64_t q = 0;
+      for (std::size_t path = 0; path < paths.levels.size(); ++path)
+        q += weights.of[path][k] & crossed_[path][paths.number[k]];
+      add_crossed(q, paths.asked.view().particle[k], sums);
+    }
+  }
+
+ private:
+  const Census& census_;
+  std::vector<std::array<std::uint64_t, Batch::capacity>> crossed_;  // [path] masks
+};
+
+}  // namespace
+
+std::size_t Census::sums() const { return CensusSums::size(); }
+void Census::pass(StageContext& context) const {
+  const BatchView& batch = context.batch.view();
+  alignas(64) std::uint64_t weights[Batch::capacity];
+  kernel::cross(context.isa)(face, batch, weights);
+  for (int i = 0; i < batch.count; ++i) add_crossed(weights[i], batch.particle[i], context.sums);
+}
+void Census::list_sums(SumSink& sink) const { sink.plane(part, plane, 0); }
+double Census::y() const { return face.y; }
+double Census::cost(double) const { return cost::plane; }
+bool Census::follows_paths() const { return true; }
+std::unique_ptr<PathTally> Census::tally_paths() const { return std::make_unique<CensusPaths>(*this); }
+
+/// Of a monitor with several planes the first one stands for all.
+void Census::explain(PlanReport& report) const {
+  if (plane > 0) return;
+  const PlacedPart& placed = report.part(part);
+  const auto& monitor = std::get<Monitor>(placed.part);
+  report.line("{}  {}: counts what passes{}{}", PlanReport::metres(face.y), report.name_of(part),
+              monitor.planes > 1
+                  ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
+                                PlanReport::metres(place_of_plane(monitor, placed.placement, monitor.planes - 1)))
+                  : "",
+              report.reuse);
+}
+
+}  // namespace rabiline

@@ -1,0 +1,33 @@
+#include "transport/stages/level_projection.hpp"
+
+#include <numeric>
+
+#include "transport/plan_report.hpp"
+
+namespace rabiline {
+
+std::size_t LevelProjection::sums() const { return 0; }
+void LevelProjection::pass(StageContext& context) const {
+  kernel::collapse(context.isa)(spins.view(context.key), part, context.batch.view());
+}
+void LevelProjection::list_sums(SumSink&) const {}
+double LevelProjection::y() const { return at; }
+double LevelProjection::cost(double speed) const { return spins.cost(speed); }
+void LevelProjection::explain(PlanReport& report) const {
+  report.line("            {}: each particle is in one level from here on, {}{}", report.name_of(part),
+              split ? "all are followed with their shares of its weight" : "drawn by its probability",
+              report.reuse);
+  if (report.reweightings > 1)
+    report.line(
+        "{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them", "",
+        report.levels_found, report.reweightings);
+  if (report.of_atom && !report.on_axis.empty()) {
+    report.on_axis.resize(static_cast<std::size_t>(spins.levels));
+    std::iota(report.on_axis.begin(), report.on_axis.end(), 0);
+  }
+  report.tell_driven(part);
+}
+/// It draws a level along each path.
+bool LevelProjection::follows_paths() const { return true; }
+
+}  // namespace rabiline

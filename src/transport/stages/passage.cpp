@@ -1,0 +1,49 @@
+#include "transport/stages/passage.hpp"
+
+#ifndef RABILINE_ISA  // what the host does
+
+#include "particle/fate.hpp"
+#include "transport/cost.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+
+std::size_t Passage::sums() const { return 1; }
+void Passage::pass(StageContext& context) const {
+  context.sums[0] += kernel::pass(context.isa)(aperture, context.batch.view());
+}
+void Passage::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
+double Passage::y() const { return aperture.y; }
+double Passage::cost(double) const { return cost::plane; }
+void Passage::explain(PlanReport& report) const {
+  report.line("{}  {}: stops what {}{}", PlanReport::metres(aperture.y), report.name_of(part),
+              part < 0                ? "meets its wall"
+              : aperture.stops_inside ? "hits it"
+                                      : "misses its opening",
+              report.reuse);
+}
+bool Passage::follows_paths() const { return true; }
+
+}  // namespace rabiline
+
+#else  // its kernel, compiled once for each instruction set
+
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+std::uint64_t pass(const Aperture& aperture, BatchView& batch) {
+  words stopped = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const OnPlane there = to_plane(aperture.y, batch, i);
+    const words through = (words)inside(aperture, there.x, there.z), flying = load(batch.flying + i);
+    stopped = stopped + (load(batch.weight + i) & flying & ~through);
+    store(batch.flying + i, flying & through);
+  }
+  return sum_of_lanes(stopped);
+}
+
+}  // namespace rabiline::RABILINE_ISA
+
+#endif

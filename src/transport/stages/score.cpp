@@ -1,0 +1,104 @@
+#include "transport/stages/score.hpp"
+
+#ifndef RABILINE_ISA  // what the host does
+
+#include "particle/fate.hpp"
+#include "transport/cost.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/screen_paths.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+
+ScreenSums sums_of(const Screen& s) {
+  return {static_cast<std::size_t>(s.bins_x), static_cast<std::size_t>(s.bins_z)};
+}
+
+void add_caught(const ScreenSums& layout, Sum* sums, std::uint64_t bin, std::uint64_t weight,
+                std::uint64_t particle) {
+  const Sum squared = square(weight);
+  sums[ScreenSums::bin(bin)] += weight;
+  sums[ScreenSums::bin(bin) + 1] += squared;
+  sums[layout.total()] += weight;
+  sums[layout.total() + 1] += squared;
+  sums[layout.group(particle % group_count)] += weight;
+}
+
+void list_screen(const Screen& screen, std::size_t at, SumSink& sink) {
+  const ScreenSums layout = sums_of(screen);
+  sink.screen(screen.part, layout, at);
+  sink.fate(fate::detected, screen.part, at + layout.total());
+  if (screen.efficiency != 1 || screen.has_dead_area)
+    sink.fate(fate::stopped, screen.part, at + ScreenSums::lost());
+}
+
+std::size_t Score::sums() const { return sums_of(screen).size(); }
+void Score::list_sums(SumSink& sink) const { list_screen(screen, 0, sink); }
+double Score::y() const { return screen.y; }
+double Score::cost(double) const { return cost::plane; }
+bool Score::follows_paths() const { return true; }
+int Score::catches() const { return screen.part; }
+std::unique_ptr<PathTally> Score::tally_paths() const { return std::make_unique<ScreenPaths>(screen); }
+
+void Score::pass(StageContext& context) const {
+  BatchView& batch = context.batch.view();
+  const Caught taken = kernel::screen(context.isa)(screen, batch);
+  const ScreenSums layout = sums_of(screen);
+  context.sums[ScreenSums::lost()] += taken.lost;
+  if (taken.counted == 0) return;
+  // Listed first, since whether a particle was caught cannot be foretold as a branch.
+  int caught[Batch::capacity], count = 0;
+  for (int i = 0; i < batch.count; ++i) {
+    caught[count] = i;
+    count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
+  }
+  for (int k = 0; k < count; ++k) {
+    const int i = caught[k];
+    add_caught(layout, context.sums, batch.scratch[i], batch.weight[i], batch.particle[i]);
+  }
+}
+
+void Score::explain(PlanReport& report) const {
+  report.line("{}  {}: catches and histograms, {} x {} bins{}{}{}", PlanReport::metres(screen.y),
+              report.name_of(screen.part), screen.bins_x, screen.bins_z,
+              screen.efficiency == 1 ? "" : fmt::format(", counts {:g} of each", screen.efficiency),
+              screen.has_dead_area ? ", nothing in its dead area" : "", report.reuse);
+}
+
+}  // namespace rabiline
+
+#else  // its kernel, compiled once for each instruction set
+
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+Caught screen(const Screen& screen, BatchView& batch) {
+  const Aperture rim = rim_of(screen);
+  words counted_weight = words{}, lost_weight = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const OnPlane there = to_plane(screen.y, batch, i);
+    const real x = there.x, z = there.z;
+    const words flying = load(batch.flying + i), hit = (words)inside(rim, x, z) & flying;
+    const words caught = hit & ~(words)in_dead_area(screen, x, z);
+    const words weight = load(batch.weight + i);
+    words counted = weight;
+    if (screen.efficiency != 1) {
+      counted = weight_of(floor(number_of(weight) * screen.efficiency));
+      store(batch.weight + i, select((mask)caught, counted, weight));
+    }
+    store(batch.scratch + i, bin_on(screen, x, z) | ~caught);
+    store(batch.slowness + i, select((mask)caught, 1.0 / load(batch.vy + i), load(batch.slowness + i)));
+    store(batch.caught_by + i,
+          select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part + 1)),
+                 load(batch.caught_by + i)));
+    store(batch.flying + i, flying & ~hit);
+    counted_weight = counted_weight + (counted & caught);
+    lost_weight = lost_weight + (weight & hit) - (counted & caught);
+  }
+  return {sum_of_lanes(counted_weight), sum_of_lanes(lost_weight)};
+}
+
+}  // namespace rabiline::RABILINE_ISA
+
+#endif

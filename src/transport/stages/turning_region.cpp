@@ -1,0 +1,223 @@
+#include "transport/stages/turning_region.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "particle/fate.hpp"
+#include "transport/cost.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/stages/score.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+namespace {
+
+/// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
+/// ScreenSums for each edge with a screen, then those of each sight: its census, its tallies.
+struct RegionSums {
+  std::size_t zones;
+  static std::size_t backwards() { return 0; }
+  static std::size_t gave_up() { return 1; }
+  static std::size_t wall(std::size_t zone) { return 2 + zone; }
+  std::size_t edge(std::size_t edge) const { return 2 + zones + edge; }
+  std::size_t screens() const { return 2 + zones + zones; }
+};
+
+/// Where the sums of a region's sights begin among its own.
+std::size_t sums_before_sights(const TurningRegion& region) {
+  std::size_t sums = RegionSums{region.zones.size()}.screens();
+  for (const RegionEdge& edge : region.edges)
+    if (edge.kind == EdgeKind::screen) sums += sums_of(edge.screen).size();
+  return sums;
+}
+
+Region view_of(const TurningRegion& region, const RandomKey& key) {
+  Region view;
+  view.key = key;
+  view.zones = region.zones.data();
+  view.edges = region.edges.data();
+  view.zone_count = static_cast<int>(region.zones.size());
+  view.take_off_spin_component = region.take_off_spin_component;
+  view.most_way = region.most_way;
+  view.most_visits = 64 + 4 * region.zones.size();
+  return view;
+}
+
+/// What a screen counts of a weight up to 2^40, as its kernel does.
+std::uint64_t counted_of(const Screen& screen, std::uint64_t weight) {
+  return static_cast<std::uint64_t>(std::floor(static_cast<double>(weight) * screen.efficiency));
+}
+
+/// Books the end of one particle's flight through a region; returns whether it flies on.
+bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
+  const RegionSums layout{region.zones.size()};
+  const std::uint64_t end = batch.scratch[i] & 0xffffffffULL, weight = batch.weight[i];
+  if (end == region_end::forward) return true;
+  if (end == region_end::backwards) {
+    sums[RegionSums::backwards()] += weight;
+  } else if (end == region_end::gave_up) {
+    sums[RegionSums::gave_up()] += weight;
+  } else if ((end & region_end::caught_at_edge) != 0) {
+    const std::size_t edge = end & 0xffffULL;
+    Sum* at = sums + layout.screens();
+    for (std::size_t k = 0; k < edge; ++k)
+      if (region.edges[k].kind == EdgeKind::screen) at += sums_of(region.edges[k].screen).size();
+    const Screen& screen = region.edges[edge].screen;
+    batch.weight[i] = counted_of(screen, weight);
+    add_caught(sums_of(screen), at, batch.scratch[i] >> 32, batch.weight[i], batch.particle[i]);
+    sums[layout.edge(edge)] += weight - batch.weight[i];
+    batch.caught_by[i] = static_cast<std::uint64_t>(screen.part) + 1;
+  } else if ((end & region_end::stopped_at_edge) != 0) {
+    sums[layout.edge(end & 0xffffULL)] += weight;
+  } else {
+    sums[RegionSums::wall(end - region_end::wall_of_zone)] += weight;
+  }
+  return false;
+}
+
+/// Batches for what a region's sights see, one for each; nobody is in them yet.
+std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& batch) {
+  std::vector<Batch> seen(region.sights.size());
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    BatchView& view = seen[k].view();
+    view.count = batch.count;
+    view.padded = batch.padded;
+    view.y = region.sights[k].census.face.y;
+    std::fill_n(view.flying, view.padded, 0);
+  }
+  return seen;
+}
+
+void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& context) {
+  Sum* sums = context.sums + sums_before_sights(region);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    StageContext there{context.isa, context.key, seen[k], sums};
+    region.sights[k].census.pass(there);
+    there.sums += region.sights[k].census.sums();
+    for (const Histogram& tally : region.sights[k].tallies) {
+      tally.pass(there);
+      there.sums += tally.sums();
+    }
+    sums = there.sums;
+  }
+}
+
+/// Under `torque` tipped spins keep turning the path in every field until something aligns them again, and
+/// a large tip deflects nearly everything.
+void warn_of_tips(const TurningRegion& region, PlanReport& report) {
+  constexpr double large_tip = 0.05;  // [rad]
+  if (!region.take_off_spin_component) return;
+  bool is_large = false;
+  for (std::size_t i = 0; i < region.zones.size(); ++i) {
+    const SpinZone& zone = region.zones[i].field;
+    if (report.tip > 0 && zone.drives == 0 && zone.turn_rate != 0)
+      report.warn(
+          fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
+                      "it keeps turning "
+                      "the path of tipped spins",
+                      zone.end));
+    const bool before = report.tip > large_tip;
+    for (int k = 0; k < zone.drives; ++k)
+      report.tip += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / report.speed;
+    if (report.tip > large_tip && !before) is_large = true;
+    if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) report.tip = 0;
+  }
+  if (is_large)
+    report.warn(
+        fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
+                    "frequencies then "
+                    "deflect, and the resonance is far wider than 1/T",
+                    report.tip * 180 / std::numbers::pi));
+}
+
+}  // namespace
+
+std::size_t TurningRegion::sums() const {
+  std::size_t sums = sums_before_sights(*this);
+  for (const Sight& sight : sights) {
+    sums += sight.census.sums();
+    for (const Histogram& tally : sight.tallies) sums += tally.sums();
+  }
+  return sums;
+}
+
+void TurningRegion::pass(StageContext& context) const {
+  BatchView& batch = context.batch.view();
+  std::vector<Batch> seen = batches_for(*this, batch);
+  std::vector<BatchView> views;
+  views.reserve(seen.size());
+  for (Batch& there : seen) views.push_back(there.view());
+  Region view = view_of(*this, context.key);
+  view.seen = views.data();
+  view.sight_count = static_cast<int>(views.size());
+  kernel::turn(context.isa)(view, batch, context.recorder);
+  tally(*this, seen, context);
+  for (int i = 0; i < batch.count; ++i)
+    if (batch.flying[i] != 0 && !book(*this, context.sums, batch, i)) batch.flying[i] = 0;
+}
+
+void TurningRegion::list_sums(SumSink& sink) const {
+  const RegionSums layout{zones.size()};
+  sink.fate(fate::left_backwards, no_part, RegionSums::backwards());
+  sink.fate(fate::gave_up, no_part, RegionSums::gave_up());
+  for (std::size_t i = 0; i < zones.size(); ++i)
+    if (std::isfinite(zones[i].wall_radius)) sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
+  std::size_t screen = layout.screens();
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const RegionEdge& edge = edges[i];
+    const bool loses =
+        edge.kind == EdgeKind::screen && (edge.screen.efficiency != 1 || edge.screen.has_dead_area);
+    if (edge.kind == EdgeKind::plate || loses) sink.fate(fate::stopped, edge.part, layout.edge(i));
+    if (edge.kind == EdgeKind::screen) {
+      list_screen(edge.screen, screen, sink);
+      screen += sums_of(edge.screen).size();
+    }
+  }
+  std::size_t at = sums_before_sights(*this);
+  const auto list_next = [&](const auto& stage) {
+    ShiftedSums shifted(sink, at);
+    stage.list_sums(shifted);
+    at += stage.sums();
+  };
+  for (const Sight& sight : sights) {
+    list_next(sight.census);
+    for (const Histogram& tally : sight.tallies) list_next(tally);
+  }
+}
+
+double TurningRegion::y() const { return zones.front().field.begin; }
+
+double TurningRegion::cost(double speed) const {
+  double steps = 0, planes = 0;
+  for (const RegionZone& zone : zones) steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+  for (const Sight& sight : sights) {
+    planes += sight.census.cost(speed);
+    for (const Histogram& tally : sight.tallies) planes += tally.cost(speed);
+  }
+  return steps * cost::step + planes;
+}
+
+void TurningRegion::explain(PlanReport& report) const {
+  report.line("{}  region that turns the velocity, to {}{}", PlanReport::metres(zones.front().field.begin),
+              PlanReport::metres(zones.back().field.end), report.reuse);
+  for (const RegionZone& zone : zones) {
+    explain_zone(zone.field, report);
+    const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate));
+    if (rate > 0)
+      report.line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
+                  2 * std::numbers::pi / (rate * zone.step));
+  }
+  for (const Sight& sight : sights) {
+    sight.census.explain(report);
+    for (const Histogram& tally : sight.tallies) tally.explain(report);
+  }
+  warn_of_tips(*this, report);
+}
+
+/// Velocities turn with spins.
+bool TurningRegion::follows_paths() const { return false; }
+
+std::size_t TurningRegion::own_memory() const { return sights.size() * Batch::bytes; }
+
+}  // namespace rabiline

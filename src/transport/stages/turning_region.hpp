@@ -1,0 +1,40 @@
+#pragma once
+// Fields that turn the velocity.
+#include <vector>
+
+#include "transport/region.hpp"
+#include "transport/stages/census.hpp"
+#include "transport/stages/histogram.hpp"
+
+namespace rabiline {
+
+/// A monitor's plane inside a region: it sees each particle once, where it comes there for the first time,
+/// and changes nothing.
+struct Sight {
+  Census census;
+  std::vector<Histogram> tallies;
+  bool operator==(const Sight&) const = default;
+};
+/// Touching fields that turn the velocity; the particle may leave backwards.
+struct TurningRegion {
+  std::vector<RegionZone> zones;
+  std::vector<RegionEdge> edges;  // between neighbouring zones
+  std::vector<Sight> sights;      // in the order in which they are passed
+  bool take_off_spin_component = false;
+  double most_way = 0;  // [m] in one zone at one visit
+  bool operator==(const TurningRegion&) const = default;
+
+  static constexpr StageTraits traits{
+      .ends_particles = true, .spins = SpinEffect::carried, .levels = LevelEffect::replaced};
+  std::size_t sums() const;
+  void pass(StageContext&) const;
+  void list_sums(SumSink&) const;
+  double y() const;
+  double cost(double speed) const;
+  void explain(PlanReport&) const;
+  bool follows_paths() const;
+  std::size_t own_memory() const;
+};
+static_assert(StageKind<TurningRegion>);
+
+}  // namespace rabiline
