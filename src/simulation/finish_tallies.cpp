@@ -77,9 +77,7 @@ class TallyFinisher {
       for (double& d : deviations[p]) d /= particles(emitted.q);
       monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
       monitor.passed_errors[p * planes + plane] =
-          emitted.q2 == emitted.q * quanta_per_particle
-              ? std::sqrt(total.variances[0]) / particles(emitted.q)
-              : std::sqrt(covariance_of(deviations[p], deviations[p]));
+          fraction_error(all, total.variances[0], emitted, deviations[p]);
     }
     const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles);
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
