@@ -204,8 +204,7 @@ class Finisher {
     if (!law_traits(beamline.law).has_levels) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
     if (species.structure)
       return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
-    const int m = levels - 1 - 2 * level;
-    return m % 2 == 0 ? fmt::format("m = {:+d}", m / 2) : fmt::format("m = {:+d}/2", m);
+    return names_of_levels(levels)[static_cast<std::size_t>(level)];
   }
 
   /// What a level got of the weight w of each particle: sums of q, q^2 and q w.

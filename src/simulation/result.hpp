@@ -54,7 +54,7 @@ struct MonitorResult {
 struct TallyAxisResult {
   std::string quantity;  // "time_of_flight"
   Dimension dimension = Dimension::number;
-  std::vector<double> edges;        // [SI] n + 1 of them; around m for levels
+  std::vector<double> edges;        // [SI] n + 1 of them; around 0, 1, ... for levels
   std::vector<std::string> labels;  // of levels, else empty
   std::vector<double> direction;    // that a spin is projected on, else empty
   /// Of what is inside the ranges of all axes; empty for levels and planes. NaN where nothing is. Of an axis
