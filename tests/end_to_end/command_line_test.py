@@ -425,7 +425,7 @@ def test_check_tells_the_plan_and_the_derived_numbers() -> None:
 
 
 def test_check_tells_the_resonance_between_two_magnets_and_the_tube_of_an_oven(tmp_path: Path) -> None:
-    text = rabiline("check", EXPERIMENTS / "rabi-licl.yaml").stdout
+    text = rabiline("check", EXPERIMENT.parent / "rabi-licl.yaml").stdout
     assert "Larmor" in text and "tip angle" in text and "FWHM of the line" in text
     tube = tmp_path / "tube.yaml"
     tube.write_text(EXPERIMENT.read_text().replace("direction: parallel",
