@@ -15,7 +15,7 @@ from .units import format_value, law_name
 def summary(results: Results, detectors: Sequence[str]) -> str:
     """Lines about the run, its scan, the resonances that these detectors saw, monitors and tallies, the ledger and the
     provenance."""
-    return "\n".join([*_run(results), *_resonances(results, detectors), *_monitors(results), *_tallies(results),
+    return "\n".join([*_run(results), *_warnings(results), *_resonances(results, detectors), *_monitors(results), *_tallies(results),
                       *_ledger(results), *_provenance(results)])
 
 
@@ -37,6 +37,13 @@ def _run(results: Results) -> Iterable[str]:
         yield f"  scan         {axis.parameter}: {_extent(axis)}"
 
 
+def _warnings(results: Results) -> Iterable[str]:
+    for warning in results.warnings:
+        first, *rest = warning.splitlines()
+        yield f"  warning      {first}"
+        yield from (f"               {line.strip()}" for line in rest)
+
+
 def _extent(axis: Axis) -> str:
     if axis.labels:
         return "; ".join(map(law_name, axis.labels))
@@ -49,6 +56,9 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
     for detector in detectors:
         number = scan.detectors.index(detector)
         yield f"detector {detector}"
+        if scan.detected_of_all is not None:
+            low, high = scan.detected_of_all[number].min(), scan.detected_of_all[number].max()
+            yield f"  detected     {low:.6g} to {high:.6g} of all that leave the source"
         if scan.count_rate is not None:
             low, high = scan.count_rate[number].min(), scan.count_rate[number].max()
             yield f"  counts       {low:.6g} to {high:.6g} 1/s, with the background"

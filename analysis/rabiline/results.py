@@ -31,6 +31,8 @@ class Scan:
     detected: np.ndarray  # [detectors, points]
     errors: np.ndarray  # [detectors, points] one standard error
     covariance: np.ndarray | None  # [detectors, points, points] between points; None where the file has none
+    detected_of_all: np.ndarray | None = None  # [detectors, points] of all leaving an aimed source; else None
+    detected_of_all_errors: np.ndarray | None = None  # [detectors, points]
     count_rate: np.ndarray | None = None  # [detectors, points] 1/s with the background; None without a source's rate
     count_rate_errors: np.ndarray | None = None  # [detectors, points]
 
@@ -133,6 +135,7 @@ class Results:
     fates: tuple[Fate, ...]
     emitted: np.ndarray  # [points] particles
     simulation: dict[str, str]  # provenance: seed, version, threads, ...
+    warnings: tuple[str, ...] = ()  # what the run warned of
 
     @property
     def covariance_missing(self) -> bool:
@@ -169,6 +172,7 @@ def read(path: Path | str) -> Results:
             fates=_read_fates(fates, points),
             emitted=fates.numbers("emitted", (points,)),
             simulation=_read_simulation(entry) if "simulation" in entry else {},
+            warnings=read_warnings(entry),
         )
 
 
@@ -206,8 +210,8 @@ def _read_scan(group: Group) -> Scan:
         detected=group.numbers("detected", (rows, points)),
         errors=group.numbers("detected_errors", (rows, points)),
         covariance=group.numbers("detected_covariance", (rows, points, points)) if has_covariance else None,
-        count_rate=group.numbers("count_rate", (rows, points)) if "count_rate" in group else None,
-        count_rate_errors=group.numbers("count_rate_errors", (rows, points)) if "count_rate" in group else None,
+        **{name: group.numbers(name, (rows, points)) for name in
+           ("detected_of_all", "detected_of_all_errors", "count_rate", "count_rate_errors") if name in group},
     )
 
 
@@ -291,6 +295,13 @@ def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
         raise group.error(f"{len(fates)} fates at {len(places)} places")
     particles = group.numbers("particles", (len(fates), points))
     return tuple(Fate(*line) for line in zip(fates, places, particles))
+
+
+def read_warnings(entry: Group) -> tuple[str, ...]:
+    """What the run or the solution of a model warned of."""
+    if "simulation" not in entry or "warnings" not in entry.group("simulation"):
+        return ()
+    return entry.group("simulation").texts("warnings")
 
 
 def _read_simulation(entry: Group) -> dict[str, str]:

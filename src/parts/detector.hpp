@@ -51,8 +51,11 @@ inline constexpr auto parameters<Detector> = std::tuple{
     param("", &Detector::face, "its size: width and height, or radius"),
     param("bins", &Detector::bins, "numbers of bins along x and z, e.g. [80, 80]; 1 to 10000 each"),
     param("offset", &Detector::offset, "displacement of the screen's centre from the axis", Offset{}),
-    param("tilt", &Detector::tilt,
-          "how the screen is turned about its centre; x and z of its histogram turn with it", Roll{}),
+    param(
+        "tilt", &Detector::tilt,
+        "how the screen is turned about its centre, its +z towards +x and its +x towards -z; x and z of its "
+        "histogram turn with it",
+        Roll{}),
     param("efficiency", &Detector::efficiency, Dimension::number, range::fraction,
           "share of the weight that is counted; the rest is stopped there uncounted", 1.0),
     param("dead", &Detector::dead, "an area inside which nothing is counted; none where it is missing"),

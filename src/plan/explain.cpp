@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "particle/channel.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
 #include "plan/level_history.hpp"
@@ -82,8 +83,8 @@ class Explainer {
     report_.on_axis = levels_on_axis(beamline_.source, s, beamline_.law);
     line("{}, {:.6g} u, charge {:+g} e; {} particles",
          of_atom ? headline_of(s)
-               : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
-                             s.gyromagnetic_ratio / two_pi / 1e6),
+                 : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
+                               s.gyromagnetic_ratio / two_pi / 1e6),
          s.mass / 1.66053906892e-27, s.charge / 1.602176634e-19, tree.last - tree.first);
     if (s.structure && !of_atom)
       line("            its levels are left out under this law: the spin is that of J alone");
@@ -93,9 +94,12 @@ class Explainer {
     line("{}  source, {}", PlanReport::metres(0),
          drawn.kind == SpeedKind::single ||
                  (drawn.kind == SpeedKind::gaussian && drawn.scale == SpeedScale::proportional)
-             ? fmt::format("{} m/s{}", report_.speed, drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
+             ? fmt::format("{} m/s{}", report_.speed,
+                           drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
              : fmt::format("{}, {:.6g} m/s on average",
-                           std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed), report_.speed));
+                           std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed),
+                           report_.speed));
+    explain_channel();
     walk(tree.next);
     const std::string gaps = of_atom ? field_free_gaps(beamline_) : "";
     if (!gaps.empty())
@@ -103,6 +107,20 @@ class Explainer {
           "            no field from {}: levels keep their names there, as a weak guiding field would make "
           "them",
           gaps);
+  }
+
+  /// The peaking factor is the intensity on the axis over that of a thin hole with the same flow (H. Pauly,
+  /// Atom, Molecule, and Cluster Beams I, 2000): 1/W, since on the axis a tube gives what its opening alone
+  /// would.
+  void explain_channel() {
+    const DirectionLaw& direction = beamline_.source.direction;
+    const auto* channel = std::get_if<ChannelDirection>(&direction);
+    if (const auto* aimed = std::get_if<AimedDirection>(&direction))
+      channel = std::get_if<ChannelDirection>(&aimed->emission);
+    if (channel == nullptr) return;
+    const double transmission = ChannelFlow(channel->length / channel->radius).transmission();
+    line("            its channel transmits W = {:.5g} of what enters it; peaking factor 1/W = {:.5g}",
+         transmission, 1 / transmission);
   }
 
   void walk(const std::vector<PlanNode>& nodes) {
@@ -129,7 +147,7 @@ class Explainer {
     if (plan_.points == 1) return "";
     if (shared == 1) return "  [this point only]";
     return shared == static_cast<std::size_t>(plan_.points) ? "  [once for all points]"
-                                                             : fmt::format("  [once for {} points]", shared);
+                                                            : fmt::format("  [once for {} points]", shared);
   }
 
   void cost() {

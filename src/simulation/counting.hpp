@@ -72,6 +72,16 @@ inline double covariance_of(const std::vector<double>& a, const std::vector<doub
   return sum * static_cast<double>(group_count) / (group_count - 1);
 }
 
+/// Standard error of the fraction of the emitted weight that was counted: binomial where all particles weigh
+/// the same, from the scatter of the groups where they do not. Where nothing was counted there is no scatter,
+/// and the binomial error of no count in n is what bounds the fraction. `deviations` are fractions too.
+inline double fraction_error(const Moments& counted, double variance, const Moments& emitted,
+                             const std::vector<double>& deviations) {
+  const bool alike = emitted.q2 == emitted.q * quanta_per_particle;
+  return alike || counted.q == 0 ? std::sqrt(variance) / particles(emitted.q)
+                                 : std::sqrt(covariance_of(deviations, deviations));
+}
+
 /// Between points that fly the same particles: from how far each group is from what its size lets expect;
 /// nothing where there is no such thing. `deviations`: [points][groups].
 inline std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations,

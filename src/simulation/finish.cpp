@@ -103,6 +103,7 @@ class Finisher {
       add_axes(grids.at(detector.name), std::get<Detector>(parts[i].part).bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
       detector.detected_covariance = covariance_of(deviations_[detector.name], experiment_.particles);
+      add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
       result_.detectors.push_back(std::move(detector));
@@ -118,6 +119,18 @@ class Finisher {
     };
     detector.x = {"x", edges(grid.low_x, grid.high_x, bins.x)};
     detector.z = {"z", edges(grid.low_z, grid.high_z, bins.z)};
+  }
+
+  /// Of all that leave an aimed source, what is detected: the emitted weight per particle, which is below 1
+  /// where fewer start towards a place of the target than to where most do, times the share that weight 1
+  /// stands for.
+  void add_detected_of_all(DetectorResult& detector) const {
+    for (std::size_t p = 0; p < result_.aimed_fraction.size(); ++p) {
+      const double share = result_.aimed_fraction[p] * particles(emitted_[p].q) /
+                           static_cast<double>(experiment_.points[p].particles);
+      detector.detected_of_all.push_back(share * detector.detected[p]);
+      detector.detected_of_all_errors.push_back(share * detector.detected_errors[p]);
+    }
   }
 
   /// What a real run would count each second: the counted part of all that leave the source, and the
@@ -173,9 +186,7 @@ class Finisher {
     const double fraction = particles(all.q) / particles(emitted.q);
     detector.detected.push_back(fraction);
     for (double& d : deviations) d /= particles(emitted.q);
-    detector.detected_errors.push_back(emitted.q2 == emitted.q * quanta_per_particle
-                                           ? std::sqrt(total.variances[0]) / particles(emitted.q)
-                                           : std::sqrt(covariance_of(deviations, deviations)));
+    detector.detected_errors.push_back(fraction_error(all, total.variances[0], emitted, deviations));
     rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
     deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
@@ -193,8 +204,7 @@ class Finisher {
     if (!law_traits(beamline.law).has_levels) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
     if (species.structure)
       return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
-    const int m = levels - 1 - 2 * level;
-    return m % 2 == 0 ? fmt::format("m = {:+d}", m / 2) : fmt::format("m = {:+d}/2", m);
+    return names_of_levels(levels)[static_cast<std::size_t>(level)];
   }
 
   /// What a level got of the weight w of each particle: sums of q, q^2 and q w.

@@ -16,10 +16,6 @@ namespace {
 
 __extension__ typedef __int128 Signed;
 
-std::string level_name(int twice_m) {
-  return twice_m % 2 == 0 ? fmt::format("m = {:+d}", twice_m / 2) : fmt::format("m = {:+d}/2", twice_m);
-}
-
 class TallyFinisher {
  public:
   TallyFinisher(const Summed& run, Result& result)
@@ -77,9 +73,7 @@ class TallyFinisher {
       for (double& d : deviations[p]) d /= particles(emitted.q);
       monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
       monitor.passed_errors[p * planes + plane] =
-          emitted.q2 == emitted.q * quanta_per_particle
-              ? std::sqrt(total.variances[0]) / particles(emitted.q)
-              : std::sqrt(covariance_of(deviations[p], deviations[p]));
+          fraction_error(all, total.variances[0], emitted, deviations[p]);
     }
     const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles);
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
@@ -87,28 +81,15 @@ class TallyFinisher {
 
   // ---- tallies ----
 
-  /// Levels from the last to the first, as m rises.
-  static std::vector<std::string> names_of(const Species& species, int levels) {
-    std::vector<std::string> names;
-    if (species.structure) {
-      names = names_of_levels(coupled_spins(*species.structure));
-      std::reverse(names.begin(), names.end());
-    } else {
-      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2) names.push_back(level_name(twice_m));
-    }
-    return names;
-  }
-
   static TallyAxisResult axis_of(const TallyAxis& axis, const Species& species, int levels) {
     TallyAxisResult made;
     made.quantity = word_of(axis.quantity);
     made.dimension = dimension_of(axis.quantity);
     if (axis.axis) made.direction = {axis.axis->x, axis.axis->y, axis.axis->z};
     if (is_categorical(axis.quantity)) {
-      made.labels = names_of(species, levels);
-      for (int twice_m = 1 - levels; twice_m < levels; twice_m += 2)
-        made.edges.push_back(0.5 * (twice_m - 1));
-      made.edges.push_back(0.5 * levels);
+      made.labels =
+          species.structure ? names_of_levels(coupled_spins(*species.structure)) : names_of_levels(levels);
+      for (int level = 0; level <= levels; ++level) made.edges.push_back(level - 0.5);
       return made;
     }
     const auto bins = static_cast<std::int64_t>(*axis.bins);

@@ -28,6 +28,9 @@ struct DetectorResult {
   std::vector<double> detected;                   // [points] fraction of emitted
   std::vector<double> detected_errors;            // [points]
   std::vector<double> detected_covariance;        // [points][points]; empty where there is one point only
+  std::vector<double> detected_of_all,
+      detected_of_all_errors;  // [points] fraction of all that leave an aimed
+                               // source; empty where no source is aimed
   /// Spin of what was detected: the fraction of the detected weight in each level. For `quantum` the levels
   /// are m = I ... -I of the spin along +z; for the vector laws two rows, (1 + S_z)/2 and (1 - S_z)/2.
   std::vector<std::string> level_labels;
@@ -51,7 +54,7 @@ struct MonitorResult {
 struct TallyAxisResult {
   std::string quantity;  // "time_of_flight"
   Dimension dimension = Dimension::number;
-  std::vector<double> edges;        // [SI] n + 1 of them; around m for levels
+  std::vector<double> edges;        // [SI] n + 1 of them; around 0, 1, ... for levels
   std::vector<std::string> labels;  // of levels, else empty
   std::vector<double> direction;    // that a spin is projected on, else empty
   /// Of what is inside the ranges of all axes; empty for levels and planes. NaN where nothing is. Of an axis
@@ -87,6 +90,7 @@ struct Provenance {
   std::vector<InputText> inputs;
   std::string start_time, end_time;  // ISO 8601 with offset
   std::string version, compiler, instruction_set, host;
+  std::vector<std::string> warnings;  // one text each, its help in a further line
   int threads = 1;
   double seconds = 0;
 };

@@ -27,6 +27,8 @@ std::string weak_field_name(const LevelLabel& label);
 std::string strong_field_name(const LevelLabel& label);
 /// All levels by their weak-field names, in the order of their numbers.
 std::vector<std::string> names_of_levels(const CoupledSpins& spins);
+/// "m = +3/2", ..., "m = -3/2": those of one spin, in the order of their numbers.
+std::vector<std::string> names_of_levels(int levels);
 /// "3", "-1/2"
 std::string write_half(int twice);
 

@@ -19,6 +19,9 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("date", provenance.end_time);
   simulation.dataset("arguments", {provenance.arguments.size()}, provenance.arguments,
                      {{"long_name", "the command line"}});
+  if (!provenance.warnings.empty())
+    simulation.dataset("warnings", {provenance.warnings.size()}, provenance.warnings,
+                       {{"long_name", "what the run warned of"}});
   for (std::size_t i = 0; i < provenance.inputs.size(); ++i) {
     const hdf5::GroupWriter note = simulation.group(fmt::format("input_{}", i), "NXnote");
     note.text("type", "application/yaml");

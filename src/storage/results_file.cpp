@@ -21,9 +21,26 @@ using nexus::Axis;
 using nexus::Signal;
 
 std::vector<Axis> scan_axes(const Result& result) {
-  nexus::Names names({"detected", "detected_errors", "detected_covariance", "count_rate", "count_rate_errors",
-                      "detector_index", "detector_names", "title", "counts", "counts_errors", "x", "x_edges",
-                      "z", "z_edges", "level_index", "level_index_labels", "levels", "levels_errors"});
+  nexus::Names names({"detected",
+                      "detected_errors",
+                      "detected_covariance",
+                      "detected_of_all",
+                      "detected_of_all_errors",
+                      "count_rate",
+                      "count_rate_errors",
+                      "detector_index",
+                      "detector_names",
+                      "title",
+                      "counts",
+                      "counts_errors",
+                      "x",
+                      "x_edges",
+                      "z",
+                      "z_edges",
+                      "level_index",
+                      "level_index_labels",
+                      "levels",
+                      "levels_errors"});
   std::vector<Axis> axes;
   for (const ScanAxis& scanned : result.axes) {
     std::string name = scanned.parameter;
@@ -114,6 +131,19 @@ void write_covariance(const GroupWriter& scan, const Result& result) {
                {{"units", "1"}, {"long_name", "covariance of detected between scan points (row-major)"}});
 }
 
+/// What an aimed source hides: the fraction of all particles that leave it.
+void write_detected_of_all(const GroupWriter& scan, const Result& result, const std::vector<Axis>& axes) {
+  const std::vector<double> share = joined(result, &DetectorResult::detected_of_all),
+                            errors = joined(result, &DetectorResult::detected_of_all_errors);
+  if (share.empty()) return;
+  Shape shape;
+  for (const Axis& axis : axes) shape.push_back(axis.values.size());
+  scan.dataset("detected_of_all", shape, share,
+               {{"units", "1"}, {"long_name", "fraction detected of all particles leaving the source"}});
+  scan.dataset("detected_of_all_errors", shape, errors,
+               {{"units", "1"}, {"long_name", "standard errors of detected_of_all"}});
+}
+
 /// Counts per second, where the source's rate is stated.
 void write_count_rate(const GroupWriter& scan, const Result& result, const std::vector<Axis>& axes) {
   const std::vector<double> rate = joined(result, &DetectorResult::count_rate),
@@ -150,6 +180,7 @@ void write_scan(const GroupWriter& entry, const Result& result) {
   for (const DetectorResult& detector : result.detectors) names.push_back(detector.name);
   scan.dataset("detector_names", {names.size()}, names, {{"long_name", "names of the detectors"}});
   write_covariance(scan, result);
+  write_detected_of_all(scan, result, axes);
   write_count_rate(scan, result, axes);
   entry.attribute("default", "scan");
 }

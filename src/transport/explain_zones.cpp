@@ -23,6 +23,20 @@ double mean_size(const DriveTerm& drive) {
   }
   return 1;
 }
+/// Full width at half maximum [Hz] of Rabi's line, P = (w1/W)^2 sin^2(W T/2) with W^2 = w1^2 + (detuning)^2,
+/// which falls steadily from its middle on where the tip angle w1 T is at most pi: 0.7987/T there.
+double width_of_line(double w1, double time) {
+  const auto flip = [&](double detuning) {
+    const double rate = std::hypot(w1, detuning);
+    return std::pow(w1 / rate * std::sin(rate * time / 2), 2);
+  };
+  double inside = 0, outside = two_pi / time;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (inside + outside) / 2;
+    (flip(middle) > flip(0) / 2 ? inside : outside) = middle;
+  }
+  return 2 * inside / two_pi;
+}
 void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, PlanReport& report) {
   const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
   const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
@@ -34,22 +48,29 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
                     zone.begin));
   if (drive.twist != 0)
     report.line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
-         drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
-         std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
+                drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
+                std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
   if (drive.omega == 0) return;
   if (!closed) {
     report.line("{:>16}{} at {}, {:.4g} deg of precession in its full size", "",
-         length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
-         std::abs(w1) * stay * 180 / std::numbers::pi);
+                length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
+                std::abs(w1) * stay * 180 / std::numbers::pi);
     return;
   }
-  report.line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance", "",
-       hertz(drive.omega), drive.omega < 0 ? '-' : '+', (omega < 0 ? -1 : 1) * detuning / two_pi,
-       std::abs(w1) * mean_size(drive) * stay * 180 / std::numbers::pi);
-  if (zone.kind == ZoneKind::rotating)
-    report.line("{:>16}resonance width 1/T = {}, flip probability of spin 1/2 here {:.4g}", "",
-         pretty_quantity(1 / stay, Dimension::frequency),
-         rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+  report.line("{:>16}rotates at {} about {}z, off resonance by {:+.4g} Hz, tip angle {:.4g} deg on resonance",
+              "", hertz(drive.omega), drive.omega < 0 ? '-' : '+', (omega < 0 ? -1 : 1) * detuning / two_pi,
+              std::abs(w1) * mean_size(drive) * stay * 180 / std::numbers::pi);
+  if (zone.kind == ZoneKind::rotating) {
+    const double tip = std::abs(w1) * stay;
+    const bool one_peak = tip > 0 && tip < 1.001 * std::numbers::pi;
+    report.line("{:>16}1/T = {}{}, flip probability of spin 1/2 here {:.4g}", "",
+                pretty_quantity(1 / stay, Dimension::frequency),
+                one_peak
+                    ? fmt::format(", FWHM of the line {}, both at the mean speed",
+                                  pretty_quantity(width_of_line(std::abs(w1), stay), Dimension::frequency))
+                    : "",
+                rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+  }
 }
 
 /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
@@ -70,7 +91,8 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
     }
     const double w0 = std::abs(zone.spin_rate),
                  w1 = std::abs(report.species->gyromagnetic_ratio) * field->amplitude / 2;
-    const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4, width = report.speed / (zone.end - zone.begin);
+    const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4,
+                 width = report.speed / (zone.end - zone.begin);
     report.line(
         "{:>16}{}: rotating-wave approximation; the half left out would shift the resonance by {} ({:.2g} "
         "of "
@@ -90,16 +112,16 @@ void explain_zone(const SpinZone& zone, PlanReport& report) {
   const double stay = (zone.end - zone.begin) / report.speed;
   const double* axis = zone.frame + 6;
   report.line("{:>12}{:.4f} to {:.4f} m, {}: Larmor {}, {:.4g} turns{}", "", zone.begin, zone.end,
-       pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
-       std::abs(zone.spin_rate) * stay / two_pi,
-       zone.turned && zone.spin_rate != 0
-           ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
-           : "");
+              pretty_quantity(stay, Dimension::time), hertz(zone.spin_rate),
+              std::abs(zone.spin_rate) * stay / two_pi,
+              zone.turned && zone.spin_rate != 0
+                  ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
+                  : "");
   for (int i = 0; i < zone.drives; ++i) explain_drive(zone, zone.drive[i], stay, report);
   if (zone.step > 0)
     report.line("{:>16}{}: about {:.0f} steps", "",
-         zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
-         stay / zone.step);
+                zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
+                stay / zone.step);
   explain_neglected(zone, report);
 }
 

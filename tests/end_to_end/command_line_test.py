@@ -418,10 +418,20 @@ def test_check_tells_the_plan_and_the_derived_numbers() -> None:
     done = rabiline("check", EXPERIMENT)
     assert done.returncode == DONE and done.stderr == ""
     for words in ("The experiment suggested to test the theory", "dorado", "H0.frequency: 266.6 kHz to 316.6 kHz",
-                  "101 points", "neutron: spin 1/2", "Larmor 291.6 kHz", "resonance width 1/T = 5 kHz", "cost"):
+                  "101 points", "neutron: spin 1/2", "Larmor 291.6 kHz", "1/T = 5 kHz, FWHM of the line 4.43 kHz", "cost"):
         assert words in done.stdout
     for part in ("B_prime", "screen"):
         assert f"{part}:" in done.stdout
+
+
+def test_check_tells_the_resonance_between_two_magnets_and_the_tube_of_an_oven(tmp_path: Path) -> None:
+    text = rabiline("check", EXPERIMENT.parent / "rabi-licl.yaml").stdout
+    assert "Larmor" in text and "tip angle" in text and "FWHM of the line" in text
+    tube = tmp_path / "tube.yaml"
+    tube.write_text(EXPERIMENT.read_text().replace("direction: parallel",
+                                                   "direction: {kind: channel, length: 5 mm, radius: 0.5 mm}"))
+    # Clausing's table, 1932: W = 0.1910 for a length of ten radii.
+    assert "transmits W = 0.19" in rabiline("check", tube).stdout
 
 
 def test_check_tells_every_error_at_once(tmp_path: Path) -> None:

@@ -100,7 +100,7 @@ TEST(StateToStateMatrix, OfSpinThreeHalvesIsMajoranas) {
   b.species[0].species.spin = {3};
   const TallyResult t = run_points({b}).tallies[0];
   ASSERT_EQ(t.counts.size(), 16U);
-  EXPECT_EQ(t.axes[0].labels.front(), "m = -3/2");
+  EXPECT_EQ(t.axes[0].labels.front(), "m = +3/2");
   bool told_apart = false;
   for (int from = 0; from < 4; ++from) {
     double row = 0;
@@ -108,11 +108,27 @@ TEST(StateToStateMatrix, OfSpinThreeHalvesIsMajoranas) {
     EXPECT_NEAR(row, 1000, 4 * std::sqrt(4000 * 0.25 * 0.75));
     for (int to = 0; to < 4; ++to) {
       const double share = t.counts[static_cast<std::size_t>(4 * from + to)] / row;
-      EXPECT_NEAR(share, majorana(3, 2 * from - 3, 2 * to - 3, 0.25), 1e-8) << from << " to " << to;
-      told_apart = told_apart || std::abs(share - majorana(3, 2 * from - 3, 2 * to - 3, 0.2525)) > 1e-4;
+      EXPECT_NEAR(share, majorana(3, 3 - 2 * from, 3 - 2 * to, 0.25), 1e-8) << from << " to " << to;
+      told_apart = told_apart || std::abs(share - majorana(3, 3 - 2 * from, 3 - 2 * to, 0.2525)) > 1e-4;
     }
   }
   EXPECT_TRUE(told_apart);
+}
+
+TEST(StateToStateMatrix, HasItsLevelsInTheOrderOfTheDetectors) {
+  const TallyAxis level{Quantity::level, {}, {}, {}, {}};
+  Beamline b = flipper(0, amplitude_for(1), true, {});
+  b.species[0].species.spin = {3};
+  for (PlacedPart& part : b.parts)
+    if (auto* screen = std::get_if<Detector>(&part.part)) screen->tallies = {{"states", {level}}};
+  const Result r = run_points({b});
+  ASSERT_EQ(r.tallies.size(), 1U);
+  EXPECT_EQ(r.tallies[0].axes[0].labels, r.detectors[0].level_labels);
+  double all = 0;
+  for (const double count : r.tallies[0].counts) all += count;
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(r.tallies[0].counts[i] / all, r.detectors[0].levels[i], 1e-8) << i;
+  EXPECT_GT(std::abs(r.detectors[0].levels[0] - r.detectors[0].levels[3]), 0.1);
 }
 
 TEST(StateToStateMatrix, RemembersThePolarizerAndNotTheSource) {
@@ -126,7 +142,7 @@ TEST(StateToStateMatrix, RemembersThePolarizerAndNotTheSource) {
   const Result r = run_points({b});
   for (const double count : r.tallies[0].counts) EXPECT_NEAR(count, 1000, 4 * std::sqrt(750.0));
   EXPECT_EQ(r.tallies[1].counts[1] + r.tallies[1].counts[2], 0);
-  EXPECT_NEAR(r.tallies[1].counts[0], 3000, 4 * std::sqrt(750.0));  // a neutron's moment along B is m = -3/2
+  EXPECT_NEAR(r.tallies[1].counts[3], 3000, 4 * std::sqrt(750.0));  // a neutron's moment along B is m = -3/2
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ class Ruler {
         of_levels_(is_categorical(axis.quantity)) {}
 
   Mark mark(double value) const {
-    if (of_levels_) return {bins_ - 1 - static_cast<int>(value), 0};  // levels count down from m = I
+    if (of_levels_) return {static_cast<int>(value), 0};
     if (!(value >= low_ && value <= high_)) return {outside_axis, 0};
     // Conversion to an integer rounds down, since nothing is negative.
     const double from_low = value - low_;

@@ -1,8 +1,10 @@
 """The commands: pictures that are there, errors that are one line, exit codes."""
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from rabiline.__main__ import main
@@ -81,6 +83,16 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
            "    no resonance" in text
     assert "weights from the covariance; misfit 0.0" in text
     assert "the ledger closes" in text
+
+
+def test_the_summary_repeats_what_the_run_warned_of(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    shutil.copy(folder / "laws.h5", tmp_path / "warned.h5")
+    with h5py.File(tmp_path / "warned.h5", "a") as file:
+        file["entry/simulation/warnings"] = np.array(["`H0` cannot be resonant\n  help: turn it round"], dtype="S")
+    assert main(["summary", str(tmp_path / "warned.h5")]) == 0
+    assert "\n  warning      `H0` cannot be resonant\n               help: turn it round\n" in capsys.readouterr().out
+    assert main(["summary", str(folder / "laws.h5")]) == 0
+    assert "warning" not in capsys.readouterr().out
 
 
 def test_the_summary_of_one_detector_leaves_the_others_out(folder: Path, capsys: pytest.CaptureFixture) -> None:

@@ -12,8 +12,8 @@ using test::place;
 using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
-/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally, G gas, O a chopper, U a velocity
-/// selector.
+/// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally, G gas, O a chopper, U a
+/// velocity selector.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
   for (const Stage& stage : chain) text += "DPACFVBWRSELMHGOU"[stage.index()];
@@ -156,8 +156,8 @@ TEST(Plan, CountsEachPlaneOfAMonitorAsWorkAndAsMemory) {
 TEST(Explain, TellsTheNumbersThatAPhysicistWants) {
   const Experiment e = scan({suggested(291.6e3)});
   const std::string text = explain(e, make_plan(e));
-  for (const char* expected :
-       {"Larmor 291.6 kHz", "58.33 turns", "tip angle 0.63 deg", "1/T = 5 kHz", "200 us"})
+  for (const char* expected : {"Larmor 291.6 kHz", "58.33 turns", "tip angle 0.63 deg", "1/T = 5 kHz",
+                               "FWHM of the line 4.43 kHz", "200 us"})
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
 }
 

@@ -64,6 +64,26 @@ TEST(AimedFraction, MakesAnAimedRunAgreeWithATiltedOne) {
   EXPECT_NEAR(share, all, 4 * std::hypot(error, aimed_error));
 }
 
+TEST(DetectedOfAll, IsTheFractionOfAllThatLeaveWithItsError) {
+  const Result r = run_points({through_a_slit(AimedDirection{"S", CosineEmission{}})});
+  const double scale = r.aimed_fraction[0] * r.emitted[0] / static_cast<double>(r.particles);
+  EXPECT_LT(scale, 0.99 * r.aimed_fraction[0]);  // weights are below 1
+  EXPECT_DOUBLE_EQ(r.detectors[0].detected_of_all[0], scale * r.detectors[0].detected[0]);
+  EXPECT_DOUBLE_EQ(r.detectors[0].detected_of_all_errors[0], scale * r.detectors[0].detected_errors[0]);
+  EXPECT_TRUE(run_points({through_a_slit(ConeDirection{0.1})}).detectors[0].detected_of_all.empty());
+}
+
+TEST(AimedFraction, LeavesNoDetectorWithoutAnErrorWhereNothingArrives) {
+  Beamline b = through_a_slit(AimedDirection{"S", CosineEmission{}});
+  b.particles = 1000;
+  auto& screen = std::get<Detector>(b.parts.back().part);
+  screen.offset = {20e-3, 0};
+  const Result r = run_points({b});
+  EXPECT_EQ(r.detectors[0].detected[0], 0);
+  // Wilson's of no count in a thousand that weigh at most 1 each.
+  EXPECT_NEAR(r.detectors[0].detected_errors[0] * r.emitted[0], 0.5, 0.01);
+}
+
 TEST(AimedFraction, BelongsToARunThatTellsFarMoreOfANarrowSlitForTheSameParticles) {
   // The same particles take the same time: the square of the relative error must be twenty times smaller.
   Beamline whole = through_a_slit(CosineDirection{0.08});
