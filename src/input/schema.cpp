@@ -3,7 +3,7 @@
 #include "input/beamline_reader.hpp"
 #include "input/describe.hpp"
 #include "input/model_file.hpp"
-#include "input/reader.hpp"
+#include "input/tables.hpp"
 #include "input/scan.hpp"
 
 namespace rabiline {

@@ -205,10 +205,8 @@ class Explainer {
     const Part& part = beamline_.parts[static_cast<std::size_t>(histogram.part)].part;
     const auto number = static_cast<std::size_t>(histogram.tally);
     std::string name, axes;
-    std::uint64_t planes = 1;
-    if (const auto* monitor = std::get_if<Monitor>(&part))
-      name = monitor->tallies[number].name, planes = monitor->planes;
-    if (const auto* detector = std::get_if<Detector>(&part)) name = detector->tallies[number].name;
+    name = (*tallies_of(part))[number].name;
+    const std::uint64_t planes = planes_of(part);
     for (const HistogramAxis& axis : histogram.axes)
       axes += fmt::format("{}{} ({} bins)", axes.empty() ? "" : ", ", word_of(axis.quantity), axis.bins);
     if (!histogram.zones.empty())
