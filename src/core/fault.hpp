@@ -9,7 +9,7 @@ enum class Severity { error, warning };
 
 struct Fault {
   std::string subject;  // a part's name, or `source`, `species`, `law`, `chamber`; empty: the whole
-  std::string key;      // what to blame below the subject, "amplitude" or "tallies[1].axes[0].from"; may be empty
+  std::string key;  // what to blame below the subject, "amplitude" or "tallies[1].axes[0].from"; may be empty
   std::string message;
   std::string help;  // empty where there is none
   Severity severity = Severity::error;

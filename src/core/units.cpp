@@ -111,8 +111,16 @@ const UnitSymbol* find_unit(std::string_view symbol) {
 
 /// A prefix before a unit that takes none is a power of ten: "1e-6 T/m" for 1 uT/m.
 std::string without_prefix(const Decimal& number, std::string_view symbol) {
-  static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{
-      {{"p", -12}, {"n", -9}, {"u", -6}, {"\u00b5", -6}, {"m", -3}, {"c", -2}, {"k", 3}, {"M", 6}, {"G", 9}, {"T", 12}}};
+  static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{{{"p", -12},
+                                                                              {"n", -9},
+                                                                              {"u", -6},
+                                                                              {"\u00b5", -6},
+                                                                              {"m", -3},
+                                                                              {"c", -2},
+                                                                              {"k", 3},
+                                                                              {"M", 6},
+                                                                              {"G", 9},
+                                                                              {"T", 12}}};
   for (const auto& [prefix, power] : prefixes) {
     if (!symbol.starts_with(prefix)) continue;
     const UnitSymbol* unit = find_unit(symbol.substr(prefix.size()));

@@ -176,16 +176,15 @@ Beamline read_beamline(const Node& root, Reading& reading) {
                   "begin it with `rabiline: 1`");
     return out;
   }
-  const std::size_t errors = reading.errors.size();
   Keys keys(root, "the file", root.place, reading);
   check_version(root, keys);
-  read_rows(keys, out);
+  const bool all_read = read_rows(keys, out);
   keys.take("geometry");
   keys.take("scan");
   keys.finish();
   // Rules between parts are asked where all of them could be read.
   std::vector<Fault> faults;
-  if (reading.errors.size() == errors)
+  if (all_read)
     faults = faults_of(out);
   else
     for (const PlacedPart& part : out.parts)

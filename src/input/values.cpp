@@ -114,15 +114,15 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
   }
   const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);
   if (!parsed.error.empty()) {
-    const bool sized =
-        parsed.misread != Misread::not_a_number && parsed.misread != Misread::unknown_unit;
-    const bool no_unit_is_near = parsed.misread == Misread::unknown_unit && row.dimension != Dimension::number;
+    const bool sized = parsed.misread != Misread::not_a_number && parsed.misread != Misread::unknown_unit;
+    const bool no_unit_is_near =
+        parsed.misread == Misread::unknown_unit && row.dimension != Dimension::number;
     reading.error(node.place,
                   sized ? fmt::format("{} {}", quote(node), parsed.error)
                         : fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
                   !parsed.suggestion.empty() || sized ? parsed.suggestion
-                  : no_unit_is_near                   ? fmt::format("write it like `{}`", example_of(row.dimension))
-                                                      : help);
+                  : no_unit_is_near ? fmt::format("write it like `{}`", example_of(row.dimension))
+                                    : help);
     return false;
   }
   if (parsed.dimension != row.dimension) {

@@ -22,7 +22,8 @@ std::vector<Fault> faults_of_size(const Face& face, const std::string& subject, 
   std::vector<Fault> out;
   const auto check = [&](const char* side, double size) {
     if (!(size > 0))
-      out.push_back({subject, dotted_name(key, side),
+      out.push_back({subject,
+                     dotted_name(key, side),
                      fmt::format("the `{}` of {} must be greater than zero", side, whose),
                      {}});
   };

@@ -1,7 +1,7 @@
 #include "parts/gradient_magnet.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include "section/section_builder.hpp"
 

@@ -1,7 +1,7 @@
 #include "parts/guide_field.hpp"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include "section/section_builder.hpp"
 

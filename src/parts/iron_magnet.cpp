@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "parts/wire_field.hpp"
 #include "parts/magnet_rules.hpp"
+#include "parts/wire_field.hpp"
 
 namespace rabiline {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "section/section_builder.hpp"
 #include "parts/magnet_rules.hpp"
+#include "section/section_builder.hpp"
 
 namespace rabiline {
 

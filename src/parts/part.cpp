@@ -40,9 +40,10 @@ std::uint64_t planes_of(const Part& part) {
   return ask(part, std::uint64_t{1}, [](const auto& any) -> decltype(any.planes) { return any.planes; });
 }
 const std::string* clock_of(const Part& part) {
-  return ask(part, static_cast<const std::string*>(nullptr), [](const auto& any) -> decltype(&*any.oscillator) {
-    return any.oscillator ? &*any.oscillator : nullptr;
-  });
+  return ask(part, static_cast<const std::string*>(nullptr),
+             [](const auto& any) -> decltype(&*any.oscillator) {
+               return any.oscillator ? &*any.oscillator : nullptr;
+             });
 }
 std::optional<StaticField> static_field_of(const Part& part) {
   return ask(part, std::optional<StaticField>{},

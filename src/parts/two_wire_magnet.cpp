@@ -1,11 +1,11 @@
 #include "parts/two_wire_magnet.hpp"
 
-#include <numbers>
 #include <fmt/format.h>
+#include <numbers>
 
 #include "core/constants.hpp"
-#include "parts/wire_field.hpp"
 #include "parts/magnet_rules.hpp"
+#include "parts/wire_field.hpp"
 
 namespace rabiline {
 namespace {

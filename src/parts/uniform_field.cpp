@@ -5,10 +5,9 @@
 namespace rabiline {
 
 StaticField static_field(const UniformField& part) {
-  return {part.field * turned(part.direction, part.tilt),
-          !(part.tilt == Tilt{})              ? "tilt"
-          : part.direction == UnitVector{} ? "field"
-                                           : "direction"};
+  return {part.field * turned(part.direction, part.tilt), !(part.tilt == Tilt{})           ? "tilt"
+                                                          : part.direction == UnitVector{} ? "field"
+                                                                                           : "direction"};
 }
 
 void contribute(const UniformField& part, const Placement& place, SectionBuilder& builder) {

@@ -135,8 +135,7 @@ void DrivenParts::collect(const TransitionTable* table, int part, const std::vec
 /// The field that drives levels there.
 std::string DrivenParts::name_at(double y) const {
   for (const PlacedPart& part : experiment_.points.front().parts) {
-    if (traits_of(part.part).drives && part.placement.at <= y && y < end_of(part))
-      return part.placement.name;
+    if (traits_of(part.part).drives && part.placement.at <= y && y < end_of(part)) return part.placement.name;
   }
   return fmt::format("the field at {:.4g} m", y);
 }

@@ -19,8 +19,7 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
       tables_(tables) {}
 
 const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) const {
-  const std::vector<LevelZone> zones =
-      driven_zones(sections_.sections, spins_.known_before(plane), plane.y);
+  const std::vector<LevelZone> zones = driven_zones(sections_.sections, spins_.known_before(plane), plane.y);
   if (zones.empty()) return nullptr;
   const SlownessRange range =
       slownesses_of(beamline_.source, species_.mass, steepest_before(plane, beamline_, sections_));

@@ -75,7 +75,8 @@ struct Plan {
 /// What each thread keeps of the particles at the planes inside a region, of that with most of them [bytes].
 std::size_t bytes_at_planes(const Plan&);
 
-/// The beam cut at the edges of its fields; deflecting magnets are planes only where the law lets them deflect.
+/// The beam cut at the edges of its fields; deflecting magnets are planes only where the law lets them
+/// deflect.
 Sections sections_of(const Beamline&);
 /// One scan point's chain of stages for one species, which the tables must outlive.
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);

@@ -3,10 +3,10 @@
 #include <omp.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <exception>
 #include <numbers>
-#include <cassert>
 
 namespace rabiline {
 

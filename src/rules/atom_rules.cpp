@@ -136,11 +136,12 @@ template <class Field>
 void check_drive(const Field& field, const std::string& name, const Species& atom, Faults& out) {
   if constexpr (requires { field.twist; }) {
     if (field.twist != 0)
-      out.push_back({name, "twist",
-                     fmt::format("`{}` turns along the beam, and the levels of `{}` are driven by fields that "
-                                 "turn in time only",
-                                 name, atom.name),
-                     "omit `twist`"});
+      out.push_back(
+          {name, "twist",
+           fmt::format("`{}` turns along the beam, and the levels of `{}` are driven by fields that "
+                       "turn in time only",
+                       name, atom.name),
+           "omit `twist`"});
     if (!(field.tilt == Tilt{}))
       out.push_back({name, "tilt",
                      fmt::format("`{}` turns in a tilted plane, and the levels of `{}` are driven by fields "
@@ -185,13 +186,13 @@ void check_drives(const Beamline& beamline, const Species& atom, Faults& out) {
   });
   for (const PlacedPart* part : drivers) {
     if (last && part->placement.at < end_of(*last))
-      out.push_back({part->placement.name, "at",
-                     fmt::format("`{}` ({} to {}) and `{}` ({} to {}) would drive the levels of `{}` at one "
-                                 "place",
-                                 last->placement.name, metres(last->placement.at), metres(end_of(*last)),
-                                 part->placement.name, metres(part->placement.at), metres(end_of(*part)),
-                                 atom.name),
-                     "place them one behind the other"});
+      out.push_back(
+          {part->placement.name, "at",
+           fmt::format("`{}` ({} to {}) and `{}` ({} to {}) would drive the levels of `{}` at one "
+                       "place",
+                       last->placement.name, metres(last->placement.at), metres(end_of(*last)),
+                       part->placement.name, metres(part->placement.at), metres(end_of(*part)), atom.name),
+           "place them one behind the other"});
     if (!last || end_of(*part) > end_of(*last)) last = part;
   }
 }

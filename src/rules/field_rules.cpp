@@ -63,7 +63,11 @@ void check_senses(const Beamline& beamline, Faults& out) {
 }
 
 bool aligns(const PlacedPart& part) {
-  return std::visit([](const auto& any) { return requires { any.alignment; }; }, part.part);
+  return std::visit(
+      [](const auto& any) {
+        return requires { any.alignment; };
+      },
+      part.part);
 }
 
 void check_polarizers(const Beamline& beamline, Faults& out) {
@@ -86,7 +90,11 @@ void check_coils(const Beamline& beamline, Faults& out) {
   const Species& first = beamline.species.front().species;
   if (first.gyromagnetic_ratio != 0) return;
   for (const PlacedPart& part : beamline.parts)
-    if (std::visit([](const auto& any) { return requires { any.angle; }; }, part.part))
+    if (std::visit(
+            [](const auto& any) {
+              return requires { any.angle; };
+            },
+            part.part))
       out.push_back({part.placement.name, "kind",
                      fmt::format("`{}` cannot turn the spin of {}, which has no magnetic moment",
                                  part.placement.name, first.name),
@@ -95,7 +103,12 @@ void check_coils(const Beamline& beamline, Faults& out) {
 
 void check_filters(const Beamline& beamline, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
-    if (!std::visit([](const auto& any) { return requires { any.up; }; }, part.part)) continue;
+    if (!std::visit(
+            [](const auto& any) {
+              return requires { any.up; };
+            },
+            part.part))
+      continue;
     for (const Component& c : beamline.species)
       if (is_quantum(beamline) && c.species.spin.twice > 1 && !c.species.structure)
         out.push_back({part.placement.name, "kind",
@@ -127,8 +140,8 @@ void check_fields(const Beamline& beamline, Faults& out) {
   check_filters(beamline, out);
 }
 
-/// Where a particle is deflected in one level, nothing else may act or ask about it. Parts may touch a magnet:
-/// 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
+/// Where a particle is deflected in one level, nothing else may act or ask about it. Parts may touch a
+/// magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
 void check_magnets(const Beamline& beamline, Faults& out) {
   if (!deflects(beamline.law)) return;
   constexpr double rounding = 1e-12;  // [m]

@@ -26,11 +26,11 @@ void check_overlaps(const Beamline& beamline, const Sections& sections, Faults& 
   for (const Section& section : sections.sections) {
     if (section.rotating.size() <= static_cast<std::size_t>(most_drives)) continue;
     const double y = (section.begin + section.end) / 2;
-    out.push_back({fields_at(beamline, y, false).back()->placement.name, "at",
-                   fmt::format("{} alternating or turning fields overlap from {} to {}, and {} are the most",
-                               section.rotating.size(), metres(section.begin), metres(section.end),
-                               most_drives),
-                   "move one of them along the beam"});
+    out.push_back(
+        {fields_at(beamline, y, false).back()->placement.name, "at",
+         fmt::format("{} alternating or turning fields overlap from {} to {}, and {} are the most",
+                     section.rotating.size(), metres(section.begin), metres(section.end), most_drives),
+         "move one of them along the beam"});
     return;
   }
 }
@@ -88,12 +88,14 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
   for (const SpinZone& zone : zones_needed(beamline, species, sections, zones)) {
     const double phase = zones.phase_behind(zone);
     if (phase <= most_phase) continue;
-    const std::string& name = fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back()->placement.name;
-    out.push_back({name, zone.drives > 0 ? "frequency" : "field",
-                   fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {}: more "
-                               "than {:.0e}, beyond which its phase is no longer known",
-                               species.name, phase, metres(zone.end), most_phase),
-                   "make the field or the frequency smaller, or the particles faster"});
+    const std::string& name =
+        fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back()->placement.name;
+    out.push_back(
+        {name, zone.drives > 0 ? "frequency" : "field",
+         fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {}: more "
+                     "than {:.0e}, beyond which its phase is no longer known",
+                     species.name, phase, metres(zone.end), most_phase),
+         "make the field or the frequency smaller, or the particles faster"});
     return;
   }
 }
@@ -106,8 +108,7 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
   for (const Plane& plane : sections.planes) {
     if (!asks_for_spin(plane)) continue;
     const LevelDrive* first = nullptr;
-    const std::vector<LevelZone> driven =
-        driven_zones(sections.sections, spins.known_before(plane), plane.y);
+    const std::vector<LevelZone> driven = driven_zones(sections.sections, spins.known_before(plane), plane.y);
     for (const LevelZone& zone : driven) {
       if (!zone.drive || zone.drive->random_phase) continue;
       if (first != nullptr && zone.drive->frequency != first->frequency) {

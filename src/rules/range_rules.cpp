@@ -10,7 +10,8 @@ namespace rabiline {
 namespace {
 
 template <class T>
-concept a_struct_with_a_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> > 0;
+concept a_struct_with_a_table = std::tuple_size_v<std::remove_const_t<decltype(parameters<T>)>> >
+0;
 
 /// Follows the tables below one subject.
 class Ranges {
@@ -19,8 +20,11 @@ class Ranges {
 
   template <a_struct_with_a_table T>
   void check(const T& of, const std::string& key) {
-    std::apply([&](const auto&... row) { (check(of.*row.member, dotted_name(key, std::string(row.key)), row.range), ...); },
-               parameters<T>);
+    std::apply(
+        [&](const auto&... row) {
+          (check(of.*row.member, dotted_name(key, std::string(row.key)), row.range), ...);
+        },
+        parameters<T>);
   }
 
  private:

@@ -54,6 +54,7 @@ void check_walls(const Beamline&, Faults&);
 void check_flight(const Beamline&, Faults&);
 
 /// Tallies that not all points of a scan can fill.
-std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter, const std::vector<Beamline>& points);
+std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter,
+                                              const std::vector<Beamline>& points);
 
 }  // namespace rabiline

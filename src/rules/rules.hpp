@@ -1,6 +1,6 @@
 #pragma once
-// What a beamline must keep to, whether it comes from a file or from a program. Rules of one part stand beside
-// the part; here are those between parts, source, species and law.
+// What a beamline must keep to, whether it comes from a file or from a program. Rules of one part stand
+// beside the part; here are those between parts, source, species and law.
 #include <optional>
 #include <string_view>
 #include <vector>

@@ -151,8 +151,11 @@ void check_tilt(const Source& source, Faults& out) {
   }
   const double angle = std::visit([](const auto& law) { return widest(law); }, source.direction);
   if (tilt + angle < right_angle) return;
-  const bool limited =
-      std::visit([](const auto& law) { return requires { law.half_angle; }; }, source.direction);
+  const bool limited = std::visit(
+      [](const auto& law) {
+        return requires { law.half_angle; };
+      },
+      source.direction);
   out.push_back(
       {"source", "tilt",
        fmt::format(

@@ -36,8 +36,9 @@ void check_kind(const Beamline& beamline, bool names_levels, bool names_axis, Fa
   };
   const bool quantum = is_quantum(beamline);
   if (names_levels && !quantum)
-    return add(fmt::format("levels exist under the law `quantum` only, not under `{}`", describe(beamline.law)),
-               "give the spin a direction: `spin: {kind: polarised, axis: z}`");
+    return add(
+        fmt::format("levels exist under the law `quantum` only, not under `{}`", describe(beamline.law)),
+        "give the spin a direction: `spin: {kind: polarised, axis: z}`");
   for (const Component& component : beamline.species) {
     const Species& species = component.species;
     if (names_levels && !species.structure)
@@ -89,10 +90,10 @@ void check_named_levels(const Beamline& beamline, const LevelsSpin& named, Fault
                        fmt::format("it has {}", levels_of(spins, named.levels[i].strong_field))});
       for (std::size_t k = 0; level && k < i; ++k)
         if (find_level(labels, named.levels[k]) == level) {
-          out.push_back({"source", key,
-                         fmt::format("{} is the level {} again", quote(named.levels[i]),
-                                     quote(named.levels[k])),
-                         "name each level once; `shares` tells how many particles start in it"});
+          out.push_back(
+              {"source", key,
+               fmt::format("{} is the level {} again", quote(named.levels[i]), quote(named.levels[k])),
+               "name each level once; `shares` tells how many particles start in it"});
           break;
         }
     }

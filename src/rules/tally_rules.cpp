@@ -65,11 +65,12 @@ class TallyRules {
     const std::string_view word = word_of(axis.quantity);
     const bool ends = axis.from && axis.to && axis.bins, none = !axis.from && !axis.to && !axis.bins;
     if (is_categorical(axis.quantity) ? !none : !ends)
-      add_at_axis(i,
-                  is_categorical(axis.quantity)
-                      ? fmt::format("`{}` has one bin for each level, and takes no `from`, `to` and `bins`", word)
-                      : fmt::format("the axis `{}` needs `from`, `to` and `bins`", word),
-                  "");
+      add_at_axis(
+          i,
+          is_categorical(axis.quantity)
+              ? fmt::format("`{}` has one bin for each level, and takes no `from`, `to` and `bins`", word)
+              : fmt::format("the axis `{}` needs `from`, `to` and `bins`", word),
+          "");
     else if (ends && !(axis.from->value < axis.to->value))
       add(fmt::format("axes[{}].to", i),
           fmt::format("the axis `{}` ends at {}, and begins at {}", word,
@@ -88,7 +89,8 @@ class TallyRules {
   void check_repeats() {
     for (std::size_t i = 0; i < tally_.axes.size(); ++i)
       for (std::size_t k = 0; k < i; ++k)
-        if (tally_.axes[i].quantity == tally_.axes[k].quantity && tally_.axes[i].axis == tally_.axes[k].axis) {
+        if (tally_.axes[i].quantity == tally_.axes[k].quantity &&
+            tally_.axes[i].axis == tally_.axes[k].axis) {
           add_at_axis(i,
                       fmt::format("the tally `{}` has two axes over `{}`", tally_.name,
                                   word_of(tally_.axes[i].quantity)),
@@ -142,9 +144,9 @@ void TallyRules::check_levels() {
                   "`{quantity: spin, axis: z, from: -1, to: 1, bins: 20}`");
       continue;
     }
-    const auto other = std::find_if(
-        beamline_.species.begin(), beamline_.species.end(),
-        [&](const Component& component) { return !has_same_levels(component.species, first); });
+    const auto other =
+        std::find_if(beamline_.species.begin(), beamline_.species.end(),
+                     [&](const Component& component) { return !has_same_levels(component.species, first); });
     if (other != beamline_.species.end())
       add_at_axis(
           i,
@@ -253,7 +255,8 @@ void check_tallies(const Beamline& beamline, Faults& out) {
   }
 }
 
-std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter, const std::vector<Beamline>& points) {
+std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter,
+                                              const std::vector<Beamline>& points) {
   if (auto fault = fault_of_scanned_planes(parameter, points)) return fault;
   static constexpr std::uint64_t most_bins = 100'000'000;
   const Beamline& front = points.front();
@@ -268,24 +271,26 @@ std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter, const 
       for (const TallyAxis& a : tally.axes) levels = levels || is_categorical(a.quantity);
     }
     if (bins * points.size() > most_bins)
-      return Fault{"", "",
-                   fmt::format("the tallies of `{}` have {} bins at each of {} scan points: {} in all, and {} "
-                               "are the most",
-                               name, bins, points.size(), bins * points.size(), most_bins),
-                   "scan fewer points, or give the axes fewer bins"};
+      return Fault{
+          "", "",
+          fmt::format("the tallies of `{}` have {} bins at each of {} scan points: {} in all, and {} "
+                      "are the most",
+                      name, bins, points.size(), bins * points.size(), most_bins),
+          "scan fewer points, or give the axes fewer bins"};
     for (const Beamline& point : points) {
       if (levels && !has_same_levels(point.species.front().species, front.species.front().species))
-        return Fault{"", "",
-                     fmt::format("`{}` cannot be scanned: a tally of `{}` counts levels, and the spins at the "
-                                 "scan points differ",
-                                 parameter, name),
-                     "make one run for each spin, or tally `spin` instead, in units of I"};
+        return Fault{
+            "", "",
+            fmt::format("`{}` cannot be scanned: a tally of `{}` counts levels, and the spins at the "
+                        "scan points differ",
+                        parameter, name),
+            "make one run for each spin, or tally `spin` instead, in units of I"};
       const PlacedPart* now = find_part(point, name);
       if (now && *tallies_of(now->part) != *first)
-        return Fault{"", "",
-                     fmt::format("`{}` cannot be scanned: all points fill the same tallies of `{}`",
-                                 parameter, name),
-                     "make one run for each"};
+        return Fault{
+            "", "",
+            fmt::format("`{}` cannot be scanned: all points fill the same tallies of `{}`", parameter, name),
+            "make one run for each"};
     }
   }
   return std::nullopt;

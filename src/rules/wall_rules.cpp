@@ -76,8 +76,7 @@ void check_chamber(const Beamline& beamline, Faults& out) {
              : "move the opening nearer to the axis, or make the chamber wider"});
   for (const PlacedPart& part : beamline.parts) {
     const std::optional<Across> across = across_of(part.part);
-    const double nearest =
-        across ? distance_from_axis(across->opening, across->offset, across->tilt.y) : 0;
+    const double nearest = across ? distance_from_axis(across->opening, across->offset, across->tilt.y) : 0;
     if (nearest >= radius)
       out.push_back(
           {part.placement.name, "offset",

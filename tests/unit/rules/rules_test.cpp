@@ -32,19 +32,25 @@ const std::vector<Broken> broken_experiments{
     {"AFieldOfNoLength", "B", "length", "`length` must be greater than zero, but is 0",
      [](Beamline& b) { part_in<UniformField>(b, "B").length = 0; }},
     {"ANumberThatIsNone", "source", "speed.mean", "`speed.mean` must be greater than zero, but is nan",
-     [](Beamline& b) { b.source.speed = GaussianSpeed{std::nan(""), 10}; }},
+     [](Beamline& b) {
+       b.source.speed = GaussianSpeed{std::nan(""), 10};
+     }},
     {"ANameThatIsReserved", "source", "name",
      "a part cannot be called `source`: the word means something else in files and results",
      [](Beamline& b) { b.parts[1].placement.name = "source"; }},
     {"ANameTwice", "parts[2]", "name", "the name `B` is taken by the uniform_field at 300 mm",
      [](Beamline& b) { b.parts[2].placement.name = "B"; }},
-    {"NoDetector", "", "parts", "there is no detector among the parts, so the experiment would measure nothing",
+    {"NoDetector", "", "parts",
+     "there is no detector among the parts, so the experiment would measure nothing",
      [](Beamline& b) { b.parts.pop_back(); }},
     {"ADetectorOfNoWidth", "screen", "width", "the `width` of `screen` must be greater than zero",
-     [](Beamline& b) { part_in<Detector>(b, "screen").face = Rectangle{0, 1e-3}; }},
+     [](Beamline& b) {
+       part_in<Detector>(b, "screen").face = Rectangle{0, 1e-3};
+     }},
     {"AClockWithoutFrequency", "H0", "kind", "the rotating_field `H0` needs `frequency`",
      [](Beamline& b) { part_in<RotatingField>(b, "H0").frequency.reset(); }},
-    {"AClockThatIsNotThere", "H0", "oscillator", "there is no rotating_field `G` whose clock `H0` could follow",
+    {"AClockThatIsNotThere", "H0", "oscillator",
+     "there is no rotating_field `G` whose clock `H0` could follow",
      [](Beamline& b) {
        auto& field = part_in<RotatingField>(b, "H0");
        field.oscillator = "G", field.frequency.reset(), field.sense.reset();
@@ -55,14 +61,23 @@ const std::vector<Broken> broken_experiments{
     {"AnAtomUnderTheHypothesis", "law", "name",
      "the law dorado turns the velocity with one spin and its gamma, but `Cs-133 atom` has 16 levels and no "
      "single gamma",
-     [](Beamline& b) { b.species = {{*find_species("Cs-133 atom"), 1}}; }},
+     [](Beamline& b) {
+       b.species = {{*find_species("Cs-133 atom"), 1}};
+     }},
     {"SharesThatDoNotAddUp", "species", "", "the fractions of the species add up to 0.9, not to 1",
-     [](Beamline& b) { b.species = {{test::neutron(), 0.5}, {*find_species("proton"), 0.4}}; }},
+     [](Beamline& b) {
+       b.species = {{test::neutron(), 0.5}, {*find_species("proton"), 0.4}};
+     }},
     {"AScreenOutsideTheChamber", "screen", "offset",
      "`screen` lies outside the chamber: it begins 68 mm from the axis, and the wall is at 50 mm",
-     [](Beamline& b) { part_in<Detector>(b, "screen").offset = {0.07, 0}; }},
-    {"ATallyWithoutEnds", "screen", "tallies[0].axes[0].quantity", "the axis `x` needs `from`, `to` and `bins`",
-     [](Beamline& b) { part_in<Detector>(b, "screen").tallies = {{"t", {TallyAxis{}}}}; }},
+     [](Beamline& b) {
+       part_in<Detector>(b, "screen").offset = {0.07, 0};
+     }},
+    {"ATallyWithoutEnds", "screen", "tallies[0].axes[0].quantity",
+     "the axis `x` needs `from`, `to` and `bins`",
+     [](Beamline& b) {
+       part_in<Detector>(b, "screen").tallies = {{"t", {TallyAxis{}}}};
+     }},
     {"MoreFieldsThanKernelsHold", "again7", "at",
      "9 alternating or turning fields overlap from 350 mm to 550 mm, and 8 are the most",
      [](Beamline& b) {
@@ -108,7 +123,8 @@ TEST(Rules, ForbidAScanThatChangesWhatAllPointsShare) {
   part_in<Detector>(other, "screen").bins = {2, 2};
   const auto fault = fault_of_axis("screen.bins", {suggested(291.6e3), other});
   ASSERT_TRUE(fault.has_value());
-  EXPECT_EQ(fault->message, "`screen.bins` cannot be scanned: all points fill the same histogram of `screen`");
+  EXPECT_EQ(fault->message,
+            "`screen.bins` cannot be scanned: all points fill the same histogram of `screen`");
   EXPECT_FALSE(fault_of_axis("H0.frequency", {suggested(291e3), suggested(292e3)}).has_value());
 }
 
