@@ -66,7 +66,9 @@ const std::vector<Broken> broken_experiments{
      }},
     {"SharesThatDoNotAddUp", "species", "", "the fractions of the species add up to 0.9, not to 1",
      [](Beamline& b) {
-       b.species = {{test::neutron(), 0.5}, {*find_species("proton"), 0.4}};
+       Species other = test::neutron();
+       other.name = "other";
+       b.species = {{test::neutron(), 0.5}, {other, 0.4}};
      }},
     {"AScreenOutsideTheChamber", "screen", "offset",
      "`screen` lies outside the chamber: it begins 68 mm from the axis, and the wall is at 50 mm",
