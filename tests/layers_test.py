@@ -3,7 +3,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-LAYERS = ("core parameter field spin particle tally section parts beamline transport plan simulation models input storage "
+LAYERS = ("core parameter field spin particle tally section parts beamline transport plan rules simulation models input storage "
           "commands").split()
 SOURCES = [path for path in sorted((ROOT / "src").rglob("*")) if path.suffix in (".hpp", ".cpp", ".in")]
 LONGEST = 400  # lines of a file

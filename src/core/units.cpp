@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
@@ -179,7 +180,35 @@ std::string lower(std::string_view s) {
   return out;
 }
 
-std::string suggest_unit(std::string_view symbol, std::optional<Dimension> wanted) {
+const UnitSymbol* find_unit(std::string_view symbol) {
+  for (const UnitSymbol& unit : unit_table())
+    if (unit.symbol == symbol) return &unit;
+  return nullptr;
+}
+
+/// A prefix before a unit that takes none is a power of ten: "1e-6 T/m" for 1 uT/m.
+std::string without_prefix(const Decimal& number, std::string_view symbol) {
+  static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{{{"p", -12},
+                                                                              {"n", -9},
+                                                                              {"u", -6},
+                                                                              {"\u00b5", -6},
+                                                                              {"m", -3},
+                                                                              {"c", -2},
+                                                                              {"k", 3},
+                                                                              {"M", 6},
+                                                                              {"G", 9},
+                                                                              {"T", 12}}};
+  for (const auto& [prefix, power] : prefixes) {
+    if (!symbol.starts_with(prefix)) continue;
+    const UnitSymbol* unit = find_unit(symbol.substr(prefix.size()));
+    if (unit && unit->symbol == row_of(unit->dimension).si_unit)
+      return fmt::format("write `{}e{} {}`", number.mantissa, number.exponent + power, unit->symbol);
+  }
+  return {};
+}
+
+/// The unit that was meant; empty where none is near.
+std::string suggest_unit(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
   const bool dimension_known = wanted && *wanted != Dimension::number;
   if (symbol.starts_with("\u00b0C") || symbol.starts_with("\u00b0F") || symbol == "degC" || symbol == "degF")
     return "temperatures are absolute: write them in kelvin, like `300 K`";
@@ -193,16 +222,9 @@ std::string suggest_unit(std::string_view symbol, std::optional<Dimension> wante
   }
   if (!same_letters.empty())
     return fmt::format("upper and lower case differ in units: write {}", same_letters);
+  if (std::string plain = without_prefix(number, symbol); !plain.empty()) return plain;
   const std::string near = closest(symbol, candidates);
-  if (!near.empty()) return fmt::format("did you mean `{}`?", near);
-  if (!dimension_known) return {};
-  return fmt::format("write it like `{}`", example_of(*wanted));
-}
-
-const UnitSymbol* find_unit(std::string_view symbol) {
-  for (const UnitSymbol& unit : unit_table())
-    if (unit.symbol == symbol) return &unit;
-  return nullptr;
+  return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
 }
 
 /// Rounds once, to the nearest double of the decimal number with its prefix applied.
@@ -216,13 +238,17 @@ double evaluate(Decimal number, double factor) {
   return shift ? value : value * factor;
 }
 
-ParsedQuantity failure(std::string error, std::string suggestion = {}) {
-  return {0, Dimension::number, std::move(error), std::move(suggestion)};
+ParsedQuantity failure(Misread misread, std::string error, std::string suggestion = {}) {
+  return {0, Dimension::number, std::move(error), std::move(suggestion), misread};
 }
 
 }  // namespace
 
 std::string_view name_of(Dimension d) { return row_of(d).name; }
+std::string with_article(std::string_view noun) {
+  const bool vowel = !noun.empty() && std::string_view{"aeio"}.find(noun.front()) != std::string_view::npos;
+  return fmt::format("{} {}", vowel ? "an" : "a", noun);
+}
 std::string_view example_of(Dimension d) { return row_of(d).example; }
 std::string_view si_unit_of(Dimension d) { return row_of(d).si_unit; }
 
@@ -251,26 +277,27 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   std::string_view rest = text;
   const std::optional<Decimal> number = take_decimal(rest);
-  if (!number) return failure("is not a number");
-  if (number->mantissa.size() > 60) return failure("has too many digits");
+  if (!number) return failure(Misread::not_a_number, "is not a number");
+  if (number->mantissa.size() > 60) return failure(Misread::too_many_digits, "has too many digits");
   while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
 
   const UnitSymbol* unit = rest.empty() ? nullptr : find_unit(rest);
   if (!rest.empty() && !unit) {
     const bool number_goes_on = rest.find_first_of("0123456789._,+-") != rest.npos;
     if (number_goes_on || rest.size() > 16)
-      return failure("is not a number",
+      return failure(Misread::not_a_number, "is not a number",
                      wanted == Dimension::number
                          ? "write digits with a point, such as `0.5`"
                          : "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
-    return failure(fmt::format("has the unknown unit `{}`", rest), suggest_unit(rest, wanted));
+    return failure(Misread::unknown_unit, fmt::format("has the unknown unit `{}`", rest),
+                   suggest_unit(*number, rest, wanted));
   }
 
   ParsedQuantity result{
       evaluate(*number, unit ? unit->factor : 1), unit ? unit->dimension : Dimension::number, {}, {}};
-  if (!std::isfinite(result.value)) return failure("is too large for a number");
+  if (!std::isfinite(result.value)) return failure(Misread::too_large, "is too large for a number");
   if (result.value == 0 && !number->is_zero)
-    return failure("is too small for a number", "write `0` if zero is meant");
+    return failure(Misread::too_small, "is too small for a number", "write `0` if zero is meant");
   return result;
 }
 

@@ -12,6 +12,8 @@ namespace rabiline {
 /// "length" and "0.2 mm": how messages name a dimension and show one way to write it.
 std::string_view name_of(Dimension);
 std::string_view example_of(Dimension);
+/// "a length", "an angle".
+std::string with_article(std::string_view noun);
 /// The SI unit in which results are written, e.g. "m".
 std::string_view si_unit_of(Dimension);
 
@@ -24,12 +26,16 @@ struct UnitSymbol {
 /// The whole table, prefixes written out; the README's list and the messages come from it.
 const std::vector<UnitSymbol>& unit_table();
 
+/// Why a text is no quantity.
+enum class Misread { nothing, not_a_number, too_many_digits, unknown_unit, too_large, too_small };
+
 /// Result of reading "12.5 mT": the value in SI and its dimension, or why it is none.
 struct ParsedQuantity {
   double value = 0;  // [SI]
   Dimension dimension = Dimension::number;
   std::string error;       // empty when the text was understood
   std::string suggestion;  // e.g. the closest unit; may be empty
+  Misread misread = Misread::nothing;
 };
 /// Decimal prefixes are applied to the digits, so that "250 mm" and "0.25 m" are the same bits. `wanted` only
 /// chooses among suggestions.

@@ -1,11 +1,11 @@
 #include "input/beamline_reader.hpp"
 
 #include <algorithm>
-#include <cmath>
 
-#include "input/checks.hpp"
+#include "input/places.hpp"
 #include "input/reader.hpp"
 #include "input/species_names.hpp"
+#include "rules/rules.hpp"
 
 namespace rabiline {
 namespace {
@@ -89,22 +89,6 @@ bool read_component(const Node& node, Reading& reading, Component& out) {
   return good;
 }
 
-void check_mixture(const Node& list, const Place& named_at, const std::vector<Component>& mixture,
-                   Reading& reading) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mixture.size(); ++i) {
-    sum += mixture[i].fraction;
-    for (std::size_t k = 0; k < i; ++k)
-      if (mixture[k].species.name == mixture[i].species.name)
-        reading.error(place_of(list.items[i], "name"),
-                      fmt::format("the species `{}` stands in the list twice", mixture[i].species.name),
-                      "add its fractions up in one line");
-  }
-  if (std::abs(sum - 1) > 1e-9)
-    reading.error(named_at, fmt::format("the fractions of the species add up to {:.10g}, not to 1", sum),
-                  "the fractions are shares of all particles");
-}
-
 /// What messages call a part before its kind is known.
 std::string name_of_part(const Node& node) {
   const Entry* name = node.find("name");
@@ -154,7 +138,6 @@ bool read_value(const Node& node, const Place& named_at, const Row& row, Reading
     bool good = !node.items.empty();
     if (!good) reading.error(node.place, "the list of species is empty", "write `species: neutron`");
     for (const Node& item : node.items) good = read_component(item, reading, out.emplace_back()) && good;
-    if (good) check_mixture(node, named_at, out, reading);
     return good;
   }
   Component& only = out.emplace_back();
@@ -195,11 +178,21 @@ Beamline read_beamline(const Node& root, Reading& reading) {
   }
   Keys keys(root, "the file", root.place, reading);
   check_version(root, keys);
-  read_rows(keys, out);
+  const bool all_read = read_rows(keys, out);
   keys.take("geometry");
   keys.take("scan");
   keys.finish();
-  check_beamline(out, root, reading);
+  // Rules between parts are asked where all of them could be read.
+  std::vector<Fault> faults;
+  if (all_read)
+    faults = faults_of(out);
+  else
+    for (const PlacedPart& part : out.parts)
+      for (Fault& fault : faults_of(part)) faults.push_back(std::move(fault));
+  if (!faults.empty()) {
+    const Places places(root);
+    for (const Fault& fault : faults) reading.errors.push_back(places.locate(fault));
+  }
   std::stable_sort(out.parts.begin(), out.parts.end(),
                    [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });
   return out;

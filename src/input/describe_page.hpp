@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "input/reader.hpp"
+#include "input/tables.hpp"
 
 namespace rabiline {
 

@@ -6,7 +6,7 @@
 
 #include "input/beamline_reader.hpp"
 #include "input/model_file.hpp"
-#include "input/reader.hpp"
+#include "input/tables.hpp"
 
 namespace rabiline {
 namespace {

@@ -36,6 +36,7 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
   std::optional<ScanParticles> mode;
   if (file.root.is_mapping()) apply_settings(file.root, settings, reading, mode);
   out.base = read_beamline(file.root, reading);
+  out.places = Places(file.root);
 
   // What is scanned.
   const Sources arguments = scan_arguments(line, sources);

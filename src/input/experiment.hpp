@@ -7,6 +7,7 @@
 #include "beamline/beamline.hpp"
 #include "core/diagnostics.hpp"
 #include "input/file.hpp"
+#include "input/places.hpp"
 #include "input/settings.hpp"
 #include "simulation/result.hpp"
 
@@ -16,6 +17,7 @@ struct LoadedExperiment {
   Experiment experiment;
   std::vector<InputText> inputs;  // the file and what it includes, for provenance
   Beamline base;                  // the file's own values, with --set and without the scan
+  Places places;                  // of all that the file states and --set changes
 };
 
 /// Reads, checks and expands the scan: every point is the file with the scanned values in place, read through

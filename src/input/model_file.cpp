@@ -4,6 +4,7 @@
 
 #include "input/beamline_reader.hpp"
 #include "input/dotted_name.hpp"
+#include "input/places.hpp"
 #include "input/reader.hpp"
 #include "input/scan_reader.hpp"
 
@@ -23,9 +24,9 @@ ModelFile read_model(const Node& root, Reading& reading) {
     return has_key<Beamline>(key) || key == "geometry" ? std::string("a beamline") : std::string{};
   });
   if (!good) return out;
-  for (Fault& fault : std::visit([](const auto& any) { return faults_of(any); }, out.model))
-    reading.error(place_of(root.find("model")->value, fault.key), std::move(fault.message),
-                  std::move(fault.suggestion));
+  const Places places(root);
+  for (const Fault& fault : std::visit([](const auto& any) { return faults_of(any); }, out.model))
+    reading.errors.push_back(places.locate(fault));
   return out;
 }
 

@@ -13,11 +13,11 @@ namespace rabiline {
 namespace {
 
 std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view key, Reading& reading) {
-  const ParsedQuantity parsed = node.is_scalar()
-                                    ? parse_quantity(node.scalar)
-                                    : ParsedQuantity{0, Dimension::number, "is not a number", {}};
+  const ParsedQuantity parsed =
+      node.is_scalar() ? parse_quantity(node.scalar)
+                       : ParsedQuantity{0, Dimension::number, "is not a number", {}, Misread::not_a_number};
   if (parsed.error.empty()) return parsed;
-  const bool unit = parsed.error != "is not a number";
+  const bool unit = parsed.misread != Misread::not_a_number;
   reading.error(node.place,
                 fmt::format("`{}` begins or ends a range, but {} {}", key, quote(node), parsed.error),
                 unit ? parsed.suggestion : "write what is no number one by one: `values: [...]`");

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "input/checks.hpp"
 #include "input/dotted_name.hpp"
 #include "input/scan.hpp"
+#include "rules/rules.hpp"
 
 namespace rabiline {
 
@@ -53,8 +53,10 @@ class ScanReader {
       points.push_back(std::move(point));
     }
     reading_.watched.clear();
-    if constexpr (requires { check_axis(axis, points, reading_); })
-      if (reading_.errors.empty()) check_axis(axis, points, reading_);
+    if constexpr (std::is_same_v<Point, Beamline>)
+      if (reading_.errors.empty())
+        if (std::optional<Fault> fault = fault_of_axis(axis.parameter, points))
+          reading_.error(axis.place, std::move(fault->message), std::move(fault->help));
     finish_axis(axis, numeric, out);
     return out;
   }

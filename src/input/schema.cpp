@@ -3,8 +3,8 @@
 #include "input/beamline_reader.hpp"
 #include "input/describe.hpp"
 #include "input/model_file.hpp"
-#include "input/reader.hpp"
 #include "input/scan.hpp"
+#include "input/tables.hpp"
 
 namespace rabiline {
 namespace {

@@ -21,15 +21,9 @@ bool read_end(Keys& keys, std::string_view key, Quantity quantity, std::optional
       keys.missing(key, from ? "where the axis begins" : "where it ends", example_of_end(quantity, from));
     return false;
   }
-  const Row row{key, dimension_of(quantity), range_of(quantity), ""};
-  const std::size_t errors = keys.reading().errors.size();
-  if (read_quantity(entry->value, row, keys.reading(), out.emplace().value)) return true;
-  // The examples of a dimension fit no axis: show one of this quantity.
-  for (std::size_t i = errors; i < keys.reading().errors.size(); ++i)
-    if (std::string& help = keys.reading().errors[i].suggestion; help.ends_with("`"))
-      if (const std::size_t at = help.find(" such as `"); at != help.npos)
-        help = help.substr(0, at) + fmt::format(" such as `{}`", example_of_end(quantity, from));
-  return false;
+  const std::string example = example_of_end(quantity, from);
+  const Row row{key, dimension_of(quantity), range_of(quantity), "", example};
+  return read_quantity(entry->value, row, keys.reading(), out.emplace().value);
 }
 
 template <class M>
@@ -81,13 +75,6 @@ bool read_range(Keys& keys, std::string_view word, TallyAxis& out) {
   } else {
     good = refuse(keys, "axis", fmt::format("`{}` takes no `axis`: only `spin` is projected on one", word)) &&
            good;
-  }
-  if (good && !(out.from->value < out.to->value)) {
-    keys.reading().error(keys.take("to")->value.place,
-                         fmt::format("the axis ends at {}, and begins at {}", quote(keys.take("to")->value),
-                                     quote(keys.take("from")->value)),
-                         "`from` is the smaller end");
-    return false;
   }
   return good;
 }

@@ -72,11 +72,6 @@ void Reading::saw_number(const Node& node, Dimension dimension, double value) {
     }
 }
 
-std::string with_article(std::string_view noun) {
-  const bool vowel = !noun.empty() && std::string_view{"aeio"}.find(noun.front()) != std::string_view::npos;
-  return fmt::format("{} {}", vowel ? "an" : "a", noun);
-}
-
 std::string quote(const Node& node) {
   switch (node.kind) {
     case Node::Kind::null:
@@ -98,10 +93,14 @@ std::string list_of(std::span<const Word> words) {
   return out;
 }
 
-std::string suggest(std::string_view word, std::span<const Word> words) {
+std::string near_word(std::string_view word, std::span<const Word> words) {
   std::vector<std::string> known;
   for (const Word& w : words) known.emplace_back(w.word);
-  const std::string near = closest(word, known);
+  return closest(word, known);
+}
+
+std::string suggest(std::string_view word, std::span<const Word> words) {
+  const std::string near = near_word(word, words);
   return near.empty() ? "write " + list_of(words) : fmt::format("did you mean `{}`?", near);
 }
 
@@ -115,11 +114,15 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
   }
   const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);
   if (!parsed.error.empty()) {
-    const bool sized = parsed.error.starts_with("is too") || parsed.error.starts_with("has too");
+    const bool sized = parsed.misread != Misread::not_a_number && parsed.misread != Misread::unknown_unit;
+    const bool no_unit_is_near =
+        parsed.misread == Misread::unknown_unit && row.dimension != Dimension::number;
     reading.error(node.place,
                   sized ? fmt::format("{} {}", quote(node), parsed.error)
                         : fmt::format("{} {}, but `{}` is {}", quote(node), parsed.error, row.key, wanted),
-                  parsed.suggestion.empty() && !sized ? help : parsed.suggestion);
+                  !parsed.suggestion.empty() || sized ? parsed.suggestion
+                  : no_unit_is_near ? fmt::format("write it like `{}`", example_of(row.dimension))
+                                    : help);
     return false;
   }
   if (parsed.dimension != row.dimension) {
@@ -184,7 +187,7 @@ std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span
     for (std::size_t i = 0; i < words.size(); ++i)
       if (words[i].word == node.scalar) return i;
     help = suggest(node.scalar, words);
-    if (!example.empty() && help.starts_with("write"))
+    if (!example.empty() && near_word(node.scalar, words).empty())
       help = fmt::format("write it like `{}: {}`", row.key, example);
   }
   reading.error(node.place,
@@ -238,11 +241,11 @@ bool ValueType<Phase>::read(const Node& node, const Row& row, Reading& reading, 
   const bool word =
       node.is_scalar() && !node.scalar.empty() && std::isalpha(static_cast<unsigned char>(node.scalar[0]));
   if (!node.is_scalar() || word) {
-    const std::string near = node.is_scalar() ? suggest(node.scalar, words) : std::string{"write `random`"};
+    const std::string near = node.is_scalar() ? near_word(node.scalar, words) : std::string{};
     reading.error(node.place,
                   fmt::format("`{}` is `random`, `locked` or an angle such as `30 deg`, but {} stands here",
                               row.key, quote(node)),
-                  near.starts_with("write") ? "" : near);
+                  near.empty() ? "" : fmt::format("did you mean `{}`?", near));
     return false;
   }
   out.kind = Phase::Kind::angle;
@@ -271,11 +274,11 @@ bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& r
   Row as_written = row;
   if (node.is_scalar()) {
     const ParsedQuantity parsed = parse_quantity(node.scalar, Dimension::speed);
-    if (parsed.error.starts_with("has the unknown unit")) {
+    if (parsed.misread == Misread::unknown_unit) {
       std::string help = parsed.suggestion;
       for (const Dimension d : {Dimension::length, Dimension::energy})
-        if (help.starts_with("write it like")) help = parse_quantity(node.scalar, d).suggestion;
-      if (help.starts_with("write it like")) help = "write it like `1000 m/s`, `4 angstrom` or `25 meV`";
+        if (help.empty()) help = parse_quantity(node.scalar, d).suggestion;
+      if (help.empty()) help = "write it like `1000 m/s`, `4 angstrom` or `25 meV`";
       reading.error(node.place,
                     fmt::format("{} {}, but `{}` is a speed, a wavelength or an energy", quote(node),
                                 parsed.error, row.key),

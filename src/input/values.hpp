@@ -53,12 +53,12 @@ struct Word {
   std::string_view word, meaning;
 };
 
-/// "a length", "an angle".
-std::string with_article(std::string_view noun);
 /// What a user wrote, in back quotes; shortened, and "a list" for what does not fit in a line.
 std::string quote(const Node&);
 /// "`a`, `b` or `c`".
 std::string list_of(std::span<const Word>);
+/// The word that was meant, or empty.
+std::string near_word(std::string_view word, std::span<const Word>);
 /// "did you mean `b`?", or all the words where none is near.
 std::string suggest(std::string_view word, std::span<const Word>);
 /// How a value of that dimension is written: "0.2 mm".

@@ -251,24 +251,24 @@ std::vector<Fault> faults_of(const BoundCharge& model) {
   const auto* coulomb = std::get_if<CoulombBinding>(&model.binding);
   if (coulomb && !(attraction(*coulomb, s) > 0))
     return {
-        {"binding",
+        {"model", "binding",
          fmt::format("the charges {:+.4g} e of `{}` and {:+.4g} e of the centre do not attract each other",
                      s.charge / constants::elementary_charge, s.name,
                      coulomb->charge / constants::elementary_charge),
          "give the centre a charge of the other sign"}};
   const Orbit o = orbit_of(model);
   if (!o.bound() && o.larmor == 0)
-    return {{"binding", "a free charge turns in the field, and here nothing turns it",
+    return {{"model", "binding", "a free charge turns in the field, and here nothing turns it",
              "give it a `field` and a charge, or bind it"}};
   if (const double share = length_of(o.v) / constants::speed_of_light; !(share < fastest))
     return {
-        {"binding",
+        {"model", "binding",
          fmt::format("the charge flies at {:.3g} of the speed of light, and this model knows no relativity",
                      share),
          fmt::format("keep it below {:g}", fastest)}};
   const double turns = turns_of(model, o);
   if (!(turns <= most_orbits))
-    return {{"orbits",
+    return {{"model", "orbits",
              fmt::format("it turns {:.3g} times, more than {:.0f} can be followed", turns, most_orbits),
              "take fewer `orbits`"}};
   return {};

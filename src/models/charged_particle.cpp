@@ -195,10 +195,10 @@ std::vector<Fault> faults_of(const ChargedParticle& model) {
   const Particle p = particle_of(model);
   const double turns = fastest_rate(p) * duration_of(model, p) / two_pi;
   if (std::holds_alternative<ForTurns>(model.time) && p.charge_rate * p.b.z == 0)
-    return {{"turns", "`turns` counts those of a charge in a magnetic field, and here nothing turns",
+    return {{"model", "turns", "`turns` counts those of a charge in a magnetic field, and here nothing turns",
              "write `duration` instead"}};
   if (!(turns <= most_turns))
-    return {{std::holds_alternative<ForTurns>(model.time) ? "turns" : "duration",
+    return {{"model", std::holds_alternative<ForTurns>(model.time) ? "turns" : "duration",
              fmt::format("spin or velocity turns {:.3g} times here, more than {:.0f} can be followed", turns,
                          most_turns),
              "make it shorter"}};

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/fault.hpp"
 #include "core/vector3.hpp"
 #include "parameter/parameter.hpp"
 
@@ -58,11 +59,6 @@ struct Finding {
 /// A number that follows from the values of a model alone, for people: "radius", "3.14 m", "of the circle".
 struct Fact {
   std::string name, value, meaning;
-};
-
-/// Values that are each fine and do not go together: which key of the model to blame, and why.
-struct Fault {
-  std::string key, message, suggestion;
 };
 
 struct ModelResult {

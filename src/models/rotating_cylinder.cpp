@@ -335,14 +335,14 @@ std::vector<Fault> faults_of(const RotatingCylinder& model) {
   std::vector<Fault> out;
   if (!std::isfinite(phase_of(model, n)) || phase_of(model, n) > longest_phase)
     out.push_back(
-        {"duration",
+        {"model", "duration",
          fmt::format("the cylinder turns and nods by {:.2g} rad in {}, more than {:.0e} rad can be "
                      "followed",
                      phase_of(model, n), pretty_quantity(model.duration, Dimension::time), longest_phase),
          "take a shorter `duration`, a slower `spin` or a weaker torque"});
   const bool asks_steady = model.axis_start == AxisStart::precessing && cylinder::size_of(model.torque) > 0;
   if (asks_steady && cylinder::steady_rate(model, n) == 0)
-    out.push_back({"axis_start",
+    out.push_back({"model", "axis_start",
                    "this cylinder spins too slowly for a precession without nutation: L^2 < 4 M I1 cos",
                    "write `axis_start: at_rest`, or let it spin faster"});
   return out;

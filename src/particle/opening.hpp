@@ -1,8 +1,11 @@
 #pragma once
 // A hole that particles start from or pass, in a plane of constant y, and how parts are displaced.
+#include <string>
 #include <tuple>
 #include <variant>
+#include <vector>
 
+#include "core/fault.hpp"
 #include "parameter/parameter.hpp"
 
 namespace rabiline {
@@ -67,6 +70,14 @@ inline constexpr auto parameters<Offset> = std::tuple{
     param("x", &Offset::x, Dimension::length, range::any, "displacement along x", 0.0),
     param("z", &Offset::z, Dimension::length, range::any, "displacement along z", 0.0),
 };
+
+/// A ring that is turned inside out; `key` is that of the opening, empty where its keys stand among others.
+std::vector<Fault> faults_of(const Opening&, const std::string& subject, const std::string& key);
+/// A face that nothing can pass or hit; `whose`: "`screen`".
+std::vector<Fault> faults_of_size(const Face&, const std::string& subject, const std::string& key,
+                                  const std::string& whose);
+/// How far from the axis the nearest point of a hole or screen is [m].
+double distance_from_axis(const Opening&, Offset, double roll);
 
 /// How a plane part is turned: only within its plane, since edges stay planes of constant y.
 struct Roll {

@@ -8,4 +8,8 @@ void contribute(const BeamStop& part, const Placement& place, SectionBuilder& bu
   builder.plane(place.at, PlateTerm{part.shape, part.offset, part.tilt, true});
 }
 
+std::vector<Fault> faults_of(const BeamStop& part, const Placement& place) {
+  return faults_of(part.shape, place.name, "");
+}
+
 }  // namespace rabiline

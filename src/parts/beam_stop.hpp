@@ -9,6 +9,7 @@ class SectionBuilder;
 struct BeamStop {
   static constexpr std::string_view kind = "beam_stop",
                                     meaning = "stops what hits its shape, a plate or a disc";
+  static constexpr PartTraits traits{};
   Opening shape;
   Offset offset{};
   Roll tilt{};
@@ -24,5 +25,6 @@ inline constexpr auto parameters<BeamStop> = std::tuple{
 };
 
 void contribute(const BeamStop&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const BeamStop&, const Placement&);
 
 }  // namespace rabiline

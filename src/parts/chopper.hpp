@@ -9,6 +9,7 @@ class SectionBuilder;
 /// while the fractional part of frequency t + phase/(2 pi) is less than `open`.
 struct Chopper {
   static constexpr std::string_view kind = "chopper", meaning = "a shutter that opens periodically";
+  static constexpr PartTraits traits{.one_way = true};
   double open = 1;       // fraction of each period, from its beginning
   double frequency = 0;  // [Hz]
   double phase = 0;      // [rad] by which it runs ahead

@@ -11,6 +11,7 @@ class SectionBuilder;
 struct Collimator {
   static constexpr std::string_view kind = "collimator",
                                     meaning = "a straight channel of some length with absorbing walls";
+  static constexpr PartTraits traits{};
   double length = 0;  // [m]
   Face opening;
   Offset offset{};

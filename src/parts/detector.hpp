@@ -36,6 +36,7 @@ struct Detector {
                                     meaning =
                                         "a screen that catches particles and histograms x and z; a hot wire "
                                         "is one of small width";
+  static constexpr PartTraits traits{.target = true};
   Face face;
   Bins bins;
   Offset offset;
@@ -66,5 +67,6 @@ inline constexpr auto parameters<Detector> = std::tuple{
 };
 
 void contribute(const Detector&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const Detector&, const Placement&);
 
 }  // namespace rabiline

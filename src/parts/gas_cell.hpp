@@ -40,6 +40,7 @@ double density_of(const Gas&);
 struct GasCell {
   static constexpr std::string_view kind = "gas_cell",
                                     meaning = "gas that scatters particles out of the beam";
+  static constexpr PartTraits traits{.one_way = true};
   double length = 0;  // [m]
   Gas gas;
   double cross_section = 0;  // [m^2] for all that takes a particle out of the beam

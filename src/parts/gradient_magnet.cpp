@@ -1,8 +1,13 @@
 #include "parts/gradient_magnet.hpp"
 
+#include <fmt/format.h>
+#include <cmath>
+
 #include "section/section_builder.hpp"
 
 namespace rabiline {
+
+StaticField static_field(const GradientMagnet& part) { return {{0, 0, part.field}, "field"}; }
 
 void contribute(const GradientMagnet& part, const Placement& place, SectionBuilder& builder) {
   MagnetTerm term{place.at + part.length, {}, {}, {}, {}};
@@ -19,6 +24,13 @@ void contribute(const GradientMagnet& part, const Placement& place, SectionBuild
   }
   builder.plane(place.at, term);
   builder.uniform(place.at, term.end, {{0, 0, part.field}});
+}
+
+std::vector<Fault> faults_of(const GradientMagnet& part, const Placement& place) {
+  if (std::abs(part.along.y) <= 1e-9) return {};
+  return {{place.name, "along",
+           fmt::format("the gradient of `{}` has a component along the beam", place.name),
+           "write `x` or `z`, or `[1, 0, 1]` for one between"}};
 }
 
 }  // namespace rabiline

@@ -12,6 +12,7 @@ class SectionBuilder;
 struct GradientMagnet {
   static constexpr std::string_view kind = "gradient_magnet",
                                     meaning = "a deflecting magnet: a field along z with a constant gradient";
+  static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;    // [m]
   double field = 0;     // [T] along +z, on the axis
   double gradient = 0;  // [T/m] of B_z
@@ -33,6 +34,8 @@ inline constexpr auto parameters<GradientMagnet> = std::tuple{
     param("offset", &GradientMagnet::offset, "displacement of the gap's centre from the axis", Offset{}),
 };
 
+StaticField static_field(const GradientMagnet&);
 void contribute(const GradientMagnet&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const GradientMagnet&, const Placement&);
 
 }  // namespace rabiline

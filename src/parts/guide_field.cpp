@@ -1,10 +1,20 @@
 #include "parts/guide_field.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 
 #include "section/section_builder.hpp"
 
 namespace rabiline {
+
+StaticField static_field(const GuideField& part) {
+  const bool turns = part.from != part.to;
+  return {part.field * turned(part.from, part.tilt),
+          turns                 ? "to"
+          : part.tilt == Tilt{} ? "from"
+                                : "tilt",
+          turns};
+}
 
 void contribute(const GuideField& part, const Placement& place, SectionBuilder& builder) {
   const double end = place.at + part.length;
@@ -23,6 +33,14 @@ void contribute(const GuideField& part, const Placement& place, SectionBuilder& 
     builder.twisted(place.at, end, term);
   }
   if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
+}
+
+/// A half turn could go either way round.
+std::vector<Fault> faults_of(const GuideField& part, const Placement& place) {
+  if (dot(part.from, part.to) >= -1 + 1e-9) return {};
+  return {{place.name, "to",
+           fmt::format("`{}` would turn its field by half a turn: which way round?", place.name),
+           "make two guide fields of a quarter turn each"}};
 }
 
 }  // namespace rabiline

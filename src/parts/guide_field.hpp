@@ -12,6 +12,7 @@ struct GuideField {
   static constexpr std::string_view
       kind = "guide_field",
       meaning = "a static field whose direction turns along the beam, for spins to follow";
+  static constexpr PartTraits traits{.field = true};
   double length = 0;  // [m]
   double field = 0;   // [T]
   UnitVector from{}, to{};
@@ -31,6 +32,8 @@ inline constexpr auto parameters<GuideField> = std::tuple{
     param("tilt", &GuideField::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 
+StaticField static_field(const GuideField&);
 void contribute(const GuideField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const GuideField&, const Placement&);
 
 }  // namespace rabiline

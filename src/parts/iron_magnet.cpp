@@ -1,5 +1,8 @@
 #include "parts/iron_magnet.hpp"
 
+#include <fmt/format.h>
+
+#include "parts/magnet_rules.hpp"
 #include "parts/wire_field.hpp"
 
 namespace rabiline {
@@ -23,6 +26,15 @@ void contribute(const IronMagnet& part, const Placement& place, SectionBuilder& 
   contribute_two_wire(
       {place.at + part.length, two_wire_shape(part.field, a, height), walls, part.offset, part.tilt}, place,
       builder);
+}
+
+std::vector<Fault> faults_of(const IronMagnet& part, const Placement& place) {
+  if (part.convex < part.concave) return faults_of_axis(part, place, "poles", "beam_height");
+  return {{place.name, "convex",
+           fmt::format("`{}` has no gap: its convex pole reaches up to {}, its concave one down to {}",
+                       place.name, pretty_quantity(part.convex, Dimension::length),
+                       pretty_quantity(part.concave, Dimension::length)),
+           "`convex` is the smaller height"}};
 }
 
 }  // namespace rabiline

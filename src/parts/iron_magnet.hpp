@@ -14,6 +14,7 @@ struct IronMagnet {
                                     meaning =
                                         "a deflecting magnet: iron poles with the field of two wires; "
                                         "under dorado a uniform field";
+  static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;                    // [m]
   double field = 0;                     // [T] along +z, at the beam
   double half_distance = 0;             // [m] a
@@ -47,5 +48,6 @@ inline constexpr auto parameters<IronMagnet> = std::tuple{
 };
 
 void contribute(const IronMagnet&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const IronMagnet&, const Placement&);
 
 }  // namespace rabiline

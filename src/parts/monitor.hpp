@@ -14,6 +14,7 @@ struct Monitor {
       meaning =
           "counts what passes through its face and stops nothing; inside of fields that turn the "
           "velocity each particle once, where it flies through for the first time";
+  static constexpr PartTraits traits{};
   Face face;
   Offset offset;
   Roll tilt{};
@@ -42,5 +43,6 @@ inline constexpr auto parameters<Monitor> = std::tuple{
 double place_of_plane(const Monitor&, const Placement&, std::size_t plane);
 
 void contribute(const Monitor&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const Monitor&, const Placement&);
 
 }  // namespace rabiline

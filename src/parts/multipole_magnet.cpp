@@ -1,5 +1,8 @@
 #include "parts/multipole_magnet.hpp"
 
+#include <fmt/format.h>
+
+#include "parts/magnet_rules.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -12,6 +15,17 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
   term.shape.radius = part.radius;
   term.walls.circles[0] = {0, 0, part.radius, -1};
   builder.plane(place.at, term);
+}
+
+std::vector<Fault> faults_of(const MultipoleMagnet& part, const Placement& place) {
+  std::vector<Fault> out;
+  if (part.poles % 2 != 0)
+    out.push_back(
+        {place.name, "poles",
+         fmt::format("`{}` cannot have {} poles: north and south alternate", place.name, part.poles),
+         "write an even number: 4 for a quadrupole, 6 for a sextupole"});
+  for (Fault& fault : faults_of_axis(part, place, "wall", "radius")) out.push_back(std::move(fault));
+  return out;
 }
 
 }  // namespace rabiline

@@ -20,6 +20,7 @@ struct MultipoleMagnet {
                                     meaning =
                                         "a focusing magnet: 4, 6 or more poles around the beam; no field "
                                         "under dorado";
+  static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;        // [m]
   std::uint64_t poles = 6;  // n
   double pole_field = 0;    // [T] B_0
@@ -40,5 +41,6 @@ inline constexpr auto parameters<MultipoleMagnet> = std::tuple{
 };
 
 void contribute(const MultipoleMagnet&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const MultipoleMagnet&, const Placement&);
 
 }  // namespace rabiline

@@ -13,4 +13,8 @@ void contribute(const OscillatingField& part, const Placement& place, SectionBui
   add_alternating(part, place, term, Turn::positive, builder);
 }
 
+std::vector<Fault> faults_of(const OscillatingField& part, const Placement& place) {
+  return faults_of_clock(part, place);
+}
+
 }  // namespace rabiline

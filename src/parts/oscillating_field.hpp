@@ -26,6 +26,7 @@ struct OscillatingField {
   static constexpr std::string_view
       kind = "oscillating_field",
       meaning = "a field A cos(2 pi f t) along one axis, as a radio-frequency coil makes it";
+  static constexpr PartTraits traits{.field = true, .drives = true};
   double length = 0;                // [m]
   double amplitude = 0;             // [T] peak
   std::optional<double> frequency;  // [Hz]; from the oscillator where one is named
@@ -60,5 +61,6 @@ inline constexpr auto parameters<OscillatingField> = std::tuple{
 };
 
 void contribute(const OscillatingField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const OscillatingField&, const Placement&);
 
 }  // namespace rabiline

@@ -2,12 +2,35 @@
 // What every part has, whatever its kind: a name and a place on the beam.
 #include <optional>
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
+#include "core/fault.hpp"
 #include "core/vector3.hpp"
 #include "particle/opening.hpp"
 
 namespace rabiline {
+
+/// The static field of a part, where it begins.
+struct StaticField {
+  Vector3 field;           // [T]
+  std::string_view blame;  // the key that turns it away from +z
+  bool turns = false;      // its direction changes along the beam
+};
+
+/// What a kind of part says of itself, so that nobody needs a list of kinds: `static constexpr PartTraits
+/// traits`.
+struct PartTraits {
+  bool field = false;                   // a field fills its length
+  bool homogeneous = false;             // a static field in which a deflecting magnet may stand
+  bool deflects = false;                // by the gradient of its field
+  bool drives = false;                  // its field has a clock: it can drive transitions
+  bool target = false;                  // a source may be aimed at it
+  bool one_way = false;                 // what it does depends on how often and in which direction it is passed
+  std::string_view needs_one_moment{};  // what it does to a spin with one moment, and to no atom with levels
+  std::string_view instead{};           // what does the like to atoms
+};
 
 struct Placement {
   std::string name;                  // [A-Za-z][A-Za-z0-9_]*
@@ -22,6 +45,13 @@ inline constexpr auto parameters<Placement> = std::tuple{
           "where the part begins, from the source"),
     param("label", &Placement::label, "how plots call the part; the name where it is missing"),
 };
+
+/// Names that no part can have.
+std::vector<Fault> faults_of(const Placement&);
+/// Whether a name is a letter, then letters, digits or `_`, at most 64.
+bool is_well_formed(std::string_view name);
+/// Words that a part may not be called, because dotted names or results mean something else by them.
+bool is_reserved(std::string_view name);
 
 /// A round wall along a field: what touches it stops there.
 struct Bore {

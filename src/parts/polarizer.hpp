@@ -12,6 +12,7 @@ class SectionBuilder;
 struct Polarizer {
   static constexpr std::string_view kind = "polarizer",
                                     meaning = "aligns the moments with its field B', along +z";
+  static constexpr PartTraits traits{.field = true, .needs_one_moment = "aligns one moment with a field"};
   double length = 0;     // [m]
   double field = 0;      // [T] along +z
   double alignment = 1;  // mean moment along B', in units of the full moment

@@ -31,4 +31,8 @@ void contribute(const RotatingField& part, const Placement& place, SectionBuilde
   add_alternating(part, place, term, turn, builder);
 }
 
+std::vector<Fault> faults_of(const RotatingField& part, const Placement& place) {
+  return faults_of_clock(part, place);
+}
+
 }  // namespace rabiline

@@ -26,6 +26,7 @@ inline constexpr auto choices<Sense> = std::array{
 struct RotatingField {
   static constexpr std::string_view kind = "rotating_field",
                                     meaning = "a field H0 of constant size turning in the xy plane";
+  static constexpr PartTraits traits{.field = true, .drives = true};
   double length = 0;                      // [m]
   double amplitude = 0;                   // [T] size of the turning field
   std::optional<double> frequency;        // [Hz] turns per second; from the oscillator where one is named
@@ -61,5 +62,6 @@ inline constexpr auto parameters<RotatingField> = std::tuple{
 };
 
 void contribute(const RotatingField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const RotatingField&, const Placement&);
 
 }  // namespace rabiline

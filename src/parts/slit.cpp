@@ -8,4 +8,8 @@ void contribute(const Slit& slit, const Placement& place, SectionBuilder& builde
   builder.plane(place.at, PlateTerm{slit.opening, slit.offset, slit.tilt});
 }
 
+std::vector<Fault> faults_of(const Slit& slit, const Placement& place) {
+  return faults_of(slit.opening, place.name, "");
+}
+
 }  // namespace rabiline

@@ -9,6 +9,7 @@ class SectionBuilder;
 struct Slit {
   static constexpr std::string_view kind = "slit",
                                     meaning = "a thin plate with one opening: a rectangle, a disc or a ring";
+  static constexpr PartTraits traits{.target = true};
   Opening opening;
   Offset offset;
   Roll tilt{};
@@ -23,5 +24,6 @@ inline constexpr auto parameters<Slit> = std::tuple{
 };
 
 void contribute(const Slit&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const Slit&, const Placement&);
 
 }  // namespace rabiline

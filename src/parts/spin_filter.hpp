@@ -12,6 +12,10 @@ struct SpinFilter {
   static constexpr std::string_view
       kind = "spin_filter",
       meaning = "passes spins along an axis better than spins against it: a polariser or an analyser";
+  static constexpr PartTraits traits{.one_way = true,
+                                     .needs_one_moment = "filters spins 1/2",
+                                     .instead = "a deflecting magnet and a slit select levels"};
+  static constexpr std::string_view example = "axis: z, up: 1, down: 0";
   UnitVector axis{};
   double up = 1, down = 0;  // transmissions of the spin S along and against the axis
   Tilt tilt{};

@@ -1,8 +1,10 @@
 #include "parts/two_wire_magnet.hpp"
 
+#include <fmt/format.h>
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "parts/magnet_rules.hpp"
 #include "parts/wire_field.hpp"
 
 namespace rabiline {
@@ -25,6 +27,15 @@ void contribute(const TwoWireMagnet& part, const Placement& place, SectionBuilde
   contribute_two_wire({place.at + part.length, two_wire_shape(field_at_beam(part, height), a, height), walls,
                        part.offset, part.tilt},
                       place, builder);
+}
+
+std::vector<Fault> faults_of(const TwoWireMagnet& part, const Placement& place) {
+  if (part.wire_radius < part.half_distance) return faults_of_axis(part, place, "wires", "beam_height");
+  return {{place.name, "wire_radius",
+           fmt::format("the wires of `{}` touch each other: their radius is {} and half of their distance {}",
+                       place.name, pretty_quantity(part.wire_radius, Dimension::length),
+                       pretty_quantity(part.half_distance, Dimension::length)),
+           "make them thinner, or `half_distance` larger"}};
 }
 
 }  // namespace rabiline

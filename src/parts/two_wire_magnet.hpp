@@ -41,6 +41,7 @@ struct TwoWireMagnet {
   static constexpr std::string_view
       kind = "two_wire_magnet",
       meaning = "a deflecting magnet: two wires along the beam; under dorado a uniform field";
+  static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;         // [m]
   double half_distance = 0;  // [m] a
   double wire_radius = 0;    // [m]
@@ -67,5 +68,6 @@ inline constexpr auto parameters<TwoWireMagnet> = std::tuple{
 };
 
 void contribute(const TwoWireMagnet&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const TwoWireMagnet&, const Placement&);
 
 }  // namespace rabiline

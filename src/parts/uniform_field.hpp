@@ -9,6 +9,7 @@ class SectionBuilder;
 struct UniformField {
   static constexpr std::string_view kind = "uniform_field",
                                     meaning = "a homogeneous static field: B, or a guide field";
+  static constexpr PartTraits traits{.field = true, .homogeneous = true};
   double length = 0;  // [m]
   double field = 0;   // [T] along the direction
   std::optional<Bore> bore;
@@ -28,6 +29,7 @@ inline constexpr auto parameters<UniformField> = std::tuple{
     param("tilt", &UniformField::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 
+StaticField static_field(const UniformField&);
 void contribute(const UniformField&, const Placement&, SectionBuilder&);
 
 }  // namespace rabiline

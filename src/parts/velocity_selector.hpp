@@ -12,6 +12,7 @@ class SectionBuilder;
 struct VelocitySelector {
   static constexpr std::string_view kind = "velocity_selector",
                                     meaning = "passes a triangular band of wavelengths, as helical slots do";
+  static constexpr PartTraits traits{.one_way = true};
   SpeedQuantity speed;     // along the beam
   double resolution = 0;   // full width at half maximum of the wavelength, relative
   double transmission = 1;  // of the nominal speed

@@ -1,10 +1,8 @@
 // From parts to stages: parts contribute terms to sections, and each section gets the cheapest exact stage.
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <span>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "plan/geometry.hpp"
 #include "plan/level_questions.hpp"
@@ -25,21 +23,6 @@ bool stays_where_it_starts(const Source& source) {
          !std::holds_alternative<GaussianSpot>(source.opening);
 }
 
-Sections sections_of(const Beamline& beamline) {
-  Wall chamber;
-  if (beamline.chamber) chamber.radius = beamline.chamber->radius;
-  SectionBuilder builder(chamber);
-  for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
-    builder.begin_part(static_cast<int>(i));
-    std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
-               beamline.parts[i].part);
-  }
-  Sections sections = builder.build();
-  if (!law_traits(beamline.law).deflects)
-    std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
-  return sections;
-}
-
 /// Compiles one chain; each member function adds stages for one thing.
 class Compiler {
  public:
@@ -51,8 +34,7 @@ class Compiler {
         sections_(sections_of(beamline)),
         quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
-        zones_(species, beamline.species.front().species, turning_,
-               mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)),
+        zones_(zone_maker(beamline, species)),
         spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
@@ -77,14 +59,8 @@ class Compiler {
   // ---- fields as the species sees them ----
 
   double speed() const { return mean_speed(beamline_.source.speed, species_.mass); }
-  void require_one_moment(int part) const {
-    if (quantum_ && species_.structure)
-      throw std::invalid_argument(
-          fmt::format("`{}` prepares spins of one moment, and {} has the levels of two spins",
-                      beamline_.parts[static_cast<std::size_t>(part)].placement.name, species_.name));
-  }
   Alignment alignment_of(const AlignTerm& term, const Plane& plane) const {
-    require_one_moment(plane.part);
+    assert(!quantum_ || !species_.structure);
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
     return {term.probability,
             spin_along_field * term.field_sign,
@@ -130,13 +106,7 @@ class Compiler {
     outlook_.tip = 1;
   }
   Filter filter_of(const FilterTerm& term, const Plane& plane) const {
-    require_one_moment(plane.part);
-    if (quantum_ && species_.spin.twice != 1)
-      throw std::invalid_argument(
-          fmt::format("`{}` filters spins 1/2 only, and {} has spin {}/2 under the law `quantum`\n  help: a "
-                      "polarizer prepares a beam of any spin",
-                      beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, species_.name,
-                      species_.spin.twice));
+    assert(!quantum_ || (!species_.structure && species_.spin.twice == 1));
     return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, plane.part, plane.y};
   }
   void add_own_stage(const Plane& plane) {
@@ -277,13 +247,6 @@ class Compiler {
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
       edge.plate = aperture_of(plane.y, *plate);
-    } else if (std::holds_alternative<FilterTerm>(plane.term) ||
-               std::holds_alternative<OwnStageTerm>(plane.term)) {
-      throw std::invalid_argument(fmt::format(
-          "`{}` stands where fields turn the path under the law {}, and can only be passed in one "
-          "direction\n  "
-          "help: move it out of the fields, or leave it away under this law",
-          beamline_.parts[static_cast<std::size_t>(plane.part)].placement.name, describe(beamline_.law)));
     } else {
       edge.kind = EdgeKind::screen;
       edge.screen = screen_at(plane);
@@ -341,6 +304,21 @@ class Compiler {
 
 }  // namespace
 
+Sections sections_of(const Beamline& beamline) {
+  Wall chamber;
+  if (beamline.chamber) chamber.radius = beamline.chamber->radius;
+  SectionBuilder builder(chamber);
+  for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
+    builder.begin_part(static_cast<int>(i));
+    std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
+               beamline.parts[i].part);
+  }
+  Sections sections = builder.build();
+  if (!deflects(beamline.law))
+    std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
+  return sections;
+}
+
 std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,
                            SampledTables& tables) {
   return Compiler(beamline, component.species, grids, tables).compile();
@@ -348,9 +326,7 @@ std::vector<Stage> compile(const Beamline& beamline, const Component& component,
 
 std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& component) {
   if (law_traits(beamline.law).has_levels && component.species.structure) return {};
-  const ZoneMaker maker(
-      component.species, beamline.species.front().species, turning_of(beamline.law, component.species),
-      mean_speed(beamline.source.speed, component.species.mass), latest_start(beamline.source.pulse));
+  const ZoneMaker maker = zone_maker(beamline, component.species);
   std::vector<SpinZone> zones;
   for (const Section& section : sections_of(beamline).sections) zones.push_back(maker.zone_of(section));
   return zones;

@@ -18,10 +18,8 @@ const PlacedPart* find_part(const Beamline& beamline, const std::string& name) {
 /// The opening that an aimed source is aimed at: a slit's hole or a detector's face.
 Aperture target_of(const Beamline& beamline, const std::string& name) {
   const PlacedPart& target = *find_part(beamline, name);
-  if (const auto* slit = std::get_if<Slit>(&target.part))
-    return aperture_of(target.placement.at, slit->opening, slit->offset, slit->tilt);
-  const auto& detector = std::get<Detector>(target.part);
-  return aperture_of(target.placement.at, opening_of(detector.face), detector.offset, detector.tilt);
+  const Across across = across_of(target.part).value();
+  return aperture_of(target.placement.at, across.opening, across.offset, across.tilt);
 }
 
 /// Fills the Emission of one species; each group of overloads one thing that is drawn.

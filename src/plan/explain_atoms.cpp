@@ -88,21 +88,6 @@ std::vector<const LevelZone*> driven_zones_of(const SampledTables::Driven& drive
   return out;
 }
 
-bool is_magnet_or_field(const Part& part) {
-  if (const auto* field = std::get_if<UniformField>(&part)) return field->field != 0;
-  return std::holds_alternative<GuideField>(part) || std::holds_alternative<GradientMagnet>(part) ||
-         std::holds_alternative<TwoWireMagnet>(part) || std::holds_alternative<IronMagnet>(part) ||
-         std::holds_alternative<MultipoleMagnet>(part);
-}
-double length_of(const Part& part) {
-  return std::visit(
-      [](const auto& p) {
-        if constexpr (requires { p.length; }) return p.length;
-        return 0.0;
-      },
-      part);
-}
-
 }  // namespace
 
 std::string headline_of(const Species& atom) {
@@ -147,10 +132,7 @@ void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
 /// The field that drives levels there.
 std::string DrivenParts::name_at(double y) const {
   for (const PlacedPart& part : experiment_.points.front().parts) {
-    const bool drives = std::holds_alternative<RotatingField>(part.part) ||
-                        std::holds_alternative<OscillatingField>(part.part);
-    if (drives && part.placement.at <= y && y < part.placement.at + length_of(part.part))
-      return part.placement.name;
+    if (traits_of(part.part).drives && part.placement.at <= y && y < end_of(part)) return part.placement.name;
   }
   return fmt::format("the field at {:.4g} m", y);
 }
@@ -283,8 +265,7 @@ std::vector<std::string> DrivenParts::warnings() const {
 std::string field_free_gaps(const Beamline& beamline) {
   std::vector<std::pair<double, double>> fields;
   for (const PlacedPart& part : beamline.parts)
-    if (is_magnet_or_field(part.part))
-      fields.emplace_back(part.placement.at, part.placement.at + length_of(part.part));
+    if (holds_spins(part.part)) fields.emplace_back(part.placement.at, end_of(part));
   std::sort(fields.begin(), fields.end());
   std::string gaps;
   double reach = fields.empty() ? 0 : fields.front().second;

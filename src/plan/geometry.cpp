@@ -47,7 +47,7 @@ ScreenGrids screen_grids(const std::vector<Beamline>& points) {
   ScreenGrids grids;
   for (const Beamline& beamline : points)
     for (const PlacedPart& part : beamline.parts) {
-      const auto* d = std::get_if<Detector>(&part.part);
+      const auto* d = detector_in(part.part);
       if (d == nullptr) continue;
       const Rectangle size = extent_of(d->face);
       const ScreenGrid own{d->offset.x - size.width / 2, d->offset.x + size.width / 2,

@@ -1,11 +1,9 @@
 #include "plan/level_history.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 namespace rabiline {
 namespace {
@@ -13,45 +11,23 @@ namespace {
 /// [m] Where parts touch, rounding may leave a section of this length between them.
 constexpr double rounding = 1e-12;
 
-[[noreturn]] void refuse(const Species& species, const Section& section, const char* why, const char* help) {
-  throw std::invalid_argument(fmt::format("{} between {:.6g} m and {:.6g} m: {}\n  help: {}", species.name,
-                                          section.begin, section.end, why, help));
+/// What drives levels: a rule refuses everything else.
+[[maybe_unused]] bool can_drive(const RotatingTerm& term) {
+  if (term.twist != 0 || term.motion == FieldMotion::swings) return false;
+  if (term.motion == FieldMotion::swings_in_rotating_wave) return true;
+  return term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0} &&
+         (term.oscillator.turn == Turn::positive || term.oscillator.turn == Turn::negative);
 }
 
-/// What cannot drive levels.
-void require_drive(const RotatingTerm& term, const Species& species, const Section& section) {
-  if (term.twist != 0)
-    refuse(species, section, "the field that drives an atom's levels turns along the beam",
-           "leave out `twist`");
-  if (term.motion == FieldMotion::swings)
-    refuse(species, section, "the levels of an atom are driven in the rotating-wave approximation only",
-           "write `approximation: rotating_wave`");
-  if (term.motion == FieldMotion::swings_in_rotating_wave) return;
-  if (!(term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0}))
-    refuse(species, section, "a field that turns in a tilted plane cannot drive an atom's levels",
-           "leave out its `tilt`");
-  if (term.oscillator.turn == Turn::with_precession || term.oscillator.turn == Turn::against_precession)
-    refuse(species, section, "its levels precess both ways, so `co` and `counter` mean nothing",
-           "write `sense: positive` or `sense: negative`");
-}
-
-LevelZone zone_of(const Section& section, const Species& species) {
-  if (!section.coils.empty())
-    refuse(species, section, "a coil is wound for one moment, and an atom has levels",
-           "drive them with a `rotating_field` or an `oscillating_field`");
-  if (section.field.x != 0 || section.field.y != 0 || section.field.z < 0)
-    refuse(species, section, "an atom with levels flies through fields along +z only",
-           "let the field point along +z");
+LevelZone zone_of(const Section& section) {
+  assert(section.coils.empty() && section.field.x == 0 && section.field.y == 0 && section.field.z >= 0);
   LevelZone zone;
   zone.begin = section.begin;
   zone.end = section.end;
   zone.field = section.field.z;
   for (const RotatingTerm& term : section.rotating) {
     if (term.amplitude == 0) continue;
-    if (zone.drive)
-      refuse(species, section, "two fields drive an atom's levels at one place",
-             "place them one behind the other");
-    require_drive(term, species, section);
+    assert(!zone.drive && can_drive(term));
     zone.drive = term;
   }
   return zone;
@@ -76,13 +52,12 @@ double reach_of(const std::variant<Holes...>& hole) {
 
 }  // namespace
 
-std::vector<LevelZone> driven_zones(const Species& species, const std::vector<Section>& sections, double from,
-                                    double to) {
+std::vector<LevelZone> driven_zones(const std::vector<Section>& sections, double from, double to) {
   std::vector<LevelZone> zones;
   std::size_t last = 0;
   for (const Section& section : sections) {
     if (std::max(section.begin, from) + rounding >= std::min(section.end, to)) continue;
-    LevelZone zone = zone_of(section, species);
+    LevelZone zone = zone_of(section);
     zone.begin = std::max(zone.begin, from);
     zone.end = std::min(zone.end, to);
     const bool driven = zone.drive.has_value();
@@ -108,11 +83,8 @@ double steepest_before(const Plane& asked, const Beamline& beamline, const Secti
   for (const PlacedPart& part : beamline.parts)
     if (const auto* aimed = std::get_if<AimedDirection>(&source.direction);
         aimed != nullptr && part.placement.name == aimed->target) {
-      if (const auto* slit = std::get_if<Slit>(&part.part))
-        pass(part.placement.at, reach_of(slit->opening) + std::hypot(slit->offset.x, slit->offset.z));
-      if (const auto* face = std::get_if<Detector>(&part.part))
-        pass(part.placement.at,
-             reach_of(opening_of(face->face)) + std::hypot(face->offset.x, face->offset.z));
+      const Across across = across_of(part.part).value();
+      pass(part.placement.at, reach_of(across.opening) + std::hypot(across.offset.x, across.offset.z));
     }
   // What a magnet bends keeps its speed along the beam.
   for (const Plane& plane : sections.planes) {

@@ -9,9 +9,8 @@
 namespace rabiline {
 
 /// The fields between two places as an atom sees them, from the first that drives transitions to the last;
-/// nothing where none does. Throws std::invalid_argument where fields do not point along +z, several overlap
-/// that swing, or one is stated by a species' own precession.
-std::vector<LevelZone> driven_zones(const Species&, const std::vector<Section>&, double from, double to);
+/// nothing where none does.
+std::vector<LevelZone> driven_zones(const std::vector<Section>&, double from, double to);
 
 /// The largest angle [rad] to +y at which the source sends anything that may reach a plane, or most of it.
 double steepest_before(const Plane&, const Beamline&, const Sections&);

@@ -3,34 +3,10 @@
 #include "plan/level_history.hpp"
 
 #include <algorithm>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 #include "spin/majorana.hpp"
 
 namespace rabiline {
-namespace {
-
-/// Transitions are tabulated in the slowness alone: two clocks must not differ by the time of emission.
-void require_one_frequency(const std::vector<LevelZone>& zones, const Beamline& beamline,
-                           const Species& species) {
-  if (!beamline.source.pulse) return;
-  const Oscillator* first = nullptr;
-  for (const LevelZone& zone : zones) {
-    if (!zone.drive || zone.drive->oscillator.random_phase) continue;
-    if (first != nullptr && zone.drive->oscillator.frequency != first->frequency)
-      throw std::invalid_argument(fmt::format(
-          "{} between {:.6g} m and {:.6g} m: two clocks of known phases and different frequencies "
-          "drive the levels of a pulsed beam, whose particles find them at different times\n  "
-          "help: write `phase: random` for one of them, or leave out the source's `pulse`",
-          species.name, zones.front().begin, zones.back().end));
-    first = &zone.drive->oscillator;
-  }
-}
-
-}  // namespace
-
 LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species, const Sections& sections,
                                const SpinHistory& spins, bool straight, SampledTables& tables)
     : beamline_(beamline),
@@ -42,10 +18,8 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
       tables_(tables) {}
 
 const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) const {
-  const std::vector<LevelZone> zones =
-      driven_zones(species_, sections_.sections, spins_.known_before(plane), plane.y);
+  const std::vector<LevelZone> zones = driven_zones(sections_.sections, spins_.known_before(plane), plane.y);
   if (zones.empty()) return nullptr;
-  require_one_frequency(zones, beamline_, species_);
   const SlownessRange range =
       slownesses_of(beamline_.source, species_.mass, steepest_before(plane, beamline_, sections_));
   return &tables_.transitions(*species_.structure, zones, range.from, range.to);

@@ -74,6 +74,9 @@ struct Plan {
 /// The most that each thread keeps while a batch passes one stage [bytes].
 std::size_t bytes_of_stages(const Plan&);
 
+/// The beam cut at the edges of its fields; deflecting magnets are planes only where the law lets them
+/// deflect.
+Sections sections_of(const Beamline&);
 /// One scan point's chain of stages for one species, which the tables must outlive.
 std::vector<Stage> compile(const Beamline&, const Component&, const ScreenGrids&, SampledTables&);
 /// The fields along the whole beam as the one moment of a species sees them; none of an atom under `quantum`.

@@ -71,7 +71,6 @@ RegionZone RegionMaker::zone_up_to(double end) {
   const Section& section = *section_;
   RegionZone zone;
   zone.field = zones_.zone_of(section);
-  zones_.require_known_phases(zone.field);
   zone.field.begin = begin_;
   zone.field.end = end;
   zone.wall_radius = section.wall.radius;

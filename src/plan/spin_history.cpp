@@ -38,7 +38,7 @@ double SpinHistory::known_before(const Plane& plane) const {
   return magnet != nullptr && magnet->shape.kind != MagnetKind::gradient ? magnet->end : last->y;
 }
 
-std::vector<SpinZone> SpinHistory::all_before(const Plane& plane) const {
+std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
   const double from = known_before(plane);
   std::vector<SpinZone> zones;
   for (const Section& section : sections_.sections) {
@@ -50,23 +50,14 @@ std::vector<SpinZone> SpinHistory::all_before(const Plane& plane) const {
   return zones;
 }
 
-std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
-  return with_known_phases(all_before(plane));
-}
-
-std::vector<SpinZone> SpinHistory::with_known_phases(std::vector<SpinZone> zones) const {
-  for (const SpinZone& zone : zones) zones_.require_known_phases(zone);
-  return zones;
-}
-
 std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const {
-  const std::vector<SpinZone> zones = all_before(plane);
+  const std::vector<SpinZone> zones = zones_before(plane);
   const UnitVector start = start_before(plane);
   const bool starts_along_z = start.x == 0 && start.y == 0;
   const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
   const auto first =
       starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
-  return with_known_phases(first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{});
+  return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
 }
 
 UnitVector SpinHistory::start_before(const Plane& plane) const {

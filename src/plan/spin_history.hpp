@@ -28,8 +28,6 @@ class SpinHistory {
   UnitVector start_before(const Plane&) const;
 
  private:
-  std::vector<SpinZone> all_before(const Plane&) const;
-  std::vector<SpinZone> with_known_phases(std::vector<SpinZone>) const;
   const Plane* last_known_spin(const Plane& before) const;
 
   const Sections& sections_;

@@ -1,11 +1,9 @@
 #include "plan/zones.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-
-#include <fmt/format.h>
 
 namespace rabiline {
 namespace {
@@ -41,9 +39,7 @@ Vector3 ZoneMaker::static_field(const Section& section) const {
     if (coil.angle == 0) continue;
     // The spin turns with -gamma B.
     const double rate = coil.angle * speed_of(coil.speed, coil_species_.mass) / coil.length;
-    if (coil_species_.gyromagnetic_ratio == 0)
-      throw std::invalid_argument(
-          fmt::format("a coil cannot turn the spin of {}, which has no magnetic moment", coil_species_.name));
+    assert(coil_species_.gyromagnetic_ratio != 0);
     field = field + (-rate / coil_species_.gyromagnetic_ratio) * coil.axis;
   }
   return field;
@@ -59,9 +55,7 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
   const Vector3 axis = along_z ? Vector3{0, 0, 1} : (1 / size) * field;
   zone.spin_rate = -species_.gyromagnetic_ratio * size;
   zone.turn_rate = turning_.rate_per_tesla * size;
-  if (section.rotating.size() > static_cast<std::size_t>(most_drives))
-    throw std::invalid_argument(
-        fmt::format("more than {} alternating fields overlap at one place", most_drives));
+  assert(section.rotating.size() <= static_cast<std::size_t>(most_drives));
   for (const RotatingTerm& term : section.rotating)
     if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term, axis, size);
   choose_frame(zone, axis, size != 0);
@@ -160,19 +154,15 @@ double ZoneMaker::rate_of(const SpinZone& zone) const {
   return std::max({spin, turn, fastest});
 }
 
-/// Beyond this a phase omega t is not known well enough, and the kernels' sine has no digits left
-/// (core/lanes.hpp).
-void ZoneMaker::require_known_phases(const SpinZone& zone) const {
-  constexpr double most = 1e8;  // [rad]: ten times slower particles still stay within 1e9
-  double drive = 0;             // only what moves by itself knows the time of emission
+double ZoneMaker::phase_behind(const SpinZone& zone) const {
+  double drive = 0;  // only what moves by itself knows the time of emission
   for (int i = 0; i < zone.drives; ++i) drive = std::max(drive, std::abs(zone.drive[i].omega));
-  const double phase = rate_of(zone) * zone.end / speed_ + drive * latest_start_;
-  if (!(phase <= most))
-    throw std::invalid_argument(fmt::format(
-        "{} would turn by {:.2g} radians before a particle leaves the field at {:.4g} m: more than "
-        "{:.0e}, where its phase is no longer known\n  help: make the field or the frequency "
-        "smaller, or the particles faster",
-        species_.name, phase, zone.end, most));
+  return rate_of(zone) * zone.end / speed_ + drive * latest_start_;
+}
+
+ZoneMaker zone_maker(const Beamline& beamline, const Species& species) {
+  return {species, beamline.species.front().species, turning_of(beamline.law, species),
+          mean_speed(beamline.source.speed, species.mass), latest_start(beamline.source.pulse)};
 }
 
 bool moves_spin_along_z(const SpinZone& zone) {

@@ -16,6 +16,10 @@ struct Turning {
 };
 Turning turning_of(const Law&, const Species&);
 
+/// Beyond this [rad] a phase omega t is not known well enough, and the kernels' sine has no digits left
+/// (core/lanes.hpp): ten times slower particles still stay within 1e9.
+inline constexpr double most_phase = 1e8;
+
 /// Turns sections into zones for one species.
 class ZoneMaker {
  public:
@@ -29,10 +33,9 @@ class ZoneMaker {
         speed_(speed),
         latest_start_(latest_start) {}
 
-  /// Throws std::invalid_argument where too many fields overlap.
   SpinZone zone_of(const Section&) const;
-  /// Throws std::invalid_argument where so many turns in a zone lose the phase.
-  void require_known_phases(const SpinZone&) const;
+  /// By how much anything has turned when a particle leaves a zone [rad].
+  double phase_behind(const SpinZone&) const;
   /// Sum of everything static in a section [T].
   Vector3 static_field(const Section&) const;
   /// The fastest turning in a zone [rad/s], of field, spin or velocity.
@@ -48,6 +51,9 @@ class ZoneMaker {
   double speed_;
   double latest_start_;
 };
+
+/// The one for a species of a beam, which must outlive it.
+ZoneMaker zone_maker(const Beamline&, const Species&);
 
 /// Whether anything but a static field along z acts on spins there.
 bool moves_spin_along_z(const SpinZone&);

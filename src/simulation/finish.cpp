@@ -94,13 +94,14 @@ class Finisher {
     const auto& parts = experiment_.points.front().parts;
     const ScreenGrids grids = screen_grids(experiment_.points);
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (!std::holds_alternative<Detector>(parts[i].part)) continue;
+      const Detector* screen = detector_in(parts[i].part);
+      if (!screen) continue;
       DetectorResult detector;
       detector.name = parts[i].placement.name;
       detector.label = parts[i].placement.label.value_or(detector.name);
       detector.y = parts[i].placement.at;
-      detector.background = std::get<Detector>(parts[i].part).background;
-      add_axes(grids.at(detector.name), std::get<Detector>(parts[i].part).bins, detector);
+      detector.background = screen->background;
+      add_axes(grids.at(detector.name), screen->bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
       detector.detected_covariance = covariance_of(deviations_[detector.name], experiment_.particles);
       add_detected_of_all(detector);

@@ -23,12 +23,9 @@ class TallyFinisher {
 
   void finish() {
     for (const PlacedPart& part : run_.experiment.points.front().parts) {
-      if (const auto* monitor = std::get_if<Monitor>(&part.part)) {
-        add_monitor(part);
-        for (std::size_t i = 0; i < monitor->tallies.size(); ++i) add_tally(part, monitor->tallies[i], i);
-      }
-      if (const auto* detector = std::get_if<Detector>(&part.part))
-        for (std::size_t i = 0; i < detector->tallies.size(); ++i) add_tally(part, detector->tallies[i], i);
+      if (monitor_in(part.part)) add_monitor(part);
+      const std::vector<Tally>* tallies = tallies_of(part.part);
+      for (std::size_t i = 0; tallies && i < tallies->size(); ++i) add_tally(part, (*tallies)[i], i);
     }
   }
 
@@ -118,9 +115,9 @@ class TallyFinisher {
     out.part = part.placement.name;
     out.part_label = part.placement.label.value_or(out.part);
     out.name = tally.name;
-    out.of_monitor = std::holds_alternative<Monitor>(part.part);
+    const Monitor* monitor = monitor_in(part.part);
+    out.of_monitor = monitor != nullptr;
     out.asks_for_spin = asks_for_spin(tally);
-    const auto* monitor = std::get_if<Monitor>(&part.part);
     if (monitor != nullptr) out.planes = monitor->planes;
     if (out.planes > 1) out.axes.push_back(axis_of_planes(*monitor, part.placement));
     for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, species, levels));
@@ -146,7 +143,7 @@ class TallyFinisher {
   void add_counts(const HistogramSums& layout, std::size_t number, std::size_t plane, std::size_t p,
                   TallyResult& out) {
     const int part = number_of(beamline(p), out.part);
-    const auto* detector = std::get_if<Detector>(&beamline(p).parts[static_cast<std::size_t>(part)].part);
+    const auto* detector = detector_in(beamline(p).parts[static_cast<std::size_t>(part)].part);
     const std::uint64_t each = detector ? counted_of_one(detector->efficiency) : quanta_per_particle;
     Counts bins(layout.bins), outside(1);
     Sum sum = 0;

@@ -8,6 +8,7 @@
 
 #include "physics/agreement.hpp"
 #include "physics/atoms.hpp"
+#include "rules/rules.hpp"
 #include "spin/atoms.hpp"
 
 namespace rabiline::test {
@@ -285,8 +286,11 @@ TEST(CaesiumClock, OfAPulsedBeamHasOneClockAndIsRefusedForTwo) {
   second.oscillator.reset();
   second.frequency = clock_line + 400;
   std::get<OscillatingField>(b.parts[1].part).phase = {Phase::Kind::locked, 0};
-  EXPECT_THROW(levels_of(b), std::invalid_argument);
+  const std::vector<Fault> faults = faults_of(b);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject + "." + faults[0].key, b.parts[2].placement.name + ".phase");
   second.phase = {Phase::Kind::random, 0};
+  EXPECT_TRUE(faults_of(b).empty());
   EXPECT_NO_THROW(levels_of(b));
 }
 

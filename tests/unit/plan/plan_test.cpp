@@ -74,12 +74,6 @@ TEST(Compile, CutsARegionAtSlitsAndScreensInsideIt) {
   EXPECT_EQ(region.zones[2].field.begin, region.zones[2].field.end);
 }
 
-TEST(Compile, RefusesMoreRotatingFieldsAtOnePlaceThanItKnows) {
-  Beamline b = suggested(291e3);
-  for (int i = 0; i < 8; ++i) b.parts.push_back(place("again" + std::to_string(i), 0.35, b.parts[2].part));
-  EXPECT_THROW(compiled(b), std::invalid_argument);
-}
-
 TEST(MakePlan, SharesWhatAFrequencyScanHasInCommon) {
   std::vector<Beamline> points;
   for (int i = 0; i < 7; ++i) points.push_back(suggested(290e3 + i * 1e3));

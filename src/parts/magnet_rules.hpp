@@ -1,0 +1,31 @@
+#pragma once
+// What deflecting magnets must leave free.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "parts/placement.hpp"
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+/// A magnet whose walls stand on the beam's axis; `key` is what moves them.
+template <class Magnet>
+std::vector<Fault> faults_of_axis(const Magnet& part, const Placement& place, std::string_view walls,
+                                  std::string_view key) {
+  SectionBuilder builder(Wall{});
+  contribute(part, place, builder);
+  const auto magnet = std::get<MagnetTerm>(builder.build().planes.front().term);
+  const double c = std::cos(magnet.tilt.y), s = std::sin(magnet.tilt.y);
+  const Offset o = magnet.offset;
+  if (is_free<bool>(magnet.walls, s * o.z - c * o.x, magnet.shape.height - s * o.x - c * o.z)) return {};
+  const bool centred = o == Offset{};
+  return {{place.name, centred ? std::string(key) : "offset",
+           fmt::format("the beam's axis meets the {} of `{}`", walls, place.name),
+           centred ? fmt::format("change `{}`, or make room for the beam", key) : "make its offset smaller"}};
+}
+
+}  // namespace rabiline

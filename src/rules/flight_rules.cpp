@@ -1,0 +1,144 @@
+// What only the fields as each species sees them tell: how far phases are known, and what drives levels.
+#include <algorithm>
+
+#include "plan/level_history.hpp"
+#include "plan/plan.hpp"
+#include "plan/spin_history.hpp"
+#include "plan/tally_plan.hpp"
+#include "rules/room.hpp"
+
+namespace rabiline {
+namespace {
+
+/// The fields that reach over a place; `of_drives`: those with a clock alone.
+std::vector<const PlacedPart*> fields_at(const Beamline& beamline, double y, bool of_drives) {
+  std::vector<const PlacedPart*> out;
+  for (const PlacedPart& part : beamline.parts) {
+    const PartTraits traits = traits_of(part.part);
+    if ((of_drives ? traits.drives : traits.field) && part.placement.at <= y && y < end_of(part))
+      out.push_back(&part);
+  }
+  return out;
+}
+
+/// Every kernel has room for so many fields at one place.
+void check_overlaps(const Beamline& beamline, const Sections& sections, Faults& out) {
+  for (const Section& section : sections.sections) {
+    if (section.rotating.size() <= static_cast<std::size_t>(most_drives)) continue;
+    const double y = (section.begin + section.end) / 2;
+    out.push_back(
+        {fields_at(beamline, y, false).back()->placement.name, "at",
+         fmt::format("{} alternating or turning fields overlap from {} to {}, and {} are the most",
+                     section.rotating.size(), metres(section.begin), metres(section.end), most_drives),
+         "move one of them along the beam"});
+    return;
+  }
+}
+
+/// Magnets, filters, detectors and tallies of spins ask what fields have done.
+bool asks_for_spin(const Plane& plane) {
+  return std::visit(
+      [](const auto& term) {
+        using Term = std::decay_t<decltype(term)>;
+        if constexpr (std::is_same_v<Term, MonitorTerm>)
+          return std::any_of(term.tallies.begin(), term.tallies.end(),
+                             [](const Tally& tally) { return asks_for_spin(tally); });
+        return std::is_same_v<Term, MagnetTerm> || std::is_same_v<Term, ScreenTerm> ||
+               std::is_same_v<Term, FilterTerm>;
+      },
+      plane.term);
+}
+/// Whether it asks for anything but levels along z.
+bool asks_across_z(const Plane& plane) {
+  return std::visit(
+      [](const auto& term) {
+        if constexpr (requires { term.tallies; }) {
+          for (const Tally& tally : term.tallies)
+            for (const TallyAxis& axis : tally.axes)
+              if (axis.axis && (axis.axis->x != 0 || axis.axis->y != 0)) return true;
+          return false;
+        }
+        return std::is_same_v<std::decay_t<decltype(term)>, FilterTerm>;
+      },
+      plane.term);
+}
+
+/// The fields whose phases the spins of a species need: of a straight flight those before each question, else
+/// all that turn the path.
+std::vector<SpinZone> zones_needed(const Beamline& beamline, const Species& species, const Sections& sections,
+                                   const ZoneMaker& zones) {
+  std::vector<SpinZone> out;
+  if (turning_of(beamline.law, species).rate_per_tesla != 0) {
+    for (const Section& section : sections.sections) out.push_back(zones.zone_of(section));
+    return out;
+  }
+  const SpinHistory spins(sections, zones, beamline.source);
+  for (const Plane& plane : sections.planes) {
+    if (!asks_for_spin(plane)) continue;
+    const std::vector<SpinZone> before = is_quantum(beamline) && !asks_across_z(plane)
+                                             ? spins.zones_before_levels(plane)
+                                             : spins.zones_before(plane);
+    out.insert(out.end(), before.begin(), before.end());
+  }
+  return out;
+}
+
+void check_phases(const Beamline& beamline, const Species& species, const Sections& sections, Faults& out) {
+  const ZoneMaker zones = zone_maker(beamline, species);
+  for (const SpinZone& zone : zones_needed(beamline, species, sections, zones)) {
+    const double phase = zones.phase_behind(zone);
+    if (phase <= most_phase) continue;
+    const std::string& name =
+        fields_at(beamline, (zone.begin + zone.end) / 2, zone.drives > 0).back()->placement.name;
+    out.push_back(
+        {name, zone.drives > 0 ? "frequency" : "field",
+         fmt::format("{} would turn by {:.2g} radians before a particle leaves the field at {}: more "
+                     "than {:.0e}, beyond which its phase is no longer known",
+                     species.name, phase, metres(zone.end), most_phase),
+         "make the field or the frequency smaller, or the particles faster"});
+    return;
+  }
+}
+
+/// Transitions are tabulated in the slowness alone: two clocks must not differ by the time of emission.
+void check_clocks(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
+  if (!beamline.source.pulse) return;
+  const ZoneMaker zones = zone_maker(beamline, atom);
+  const SpinHistory spins(sections, zones, beamline.source);
+  for (const Plane& plane : sections.planes) {
+    if (!asks_for_spin(plane)) continue;
+    const LevelDrive* first = nullptr;
+    const std::vector<LevelZone> driven = driven_zones(sections.sections, spins.known_before(plane), plane.y);
+    for (const LevelZone& zone : driven) {
+      if (!zone.drive || zone.drive->random_phase) continue;
+      if (first != nullptr && zone.drive->frequency != first->frequency) {
+        const std::string& name = beamline.parts[static_cast<std::size_t>(zone.drive->clock)].placement.name;
+        const std::string& other = beamline.parts[static_cast<std::size_t>(first->clock)].placement.name;
+        out.push_back(
+            {name, "phase",
+             fmt::format("`{}` and `{}` drive the levels of a pulsed beam with known phases and different "
+                         "frequencies, and its particles find them at different times",
+                         other, name),
+             "write `phase: random` for one of them, or omit the source's `pulse`"});
+        return;
+      }
+      first = &*zone.drive;
+    }
+  }
+}
+
+}  // namespace
+
+void check_flight(const Beamline& beamline, Faults& out) {
+  const Sections sections = sections_of(beamline);
+  check_overlaps(beamline, sections, out);
+  if (!out.empty()) return;
+  for (const Component& component : beamline.species) {
+    if (is_quantum(beamline) && component.species.structure)
+      check_clocks(beamline, component.species, sections, out);
+    else
+      check_phases(beamline, component.species, sections, out);
+  }
+}
+
+}  // namespace rabiline

@@ -1,0 +1,94 @@
+#include "rules/rules.hpp"
+
+#include <algorithm>
+
+#include "core/diagnostics.hpp"
+#include "rules/room.hpp"
+
+namespace rabiline {
+
+const PlacedPart* find_part(const Beamline& beamline, std::string_view name) {
+  for (const PlacedPart& part : beamline.parts)
+    if (part.placement.name == name) return &part;
+  return nullptr;
+}
+
+std::string suggest_name(std::string_view wrong, const std::vector<std::string>& known) {
+  const std::string near = closest(wrong, known);
+  if (!near.empty()) return fmt::format("did you mean `{}`?", near);
+  std::string out;
+  for (const std::string& name : known) out += fmt::format("{}`{}`", out.empty() ? "there is " : ", ", name);
+  return out;
+}
+
+bool is_quantum(const Beamline& beamline) { return std::holds_alternative<QuantumLaw>(beamline.law); }
+
+const Species* atom_of(const Beamline& beamline) {
+  for (const Component& component : beamline.species)
+    if (component.species.structure) return &component.species;
+  return nullptr;
+}
+
+bool turns_paths(const Beamline& beamline) {
+  if (const auto* dorado = std::get_if<DoradoLaw>(&beamline.law)) return dorado->kappa != 0;
+  return std::any_of(beamline.species.begin(), beamline.species.end(),
+                     [](const Component& c) { return c.species.charge != 0; });
+}
+
+void check_names(const Beamline& beamline, Faults& out) {
+  for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
+    const std::string& name = beamline.parts[i].placement.name;
+    const PlacedPart* first = find_part(beamline, name);
+    if (first != &beamline.parts[i])
+      out.push_back({fmt::format("parts[{}]", i), "name",
+                     fmt::format("the name `{}` is taken by the {} at {}", name, kind_of(first->part),
+                                 metres(first->placement.at)),
+                     "names must differ"});
+  }
+}
+
+std::vector<Fault> faults_of(const Beamline& beamline) {
+  Faults out;
+  if (beamline.species.empty()) {
+    out.push_back({"species", "", "nothing flies: there is no species", "write `species: neutron`"});
+    return out;
+  }
+  check_ranges(beamline, out);
+  if (!out.empty()) return out;
+  check_names(beamline, out);
+  for (const PlacedPart& part : beamline.parts)
+    for (Fault& fault : faults_of(part)) out.push_back(std::move(fault));
+  check_species(beamline, out);
+  check_screens(beamline, out);
+  check_tallies(beamline, out);
+  check_source(beamline, out);
+  check_fields(beamline, out);
+  check_magnets(beamline, out);
+  check_atoms(beamline, out);
+  check_walls(beamline, out);
+  if (out.empty()) check_flight(beamline, out);
+  return out;
+}
+
+std::optional<Fault> fault_of_axis(std::string_view parameter, const std::vector<Beamline>& points) {
+  if (std::optional<Fault> fault = fault_of_scanned_tallies(parameter, points)) return fault;
+  for (const Beamline& point : points) {
+    if (point.source.rate != points.front().source.rate)
+      return Fault{
+          "", "",
+          fmt::format("`{}` cannot be scanned: the source's `rate` is a factor of all results", parameter),
+          "keep it in the file, and multiply"};
+    for (const PlacedPart& part : point.parts) {
+      const PlacedPart* first = find_part(points.front(), part.placement.name);
+      const Detector *now = detector_in(part.part), *then = first ? detector_in(first->part) : nullptr;
+      if (now && then && now->bins != then->bins)
+        return Fault{"", "",
+                     fmt::format("`{}` cannot be scanned: all points fill the same histogram of `{}`",
+                                 parameter, part.placement.name),
+                     "make one run for each number of bins"};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace rabiline

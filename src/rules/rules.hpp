@@ -1,0 +1,19 @@
+#pragma once
+// What a beamline must keep to, whether it comes from a file or from a program. Rules of one part stand
+// beside the part; here are those between parts, source, species and law.
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "core/fault.hpp"
+
+namespace rabiline {
+
+/// Everything that is wrong with a beamline; nothing of it may be planned then.
+std::vector<Fault> faults_of(const Beamline&);
+
+/// What may not change along an axis of a scan, at `points`; none where all is well. Its subject is empty.
+std::optional<Fault> fault_of_axis(std::string_view parameter, const std::vector<Beamline>& points);
+
+}  // namespace rabiline
