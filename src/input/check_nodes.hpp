@@ -10,6 +10,7 @@
 #include "beamline/beamline.hpp"
 #include "input/reader.hpp"
 #include "input/scan.hpp"
+#include "transport/stage.hpp"
 
 namespace rabiline {
 
@@ -61,7 +62,13 @@ inline const Place& place_in(const PartNodes& nodes, const PlacedPart& part, std
   return node ? place_of(*node, key) : nowhere;
 }
 
+/// Whether it is a stage of its own, which can be passed in one direction only.
+inline bool is_own_stage(const Part& part) {
+  return std::visit([](const auto& p) { return requires(const StageSite& site) { stage_of(p, site); }; }, part);
+}
+
 inline bool is_field(const Part& part) {
+  if (is_own_stage(part)) return false;
   return std::visit(
       [](const auto& p) {
         return requires { p.length; }

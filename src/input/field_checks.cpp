@@ -134,9 +134,10 @@ bool turns_paths(const Beamline& beamline) {
 
 void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& reading) {
   for (const PlacedPart& part : beamline.parts) {
-    if (!std::holds_alternative<SpinFilter>(part.part)) continue;
+    const bool filters_spins = std::holds_alternative<SpinFilter>(part.part);
+    if (!filters_spins && !is_own_stage(part.part)) continue;
     for (const Component& c : beamline.species)
-      if (std::holds_alternative<QuantumLaw>(beamline.law) && c.species.spin.twice > 1 &&
+      if (filters_spins && law_traits(beamline.law).has_levels && c.species.spin.twice > 1 &&
           !c.species.structure)
         reading.error(place_in(nodes, part, "kind"),
                       fmt::format("`{}` filters spins 1/2, but {} has another spin", part.placement.name,
@@ -150,9 +151,10 @@ void check_filters(const Beamline& beamline, const PartNodes& nodes, Reading& re
     if (field != beamline.parts.end())
       reading.error(
           place_in(nodes, part, "at"),
-          fmt::format("`{}` stands in the field `{}`, which turns the path under this law, and a filter can "
+          fmt::format("`{}` stands in the field `{}`, which turns the path under this law, and a {} can "
                       "only be passed in one direction",
-                      part.placement.name, field->placement.name),
+                      part.placement.name, field->placement.name,
+                      filters_spins ? "filter" : PartNodes::kind_of(*nodes.find(part.placement.name))),
           "move it out of the field, or leave it away under this law");
   }
 }
