@@ -8,12 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "core/unit_vector.hpp"
 #include "input/document.hpp"
 #include "parameter/parameter.hpp"
 #include "particle/source.hpp"
 #include "particle/species.hpp"
 #include "parts/part.hpp"
-#include "core/unit_vector.hpp"
 
 namespace rabiline {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "core/constants.hpp"
+#include "core/unit_vector.hpp"
 #include "models/motion.hpp"
 #include "models/times.hpp"
 #include "particle/species.hpp"
-#include "core/unit_vector.hpp"
 
 namespace rabiline {
 

@@ -90,7 +90,7 @@ TEST(Tally, OfStartTimesIsThePulse) {
   EXPECT_EQ(counts.at(2) + counts.at(3), 0);
   b.source.pulse.reset();
   const Result steady = run_points({b});
-  EXPECT_EQ(steady.tallies.at(0).axes.at(0).mean.at(0), 0);
+  EXPECT_NEAR(steady.tallies.at(0).axes.at(0).mean.at(0), 0, 4e-3 / moment_steps);
   // What is measured against t = 0 of a pulse is start and flight; the flight alone does not know of it.
   const auto mean = [](const Result& r, std::size_t tally) {
     return r.tallies.at(tally).axes.at(0).mean.at(0);
