@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 
 namespace rabiline {
 namespace {
@@ -21,7 +22,7 @@ double mean_of_converted(const GaussianSpeed& law, double mass) {
     const double z = widest * (2.0 * i / (points - 1) - 1);
     const SpeedQuantity q(law.mean.value + z * law.sigma.value, law.mean.dimension);
     if (!(q.value > 0) || speed_of(q, mass) > fastest_speed) continue;
-    const double weight = std::exp(-z * z / 2);
+    const double weight = portable::exp(-z * z / 2);
     sum += weight * speed_of(q, mass);
     all += weight;
   }
@@ -43,9 +44,9 @@ double mean_of(const MaxwellSpeed& law, double mass) {
 /// <y> = M4/M3 of M_n = integral of y^n exp(-S^2 (y-1)^2) over y > 0. With y = 1 + z/S the powers of z are
 /// J_k = integral of z^k exp(-z^2) over z > -S = (-S)^(k-1) exp(-S^2)/2 + (k-1)/2 J_(k-2).
 double mean_of(const SupersonicSpeed& law, double mass) {
-  const double s = law.speed_ratio, edge = std::exp(-s * s) / 2;
-  double j[5] = {std::sqrt(std::numbers::pi) / 2 * (1 + std::erf(s)), edge};
-  for (int k = 2; k < 5; ++k) j[k] = std::pow(-s, k - 1) * edge + 0.5 * (k - 1) * j[k - 2];
+  const double s = law.speed_ratio, edge = portable::exp(-s * s) / 2;
+  double j[5] = {std::sqrt(std::numbers::pi) / 2 * (1 + portable::erf(s)), edge};
+  for (int k = 2; k < 5; ++k) j[k] = portable::pow(-s, k - 1) * edge + 0.5 * (k - 1) * j[k - 2];
   const double m3 = j[0] + 3 * j[1] / s + 3 * j[2] / (s * s) + j[3] / (s * s * s);
   const double m4 = m3 + j[1] / s + 3 * j[2] / (s * s) + 3 * j[3] / (s * s * s) + j[4] / (s * s * s * s);
   return terminal_speed(law, mass) * m4 / m3;

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
 #include "spin/levels.hpp"
@@ -120,11 +121,11 @@ class Emitter {
   void direct(const GaussianDirection& law) { slopes(DirectionKind::gaussian, law.x, law.z); }
   void direct(const BoxDirection& law) { slopes(DirectionKind::box, law.x, law.z); }
   void direct(const ConeDirection& law) {
-    const double half = std::sin(law.half_angle / 2);
+    const double half = portable::sin(law.half_angle / 2);
     slopes(DirectionKind::cone, 2 * half * half, 0);
   }
   void direct(const CosineDirection& law) {
-    const double sine = std::sin(law.half_angle);
+    const double sine = portable::sin(law.half_angle);
     slopes(DirectionKind::cosine, sine * sine, 0);
   }
   void direct(const ChannelDirection& law) {
@@ -148,10 +149,10 @@ class Emitter {
   void tilt(const SourceTilt& tilt) {
     if (tilt.x == 0 && tilt.z == 0) return;
     e_.tilted = true;
-    e_.tilt_cos_x = std::cos(tilt.x);
-    e_.tilt_sin_x = std::sin(tilt.x);
-    e_.tilt_cos_z = std::cos(tilt.z);
-    e_.tilt_sin_z = std::sin(tilt.z);
+    e_.tilt_cos_x = portable::cos(tilt.x);
+    e_.tilt_sin_x = portable::sin(tilt.x);
+    e_.tilt_cos_z = portable::cos(tilt.z);
+    e_.tilt_sin_z = portable::sin(tilt.z);
   }
 
   // ---- spins and times ----

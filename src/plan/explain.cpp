@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/portable_math.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
 #include "plan/explain_magnets.hpp"
@@ -266,7 +267,7 @@ class Explainer {
   }
   void show_drive(const SpinZone& zone, const DriveTerm& drive, double stay) {
     const double omega = drive.omega + drive.twist * speed_, detuning = omega - zone.spin_rate;
-    const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
+    const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
     const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
     if (closed && omega * zone.spin_rate < 0)
       warnings_.push_back(
@@ -290,19 +291,17 @@ class Explainer {
     if (zone.kind == ZoneKind::rotating)
       line("{:>16}resonance width 1/T = {}, flip probability of spin 1/2 here {:.4g}", "",
            pretty_quantity(1 / stay, Dimension::frequency),
-           rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+           rate > 0 ? portable::pow(w1 / rate * portable::sin(rate * stay / 2), 2) : 0.0);
   }
   static double length_of_second(const DriveTerm& drive) {
-    return std::hypot(drive.second[0], drive.second[1], drive.second[2]);
+    return portable::hypot(drive.second[0], drive.second[1], drive.second[2]);
   }
   /// Mean of a drive's size over its length.
   static double mean_size(const DriveTerm& drive) {
     if (drive.shape == Shape::half_sine) return 2 / std::numbers::pi;
-    if (drive.shape == Shape::gaussian) {
-      const double ends = drive.length / (2 * drive.sigma);
-      return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
-    }
-    return 1;
+    if (drive.shape != Shape::gaussian) return 1;
+    const double ends = drive.length / (2 * drive.sigma);
+    return std::sqrt(two_pi) * portable::erf(ends / std::numbers::sqrt2) / (2 * ends);
   }
   /// What the rotating-wave approximation leaves out: the other half of the field shifts the resonance by
   /// f0 (w1/w0)^2/4 (Bloch and Siegert 1940).

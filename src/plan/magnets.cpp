@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "plan/geometry.hpp"
 
 namespace rabiline {
@@ -43,8 +44,8 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   s.x0 = magnet.offset.x;
   s.z0 = magnet.offset.z;
   if (magnet.tilt.y != 0) {
-    s.cosine = std::cos(magnet.tilt.y);
-    s.sine = std::sin(magnet.tilt.y);
+    s.cosine = portable::cos(magnet.tilt.y);
+    s.sine = portable::sin(magnet.tilt.y);
   }
   s.mass = species.mass;
   s.moment = full_moment(species);
@@ -92,7 +93,7 @@ SteeringOutlook outlook_of(const Steering& s, double speed) {
                              [](double q) { return std::sqrt(q); });
   SteeringOutlook out;
   out.field = at.size;
-  out.gradient = std::hypot(at.along_x, at.along_z);
+  out.gradient = portable::hypot(at.along_x, at.along_z);
   out.acceleration = std::abs(s.moment) / s.mass * out.gradient;
   const double turn =
       s.moments.coefficients != nullptr ? out.gradient * out.gradient / (at.size + s.moments.scale) : 0.0;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 
 SampledTable::SampledTable(std::vector<double> at, std::vector<double> density)
@@ -51,20 +53,20 @@ SampledTable supersonic_table(double s) {
   for (int i = 0; i <= cells; ++i) {
     const double y = std::lerp(low, high, static_cast<double>(i) / cells);
     at.push_back(y);
-    density.push_back(y * y * y * std::exp(-s * s * (y - 1) * (y - 1)));
+    density.push_back(y * y * y * portable::exp(-s * s * (y - 1) * (y - 1)));
   }
   return {std::move(at), std::move(density)};
 }
 
 SampledTable angle_table(const ChannelFlow& flow) {
   constexpr int cells = 2048;  // on either side
-  const double edge = std::atan(flow.edge_tangent()), last = std::numbers::pi / 2;
+  const double edge = portable::atan(flow.edge_tangent()), last = std::numbers::pi / 2;
   std::vector<double> at, density;
   for (int i = 0; i < 2 * cells; ++i) {
     const double theta =
         i < cells ? edge * i / cells : std::lerp(edge, last, static_cast<double>(i - cells) / cells);
     at.push_back(theta);
-    density.push_back(flow.angular(std::tan(theta)) * std::sin(2 * theta));
+    density.push_back(flow.angular(portable::tan(theta)) * portable::sin(2 * theta));
   }
   at.push_back(last);
   density.push_back(0);

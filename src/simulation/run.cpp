@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <mutex>
@@ -32,13 +33,18 @@ Sums sums_of(const Snapshot& snapshot) {
   return sums;
 }
 
+Units units_of(const Plan& plan, const RunOptions& options) {
+  return {plan,
+          options.start != nullptr ? options.start->unit_sizes : unit_sizes(plan, options.most_unit_cost)};
+}
+
 /// One run: threads take units until none is left or somebody asks to stop.
 class Runner {
  public:
   Runner(const Plan& plan, const RunOptions& options)
       : plan_(plan),
         options_(options),
-        units_(plan, options.most_unit_cost),
+        units_(units_of(plan, options)),
         shares_(static_cast<std::size_t>(options.threads)) {
     for (Share& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) {
@@ -116,6 +122,7 @@ class Runner {
   Snapshot snapshot() {
     const auto [sums, finished] = collect();
     Snapshot snapshot;
+    snapshot.unit_sizes = units_.sizes();
     snapshot.finished = finished.list();
     for (const Sum sum : sums) {
       snapshot.sums_high.push_back(static_cast<std::uint64_t>(sum >> 64));
@@ -139,6 +146,13 @@ class Runner {
 };
 
 }  // namespace
+
+bool fits(const Snapshot& snapshot, const Plan& plan) {
+  if (snapshot.sums_low.size() != plan.sums || snapshot.unit_sizes.size() != plan.trees.size()) return false;
+  if (std::ranges::find(snapshot.unit_sizes, 0U) != snapshot.unit_sizes.end()) return false;
+  return snapshot.finished.empty() ||
+         snapshot.finished.back().second <= Units(plan, snapshot.unit_sizes).count();
+}
 
 RunOutcome run(const Plan& plan, const RunOptions& options) { return Runner(plan, options).run(); }
 

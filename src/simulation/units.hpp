@@ -13,16 +13,21 @@ struct Unit {
   std::uint64_t first, last;  // particle numbers
 };
 
-/// All units of a plan in order; the same for every machine and every number of threads.
+/// Particles in a unit of each tree: as many as cost about most_cost. They follow from costs in floating
+/// point, so a run that goes on elsewhere takes those that it began with (Snapshot).
+std::vector<std::uint64_t> unit_sizes(const Plan&, double most_cost);
+
+/// All units of a plan in order; the same for every number of threads.
 class Units {
  public:
-  Units(const Plan&, double most_cost);
+  Units(const Plan&, std::vector<std::uint64_t> sizes);
   std::uint64_t count() const { return begin_.back(); }
+  const std::vector<std::uint64_t>& sizes() const { return sizes_; }
   Unit unit(std::uint64_t number) const;
 
  private:
   const Plan& plan_;
-  std::vector<std::uint64_t> block_;  // particles in a unit of each tree
+  std::vector<std::uint64_t> sizes_;
   std::vector<std::uint64_t> begin_;  // first unit of each tree, and the number of all
 };
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 
 namespace rabiline {
 namespace {
@@ -40,10 +41,10 @@ double ratio(double coupling, double detuning) {
 
 double LevelDrive::share(double y) const {
   if (envelope == Envelope::half_sine)
-    return y > begin && y < begin + length ? std::sin(std::numbers::pi * (y - begin) / length) : 0;
+    return y > begin && y < begin + length ? portable::sin(std::numbers::pi * (y - begin) / length) : 0;
   if (envelope == Envelope::gaussian) {
     const double sigmas = (y - begin - length / 2) / sigma;
-    return sigma > 0 ? std::exp(-sigmas * sigmas / 2) : 0;
+    return sigma > 0 ? portable::exp(-sigmas * sigmas / 2) : 0;
   }
   return 1;
 }
@@ -51,13 +52,13 @@ double LevelDrive::share(double y) const {
 DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const LevelDrive& drive) {
   const auto mu = dipole_matrices(spins, levels);
   const bool swings = drive.kind == DriveKind::oscillating;
-  const double across = swings ? std::hypot(drive.direction[0], drive.direction[1]) : 1;
+  const double across = swings ? portable::hypot(drive.direction[0], drive.direction[1]) : 1;
   const double along = swings ? drive.direction[2] : 0;
   DrivenStates states;
   states.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / constants::planck;
   states.coupling =
       -drive.amplitude / constants::planck * (across * mu[0].real() + along * mu[2].real()).eval();
-  states.axis = swings && across > 0 ? std::atan2(drive.direction[1], drive.direction[0]) : 0;
+  states.axis = swings && across > 0 ? portable::atan2(drive.direction[1], drive.direction[0]) : 0;
   // What vanishes by symmetry is zero, not its rounding: levels that do not couple stay apart.
   const double least =
       1e-12 * std::abs(drive.amplitude) *

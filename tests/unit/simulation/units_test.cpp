@@ -16,7 +16,7 @@ TEST(Units, CoverEveryParticleOfEveryTreeOnce) {
   e.points = {b, b};
   e.particles = ScanParticles::independent;
   const Plan plan = make_plan(e);
-  const Units units(plan, 1e-4);
+  const Units units(plan, unit_sizes(plan, 1e-4));
   std::vector<std::uint64_t> next(plan.trees.size(), 0);
   for (std::uint64_t n = 0; n < units.count(); ++n) {
     const Unit u = units.unit(n);
@@ -31,7 +31,7 @@ TEST(Units, AreSmallEnoughToBeSeenBetween) {
   Experiment e;
   for (int i = 0; i < 101; ++i) e.points.push_back(test::suggested(266e3 + i * 500));
   const Plan plan = make_plan(e);
-  const Units units(plan, 0.025);
+  const Units units(plan, unit_sizes(plan, 0.025));
   for (std::uint64_t n = 0; n < units.count(); ++n) {
     const Unit u = units.unit(n);
     EXPECT_LE(static_cast<double>(u.last - u.first) * plan.trees[u.tree].cost, 0.05);
