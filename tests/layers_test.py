@@ -38,6 +38,23 @@ def test_only_input_sees_yaml_and_only_storage_sees_hdf5() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_numbers_of_a_run_come_from_functions_with_the_same_bits_everywhere() -> None:
+    """The C library's differ between processors; square roots, rounding and their like do not."""
+    functions = ("sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2 log10 log1p pow cbrt "
+                 "hypot erf erfc tgamma lgamma polar arg").split()
+    names = "|".join(functions)
+    library, bare = re.compile(rf"\bstd::(?:{names})\s*\("), re.compile(rf"(?<![\w:.>])(?:{names})\s*\(")
+    wrong = []
+    for path in SOURCES:
+        if layer(path) in ("input", "commands") or path.stem in ("lanes", "portable_math"):  # texts, and the functions
+            continue
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            code = re.sub(r'"(?:\\.|[^"\\])*"', '""', line).split("//")[0]
+            if library.search(code) or (layer(path) != "transport" and bare.search(code)):  # kernels call those of the lanes
+                wrong.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
+    assert not wrong, "\n".join(["use core/portable_math.hpp:", *wrong])
+
+
 def test_no_file_is_long() -> None:
     files = SOURCES + sorted((ROOT / "analysis").rglob("*.py"))
     long = {str(path.relative_to(ROOT)): lines for path in files

@@ -12,6 +12,7 @@ from typing import Iterator
 import h5py
 import numpy as np
 
+FORMAT_VERSION = 1  # the newest layout of files that is understood here; files without a version are older
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 
 
@@ -119,6 +120,9 @@ def open_entry(path: Path | str) -> Iterator[Group]:
     with file:
         if "entry" not in file:
             raise FileError(path, "not written by rabiline (it has no group /entry)")
+        version = file.attrs.get("format_version", FORMAT_VERSION)
+        if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
+            raise FileError(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
         yield Group(file, path).group("entry")
 
 

@@ -185,7 +185,7 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   require_memory(plan, a.machine.thread_count());
   for (const std::string& warning : warnings_of_atoms(loaded.experiment, plan))
     fmt::print(stderr, "warning: {}\n", warning);
-  if (start != nullptr && start->sums_low.size() != plan.sums)
+  if (start != nullptr && !fits(*start, plan))
     throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,
                                 arguments_to_resume(a, output));

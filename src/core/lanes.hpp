@@ -126,7 +126,7 @@ RABILINE_LANES real fma(real a, real b, real c) {
 }
 RABILINE_LANES real fnma(real a, real b, real c) { return fma(-a, b, c); }
 RABILINE_LANES real sqrt(real x) {
-#if defined(__SSE2__)
+#if RABILINE_LANE_COUNT == 2 && defined(__SSE2__)
   return _mm_sqrt_pd(x);
 #else
   real r{};
@@ -139,7 +139,7 @@ RABILINE_LANES real floor(real x) {
   return nearest > x ? nearest - 1.0 : nearest;
 }
 RABILINE_LANES unsigned bits_of(mask m) {
-#if defined(__SSE2__)
+#if RABILINE_LANE_COUNT == 2 && defined(__SSE2__)
   return static_cast<unsigned>(_mm_movemask_pd(reinterpret_cast<__m128d>(m)));
 #else
   unsigned bits = 0;
@@ -148,7 +148,7 @@ RABILINE_LANES unsigned bits_of(mask m) {
 #endif
 }
 RABILINE_LANES words product_of_low_words(words a, words b) {
-#if defined(__SSE2__)
+#if RABILINE_LANE_COUNT == 2 && defined(__SSE2__)
   return reinterpret_cast<words>(_mm_mul_epu32(reinterpret_cast<__m128i>(a), reinterpret_cast<__m128i>(b)));
 #else
   return (a & 0xFFFFFFFFULL) * (b & 0xFFFFFFFFULL);

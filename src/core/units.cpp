@@ -12,6 +12,7 @@
 
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
+#include "core/portable_math.hpp"
 
 namespace rabiline {
 namespace {
@@ -349,7 +350,7 @@ std::string write_measured(double value, double uncertainty) {
   // 0.0995 has the two digits 10: the exponent is that of the rounded number.
   const std::string rounded = fmt::format("{:.1e}", uncertainty);
   const int decimals = std::max(0, 1 - std::stoi(rounded.substr(rounded.find('e') + 1)));
-  return fmt::format("{:.{}f}({:.0f})", value, decimals, uncertainty * std::pow(10, decimals));
+  return fmt::format("{:.{}f}({:.0f})", value, decimals, uncertainty * portable::pow(10, decimals));
 }
 
 }  // namespace rabiline

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "core/vector3.hpp"
 #include "field/envelope.hpp"
 
@@ -22,11 +23,11 @@ enum class Turn { positive, negative, with_precession, against_precession };
 inline double share_of(const Envelope& envelope, double y) {
   if (envelope.shape == Shape::half_sine)
     return y > envelope.begin && y < envelope.begin + envelope.length
-               ? std::sin(std::numbers::pi * (y - envelope.begin) / envelope.length)
+               ? portable::sin(std::numbers::pi * (y - envelope.begin) / envelope.length)
                : 0;
   if (envelope.shape == Shape::gaussian) {
     const double sigmas = (y - envelope.begin - envelope.length / 2) / envelope.sigma;
-    return envelope.sigma > 0 ? std::exp(-sigmas * sigmas / 2) : 0;
+    return envelope.sigma > 0 ? portable::exp(-sigmas * sigmas / 2) : 0;
   }
   return 1;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "core/units.hpp"
 #include "models/faults.hpp"
 #include "models/findings.hpp"
@@ -62,9 +63,9 @@ Orbit orbit_of(const BoundCharge& model) {
   }
   // sin(pi) is 1e-16, and an orbit across the field stays there.
   const double sine =
-      std::abs(model.inclination - std::numbers::pi) < 1e-15 ? 0 : std::sin(model.inclination);
+      std::abs(model.inclination - std::numbers::pi) < 1e-15 ? 0 : portable::sin(model.inclination);
   o.r = o.bound() ? Vector3{o.radius, 0, 0} : Vector3{};
-  o.v = speed * Vector3{0, std::cos(model.inclination), sine};
+  o.v = speed * Vector3{0, portable::cos(model.inclination), sine};
   return o;
 }
 
@@ -113,17 +114,17 @@ Path fly_turned(const Orbit& o, double w, const std::vector<double>& times) {
 /// In the frame that turns with w the harmonic binding is an oscillator of sqrt(omega^2 + w^2) along x and y
 /// (the Lorentz and the centrifugal force leave m w^2 rho), of omega along z. Exact.
 Vector3 harmonic_place(const Orbit& o, double t) {
-  const double w = o.larmor, across = std::hypot(o.omega, w);
+  const double w = o.larmor, across = portable::hypot(o.omega, w);
   const Vector3 start = o.v - w * cross(z, o.r);
-  const Vector3 seen{o.r.x * std::cos(across * t), start.y / across * std::sin(across * t),
-                     o.v.z / o.omega * std::sin(o.omega * t)};
+  const Vector3 seen{o.r.x * portable::cos(across * t), start.y / across * portable::sin(across * t),
+                     o.v.z / o.omega * portable::sin(o.omega * t)};
   return turned_about(z, w * t, seen);
 }
 
 double energy(const Orbit& o, const Vector3& r, const Vector3& v) {
   const double square = o.omega * o.omega, kinetic = o.mass / 2 * dot(v, v);
   if (o.force == Force::harmonic) return kinetic + o.mass / 2 * square * dot(r, r);
-  if (o.force == Force::coulomb) return kinetic - o.mass * square * std::pow(o.radius, 3) / length_of(r);
+  if (o.force == Force::coulomb) return kinetic - o.mass * square * portable::pow(o.radius, 3) / length_of(r);
   return kinetic;
 }
 Vector3 angular_momentum(const Orbit& o, const Vector3& r, const Vector3& v) { return o.mass * cross(r, v); }
@@ -186,7 +187,8 @@ void find_precession(const Orbit& o, const Path& path, const std::vector<double>
   constexpr double fewest = 9.5;  // orbits that have a mean
   const double small = std::abs(o.larmor) / o.omega, orbits = times.back() * o.omega / two_pi;
   // Within an orbit L nods by about w/omega: an axis that near to z has no azimuth.
-  if (small > 0.1 || std::sin(inclination) < 10 * small || !(std::sin(inclination) > 1e-6) || orbits < fewest)
+  if (small > 0.1 || portable::sin(inclination) < 10 * small || !(portable::sin(inclination) > 1e-6) ||
+      orbits < fewest)
     return;
   std::vector<Vector3> momenta;
   for (std::size_t i = 0; i < path.r.size(); ++i)
@@ -195,7 +197,7 @@ void find_precession(const Orbit& o, const Path& path, const std::vector<double>
   // To second order the field adds m w^2 rho^2/2 to the energy, on a circle in the mean
   // m w^2 r^2 (1 + cos^2 i)/4 with cos i = L_z/L: L turns by its derivative to L_z (L. Landau, E. Lifshitz,
   // Quantum Mechanics, section 112, has the term; L = m omega r^2).
-  const double second = o.larmor * o.larmor * std::cos(inclination) / (2 * o.omega);
+  const double second = o.larmor * o.larmor * portable::cos(inclination) / (2 * o.omega);
   out.approximate(
       "precession", "Hz", rate / two_pi, (o.larmor + second) / two_pi,
       "turns of L about +z per second, in the mean over orbits: w/(2 pi) with w = -q B/2m, and the "
@@ -228,14 +230,14 @@ void find_mean_torque(const Orbit& o, double inclination, Findings& out) {
   if (!(length_of(claimed) > 1e-6 * 2 * std::abs(o.larmor) * length_of(momentum))) return;
   out.approximate(
       "mean_torque", "1", dot(torque, claimed) / dot(claimed, claimed),
-      o.force == Force::coulomb ? 0.5 - 1.5 * o.larmor / o.omega * std::cos(inclination) : 0.5,
+      o.force == Force::coulomb ? 0.5 - 1.5 * o.larmor / o.omega * portable::cos(inclination) : 0.5,
       "mean of r x (q v x B) over the first orbit, over L x W of eq. 74: one half, since the step to (r x m "
       "v) "
       "x W needs r.v = v.W = 0; and, of a Coulomb orbit, the first order -(3/2) (w/omega) cos(i)");
 }
 
 void find_free(const Orbit& o, const Path& path, const std::vector<double>& times, Findings& out) {
-  if (!(std::hypot(o.v.x, o.v.y) > 1e-9 * length_of(o.v))) return;
+  if (!(portable::hypot(o.v.x, o.v.y) > 1e-9 * length_of(o.v))) return;
   const double rate = angles_about(z, path.v).back() / times.back();
   out.closed_form("turn", "Hz", rate / two_pi, 2 * o.larmor / two_pi,
                   "turns of v about +z per second: -q B/(2 pi m)");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "core/units.hpp"
 #include "models/charged_particle_motions.hpp"
 #include "models/faults.hpp"
@@ -95,7 +96,7 @@ class PathFindings : public Findings {
 
   /// Radius and frequency of a helix, against closed forms; 0 or nothing where it is a straight line.
   double helix(const std::string& name, const Path& path, double rate, const std::string& formula) {
-    const double across = std::hypot(p_.velocity.x, p_.velocity.y);
+    const double across = portable::hypot(p_.velocity.x, p_.velocity.y);
     if (!(across > 1e-9 * p_.speed)) return 0;
     const double angle = angles_about({0, 0, 1}, path.velocity).back();
     closed_form(name + "_frequency", "Hz", angle / times_.back() / two_pi, rate / two_pi,
@@ -123,7 +124,7 @@ void find_anomaly(const Particle& p, const Path& path, const std::vector<double>
   if (!(rate > 0)) return;
   const Vector3 axis = (1 / rate) * relative;
   const std::vector<double> turn = angles_about({0, 0, 1}, path.velocity);
-  const bool across = std::hypot(p.velocity.x, p.velocity.y) > 1e-9 * p.speed;
+  const bool across = portable::hypot(p.velocity.x, p.velocity.y) > 1e-9 * p.speed;
   std::vector<Vector3> seen;
   for (std::size_t i = 0; i < times.size(); ++i)
     seen.push_back(turned_about({0, 0, 1}, across ? -turn[i] : -cyclotron * times[i], path.spin[i]));
@@ -145,7 +146,7 @@ void find_ratio(const Particle& p, const Path& standard, const Path& larmor, dou
         "radius by the Lorentz force over radius by `larmor`: |g|/2 for a slow particle, times the "
         "Lorentz factor for a fast one, since the hypothesis knows no relativity; 1 for g = 2");
   const bool flat = std::abs(p.velocity.z) < 1e-12 * p.speed;
-  if (!flat || std::hypot(p.spin.x, p.spin.y) < 1e-6) return;
+  if (!flat || portable::hypot(p.spin.x, p.spin.y) < 1e-6) return;
   const Vector3 z{0, 0, 1};
   const auto ratio = [&](const Path& path) {
     return angles_about(z, path.spin).back() / angles_about(z, path.velocity).back();
@@ -209,7 +210,7 @@ std::vector<Fact> facts_of(const ChargedParticle& model) {
   const Particle p = particle_of(model);
   const auto hertz = [](double omega) { return pretty_quantity(omega / two_pi, Dimension::frequency); };
   const double cyclotron = -p.charge_rate * p.b.z / p.lorentz, larmor = -p.gamma * p.b.z;
-  const double across = std::hypot(p.velocity.x, p.velocity.y);
+  const double across = portable::hypot(p.velocity.x, p.velocity.y);
   std::vector<Fact> out{
       {"v/c", fmt::format("{:.6g}", p.speed / speed_of_light), fmt::format("gamma = {:.8g}", p.lorentz)},
       {"cyclotron", hertz(cyclotron), "-q B/(2 pi gamma m), turns of v by the Lorentz force about +z"},

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "models/ode.hpp"
 
 namespace rabiline::charged {
@@ -71,12 +72,12 @@ Particle particle_of(const ChargedParticle& model) {
   }
   // sin(pi) is 1e-16, and a particle along the field has nothing across it.
   const auto sine = [](double angle) {
-    return std::abs(angle - std::numbers::pi) < 1e-15 ? 0 : std::sin(angle);
+    return std::abs(angle - std::numbers::pi) < 1e-15 ? 0 : portable::sin(angle);
   };
-  p.velocity = {0, p.speed * sine(model.pitch), p.speed * std::cos(model.pitch)};
+  p.velocity = {0, p.speed * sine(model.pitch), p.speed * portable::cos(model.pitch)};
   const double across = sine(model.spin_angle);
-  p.spin = {-across * std::sin(model.spin_azimuth), across * std::cos(model.spin_azimuth),
-            std::cos(model.spin_angle)};
+  p.spin = {-across * portable::sin(model.spin_azimuth), across * portable::cos(model.spin_azimuth),
+            portable::cos(model.spin_angle)};
   return p;
 }
 

@@ -5,14 +5,15 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "models/ode.hpp"
 
 namespace rabiline::cylinder {
 namespace {
 
 /// sin(x)/x and (1 - cos x)/x, also where x is zero.
-double sine_over(double x) { return x == 0 ? 1 : std::sin(x) / x; }
-double versine_over(double x) { return x == 0 ? 0 : 2 * std::sin(x / 2) * std::sin(x / 2) / x; }
+double sine_over(double x) { return x == 0 ? 1 : portable::sin(x) / x; }
+double versine_over(double x) { return x == 0 ? 0 : 2 * portable::sin(x / 2) * portable::sin(x / 2) / x; }
 
 std::vector<double> times_of(const RotatingCylinder& model) {
   return rabiline::times_of(model.duration, 0, model.samples).all;
@@ -31,7 +32,7 @@ State fast_top(const Numbers& n, double time, const Vector3& axis, double growth
 }
 
 State paper_at(const BodyFixedTorque& torque, const Numbers& n, double speed, double t) {
-  const double angle = n.precession * t, c = std::cos(angle), s = std::sin(angle);
+  const double angle = n.precession * t, c = portable::cos(angle), s = portable::sin(angle);
   State out = fast_top(n, t, {0, s, c}, 1);
   out.velocity = speed * Vector3{0, c, -s};
   out.position = (speed * t) * Vector3{0, sine_over(angle), -versine_over(angle)};
@@ -43,14 +44,14 @@ State paper_at(const BodyFixedTorque& torque, const Numbers& n, double speed, do
 
 /// L(t) = L(0) + M u t leaves z by atan(M t / L0) and grows.
 State paper_at(const SpaceFixedTorque& torque, const Numbers& n, double speed, double t) {
-  const double ratio = n.precession * t, growth = std::hypot(1, ratio);
+  const double ratio = n.precession * t, growth = portable::hypot(1, ratio);
   const double c = 1 / growth, s = ratio / growth;
   State out = fast_top(n, t, {0, s, c}, growth);
   out.velocity = speed * Vector3{0, c, -s};
-  out.position = (speed * t) * Vector3{0, ratio == 0 ? 1 : std::asinh(ratio) / ratio, -ratio / (growth + 1)};
+  out.position = (speed * t) * Vector3{0, ratio == 0 ? 1 : portable::asinh(ratio) / ratio, -ratio / (growth + 1)};
   out.torque = {0, torque.size, 0};
   out.omega_1 = -n.precession / (growth * growth);
-  out.turned = std::atan(ratio);
+  out.turned = portable::atan(ratio);
   return out;
 }
 
@@ -58,9 +59,9 @@ State paper_at(const SpaceFixedTorque& torque, const Numbers& n, double speed, d
 /// since Omega_3 = 0: v(t) = v R_u(a) R_z(-b) y with a = M t/L and b = a cos(angle).
 State paper_at(const FieldTorque& torque, const Numbers& n, double speed, double t) {
   const Vector3 u = pole_of(torque);
-  const double rate = torque.size / n.angular_momentum, a = rate * t, b = a * std::cos(torque.angle);
+  const double rate = torque.size / n.angular_momentum, a = rate * t, b = a * portable::cos(torque.angle);
   State out = fast_top(n, t, turned_about(u, a, {0, 0, 1}), 1);
-  out.velocity = speed * turned_about(u, a, {std::sin(b), std::cos(b), 0});
+  out.velocity = speed * turned_about(u, a, {portable::sin(b), portable::cos(b), 0});
   // The mean over time of (1, cos a, sin a) times (sin b, cos b), by sums and differences of the angles.
   const double sum = a + b, difference = a - b;
   const double cos_cos = (sine_over(sum) + sine_over(difference)) / 2,
@@ -74,8 +75,8 @@ State paper_at(const FieldTorque& torque, const Numbers& n, double speed, double
   out.position = (speed * t) * (mean_turned({1, 0, 0}, versine_over(b), cos_sin, sin_sin) +
                                 mean_turned({0, 1, 0}, sine_over(b), cos_cos, sin_cos));
   out.torque = torque.size * cross(u, out.axis);
-  out.omega_1 = -n.precession * std::cos(b);
-  out.omega_2 = -n.precession * std::sin(b);
+  out.omega_1 = -n.precession * portable::cos(b);
+  out.omega_2 = -n.precession * portable::sin(b);
   out.turned = a;
   return out;
 }
@@ -196,7 +197,7 @@ double size_of(const CylinderTorque& torque) {
 Vector3 pole_of(const CylinderTorque& torque) {
   const auto* field = std::get_if<FieldTorque>(&torque);
   if (!field) return {-1, 0, 0};
-  return {-std::sin(field->angle), 0, std::cos(field->angle)};
+  return {-portable::sin(field->angle), 0, portable::cos(field->angle)};
 }
 
 Numbers numbers_of(const RotatingCylinder& model) {
@@ -207,7 +208,7 @@ Numbers numbers_of(const RotatingCylinder& model) {
   n.spin_rate = constants::two_pi * model.spin;
   n.angular_momentum = n.longitudinal * n.spin_rate;
   n.torque = size_of(model.torque);
-  if (const auto* field = std::get_if<FieldTorque>(&model.torque)) n.torque *= std::sin(field->angle);
+  if (const auto* field = std::get_if<FieldTorque>(&model.torque)) n.torque *= portable::sin(field->angle);
   n.precession = n.torque / n.angular_momentum;
   n.nutation_rate = n.angular_momentum / n.transverse;
   n.fast_top = n.precession / n.nutation_rate;
@@ -220,14 +221,14 @@ double steady_rate(const RotatingCylinder& model, const Numbers& n) {
   if (!field) return n.precession;
   // I1 cos(angle) W^2 - L W + M = 0, the slow root, which tends to M/L.
   const double discriminant =
-      n.angular_momentum * n.angular_momentum - 4 * n.transverse * field->size * std::cos(field->angle);
+      n.angular_momentum * n.angular_momentum - 4 * n.transverse * field->size * portable::cos(field->angle);
   return discriminant < 0 ? 0 : 2 * field->size / (n.angular_momentum + std::sqrt(discriminant));
 }
 
 double start_rate(const RotatingCylinder& model, const Numbers& n) {
   if (model.axis_start == AxisStart::at_rest) return 0;
   const auto* field = std::get_if<FieldTorque>(&model.torque);
-  return -steady_rate(model, n) * (field ? std::sin(field->angle) : 1);
+  return -steady_rate(model, n) * (field ? portable::sin(field->angle) : 1);
 }
 
 std::vector<State> paper(const RotatingCylinder& model, const Numbers& n) {
@@ -252,7 +253,7 @@ std::vector<State> euler(const RotatingCylinder& model, const Numbers& n) {
 Rates linear_solution(const RotatingCylinder& model, const Numbers& n, double time) {
   if (model.axis_start == AxisStart::precessing) return {-n.precession, 0};
   const double phase = n.nutation_rate * time;
-  return {-n.precession * (1 - std::cos(phase)), n.precession * std::sin(phase)};
+  return {-n.precession * (1 - portable::cos(phase)), n.precession * portable::sin(phase)};
 }
 
 }  // namespace rabiline::cylinder

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 
 std::vector<double> angles_about(const Vector3& axis, std::span<const Vector3> vectors) {
   const Vector3 e1 = some_normal(axis), e2 = cross(axis, e1);
-  const auto angle = [&](const Vector3& v) { return std::atan2(dot(e2, v), dot(e1, v)); };
+  const auto angle = [&](const Vector3& v) { return portable::atan2(dot(e2, v), dot(e1, v)); };
   std::vector<double> out{0};
   for (std::size_t i = 1; i < vectors.size(); ++i)
     out.push_back(out.back() +
@@ -21,7 +23,7 @@ std::optional<double> radius_of(std::span<const Vector3> places) {
   Vector3 mean;
   for (const Vector3& p : places) mean = mean + (1 / count) * p;
   double size = 0;
-  for (const Vector3& p : places) size = std::max(size, std::hypot(p.x - mean.x, p.y - mean.y));
+  for (const Vector3& p : places) size = std::max(size, portable::hypot(p.x - mean.x, p.y - mean.y));
   if (!(size > 0)) return std::nullopt;
   // Sums over u, v about the mean in units of the size; the centre c solves M c = b.
   double uu = 0, uv = 0, vv = 0, bu = 0, bv = 0;
@@ -40,7 +42,8 @@ double mean_rate(std::span<const double> times, std::span<const double> values) 
   const double middle = (times.front() + times.back()) / 2, length = times.back() - times.front();
   double up = 0, down = 0;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const double t = times[i] - middle, weight = std::pow(std::cos(std::numbers::pi * t / length), 4);
+    const double t = times[i] - middle,
+                 weight = portable::pow(portable::cos(std::numbers::pi * t / length), 4);
     up += weight * t * values[i];
     down += weight * t * t;
   }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "models/cylinder_motions.hpp"
 #include "models/faults.hpp"
 #include "models/findings.hpp"
@@ -18,7 +19,8 @@ using cylinder::State;
 
 /// Whether the paper's solution is a circle: where the torque stays across the plane that the axis turns in.
 bool is_circle(const CylinderTorque& torque) {
-  if (const auto* field = std::get_if<FieldTorque>(&torque)) return std::abs(std::cos(field->angle)) < 1e-12;
+  if (const auto* field = std::get_if<FieldTorque>(&torque))
+    return std::abs(portable::cos(field->angle)) < 1e-12;
   return std::holds_alternative<BodyFixedTorque>(torque);
 }
 
@@ -159,7 +161,7 @@ class CylinderFindings : private Findings {
       // The mean of omega_1 = -(M/L)(1 - cos kt).
       const double phase = n_.nutation_rate * model_.duration;
       return closed_form(
-          "precession", "rad/s", rate, fast * (1 - std::sin(phase) / phase),
+          "precession", "rad/s", rate, fast * (1 - portable::sin(phase) / phase),
           "mean rate of the axis about its pole: that of the fast top, less what is left of a nod");
     }
     const bool steady = model_.axis_start == AxisStart::precessing &&
@@ -182,12 +184,12 @@ class CylinderFindings : private Findings {
                 largest(euler_,
                         [&](const State& s) {
                           const cylinder::Rates exact = cylinder::linear_solution(model_, n_, s.time);
-                          return std::hypot(s.omega_1 - exact.omega_1, s.omega_2 - exact.omega_2);
+                          return portable::hypot(s.omega_1 - exact.omega_1, s.omega_2 - exact.omega_2);
                         }),
                 0, "largest distance of omega_1 and omega_2 from the closed solution of (6)");
     closed_form("tilt", "rad",
                 largest(euler_, [](const State& s) { return angle_between(s.axis, s.angular_momentum); }),
-                std::atan((at_rest ? 2 : 1) * n_.fast_top),
+                portable::atan((at_rest ? 2 : 1) * n_.fast_top),
                 "largest angle of the axis from the angular momentum, whose closed form needs many samples");
   }
 

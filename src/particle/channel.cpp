@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -58,7 +60,7 @@ void solve_linear(std::vector<std::vector<double>>& a, std::vector<double>& b) {
 
 /// Share of a disc that it has in common with itself moved across by 2q radii, 0 <= q <= 1.
 double overlap(double q) {
-  return 2 / std::numbers::pi * (std::acos(q) - q * std::sqrt(std::max(0.0, 1 - q * q)));
+  return 2 / std::numbers::pi * (portable::acos(q) - q * std::sqrt(std::max(0.0, 1 - q * q)));
 }
 
 }  // namespace
@@ -124,13 +126,13 @@ double ChannelFlow::wall_rate(double x) const {
 double ChannelFlow::angular(double tangent) const {
   const double p = length_ * tangent / 2;
   if (p == 0) return 1;
-  const double last = std::asin(std::min(p, 1.0));
+  const double last = portable::asin(std::min(p, 1.0));
   constexpr int intervals = 128;
   double sum = 0;
   for (int i = 0; i <= intervals; ++i) {
-    const double phi = last * i / intervals, c = std::cos(phi);
+    const double phi = last * i / intervals, c = portable::cos(phi);
     const int w = i == 0 || i == intervals ? 1 : i % 2 ? 4 : 2;
-    sum += w * c * c * wall_rate(std::max(0.0, length_ - 2 * std::sin(phi) / tangent));
+    sum += w * c * c * wall_rate(std::max(0.0, length_ - 2 * portable::sin(phi) / tangent));
   }
   return (p < 1 ? overlap(p) : 0) + 4 / std::numbers::pi * sum * last / (3.0 * intervals);
 }

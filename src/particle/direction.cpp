@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "particle/law_tables.hpp"
 
 namespace rabiline {
@@ -16,22 +17,22 @@ double ParallelDirection::widest_angle(double) const { return 0; }
 DirectionDraw ParallelDirection::draw(LawTables&) const { return {}; }
 
 double GaussianDirection::widest_angle(double deviations) const {
-  return std::atan(deviations * std::hypot(x, z));
+  return portable::atan(deviations * portable::hypot(x, z));
 }
 DirectionDraw GaussianDirection::draw(LawTables&) const { return {DirectionKind::gaussian, x, z}; }
 
-double BoxDirection::widest_angle(double) const { return std::atan(std::hypot(x, z)); }
+double BoxDirection::widest_angle(double) const { return portable::atan(portable::hypot(x, z)); }
 DirectionDraw BoxDirection::draw(LawTables&) const { return {DirectionKind::box, x, z}; }
 
 double ConeDirection::widest_angle(double) const { return half_angle; }
 DirectionDraw ConeDirection::draw(LawTables&) const {
-  const double half = std::sin(half_angle / 2);
+  const double half = portable::sin(half_angle / 2);
   return {DirectionKind::cone, 2 * half * half};
 }
 
 double CosineDirection::widest_angle(double) const { return half_angle; }
 DirectionDraw CosineDirection::draw(LawTables&) const {
-  const double sine = std::sin(half_angle);
+  const double sine = portable::sin(half_angle);
   return {DirectionKind::cosine, sine * sine};
 }
 

@@ -1,3 +1,4 @@
+#include "core/portable_math.hpp"
 #include "particle/law_tables.hpp"
 
 #include <cmath>
@@ -10,13 +11,13 @@ namespace {
 /// its edge; less than 1e-5 in total variation.
 SampledTable angle_table(const ChannelFlow& flow) {
   constexpr int cells = 2048;  // on either side
-  const double edge = std::atan(flow.edge_tangent()), last = std::numbers::pi / 2;
+  const double edge = portable::atan(flow.edge_tangent()), last = std::numbers::pi / 2;
   std::vector<double> at, density;
   for (int i = 0; i < 2 * cells; ++i) {
     const double theta =
         i < cells ? edge * i / cells : std::lerp(edge, last, static_cast<double>(i - cells) / cells);
     at.push_back(theta);
-    density.push_back(flow.angular(std::tan(theta)) * std::sin(2 * theta));
+    density.push_back(flow.angular(portable::tan(theta)) * portable::sin(2 * theta));
   }
   at.push_back(last);
   density.push_back(0);

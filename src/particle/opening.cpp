@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 
 std::vector<Fault> faults_of(const Opening& opening, const std::string& subject, const std::string& key) {
@@ -38,16 +40,16 @@ std::vector<Fault> faults_of_size(const Face& face, const std::string& subject, 
 
 double distance_from_axis(const Opening& opening, Offset offset, double roll) {
   if (const auto* disc = std::get_if<Disc>(&opening))
-    return std::max(0.0, std::hypot(offset.x, offset.z) - disc->radius);
+    return std::max(0.0, portable::hypot(offset.x, offset.z) - disc->radius);
   if (const auto* ring = std::get_if<Ring>(&opening)) {
-    const double centre = std::hypot(offset.x, offset.z);
+    const double centre = portable::hypot(offset.x, offset.z);
     return std::max({0.0, centre - ring->outer_radius, ring->inner_radius - centre});
   }
   const auto& r = std::get<Rectangle>(opening);
   if (roll != 0)
-    offset = {offset.x * std::cos(roll) - offset.z * std::sin(roll),
-              offset.x * std::sin(roll) + offset.z * std::cos(roll)};
-  return std::hypot(std::max(0.0, std::abs(offset.x) - r.width / 2),
+    offset = {offset.x * portable::cos(roll) - offset.z * portable::sin(roll),
+              offset.x * portable::sin(roll) + offset.z * portable::cos(roll)};
+  return portable::hypot(std::max(0.0, std::abs(offset.x) - r.width / 2),
                     std::max(0.0, std::abs(offset.z) - r.height / 2));
 }
 

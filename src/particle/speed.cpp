@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/portable_math.hpp"
 #include "core/constants.hpp"
 #include "particle/law_tables.hpp"
 
@@ -45,7 +46,7 @@ double mean_of_converted(const GaussianSpeed& law, double mass) {
     const double z = widest * (2.0 * i / (points - 1) - 1);
     const SpeedQuantity q(law.mean.value + z * law.sigma.value, law.mean.dimension);
     if (!(q.value > 0) || speed_of(q, mass) > fastest_speed) continue;
-    const double weight = std::exp(-z * z / 2);
+    const double weight = portable::exp(-z * z / 2);
     sum += weight * speed_of(q, mass);
     all += weight;
   }
@@ -61,7 +62,7 @@ SampledTable supersonic_table(double s) {
   for (int i = 0; i <= cells; ++i) {
     const double y = std::lerp(low, high, static_cast<double>(i) / cells);
     at.push_back(y);
-    density.push_back(y * y * y * std::exp(-s * s * (y - 1) * (y - 1)));
+    density.push_back(y * y * y * portable::exp(-s * s * (y - 1) * (y - 1)));
   }
   return {std::move(at), std::move(density)};
 }
@@ -141,9 +142,9 @@ std::vector<StatedSpeed> MaxwellSpeed::stated_speeds(double mass) const {
 /// <y> = M4/M3 of M_n = integral of y^n exp(-S^2 (y-1)^2) over y > 0. With y = 1 + z/S the powers of z are
 /// J_k = integral of z^k exp(-z^2) over z > -S = (-S)^(k-1) exp(-S^2)/2 + (k-1)/2 J_(k-2).
 double SupersonicSpeed::mean_speed(double mass) const {
-  const double s = speed_ratio, edge = std::exp(-s * s) / 2;
-  double j[5] = {std::sqrt(std::numbers::pi) / 2 * (1 + std::erf(s)), edge};
-  for (int k = 2; k < 5; ++k) j[k] = std::pow(-s, k - 1) * edge + 0.5 * (k - 1) * j[k - 2];
+  const double s = speed_ratio, edge = portable::exp(-s * s) / 2;
+  double j[5] = {std::sqrt(std::numbers::pi) / 2 * (1 + portable::erf(s)), edge};
+  for (int k = 2; k < 5; ++k) j[k] = portable::pow(-s, k - 1) * edge + 0.5 * (k - 1) * j[k - 2];
   const double m3 = j[0] + 3 * j[1] / s + 3 * j[2] / (s * s) + j[3] / (s * s * s);
   const double m4 = m3 + j[1] / s + 3 * j[2] / (s * s) + 3 * j[3] / (s * s * s) + j[4] / (s * s * s * s);
   return terminal_speed(*this, mass) * m4 / m3;
@@ -169,7 +170,7 @@ std::vector<StatedSpeed> SupersonicSpeed::stated_speeds(double mass) const {
 /// sqrt(q0) ((1+r)^(3/2) - (1-r)^(3/2))/3r.
 double UniformSpeed::mean_speed(double mass) const {
   const double v = speed_of(mean, mass);
-  if (mean.dimension == Dimension::length) return v * std::atanh(spread) / spread;
+  if (mean.dimension == Dimension::length) return v * portable::asinh(spread / std::sqrt(1 - spread * spread)) / spread;
   if (mean.dimension == Dimension::energy) {
     const double up = 1 + spread, down = 1 - spread;
     return v * (up * std::sqrt(up) - down * std::sqrt(down)) / (3 * spread);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -20,7 +21,7 @@ void contribute(const GuideField& part, const Placement& place, SectionBuilder& 
   const double end = place.at + part.length;
   const Vector3 from = turned(part.from, part.tilt), to = turned(part.to, part.tilt);
   const Vector3 axis = cross(from, to);
-  const double sine = length_of(axis), angle = std::atan2(sine, dot(from, to));
+  const double sine = length_of(axis), angle = portable::atan2(sine, dot(from, to));
   if (sine == 0) {
     builder.uniform(place.at, end, {part.field * from});
   } else {

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/portable_math.hpp"
 #include "parts/placement.hpp"
 #include "section/section_builder.hpp"
 
@@ -19,7 +20,7 @@ std::vector<Fault> faults_of_axis(const Magnet& part, const Placement& place, st
   SectionBuilder builder(Wall{});
   contribute(part, place, builder);
   const auto magnet = std::get<MagnetTerm>(builder.build().planes.front().term);
-  const double c = std::cos(magnet.tilt.y), s = std::sin(magnet.tilt.y);
+  const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
   const Offset o = magnet.offset;
   if (is_free<bool>(magnet.walls, s * o.z - c * o.x, magnet.shape.height - s * o.x - c * o.z)) return {};
   const bool centred = o == Offset{};

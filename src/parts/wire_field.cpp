@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -16,7 +17,7 @@ MagnetShape two_wire_shape(double field, double half_distance, double height) {
 }
 
 Vector3 two_wire_field_on_axis(const MagnetShape& shape, Offset offset, Roll tilt) {
-  const double c = std::cos(tilt.y), s = std::sin(tilt.y), a = shape.half_distance;
+  const double c = portable::cos(tilt.y), s = portable::sin(tilt.y), a = shape.half_distance;
   const double x = s * offset.z - c * offset.x, z = shape.height - s * offset.x - c * offset.z;
   const double right = 1 / ((x - a) * (x - a) + z * z), left = 1 / ((x + a) * (x + a) + z * z);
   const double size = shape.field * (a * a + shape.height * shape.height) / (2 * a);

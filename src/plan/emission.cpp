@@ -63,10 +63,10 @@ class Emitter {
   void tilt(const SourceTilt& tilt) {
     if (tilt.x == 0 && tilt.z == 0) return;
     e_.tilted = true;
-    e_.tilt_cos_x = std::cos(tilt.x);
-    e_.tilt_sin_x = std::sin(tilt.x);
-    e_.tilt_cos_z = std::cos(tilt.z);
-    e_.tilt_sin_z = std::sin(tilt.z);
+    e_.tilt_cos_x = portable::cos(tilt.x);
+    e_.tilt_sin_x = portable::sin(tilt.x);
+    e_.tilt_cos_z = portable::cos(tilt.z);
+    e_.tilt_sin_z = portable::sin(tilt.z);
   }
 
   // ---- spins ----

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/portable_math.hpp"
 #include "core/units.hpp"
 #include "spin/level_names.hpp"
 #include "spin/levels.hpp"
@@ -71,10 +72,10 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
   for (std::size_t i = 0; i < near.size() && i < most; ++i) {
     const Transition& t = near[i];
     std::string flips;
-    if (const double rate = std::hypot(t.rabi, t.detuning);
+    if (const double rate = portable::hypot(t.rabi, t.detuning);
         zone.drive->envelope.shape == Shape::rectangular && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
-                          std::pow(t.rabi / rate * std::sin(std::numbers::pi * rate / width), 2));
+                          portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
     out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}", name_of(structure, t),
                               megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
                               pretty_quantity(t.rabi, Dimension::frequency), flips));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 
 Aperture aperture_of(double y, const Opening& opening, const Offset& offset, const Roll& roll) {
@@ -20,8 +22,8 @@ Aperture aperture_of(double y, const Opening& opening, const Offset& offset, con
     a.half_x = std::get<Rectangle>(opening).width / 2;
     a.half_z = std::get<Rectangle>(opening).height / 2;
     if (roll.y != 0) {
-      a.cosine = std::cos(roll.y);
-      a.sine = std::sin(roll.y);
+      a.cosine = portable::cos(roll.y);
+      a.sine = portable::sin(roll.y);
     }
   }
   return a;
@@ -70,8 +72,8 @@ Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& g
   s.half_z = extent_of(term.face).height / 2;
   s.radius = rim.radius;
   if (term.tilt.y != 0) {
-    s.cosine = std::cos(term.tilt.y);
-    s.sine = std::sin(term.tilt.y);
+    s.cosine = portable::cos(term.tilt.y);
+    s.sine = portable::sin(term.tilt.y);
   }
   s.efficiency = term.efficiency;
   if (term.dead) {

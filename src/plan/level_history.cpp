@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -41,10 +43,10 @@ constexpr double deviations = 4;
 constexpr double widest = 1.3;
 
 /// How far the rim is from the centre.
-double reach_of(const Rectangle& hole) { return std::hypot(hole.width, hole.height) / 2; }
+double reach_of(const Rectangle& hole) { return portable::hypot(hole.width, hole.height) / 2; }
 double reach_of(const Disc& hole) { return hole.radius; }
 double reach_of(const Ring& hole) { return hole.outer_radius; }
-double reach_of(const GaussianSpot& spot) { return deviations * std::hypot(spot.sigma_x, spot.sigma_z); }
+double reach_of(const GaussianSpot& spot) { return deviations * portable::hypot(spot.sigma_x, spot.sigma_z); }
 template <class... Holes>
 double reach_of(const std::variant<Holes...>& hole) {
   return std::visit([](const auto& h) { return reach_of(h); }, hole);
@@ -71,11 +73,11 @@ std::vector<LevelZone> driven_zones(const std::vector<Section>& sections, double
 
 double steepest_before(const Plane& asked, const Beamline& beamline, const Sections& sections) {
   const Source& source = beamline.source;
-  const double tilt = std::acos(std::clamp(std::cos(source.tilt.x) * std::cos(source.tilt.z), -1.0, 1.0));
+  const double tilt = portable::acos(std::clamp(portable::cos(source.tilt.x) * portable::cos(source.tilt.z), -1.0, 1.0));
   const double law =
       std::visit([](const auto& l) { return l.widest_angle(deviations); }, source.direction) + tilt;
   if (law == 0) return 0;
-  const double hole = reach_of(source.opening) + std::hypot(source.offset.x, source.offset.z);
+  const double hole = reach_of(source.opening) + portable::hypot(source.offset.x, source.offset.z);
   double slope = std::numeric_limits<double>::infinity();
   const auto pass = [&](double y, double reach) {
     if (y > 0) slope = std::min(slope, (reach + hole) / y);
@@ -84,7 +86,7 @@ double steepest_before(const Plane& asked, const Beamline& beamline, const Secti
     if (const auto* aimed = std::get_if<AimedDirection>(&source.direction);
         aimed != nullptr && part.placement.name == aimed->target) {
       const Across across = across_of(part.part).value();
-      pass(part.placement.at, reach_of(across.opening) + std::hypot(across.offset.x, across.offset.z));
+      pass(part.placement.at, reach_of(across.opening) + portable::hypot(across.offset.x, across.offset.z));
     }
   // What a magnet bends keeps its speed along the beam.
   for (const Plane& plane : sections.planes) {
@@ -92,19 +94,19 @@ double steepest_before(const Plane& asked, const Beamline& beamline, const Secti
     if (beamline.chamber) pass(plane.y, beamline.chamber->radius);
     const auto* plate = std::get_if<PlateTerm>(&plane.term);
     if (plate != nullptr && !plate->stops_inside)
-      pass(plane.y, reach_of(plate->opening) + std::hypot(plate->offset.x, plate->offset.z));
+      pass(plane.y, reach_of(plate->opening) + portable::hypot(plate->offset.x, plate->offset.z));
     const auto* screen = std::get_if<ScreenTerm>(&plane.term);
     if (screen != nullptr && &plane == &asked)
-      pass(plane.y, reach_of(opening_of(screen->face)) + std::hypot(screen->offset.x, screen->offset.z));
+      pass(plane.y, reach_of(opening_of(screen->face)) + portable::hypot(screen->offset.x, screen->offset.z));
   }
-  return std::min({law, std::atan(slope), widest});
+  return std::min({law, portable::atan(slope), widest});
 }
 
 SlownessRange slownesses_of(const Source& source, double mass, double steepest) {
   const SpeedRange speeds = std::visit([&](const auto& law) { return law.speed_range(mass); }, source.speed);
   // What flies aslant goes more slowly along the beam; in steps, so that scan points share their tables.
   constexpr double step = 0.02;
-  const double longer = 1 + step * std::ceil((1 / std::cos(steepest) - 1) / step);
+  const double longer = 1 + step * std::ceil((1 / portable::cos(steepest) - 1) / step);
   return {1 / speeds.fastest, longer / speeds.slowest};
 }
 

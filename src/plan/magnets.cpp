@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "plan/geometry.hpp"
 
 namespace rabiline {
@@ -42,8 +43,8 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   s.x0 = magnet.offset.x;
   s.z0 = magnet.offset.z;
   if (magnet.tilt.y != 0) {
-    s.cosine = std::cos(magnet.tilt.y);
-    s.sine = std::sin(magnet.tilt.y);
+    s.cosine = portable::cos(magnet.tilt.y);
+    s.sine = portable::sin(magnet.tilt.y);
   }
   s.mass = species.mass;
   s.moment = full_moment(species);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -12,7 +14,7 @@ namespace {
 /// spin and field; the steps are chosen to keep it, and that of the direction at the end, below the usual
 /// error (tests/physics/dorado_test.cpp holds the path to it).
 double steps_per_turn_of_path(double tip, double turns) {
-  return std::clamp(32 * std::pow(500 * tip * tip * turns / 58, 0.25), 8.0, 1000.0);
+  return std::clamp(32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58)), 8.0, 1000.0);
 }
 
 }  // namespace
@@ -58,7 +60,7 @@ double RegionMaker::tip_in(const SpinZone& zone, double stay) const {
   double tip = 0, most = 0;
   for (int i = 0; i < zone.drives; ++i) {
     const double w1 = std::abs(zone.drive[i].spin_rate),
-                 rate = std::hypot(zone.drive[i].omega - zone.spin_rate, w1);
+                 rate = portable::hypot(zone.drive[i].omega - zone.spin_rate, w1);
     most += rate > 0 ? 2 * w1 / rate : 0;
     tip += turning_.take_off_spin_component ? w1 * stay : std::abs(zone.drive[i].turn_rate) * stay;
   }
@@ -85,7 +87,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
   spins_.tip = std::min(1.0, spins_.tip + tip_in(zone.field, stay));
   zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(spins_.tip, turns));
   if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
-  zone.step *= std::pow(turning_.path_error / usual_path_error, 0.25);  // steps are of fourth order
+  zone.step *= std::sqrt(std::sqrt(turning_.path_error / usual_path_error));  // steps are of fourth order
   return zone;
 }
 

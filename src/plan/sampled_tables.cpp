@@ -6,6 +6,8 @@
 #include <cassert>
 #include <exception>
 
+#include "core/portable_math.hpp"
+
 namespace rabiline {
 
 const TransitionTable& SampledTables::transitions(const Structure& structure,

@@ -1,4 +1,5 @@
 // Detectors that cannot stand together, or are not there.
+#include "core/portable_math.hpp"
 #include <cmath>
 
 #include "rules/room.hpp"
@@ -14,7 +15,7 @@ Outline outline_of(const Detector& d) {
   const auto* disc = std::get_if<Disc>(&d.face);
   const Rectangle size = disc ? Rectangle{} : std::get<Rectangle>(d.face);
   return {d.offset.x,         d.offset.z,        size.width / 2, size.height / 2, disc ? disc->radius : 0,
-          std::cos(d.tilt.y), std::sin(d.tilt.y)};
+          portable::cos(d.tilt.y), portable::sin(d.tilt.y)};
 }
 /// How far an outline reaches along a direction (x, z).
 double reach(const Outline& o, double x, double z) {
@@ -26,7 +27,7 @@ double reach(const Outline& o, double x, double z) {
 bool are_apart(const Outline& a, const Outline& b) {
   const double dx = b.x - a.x, dz = b.z - a.z;
   const auto parts = [&](double x, double z) {
-    const double length = std::hypot(x, z);
+    const double length = portable::hypot(x, z);
     return length > 0 &&
            std::abs(dx * x + dz * z) / length >=
                (1 - 1e-12) * (reach(a, x / length, z / length) + reach(b, x / length, z / length));

@@ -1,4 +1,5 @@
 // A source that cannot be as it is written: speeds and directions.
+#include "core/portable_math.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -109,8 +110,8 @@ std::string degrees(double angle) { return fmt::format("{:.4g} deg", angle / rig
 /// Nothing may start backwards.
 void check_tilt(const Source& source, Faults& out) {
   if (source.tilt == SourceTilt{}) return;
-  const double forward = std::cos(source.tilt.x) * std::cos(source.tilt.z);  // y of the axis
-  const double tilt = std::acos(std::clamp(forward, -1.0, 1.0));
+  const double forward = portable::cos(source.tilt.x) * portable::cos(source.tilt.z);  // y of the axis
+  const double tilt = portable::acos(std::clamp(forward, -1.0, 1.0));
   if (tilt >= right_angle - 1e-9) {
     out.push_back({"source", "tilt",
                    fmt::format("the tilt turns the source's axis by {}, off the beam", degrees(tilt)),

@@ -1,4 +1,5 @@
 // Walls that cannot stand together, and what lies outside of them.
+#include "core/portable_math.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -44,7 +45,7 @@ void check_bores(const Beamline& beamline, Faults& out) {
              "give both the same `offset`, or move one of them"});
     }
     if (beamline.chamber && b.offset != Offset{} &&
-        std::hypot(b.offset.x, b.offset.z) + b.radius > beamline.chamber->radius)
+        portable::hypot(b.offset.x, b.offset.z) + b.radius > beamline.chamber->radius)
       out.push_back({name, "offset",
                      fmt::format("the wall of `{}` reaches out of the chamber, whose radius is {}", name,
                                  metres(beamline.chamber->radius)),
@@ -56,10 +57,10 @@ void check_bores(const Beamline& beamline, Faults& out) {
 double farthest_point(const Source& source) {
   const double x = std::abs(source.offset.x), z = std::abs(source.offset.z);
   if (const auto* r = std::get_if<Rectangle>(&source.opening))
-    return std::hypot(x + r->width / 2, z + r->height / 2);
+    return portable::hypot(x + r->width / 2, z + r->height / 2);
   const auto* disc = std::get_if<Disc>(&source.opening);
   const auto* ring = std::get_if<Ring>(&source.opening);
-  return std::hypot(x, z) + (disc ? disc->radius : ring ? ring->outer_radius : 0);
+  return portable::hypot(x, z) + (disc ? disc->radius : ring ? ring->outer_radius : 0);
 }
 
 void check_chamber(const Beamline& beamline, Faults& out) {

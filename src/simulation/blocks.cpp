@@ -4,20 +4,29 @@
 
 namespace rabiline {
 
-Blocks::Blocks(const Plan& plan, double most_cost) : plan_(plan), begin_{0} {
+std::vector<std::uint64_t> block_sizes(const Plan& plan, double most_cost) {
+  std::vector<std::uint64_t> sizes;
   for (const PlanTree& tree : plan.trees) {
     std::uint64_t size = 8;
     while (size < 65536 && 2 * static_cast<double>(size) * tree.cost <= most_cost) size *= 2;
-    size_.push_back(size);
-    begin_.push_back(begin_.back() + (tree.last - tree.first + size - 1) / size);
+    sizes.push_back(size);
+  }
+  return sizes;
+}
+
+Blocks::Blocks(const Plan& plan, std::vector<std::uint64_t> sizes)
+    : plan_(plan), sizes_(std::move(sizes)), begin_{0} {
+  for (std::size_t i = 0; i < sizes_.size(); ++i) {
+    const std::uint64_t particles = plan.trees[i].last - plan.trees[i].first;
+    begin_.push_back(begin_.back() + particles / sizes_[i] + (particles % sizes_[i] != 0 ? 1 : 0));
   }
 }
 
 Block Blocks::block(std::uint64_t number) const {
   const auto after = std::upper_bound(begin_.begin(), begin_.end(), number);
   const auto tree = static_cast<std::size_t>(after - begin_.begin()) - 1;
-  const std::uint64_t first = plan_.trees[tree].first + (number - begin_[tree]) * size_[tree];
-  return {tree, first, std::min(first + size_[tree], plan_.trees[tree].last)};
+  const std::uint64_t first = plan_.trees[tree].first + (number - begin_[tree]) * sizes_[tree];
+  return {tree, first, std::min(first + sizes_[tree], plan_.trees[tree].last)};
 }
 
 void Intervals::insert(std::uint64_t number) {

@@ -13,16 +13,21 @@ struct Block {
   std::uint64_t first, last;  // particle numbers
 };
 
-/// All blocks of a plan in order; the same for every machine and every number of threads.
+/// Particles in a block of each tree: as many as cost about most_cost. They follow from costs in floating
+/// point, so a run that goes on elsewhere takes those that it began with (Snapshot).
+std::vector<std::uint64_t> block_sizes(const Plan&, double most_cost);
+
+/// All blocks of a plan in order; the same for every number of threads.
 class Blocks {
  public:
-  Blocks(const Plan&, double most_cost);
+  Blocks(const Plan&, std::vector<std::uint64_t> sizes);
   std::uint64_t count() const { return begin_.back(); }
+  const std::vector<std::uint64_t>& sizes() const { return sizes_; }
   Block block(std::uint64_t number) const;
 
  private:
   const Plan& plan_;
-  std::vector<std::uint64_t> size_;   // particles in a block of each tree
+  std::vector<std::uint64_t> sizes_;
   std::vector<std::uint64_t> begin_;  // first block of each tree, and the number of all
 };
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/portable_math.hpp"
 #include "plan/plan.hpp"
 #include "simulation/finish.hpp"
 
@@ -25,7 +26,7 @@ inline std::uint64_t counted_of_one(double efficiency) {
 inline double variance_of(const Moments& m, double n, std::uint64_t each = quanta_per_particle) {
   if (m.q2 == m.q * each) {
     const double weight = particles(each);
-    return weight == 0 ? 0 : std::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
+    return weight == 0 ? 0 : portable::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
   }
   const double q = particles(m.q);
   return std::max(0.0, static_cast<double>(m.q2) / (quanta * quanta) - q * q / n);

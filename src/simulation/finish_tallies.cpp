@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/portable_math.hpp"
 #include "plan/tally_plan.hpp"
 #include "simulation/counting.hpp"
 #include "spin/level_names.hpp"
@@ -248,8 +249,8 @@ MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
   double of_mean = 0, of_variance = 0;
   for (const MomentSums& g : groups) {
     const double weight = static_cast<double>(g.q);
-    of_mean += std::pow(first(g) - mean * weight, 2);
-    of_variance += std::pow(second(g) - 2 * mean * first(g) + (mean * mean - variance) * weight, 2);
+    of_mean += portable::pow(first(g) - mean * weight, 2);
+    of_variance += portable::pow(second(g) - 2 * mean * first(g) + (mean * mean - variance) * weight, 2);
   }
   const double n = static_cast<double>(groups.size()), scatter = n / (n - 1), deviation = std::sqrt(variance);
   return {static_cast<double>(centre) + mean, std::sqrt(scatter * of_mean) / q, deviation,
@@ -270,19 +271,19 @@ MeanAndDeviation direction_of(const std::vector<MomentSums>& groups) {
     s += number(g.quu, g.q);
   }
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  const double length = std::hypot(c, s);
+  const double length = portable::hypot(c, s);
   if (q == 0 || length == 0) return {none, none, none, none};
   // Cosines and sines are known to a step of 2/moment_steps: a deviation of less than 0.02 degrees is none.
   const double r = std::min(1.0, length / q),
-               deviation = 1 - r < 2.0 / moment_steps ? 0 : std::sqrt(-2 * std::log(r));
+               deviation = 1 - r < 2.0 / moment_steps ? 0 : std::sqrt(-2 * portable::log(r));
   double across = 0, along = 0;
   for (const MomentSums& g : groups) {
     const double x = number(g.qu, g.q), y = number(g.quu, g.q);
-    across += std::pow((y * c - x * s) / length, 2);
-    along += std::pow((x * c + y * s) / length - r * static_cast<double>(g.q), 2);
+    across += portable::pow((y * c - x * s) / length, 2);
+    along += portable::pow((x * c + y * s) / length - r * static_cast<double>(g.q), 2);
   }
   const double n = static_cast<double>(groups.size()), scatter = n / (n - 1);
-  return {std::atan2(s, c), std::sqrt(scatter * across) / (q * r), deviation,
+  return {portable::atan2(s, c), std::sqrt(scatter * across) / (q * r), deviation,
           deviation > 0 ? std::sqrt(scatter * along) / (q * r * deviation) : 0};
 }
 

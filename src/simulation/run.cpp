@@ -2,6 +2,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <mutex>
@@ -32,13 +33,18 @@ Sums sums_of(const Snapshot& snapshot) {
   return sums;
 }
 
+Blocks blocks_of(const Plan& plan, const RunOptions& options) {
+  return {plan,
+          options.start != nullptr ? options.start->block_sizes : block_sizes(plan, options.most_block_cost)};
+}
+
 /// One run: threads take blocks until none is left or somebody asks to stop.
 class Runner {
  public:
   Runner(const Plan& plan, const RunOptions& options)
       : plan_(plan),
         options_(options),
-        blocks_(plan, options.most_block_cost),
+        blocks_(blocks_of(plan, options)),
         shares_(static_cast<std::size_t>(options.threads)) {
     for (Share& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) {
@@ -116,6 +122,7 @@ class Runner {
   Snapshot snapshot() {
     const auto [sums, finished] = collect();
     Snapshot snapshot;
+    snapshot.block_sizes = blocks_.sizes();
     snapshot.finished = finished.list();
     for (const Sum sum : sums) {
       snapshot.sums_high.push_back(static_cast<std::uint64_t>(sum >> 64));
@@ -139,6 +146,13 @@ class Runner {
 };
 
 }  // namespace
+
+bool fits(const Snapshot& snapshot, const Plan& plan) {
+  if (snapshot.sums_low.size() != plan.sums || snapshot.block_sizes.size() != plan.trees.size()) return false;
+  if (std::ranges::find(snapshot.block_sizes, 0U) != snapshot.block_sizes.end()) return false;
+  return snapshot.finished.empty() ||
+         snapshot.finished.back().second <= Blocks(plan, snapshot.block_sizes).count();
+}
 
 RunOutcome run(const Plan& plan, const RunOptions& options) { return Runner(plan, options).run(); }
 

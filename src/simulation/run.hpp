@@ -24,7 +24,7 @@ struct RunOptions {
   std::function<void(const Progress&)> progress;  // by one thread at a time, a few times a second
   std::function<void(const Snapshot&)> snapshot;  // likewise, every snapshot_seconds and when stopped
   double snapshot_seconds = 60;
-  const Snapshot* start = nullptr;  // goes on from here
+  const Snapshot* start = nullptr;  // goes on from here; must fit
 };
 
 /// What a run leaves: its sums, and whether all blocks are in them.
@@ -32,6 +32,9 @@ struct RunOutcome {
   Sums sums;
   bool finished = false;
 };
+
+/// Whether a run of this plan can go on from the snapshot.
+bool fits(const Snapshot&, const Plan&);
 
 /// Flies every particle of the plan through its tree. The sums are the same bits for any number of threads,
 /// any batch size, any instruction set, and however often the run was stopped and went on.

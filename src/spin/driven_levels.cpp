@@ -245,7 +245,7 @@ class BlockBuilder {
       error = (fine - coarse).cwiseAbs().maxCoeff() / 15;
       coarse = fine;
     }
-    const double factor = std::clamp(std::pow(error / aim, 0.25), 0.5, 8.0);
+    const double factor = std::clamp(std::sqrt(std::sqrt(error / aim)), 0.5, 8.0);
     pass(out, stretch, magnus_slices(stretch, std::max(4, static_cast<int>(std::ceil(factor * steps)))));
   }
 

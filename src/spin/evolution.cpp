@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 
 namespace rabiline {
 namespace {
@@ -15,7 +16,7 @@ constexpr int smallest_product = 4;  // matrices below are multiplied faster wit
 template <typename Row>
 void turn_row(Row&& row, double cycles) {
   const double angle = constants::two_pi * (cycles - std::nearbyint(cycles));
-  const double c = std::cos(angle), s = std::sin(angle);
+  const double c = portable::cos(angle), s = portable::sin(angle);
   const Eigen::Index n = row.size() / 2;
   double *re = row.data(), *im = re + n;
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -133,7 +134,8 @@ Eigen::MatrixXd Evolution::probabilities(double slowness) const {
         double cycles = 0;
         for (int c = 0; c < random_angles_; ++c)
           cycles += segments_[k + 1].random(c, i) * sample(c) / static_cast<double>(count[c]);
-        turned.row(i) *= std::polar(1.0, constants::two_pi * (cycles - std::nearbyint(cycles)));
+        const double angle = constants::two_pi * (cycles - std::nearbyint(cycles));
+        turned.row(i) *= std::complex(portable::cos(angle), portable::sin(angle));
       }
       all.noalias() = later[k] * turned;
     }

@@ -5,7 +5,7 @@
 namespace rabiline {
 namespace {
 
-double factorial(int n) { return std::tgamma(n + 1.0); }
+double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
 using Polynomial = std::vector<double>;
 

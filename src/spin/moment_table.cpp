@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "spin/levels.hpp"
 
 namespace rabiline {
@@ -29,7 +30,7 @@ double zero_field_spread(const CoupledSpins& spins) {
 /// The Chebyshev points of [0, 1].
 Eigen::Vector4d chebyshev_points() {
   Eigen::Vector4d points;
-  for (int k = 0; k < 4; ++k) points(k) = (1 - std::cos((2 * k + 1) * std::numbers::pi / 8)) / 2;
+  for (int k = 0; k < 4; ++k) points(k) = (1 - portable::cos((2 * k + 1) * std::numbers::pi / 8)) / 2;
   return points;
 }
 

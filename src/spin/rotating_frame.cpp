@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 
 namespace rabiline {
 namespace {
@@ -40,13 +41,13 @@ double ratio(double coupling, double detuning) {
 DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive) {
   const auto mu = dipole_matrices(spins, levels);
   const bool swings = sense_of(drive) == 0;
-  const double across = swings ? std::hypot(drive.first.x, drive.first.y) : 1;
+  const double across = swings ? portable::hypot(drive.first.x, drive.first.y) : 1;
   const double along = swings ? drive.first.z : 0;
   DrivenStates states;
   states.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / constants::planck;
   states.coupling =
       -drive.amplitude / constants::planck * (across * mu[0].real() + along * mu[2].real()).eval();
-  states.axis = swings && across > 0 ? std::atan2(drive.first.y, drive.first.x) : 0;
+  states.axis = swings && across > 0 ? portable::atan2(drive.first.y, drive.first.x) : 0;
   // What vanishes by symmetry is zero, not its rounding: levels that do not couple stay apart.
   const double least =
       1e-12 * std::abs(drive.amplitude) *

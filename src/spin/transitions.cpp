@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "spin/angular_momentum.hpp"
 #include "spin/levels.hpp"
 
@@ -63,7 +64,7 @@ std::vector<double> thermal_populations(const Levels& levels, double temperature
   std::vector<double> shares;
   double sum = 0;
   for (const double energy : levels.energy) {
-    shares.push_back(std::exp(-(energy - lowest) / (constants::boltzmann * temperature)));
+    shares.push_back(portable::exp(-(energy - lowest) / (constants::boltzmann * temperature)));
     sum += shares.back();
   }
   for (double& share : shares) share /= sum;
@@ -76,7 +77,7 @@ std::vector<double> zero_moment_fields(const CoupledSpins& spins, int level, dou
   std::vector<double> zeros;
   double left = from, left_moment = moment.at(from);
   for (int k = 1; k <= steps; ++k) {
-    const double right = k == steps ? to : from * std::pow(to / from, k / double{steps});
+    const double right = k == steps ? to : from * portable::pow(to / from, k / double{steps});
     const double right_moment = moment.at(right);
     if (left_moment == 0)
       zeros.push_back(left);

@@ -20,7 +20,7 @@ using Path = std::filesystem::path;
 constexpr std::size_t header_size = 512;  // the smallest user block that HDF5 skips
 // The most that a checkpoint may hold: far above what runs need, and what a machine can still read.
 constexpr std::size_t most_sums = std::size_t{1} << 29, most_intervals = std::size_t{1} << 24,
-                      most_text = std::size_t{1} << 28;
+                      most_trees = std::size_t{1} << 24, most_text = std::size_t{1} << 28;
 constexpr std::uintmax_t most_bytes_on_disk = std::uintmax_t{1} << 34;
 
 [[noreturn]] void refuse(const Path& path, std::string_view why) {
@@ -29,7 +29,7 @@ constexpr std::uintmax_t most_bytes_on_disk = std::uintmax_t{1} << 34;
 }
 
 std::string header_for(std::uint64_t size, std::uint64_t checksum) {
-  std::string header = fmt::format("rabiline checkpoint 1\nHDF5 of {} bytes from byte {}\nFNV-1a {:016x}\n",
+  std::string header = fmt::format("rabiline checkpoint 2\nHDF5 of {} bytes from byte {}\nFNV-1a {:016x}\n",
                                    size, header_size, checksum);
   header.resize(header_size, '\n');
   return header;
@@ -68,7 +68,8 @@ std::size_t total_size(const std::vector<std::string>& texts) {
 /// read.
 void require_valid(const Snapshot& snapshot, const Path& path) {
   if (snapshot.sums_high.size() != snapshot.sums_low.size()) refuse(path, "its sums are incomplete");
-  if (snapshot.sums_high.size() > most_sums || snapshot.finished.size() > most_intervals)
+  if (snapshot.sums_high.size() > most_sums || snapshot.finished.size() > most_intervals ||
+      snapshot.block_sizes.size() > most_trees)
     refuse(path, "it is too large");
   std::uint64_t free_from = 0;
   for (const auto& [begin, end] : snapshot.finished) {
@@ -103,6 +104,7 @@ hdf5::FileWriter build(const Snapshot& snapshot, const Path& path) {
     if (total_size(texts) > most_text) refuse(path, "its texts are too large");
     root.dataset(name, {texts.size()}, texts);
   };
+  root.dataset("block_sizes", {snapshot.block_sizes.size()}, snapshot.block_sizes);
   root.dataset("finished_begin", {begins.size()}, begins);
   root.dataset("finished_end", {ends.size()}, ends);
   root.dataset("sums_high", {snapshot.sums_high.size()}, snapshot.sums_high);
@@ -124,6 +126,7 @@ Snapshot read_contents(const Path& path) {
   if (fingerprints.size() != 1 || paths.size() != texts.size()) refuse(path, "its texts are incomplete");
   Snapshot snapshot;
   snapshot.fingerprint = fingerprints.front();
+  snapshot.block_sizes = file.numbers("block_sizes", most_trees);
   for (std::size_t i = 0; i < begins.size(); ++i) snapshot.finished.emplace_back(begins[i], ends[i]);
   snapshot.sums_high = file.numbers("sums_high", most_sums);
   snapshot.sums_low = file.numbers("sums_low", most_sums);

@@ -86,6 +86,7 @@ GroupWriter write_entry(hdf5::FileWriter& file, const std::string& file_name, co
   root.attribute("default", "entry");
   root.attribute("creator", "rabiline");
   root.attribute("creator_version", version);
+  root.attribute("format_version", format_version);
   root.attribute("file_name", file_name);
   root.attribute("file_time", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))));
   root.attribute("HDF5_Version", hdf5_version());

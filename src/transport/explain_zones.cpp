@@ -1,4 +1,5 @@
 // What `check` tells of the fields in one zone.
+#include "core/portable_math.hpp"
 #include <cmath>
 #include <numbers>
 
@@ -12,14 +13,14 @@ constexpr double two_pi = 2 * std::numbers::pi;
 std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
 
 double length_of_second(const DriveTerm& drive) {
-  return std::hypot(drive.second[0], drive.second[1], drive.second[2]);
+  return portable::hypot(drive.second[0], drive.second[1], drive.second[2]);
 }
 /// Mean of a drive's size over its length.
 double mean_size(const DriveTerm& drive) {
   if (drive.envelope.shape == Shape::half_sine) return 2 / std::numbers::pi;
   if (drive.envelope.shape == Shape::gaussian) {
     const double ends = drive.envelope.length / (2 * drive.envelope.sigma);
-    return std::sqrt(two_pi) * std::erf(ends / std::numbers::sqrt2) / (2 * ends);
+    return std::sqrt(two_pi) * portable::erf(ends / std::numbers::sqrt2) / (2 * ends);
   }
   return 1;
 }
@@ -27,8 +28,8 @@ double mean_size(const DriveTerm& drive) {
 /// which falls steadily from its middle on where the tip angle w1 T is at most pi: 0.7987/T there.
 double width_of_line(double w1, double time) {
   const auto flip = [&](double detuning) {
-    const double rate = std::hypot(w1, detuning);
-    return std::pow(w1 / rate * std::sin(rate * time / 2), 2);
+    const double rate = portable::hypot(w1, detuning);
+    return portable::pow(w1 / rate * portable::sin(rate * time / 2), 2);
   };
   double inside = 0, outside = two_pi / time;
   for (int i = 0; i < 60; ++i) {
@@ -39,7 +40,7 @@ double width_of_line(double w1, double time) {
 }
 void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, PlanReport& report) {
   const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
-  const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
+  const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
   const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
   if (closed && omega * zone.spin_rate < 0)
     report.warn(
@@ -69,7 +70,7 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
                     ? fmt::format(", FWHM of the line {}, both at the mean speed",
                                   pretty_quantity(width_of_line(std::abs(w1), stay), Dimension::frequency))
                     : "",
-                rate > 0 ? std::pow(w1 / rate * std::sin(rate * stay / 2), 2) : 0.0);
+                rate > 0 ? portable::pow(w1 / rate * portable::sin(rate * stay / 2), 2) : 0.0);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "particle/fate.hpp"
 #include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
@@ -24,7 +25,7 @@ double Attenuation::y() const { return at; }
 double Attenuation::cost(double) const { return cost::plane; }
 void Attenuation::explain(PlanReport& report) const {
   report.line("{}  {}: gas lets {:.4g} of each weight along the beam pass{}", PlanReport::metres(at),
-              report.name_of(part), std::exp(-depth), report.reuse);
+              report.name_of(part), portable::exp(-depth), report.reuse);
 }
 /// It changes weights.
 bool Attenuation::follows_paths() const { return false; }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "particle/fate.hpp"
 #include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
@@ -86,7 +87,7 @@ SteeringOutlook outlook_of(const Steering& s, double speed) {
                              [](double q) { return std::sqrt(q); });
   SteeringOutlook out;
   out.field = at.size;
-  out.gradient = std::hypot(at.along_x, at.along_z);
+  out.gradient = portable::hypot(at.along_x, at.along_z);
   out.acceleration = std::abs(s.moment) / s.mass * out.gradient;
   const double turn =
       s.moments.coefficients != nullptr ? out.gradient * out.gradient / (at.size + s.moments.scale) : 0.0;

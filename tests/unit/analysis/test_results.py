@@ -1,6 +1,7 @@
 """Reading the files of `rabiline run` and `rabiline trace`."""
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import h5py
@@ -19,6 +20,27 @@ def test_a_run_without_a_scan_is_one_point(tmp_path: Path) -> None:
     assert read.detectors["screen"].counts.sum() == 5000
     assert read.laws == ("quantum",) and read.particles.tolist() == [10000]
     assert read.program == "rabiline 0.1.0"
+
+
+def test_a_file_of_format_version_1_reads_as_it_was_written(tmp_path: Path) -> None:
+    written = tmp_path / "format_version_1.h5"
+    written.write_bytes(gzip.decompress((Path(__file__).parent / "format_version_1.h5.gz").read_bytes()))
+    read = results.read(written)
+    assert [axis.parameter for axis in read.scan.axes] == ["law", "H0.frequency"] and read.scan.shape == (2, 3)
+    assert read.scan.axes[0].labels[0] == "quantum" and read.scan.axes[0].labels[1].startswith("dorado")
+    assert read.scan.detectors == ("screen",) and read.scan.covariance is not None
+    assert set(read.particles) == {24} and read.simulation["seed"] == "7"
+    assert read.detectors["screen"].counts.shape == (6, 2, 2)
+    assert read.detectors["screen"].levels.labels[:2] == ("m = +1/2", "m = -1/2")
+    assert read.fates
+
+
+def test_a_file_of_a_later_format_version_is_refused(tmp_path: Path) -> None:
+    path = write_results(tmp_path / "a.h5", [], np.array([0.5]), law=["quantum"], bins=8)
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 2
+    with pytest.raises(FileError, match="has format version 2; this program reads versions up to 1"):
+        results.read(path)
 
 
 def test_a_scan_has_its_axis_in_si_units(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@
 #include <memory>
 #include <random>
 
+#include "core/portable_math.hpp"
 #include "lanes_kernels.hpp"
 
 namespace rabiline {
@@ -116,6 +117,32 @@ TEST_P(SameBits, come_from_the_random_numbers) {
   expect_same("uniforms", [&](auto& k, Column& y, Column& z) {
     k.uniforms(*particle, 0x0123456789abcdefULL, 65535, 17, 4294967295U, y, z);
   });
+}
+
+TEST(PortableMath, HasTheBitsOfTheKernels) {
+  const LanesKernels& kernels = lanes_kernels_for(Isa::baseline);
+  Column sine, cosine, exponential, logarithm, arc;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const auto x = numbers(seed);
+    kernels.sincos(*x, sine, cosine);
+    kernels.exp(*x, exponential);
+    kernels.log(*x, logarithm);
+    kernels.atan(*x, arc);
+    for (int i = 0; i < Column::length; ++i) {
+      const double at = x->value[i];
+      if (std::abs(at) <= 1e9) {
+        ASSERT_EQ(portable::sin(at), sine.value[i]) << at;
+        ASSERT_EQ(portable::cos(at), cosine.value[i]) << at;
+      }
+      if (std::abs(at) <= 700) {
+        ASSERT_EQ(portable::exp(at), exponential.value[i]) << at;
+      }
+      if (at >= std::numeric_limits<double>::min() && at < infinity) {
+        ASSERT_EQ(portable::log(at), logarithm.value[i]) << at;
+      }
+      ASSERT_EQ(portable::atan(at), arc.value[i]) << at;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(on, SameBits, testing::Values(Isa::avx2, Isa::avx512),

@@ -16,7 +16,7 @@ TEST(Blocks, CoverEveryParticleOfEveryTreeOnce) {
   e.points = {b, b};
   e.particles = ScanParticles::independent;
   const Plan plan = make_plan(e);
-  const Blocks blocks(plan, 1e-4);
+  const Blocks blocks(plan, block_sizes(plan, 1e-4));
   std::vector<std::uint64_t> next(plan.trees.size(), 0);
   for (std::uint64_t n = 0; n < blocks.count(); ++n) {
     const Block block = blocks.block(n);
@@ -31,7 +31,7 @@ TEST(Blocks, AreSmallEnoughToBeSeenBetween) {
   Experiment e;
   for (int i = 0; i < 101; ++i) e.points.push_back(test::suggested(266e3 + i * 500));
   const Plan plan = make_plan(e);
-  const Blocks blocks(plan, 0.025);
+  const Blocks blocks(plan, block_sizes(plan, 0.025));
   for (std::uint64_t n = 0; n < blocks.count(); ++n) {
     const Block block = blocks.block(n);
     EXPECT_LE(static_cast<double>(block.last - block.first) * plan.trees[block.tree].cost, 0.05);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "physics/suggested.hpp"
+#include "simulation/units.hpp"
 
 namespace rabiline {
 namespace {
@@ -143,9 +146,31 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   stop = false;
   options.snapshot = {};
   options.start = &kept;
+  options.most_unit_cost = 1e-3;  // the units stay those of the snapshot
   const RunOutcome outcome = run(plan, options);
   EXPECT_TRUE(outcome.finished);
   EXPECT_TRUE(outcome.sums == expected);
+}
+
+TEST(Run, GoesOnOnlyFromASnapshotThatFitsItsPlan) {
+  const Plan plan = make_plan(everything());
+  const std::uint64_t units = Units(plan, block_sizes(plan, 1e-5)).count();
+  Snapshot snapshot;
+  snapshot.block_sizes = block_sizes(plan, 1e-5);
+  snapshot.finished = {{0, units}};
+  snapshot.sums_high.resize(plan.sums);
+  snapshot.sums_low.resize(plan.sums);
+  EXPECT_TRUE(fits(snapshot, plan));
+  const auto broken = [&](const std::function<void(Snapshot&)>& change) {
+    Snapshot changed = snapshot;
+    change(changed);
+    return changed;
+  };
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.sums_low.pop_back(); }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes.push_back(8); }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes[0] = 0; }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.finished.back().second += 1; }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes[0] *= 2; }), plan));
 }
 
 TEST(Run, CarriesAnExceptionOutOfItsThreads) {

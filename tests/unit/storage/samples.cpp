@@ -150,6 +150,7 @@ std::vector<Track> tracks() {
 Snapshot snapshot(std::uint64_t number, std::size_t sums) {
   Snapshot made;
   made.fingerprint = "experiment 1938";
+  made.block_sizes = {8, 4096 + number};
   made.finished = {{0, number + 1}, {number + 1, number + 5}, {number + 9, ~std::uint64_t{0}}};
   for (std::uint64_t i = 0; i < sums; ++i) {
     made.sums_high.push_back(i % 7);
@@ -164,7 +165,7 @@ bool same(const Snapshot& a, const Snapshot& b) {
   const auto same_input = [](const InputText& left, const InputText& right) {
     return left.path == right.path && left.text == right.text;
   };
-  return a.fingerprint == b.fingerprint && a.finished == b.finished && a.sums_high == b.sums_high &&
+  return a.fingerprint == b.fingerprint && a.block_sizes == b.block_sizes && a.finished == b.finished && a.sums_high == b.sums_high &&
          a.sums_low == b.sums_low && a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
