@@ -107,13 +107,14 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
   const SpinHistory spins(sections, zones, beamline.source);
   for (const Plane& plane : sections.planes) {
     if (!asks_for_spin(plane)) continue;
-    const LevelDrive* first = nullptr;
+    const Oscillator* first = nullptr;
     const std::vector<LevelZone> driven = driven_zones(sections.sections, spins.known_before(plane), plane.y);
     for (const LevelZone& zone : driven) {
-      if (!zone.drive || zone.drive->random_phase) continue;
-      if (first != nullptr && zone.drive->frequency != first->frequency) {
-        const std::string& name = beamline.parts[static_cast<std::size_t>(zone.drive->clock)].placement.name;
-        const std::string& other = beamline.parts[static_cast<std::size_t>(first->clock)].placement.name;
+      if (!zone.drive || zone.drive->oscillator.random_phase) continue;
+      const Oscillator& clock = zone.drive->oscillator;
+      if (first != nullptr && clock.frequency != first->frequency) {
+        const std::string& name = beamline.parts[static_cast<std::size_t>(clock.part)].placement.name;
+        const std::string& other = beamline.parts[static_cast<std::size_t>(first->part)].placement.name;
         out.push_back(
             {name, "phase",
              fmt::format("`{}` and `{}` drive the levels of a pulsed beam with known phases and different "
@@ -122,7 +123,7 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
              "write `phase: random` for one of them, or omit the source's `pulse`"});
         return;
       }
-      first = &*zone.drive;
+      first = &clock;
     }
   }
 }
