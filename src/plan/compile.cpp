@@ -314,7 +314,7 @@ Sections sections_of(const Beamline& beamline) {
                beamline.parts[i].part);
   }
   Sections sections = builder.build();
-  if (!deflects(beamline.law))
+  if (!law_traits(beamline.law).deflects)
     std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
   return sections;
 }

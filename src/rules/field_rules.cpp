@@ -155,7 +155,7 @@ void check_fields(const Beamline& beamline, Faults& out) {
 /// Where a particle is deflected in one level, nothing else may act or ask about it. Parts may touch a
 /// magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
 void check_magnets(const Beamline& beamline, Faults& out) {
-  if (!deflects(beamline.law)) return;
+  if (!law_traits(beamline.law).deflects) return;
   constexpr double rounding = 1e-12;  // [m]
   for (const PlacedPart& magnet : beamline.parts) {
     if (!is_magnet(magnet.part)) continue;
