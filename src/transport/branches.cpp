@@ -7,6 +7,16 @@ namespace {
 
 constexpr std::uint64_t yes = ~std::uint64_t{0};
 
+/// Particles of one batch, by their numbers in it, become the first ones of another; column by column, so
+/// that each is read and written at once.
+void gather_particles(const BatchView& from, const std::uint16_t* numbers, int count, const BatchView& to) {
+  const auto copy = [&](const auto* source, auto* target) {
+    for (int i = 0; i < count; ++i) target[i] = source[numbers[i]];
+  };
+  for (const auto column : real_columns) copy(from.*column, to.*column);
+  for (const auto column : word_columns) copy(from.*column, to.*column);
+}
+
 }  // namespace
 
 // ---- paths ----
@@ -49,9 +59,9 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   int count = 0;
   for (int i = 0; i < from.count; ++i) {
     if (from.flying[i] == 0 || (reach[from.level[i]] >> level & 1) == 0) continue;
-    flown_number_[number(count)] = static_cast<std::uint16_t>(i);
-    copy_particle(from, i, to, count++);
+    flown_number_[number(count++)] = static_cast<std::uint16_t>(i);
   }
+  gather_particles(from, flown_number_.data(), count, to);
   to.count = count;
   to.padded = (count + 7) / 8 * 8;
   for (const auto column : real_columns) std::fill(to.*column + count, to.*column + to.padded, 0.0);
@@ -116,24 +126,14 @@ void Branches::keep_undecided(const Batch& batch) {
   for (std::size_t prepared = 0; prepared < most_levels; ++prepared) {
     if (undecided[prepared].empty()) continue;
     const int begin = to.count;
-    for (const int i : undecided[prepared]) keep(from, i);
+    for (const int i : undecided[prepared]) paths_.number[number(to.count++)] = static_cast<std::uint16_t>(i);
     paths_.groups.push_back({begin, to.count, prepared});
   }
   // Whole lanes: what fills them up weighs nothing.
   to.padded = (to.count + 7) / 8 * 8;
-  const int count = to.count;
-  while (to.count < to.padded) {
-    keep(from, paths_.number[0]);
-    to.weight[to.count - 1] = 0;
-  }
-  to.count = count;
-}
-
-void Branches::keep(const BatchView& from, int i) {
-  BatchView& to = paths_.asked.view();
-  const int k = to.count++;
-  paths_.number[number(k)] = static_cast<std::uint16_t>(i);
-  copy_particle(from, i, to, k);
+  for (int i = to.count; i < to.padded; ++i) paths_.number[number(i)] = paths_.number[0];
+  gather_particles(from, paths_.number.data(), to.padded, to);
+  std::fill(to.weight + to.count, to.weight + to.padded, 0);
 }
 
 void Branches::find_stops() {

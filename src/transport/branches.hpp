@@ -39,7 +39,6 @@ class Branches {
   void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach);
   void gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reach);
   void keep_undecided(const Batch& batch);
-  void keep(const BatchView& from, int i);
   void find_stops();
   void book_stops(Sum* sums) const;
   void book_decided(Sum* sums) const;

@@ -28,9 +28,9 @@ TEST(Chopper, PassesItsOpenFractionOfALongPulse) {
   const double open = 0.3;
   Beamline b = through({open, frequency, 0.7});
   b.source.pulse = RectanglePulse{200 / frequency};
-  b.particles = 400000;
+  b.particles = 2000000;
   expect_agreement(
-      detected(b), [&](double scale) { return open * scale; }, 0.0022, "open fraction");  // 3 sigma
+      detected(b), [&](double scale) { return open * scale; }, 0.00098, "open fraction");  // 3 sigma
 }
 
 TEST(Chopper, OpensAndClosesWhenItsPhaseSays) {
@@ -51,7 +51,7 @@ TEST(Chopper, TellsSpeedsApartByTheirTimeOfFlight) {
 }
 
 TEST(Chopper, StopsWhatItDoesNotPass) {
-  const Result r = run_points({through({0.5, frequency, 0})});
+  const Result r = run_points({through({0.4, frequency, 0})});
   for (const FateResult& f : r.fates)
     if (f.where == "chopper") {
       EXPECT_EQ(f.fate, "stopped");
