@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "plan/explain_atoms.hpp"
-#include "plan/explain_laws.hpp"
 #include "plan/explain_magnets.hpp"
 #include "plan/level_history.hpp"
 #include "plan/magnets.hpp"
@@ -36,9 +35,6 @@ class Explainer {
       if (serves_first_point(tree.points) && !seen_component_[static_cast<std::size_t>(tree.component)])
         component(tree);
     cost();
-    for (std::string& warning : driven_.warnings()) warnings_.push_back(std::move(warning));
-    for (std::string& warning : warnings_of_laws(experiment_)) warnings_.push_back(std::move(warning));
-    for (const std::string& warning : warnings_) out_ += "warning: " + warning + "\n";
     return std::move(out_);
   }
 
@@ -92,7 +88,6 @@ class Explainer {
     if (s.structure && !atom_)
       line("            its levels are left out under this law: the spin is that of J alone");
     speed_ = tree.source.speed;
-    tip_ = 0;
     const std::size_t law = beamline_.source.speed.index();
     line("{}  source, {}", metres(0),
          law < 2 && tree.source.speed_kind != SpeedKind::converted_gaussian
@@ -134,7 +129,6 @@ class Explainer {
          reuse());
   }
   void show(const Alignment& a) {
-    tip_ = 0;
     const double y = beamline_.parts[static_cast<std::size_t>(a.part)].placement.at;
     line("{}  {}: moments along the field with probability {:g}{}", metres(y), name_of(a.part), a.probability,
          reuse());
@@ -180,7 +174,6 @@ class Explainer {
   }
   void tell(const MagnetText& text) {
     for (const std::string& told : text.lines) line("{:>16}{}", "", told);
-    warnings_.insert(warnings_.end(), text.warnings.begin(), text.warnings.end());
     on_axis_.clear();
   }
   void show(const Score& s) {
@@ -231,7 +224,6 @@ class Explainer {
       show(sight.census);
       for (const Histogram& tally : sight.tallies) show(tally);
     }
-    warn_of_claim_one(region);
   }
   void show(const SpinStretch& stretch) {
     line("            spins at {}: {} levels, {}{}", name_of(stretch.part), stretch.levels,
@@ -266,11 +258,6 @@ class Explainer {
     const double omega = drive.omega + drive.twist * speed_, detuning = omega - zone.spin_rate;
     const double w1 = drive.spin_rate, rate = std::hypot(detuning, w1);
     const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
-    if (closed && omega * zone.spin_rate < 0)
-      warnings_.push_back(
-          fmt::format("the field that rotates from {:.4g} m on turns against the precession there and cannot "
-                      "be resonant",
-                      zone.begin));
     if (drive.twist != 0)
       line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
            drive.twist * 180 / std::numbers::pi, hertz(drive.twist * speed_),
@@ -311,13 +298,7 @@ class Explainer {
       if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
           begin > zone.begin || begin + field->length < zone.end)
         continue;
-      if (zone.spin_rate == 0) {
-        warnings_.push_back(
-            fmt::format("`{}` is used in the rotating-wave approximation where there is no "
-                        "static field for spins to precess in: `approximation: none`",
-                        part.placement.name));
-        continue;
-      }
+      if (zone.spin_rate == 0) continue;
       const double w0 = std::abs(zone.spin_rate),
                    w1 = std::abs(species_->gyromagnetic_ratio) * field->amplitude / 2;
       const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4, width = speed_ / (zone.end - zone.begin);
@@ -326,40 +307,7 @@ class Explainer {
           "of "
           "1/T)",
           "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
-      if (w1 > 0.1 * w0)
-        warnings_.push_back(
-            fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is {:.2g} "
-                        "of the static field; `approximation: none` integrates the whole field",
-                        part.placement.name, w1 / w0));
     }
-  }
-
-  /// Under `torque` tipped spins keep turning the path in every field until something aligns them again, and
-  /// a large tip deflects nearly everything. `tip_` is what all drives since the last alignment can have
-  /// done.
-  void warn_of_claim_one(const TurningRegion& region) {
-    if (!region.take_off_spin_component) return;
-    for (std::size_t i = 0; i < region.zones.size(); ++i) {
-      const SpinZone& zone = region.zones[i].field;
-      if (tip_ > 0 && zone.drives == 0 && zone.turn_rate != 0)
-        warnings_.push_back(
-            fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
-                        "it keeps turning "
-                        "the path of tipped spins",
-                        zone.end));
-      const bool before = tip_ > large_tip;
-      for (int k = 0; k < zone.drives; ++k)
-        tip_ += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / speed_;
-      if (tip_ > large_tip && !before) tip_is_large_ = true;
-      if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) tip_ = 0;
-    }
-    if (tip_is_large_)
-      warnings_.push_back(
-          fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
-                      "frequencies then "
-                      "deflect, and the resonance is far wider than 1/T",
-                      tip_ * 180 / std::numbers::pi));
-    tip_is_large_ = false;
   }
 
   void cost() {
@@ -375,9 +323,7 @@ class Explainer {
   const Beamline& beamline_;
   const Plan& plan_;
   const Species* species_ = nullptr;
-  static constexpr double large_tip = 0.05;  // [rad]
-  double speed_ = 0, tip_ = 0;
-  bool tip_is_large_ = false;
+  double speed_ = 0;
   const DrivenParts driven_;
   const PlanNode* node_ = nullptr;  // that is shown
   bool atom_ = false;
@@ -385,7 +331,6 @@ class Explainer {
   std::set<int> told_;
   std::size_t shared_ = 0;
   std::vector<bool> seen_component_;
-  std::vector<std::string> warnings_;
   std::string out_;
 };
 

@@ -6,8 +6,8 @@
 
 namespace rabiline {
 
-/// What will be computed: species, stages with the points that share them, derived numbers of every field,
-/// cost, and warnings where the physics of a set-up is known to mislead.
+/// What will be computed: species, stages with the points that share them, derived numbers of every field and
+/// cost.
 std::string explain(const Experiment&, const Plan&);
 
 }  // namespace rabiline

@@ -32,10 +32,15 @@ void tell_stopped(const Steering& s, const std::string& name, double speed, cons
       fmt::format("at {:.4g} m/s on the axis {} of {} levels meet its walls, from {:.4f} to {:.4f} m", speed,
                   stopped, beam.levels.size(), first, last));
   if (stopped < beam.levels.size()) return;
-  out.warnings.push_back(fmt::format(
-      "`{}` pushes every level into its walls: at {:.4g} m/s on the axis they stop from {:.4g} to "
-      "{:.4g} m; nothing {} along the axis can arrive",
-      name, speed, first, last, fast == stopped ? "that flies" : "so slow that flies"));
+  out.warnings.push_back(
+      {name,
+       "kind",
+       fmt::format(
+           "`{}` pushes every level into its walls: at {:.4g} m/s on the axis they stop from {:.4g} to "
+           "{:.4g} m; nothing {} along the axis can arrive",
+           name, speed, first, last, fast == stopped ? "that flies" : "so slow that flies"),
+       {},
+       Severity::warning});
 }
 
 }  // namespace
@@ -49,15 +54,22 @@ MagnetText text_of(const Deflection& d, const std::string& name, double speed) {
   const double stops = d.begin + (d.end - d.begin) * std::sqrt(room / 2 / bent);
   if (d.levels > 0 && d.levels % 2 == 0 && bent > room * (d.levels - 1))
     out.warnings.push_back(
-        fmt::format("`{}` pushes every level into its walls: m = I by {} within a gap of {} at {:.4g} m/s, "
-                    "and stops it at "
-                    "about {:.3g} m; nothing so slow can arrive",
-                    name, metres(bent), metres(room), speed, stops));
+        {name,
+         "gradient",
+         fmt::format("`{}` pushes every level into its walls: m = I by {} within a gap of {} at {:.4g} m/s, "
+                     "and stops it at about {:.3g} m; nothing so slow can arrive",
+                     name, metres(bent), metres(room), speed, stops),
+         {},
+         Severity::warning});
   else
     out.warnings.push_back(
-        fmt::format("`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} "
-                    "m/s, and stops them at about {:.3g} m",
-                    name, metres(bent), metres(room), speed, stops));
+        {name,
+         "gradient",
+         fmt::format("`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} "
+                     "m/s, and stops them at about {:.3g} m",
+                     name, metres(bent), metres(room), speed, stops),
+         {},
+         Severity::warning});
   return out;
 }
 

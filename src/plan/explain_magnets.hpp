@@ -3,13 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "core/fault.hpp"
 #include "transport/stages.hpp"
 
 namespace rabiline {
 
 struct MagnetText {
   std::vector<std::string> lines;  // behind "up to where it deflects", without indentation
-  std::vector<std::string> warnings;
+  std::vector<Fault> warnings;
 };
 
 MagnetText text_of(const Deflection&, const std::string& name, double speed);
