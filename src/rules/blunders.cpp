@@ -195,11 +195,13 @@ void find_screens_in_front(const Beamline& beamline, Faults& out) {
   }
 }
 
+/// A homogeneous field may hold the spins of a target; any other one has not done its work inside.
 void find_screens_in_fields(const Beamline& beamline, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
     const double y = part.placement.at;
     const auto field = std::find_if(beamline.parts.begin(), beamline.parts.end(), [&](const PlacedPart& p) {
-      return traits_of(p.part).field && p.placement.at < y && y < end_of(p);
+      const PartTraits traits = traits_of(p.part);
+      return traits.field && !traits.homogeneous && p.placement.at < y && y < end_of(p);
     });
     if (!detector_in(part.part) || field == beamline.parts.end()) continue;
     out.push_back(
