@@ -3,6 +3,7 @@
 
 #include "commands/common.hpp"
 #include "plan/explain.hpp"
+#include "rules/warnings.hpp"
 
 namespace rabiline {
 
@@ -15,7 +16,9 @@ void add_check(CLI::App& app) {
     const Loaded loaded = load(options->file, options->changes);
     if (const auto* model = std::get_if<LoadedModel>(&loaded)) return fmt::print("{}", check_model(*model));
     const Experiment& experiment = std::get<LoadedExperiment>(loaded).experiment;
-    fmt::print("{}", explain(experiment, make_plan(experiment)));
+    const Plan plan = make_plan(experiment);
+    fmt::print("{}", explain(experiment, plan));
+    for (const Fault& fault : warnings_of(experiment, plan)) fmt::print("warning: {}\n", fault.message);
   });
 }
 

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "commands/common.hpp"
-#include "plan/explain_atoms.hpp"
+#include "rules/warnings.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 #include "storage/checkpoint_file.hpp"
@@ -183,8 +183,8 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   const auto begin = std::chrono::steady_clock::now();
   const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
   require_memory(plan, a.machine.thread_count());
-  for (const std::string& warning : warnings_of_atoms(loaded.experiment, plan))
-    fmt::print(stderr, "warning: {}\n", warning);
+  for (const Fault& fault : warnings_of(loaded.experiment, plan))
+    fmt::print(stderr, "warning: {}\n", fault.message);
   if (start != nullptr && !fits(*start, plan))
     throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,

@@ -8,7 +8,6 @@
 
 #include "particle/channel.hpp"
 #include "plan/explain_atoms.hpp"
-#include "plan/explain_laws.hpp"
 #include "plan/level_history.hpp"
 #include "transport/plan_report.hpp"
 
@@ -36,10 +35,12 @@ class Explainer {
       if (serves_first_point(tree.points) && !seen_component_[static_cast<std::size_t>(tree.component)])
         component(tree);
     cost();
-    for (std::string& warning : driven_.warnings()) report_.warn(std::move(warning));
-    for (std::string& warning : warnings_of_laws(experiment_)) report_.warn(std::move(warning));
-    for (const std::string& warning : report_.warnings) report_.text += "warning: " + warning + "\n";
     return std::move(report_.text);
+  }
+  /// What the stages warn of.
+  std::vector<Fault> warnings() {
+    text();
+    return std::move(report_.warnings);
   }
 
  private:
@@ -172,6 +173,10 @@ class Explainer {
 
 std::string explain(const Experiment& experiment, const Plan& plan) {
   return Explainer(experiment, plan).text();
+}
+
+std::vector<Fault> warnings_of_stages(const Experiment& experiment, const Plan& plan) {
+  return Explainer(experiment, plan).warnings();
 }
 
 }  // namespace rabiline

@@ -21,6 +21,7 @@ namespace {
 struct Transition {
   int upper = 0, lower = 0;
   double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
+  double shift = 0;                              // [Hz] by the half of an oscillating field that is left out
 };
 
 /// Those that the direction of a field and its sense allow, the nearest first.
@@ -39,13 +40,17 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
       if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
       out.push_back({i, k, apart, drive.oscillator.frequency - apart,
-                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k)),
+                     swings ? counter_rotating_shift(states, drive.oscillator.frequency, i, k) : 0});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
   });
   return out;
 }
+
+/// A shift that is left out is told from so many widths on.
+constexpr double tolerated_shift = 0.1;
 
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
@@ -76,9 +81,12 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
         zone.drive->envelope.shape == Shape::rectangular && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
-    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}", name_of(structure, t),
+    const std::string shift = t.shift == 0 ? ""
+                                           : fmt::format("; the half left out would shift it by {}",
+                                                         pretty_quantity(t.shift, Dimension::frequency));
+    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
                               megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
-                              pretty_quantity(t.rabi, Dimension::frequency), flips));
+                              pretty_quantity(t.rabi, Dimension::frequency), flips, shift));
   }
 }
 
@@ -202,10 +210,11 @@ std::vector<std::string> DrivenParts::lines(int part, double speed) const {
   return out;
 }
 
-std::vector<std::string> DrivenParts::warnings() const {
-  std::vector<std::string> out;
-  const auto add = [&](std::string text) {
-    if (std::find(out.begin(), out.end(), text) == out.end()) out.push_back(std::move(text));
+std::vector<Fault> DrivenParts::warnings() const {
+  std::vector<Fault> out;
+  const auto add = [&](const std::string& subject, const char* key, std::string text, std::string help = {}) {
+    if (std::none_of(out.begin(), out.end(), [&](const Fault& f) { return f.message == text; }))
+      out.push_back({subject, key, std::move(text), std::move(help), Severity::warning});
   };
   struct Best {
     std::vector<Transition> near{};
@@ -213,6 +222,8 @@ std::vector<std::string> DrivenParts::warnings() const {
     const LevelZone* zone = nullptr;
     const Structure* structure = nullptr;
     bool useful = false;
+    double shift = 0;  // that is left out of what it drives, in widths, where it matters
+    std::string shifted{}, subject{};
   };
   for (const auto& [part, at] : parts_) {
     std::vector<Best> best;
@@ -227,38 +238,54 @@ std::vector<std::string> DrivenParts::warnings() const {
       const std::vector<const LevelZone*> zones = driven_zones_of(*driven);
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
-        if (best[i].useful) continue;
         const double width = speed_at(point) / (zones[i]->end - zones[i]->begin);
         std::vector<Transition> near = transitions_near(driven->structure, *zones[i]);
-        best[i].useful =
-            std::any_of(near.begin(), near.end(), [&](const Transition& t) { return !is_far(t, width); });
+        for (const Transition& t : near)
+          if (!is_far(t, width)) {
+            best[i].useful = true;
+            if (std::abs(t.shift) > tolerated_shift * width && std::abs(t.shift) / width > best[i].shift) {
+              best[i].shift = std::abs(t.shift) / width;
+              best[i].subject = name_at(zones[i]->begin);
+              best[i].shifted = fmt::format(
+                  "the rotating-wave approximation of `{}` leaves out a shift of {} by {}, {:.2g} of the "
+                  "width {}",
+                  best[i].subject, name_of(driven->structure, t),
+                  pretty_quantity(t.shift, Dimension::frequency), best[i].shift,
+                  pretty_quantity(width, Dimension::frequency));
+            }
+          }
+        if (best[i].useful) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
-        best[i] = {std::move(near), distance, zones[i], &driven->structure, best[i].useful};
+        best[i] = {std::move(near), distance, zones[i], &driven->structure};
       }
     }
     for (const Best& b : best) {
+      if (!b.shifted.empty())
+        add(b.subject, "amplitude", b.shifted,
+            "a smaller field helps, or one that turns: a `rotating_field`");
       if (b.useful || b.zone == nullptr) continue;
       std::string list;
       for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
         list += fmt::format("{}{} at {}", i == 0 ? "" : ", ", name_of(*b.structure, b.near[i]),
                             megahertz(b.near[i].frequency));
-      add(fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
+      add(name_at(b.zone->begin), "frequency",
+          fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
                       experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
                       megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
     }
     const std::string& name = experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name;
     if (error > 10 * transition_tolerance)
-      add(fmt::format(
-          "the probabilities of transitions before `{}` are known to {:.2g} only: they change too "
-          "often with the speed for a table; a narrower law of speeds helps, or fields nearer to "
-          "each other",
-          name, error));
+      add("source", "speed",
+          fmt::format(
+              "the probabilities of transitions before `{}` are known to {:.2g} only: they change too "
+              "often with the speed for a table",
+              name, error),
+          "a narrower speed distribution helps, or fields nearer to each other");
     if (neglected > 0.1)
-      add(fmt::format(
-          "the rotating-wave approximation before `{}` is poor: {}; a smaller field helps, or one "
-          "that turns: a `rotating_field`",
-          name, left_out(neglected)));
+      add(name, "",
+          fmt::format("the rotating-wave approximation before `{}` is poor: {}", name, left_out(neglected)),
+          "a smaller field helps, or one that turns: a `rotating_field`");
   }
   return out;
 }
@@ -296,7 +323,7 @@ std::vector<int> levels_on_axis(const Source& source, const Species& species, co
   return {levels.begin(), levels.end()};
 }
 
-std::vector<std::string> warnings_of_atoms(const Experiment& experiment, const Plan& plan) {
+std::vector<Fault> warnings_of_atoms(const Experiment& experiment, const Plan& plan) {
   return DrivenParts(experiment, plan).warnings();
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "core/fault.hpp"
 #include "plan/plan.hpp"
 
 namespace rabiline {
@@ -21,7 +22,7 @@ class DrivenParts {
   /// indentation. At the first, the middle and the last scan point.
   std::vector<std::string> lines(int part, double speed) const;
   /// Fields that drive nothing at any point; tables that are not as exact as they should be.
-  std::vector<std::string> warnings() const;
+  std::vector<Fault> warnings() const;
 
  private:
   using Driven = SampledTables::Driven;
@@ -46,6 +47,6 @@ std::vector<int> all_levels(const Species&);
 std::vector<int> levels_on_axis(const Source&, const Species&, const Law&);
 
 /// What a run should say of atoms before it begins.
-std::vector<std::string> warnings_of_atoms(const Experiment&, const Plan&);
+std::vector<Fault> warnings_of_atoms(const Experiment&, const Plan&);
 
 }  // namespace rabiline

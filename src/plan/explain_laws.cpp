@@ -9,7 +9,7 @@
 namespace rabiline {
 namespace {
 
-void tell_relativity(const Experiment& experiment, std::vector<std::string>& out) {
+void tell_relativity(const Experiment& experiment, std::vector<Fault>& out) {
   constexpr double noticed = 1e-3;  // of (v/c)^2
   double fastest = 0;
   const Species* species = nullptr;
@@ -23,13 +23,17 @@ void tell_relativity(const Experiment& experiment, std::vector<std::string>& out
   if (!(square > noticed)) return;
   // gamma - 1 = (v/c)^2/2 + ...: radii and times of flight within fields are too small by that.
   out.push_back(
-      fmt::format("{} flies at {:.4g} m/s, (v/c)^2 = {:.2g}: no law here knows relativity, so that a "
-                  "charge's radius in a field is too small by {:.1g} of itself",
-                  species->name, fastest, square, square / 2));
+      {"source",
+       "speed",
+       fmt::format("{} flies at {:.4g} m/s, (v/c)^2 = {:.2g}: no law here knows relativity, so that "
+                   "a charge's radius in a field is too small by {:.1g} of itself",
+                   species->name, fastest, square, square / 2),
+       {},
+       Severity::warning});
 }
 
 /// The hypothesis replaces mu grad |B|; what is left of a magnet is its field at the beam.
-void tell_magnets(const Experiment& experiment, std::vector<std::string>& out) {
+void tell_magnets(const Experiment& experiment, std::vector<Fault>& out) {
   const auto point = std::find_if(experiment.points.begin(), experiment.points.end(),
                                   [](const Beamline& b) { return !law_traits(b.law).deflects; });
   if (point == experiment.points.end()) return;
@@ -37,17 +41,21 @@ void tell_magnets(const Experiment& experiment, std::vector<std::string>& out) {
   for (const PlacedPart& part : point->parts)
     if (is_magnet(part.part)) names += fmt::format("{}`{}`", names.empty() ? "" : ", ", part.placement.name);
   if (!names.empty())
-    out.push_back(fmt::format(
-        "under dorado no levels are separated by {}: the hypothesis stands in the place of the force of a "
-        "gradient. "
-        "What is left is the field at the beam, in which spins along it fly straight (closure torque)",
-        names));
+    out.push_back(
+        {"law",
+         "name",
+         fmt::format("under dorado no levels are separated by {}: the hypothesis stands in the place "
+                     "of the force of a gradient. What is left is the field at the beam, in which "
+                     "spins along it fly straight (closure torque)",
+                     names),
+         {},
+         Severity::warning});
 }
 
 }  // namespace
 
-std::vector<std::string> warnings_of_laws(const Experiment& experiment) {
-  std::vector<std::string> out;
+std::vector<Fault> warnings_of_laws(const Experiment& experiment) {
+  std::vector<Fault> out;
   tell_relativity(experiment, out);
   tell_magnets(experiment, out);
   return out;

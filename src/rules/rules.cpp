@@ -21,7 +21,7 @@ std::string suggest_name(std::string_view wrong, const std::vector<std::string>&
   return out;
 }
 
-bool is_quantum(const Beamline& beamline) { return std::holds_alternative<QuantumLaw>(beamline.law); }
+bool is_quantum(const Beamline& beamline) { return law_traits(beamline.law).has_levels; }
 
 const Species* atom_of(const Beamline& beamline) {
   for (const Component& component : beamline.species)

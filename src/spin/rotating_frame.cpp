@@ -109,4 +109,18 @@ double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& state
   return largest;
 }
 
+double counter_rotating_shift(const DrivenStates& states, double frequency, int upper, int lower) {
+  const auto shift_of = [&](int level) {
+    double shift = 0;
+    for (int other = 0; other < states.energy.size(); ++other) {
+      const double apart = states.energy(level) - states.energy(other),
+                   half = states.coupling(level, other) / 2;
+      if (other == level || half == 0) continue;
+      shift += (apart < 0 ? -1 : 1) * half * half / (std::abs(apart) + frequency);
+    }
+    return shift;
+  };
+  return shift_of(upper) - shift_of(lower);
+}
+
 }  // namespace rabiline

@@ -46,4 +46,9 @@ Eigen::MatrixXd kept_coupling(const RotatingFrame& frame, const DrivenStates& st
 /// coupled levels counts with the detuning f. Infinite where something left out is resonant.
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states);
 
+/// [Hz] By how much the half of an oscillating field that the frame leaves out shifts a transition, to second
+/// order (Bloch and Siegert 1940): each pair of levels is pushed apart by (C/2)^2/(|E_i - E_j|/h + f), C
+/// their coupling; C^2/(4f) where there are two levels.
+double counter_rotating_shift(const DrivenStates& states, double frequency, int upper, int lower);
+
 }  // namespace rabiline

@@ -42,11 +42,6 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
   const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
   const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
   const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
-  if (closed && omega * zone.spin_rate < 0)
-    report.warn(
-        fmt::format("the field that rotates from {:.4g} m on turns against the precession there and cannot "
-                    "be resonant",
-                    zone.begin));
   if (drive.twist != 0)
     report.line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
                 drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
@@ -83,13 +78,7 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
     if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
         begin > zone.begin || begin + field->length < zone.end)
       continue;
-    if (zone.spin_rate == 0) {
-      report.warn(
-          fmt::format("`{}` is used in the rotating-wave approximation where there is no "
-                      "static field for spins to precess in: `approximation: none`",
-                      part.placement.name));
-      continue;
-    }
+    if (zone.spin_rate == 0) continue;
     const double w0 = std::abs(zone.spin_rate),
                  w1 = std::abs(report.species->gyromagnetic_ratio) * field->amplitude / 2;
     const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4,
@@ -99,11 +88,6 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
         "of "
         "1/T)",
         "", part.placement.name, pretty_quantity(shift, Dimension::frequency), shift / width);
-    if (w1 > 0.1 * w0)
-      report.warn(
-          fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is {:.2g} "
-                      "of the static field; `approximation: none` integrates the whole field",
-                      part.placement.name, w1 / w0));
   }
 }
 

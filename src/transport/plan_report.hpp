@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "beamline/beamline.hpp"
+#include "core/fault.hpp"
 #include "core/units.hpp"
 #include "transport/kernels.hpp"
 
@@ -20,7 +21,17 @@ class PlanReport {
   void line(fmt::format_string<Args...> format, Args&&... args) {
     text += fmt::format(format, std::forward<Args>(args)...) + "\n";
   }
-  void warn(std::string warning) { warnings.push_back(std::move(warning)); }
+  /// Of a part, and of the key of it to blame.
+  void warn(const std::string& part, std::string key, std::string message) {
+    warnings.push_back({part, std::move(key), std::move(message), {}, Severity::warning});
+  }
+  /// The last field that covers a place [m].
+  std::string field_at(double y) const {
+    std::string name;
+    for (const PlacedPart& part : beamline.parts)
+      if (traits_of(part.part).field && part.placement.at <= y && y < end_of(part)) name = part.placement.name;
+    return name;
+  }
 
   const PlacedPart& part(int number) const { return beamline.parts[static_cast<std::size_t>(number)]; }
   std::string name_of(int number) const { return number < 0 ? "chamber" : part(number).placement.name; }
@@ -43,7 +54,7 @@ class PlanReport {
   double tip = 0;            // [rad] what all drives since the last alignment can have done at most
 
   std::string text;
-  std::vector<std::string> warnings;
+  std::vector<Fault> warnings;
 };
 
 /// The derived numbers of one zone, and where they mislead.

@@ -40,7 +40,7 @@ void explain_stopped(const Steering& s, PlanReport& report) {
   report.line("{:>16}at {:.4g} m/s on the axis {} of {} levels meet its walls, from {:.4f} to {:.4f} m", "",
               speed, stopped, report.on_axis.size(), first, last);
   if (stopped < report.on_axis.size()) return;
-  report.warn(fmt::format(
+  report.warn(report.name_of(s.part), "kind", fmt::format(
       "`{}` pushes every level into its walls: at {:.4g} m/s on the axis they stop from {:.4g} to "
       "{:.4g} m; nothing {} along the axis can arrive",
       report.name_of(s.part), speed, first, last, fast == stopped ? "that flies" : "so slow that flies"));

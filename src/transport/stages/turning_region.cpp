@@ -108,27 +108,25 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
 void warn_of_tips(const TurningRegion& region, PlanReport& report) {
   constexpr double large_tip = 0.05;  // [rad]
   if (!region.take_off_spin_component) return;
-  bool is_large = false;
+  std::string tipped_by;
   for (std::size_t i = 0; i < region.zones.size(); ++i) {
     const SpinZone& zone = region.zones[i].field;
     if (report.tip > 0 && zone.drives == 0 && zone.turn_rate != 0)
-      report.warn(
-          fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
-                      "it keeps turning "
-                      "the path of tipped spins",
-                      zone.end));
+      report.warn(report.field_at((zone.begin + zone.end) / 2), "length",
+                  fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
+                              "it keeps turning the path of tipped spins",
+                              zone.end));
     const bool before = report.tip > large_tip;
     for (int k = 0; k < zone.drives; ++k)
       report.tip += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / report.speed;
-    if (report.tip > large_tip && !before) is_large = true;
+    if (report.tip > large_tip && !before) tipped_by = report.field_at((zone.begin + zone.end) / 2);
     if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) report.tip = 0;
   }
-  if (is_large)
-    report.warn(
-        fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
-                    "frequencies then "
-                    "deflect, and the resonance is far wider than 1/T",
-                    report.tip * 180 / std::numbers::pi));
+  if (!tipped_by.empty())
+    report.warn(tipped_by, "amplitude",
+                fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
+                            "frequencies then deflect, and the resonance is far wider than 1/T",
+                            report.tip * 180 / std::numbers::pi));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "plan/explain.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/plan.hpp"
+#include "rules/warnings.hpp"
 
 namespace rabiline {
 namespace {
@@ -42,7 +43,10 @@ class ExplainAtoms : public testing::Test {
     line.set = std::move(set);
     line.scan = std::move(scan);
     const Experiment experiment = load_experiment(path_, line).experiment;
-    return explain(experiment, make_plan(experiment));
+    const Plan plan = make_plan(experiment);
+    std::string text = explain(experiment, plan);
+    for (const Fault& fault : warnings_of(experiment, plan)) text += "warning: " + fault.message + "\n";
+    return text;
   }
   /// Tests run side by side.
   const std::filesystem::path path_ =

@@ -4,6 +4,7 @@
 
 #include "physics/suggested.hpp"
 #include "plan/explain.hpp"
+#include "rules/warnings.hpp"
 
 namespace rabiline {
 namespace {
@@ -22,6 +23,13 @@ std::string letters(const std::vector<Stage>& chain) {
 std::vector<Stage> chain_of(const Beamline& b) {
   SampledTables tables;
   return compile(b, b.species.front(), screen_grids({b}), tables);
+}
+/// What `check` tells: the plan in words and the warnings.
+std::string told(const Experiment& e) {
+  const Plan plan = make_plan(e);
+  std::string text = explain(e, plan);
+  for (const Fault& fault : warnings_of(e, plan)) text += "warning: " + fault.message + "\n";
+  return text;
 }
 std::string compiled(const Beamline& b) { return letters(chain_of(b)); }
 
@@ -149,7 +157,7 @@ TEST(Plan, CountsEachPlaneOfAMonitorAsWorkAndAsMemory) {
 
 TEST(Explain, TellsTheNumbersThatAPhysicistWants) {
   const Experiment e = scan({suggested(291.6e3)});
-  const std::string text = explain(e, make_plan(e));
+  const std::string text = told(e);
   for (const char* expected : {"Larmor 291.6 kHz", "58.33 turns", "tip angle 0.63 deg", "1/T = 5 kHz",
                                "FWHM of the line 4.43 kHz", "200 us"})
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
@@ -159,11 +167,11 @@ TEST(Explain, WarnsWhereTheFieldGoesOnBehindTheDrive) {
   Beamline b = suggested(291.6e3);
   std::get<UniformField>(b.parts[1].part).length = 0.4;
   Experiment e = scan({b});
-  EXPECT_NE(explain(e, make_plan(e)).find("goes on to 0.7 m"), std::string::npos);
+  EXPECT_NE(told(e).find("goes on to 0.7 m"), std::string::npos);
   b = suggested(291.6e3);
   b.parts.insert(b.parts.end() - 1, place("guide", 0.6, UniformField{0.2, 1e-3, {}}));
   e = scan({b});
-  EXPECT_NE(explain(e, make_plan(e)).find("goes on to 0.8 m"), std::string::npos);
+  EXPECT_NE(told(e).find("goes on to 0.8 m"), std::string::npos);
 }
 
 TEST(Explain, WarnsOfALargeTipEvenWhereASlitCutsTheField) {
@@ -171,10 +179,10 @@ TEST(Explain, WarnsOfALargeTipEvenWhereASlitCutsTheField) {
     Beamline b = suggested(291.6e3, 2e-6);
     if (cut) b.parts.insert(b.parts.begin() + 3, place("S", 0.45, Slit{Disc{1e-3}, {}}));
     const Experiment e = scan({b});
-    EXPECT_NE(explain(e, make_plan(e)).find("4.2 deg, is large"), std::string::npos);
+    EXPECT_NE(told(e).find("4.2 deg, is large"), std::string::npos);
   }
   const Experiment e = scan({suggested(291.6e3)});
-  EXPECT_EQ(explain(e, make_plan(e)).find("warning"), std::string::npos);
+  EXPECT_EQ(told(e).find("warning"), std::string::npos);
 }
 
 TEST(Explain, WarnsUnderEveryLawOfSpeedsThatNeedRelativity) {
@@ -182,14 +190,13 @@ TEST(Explain, WarnsUnderEveryLawOfSpeedsThatNeedRelativity) {
     Beamline slow = suggested(291.6e3), fast = slow;
     slow.law = fast.law = law;
     slow.source.speed = SingleSpeed{9.4e6};  // (v/c)^2 = 0.98e-3
-    EXPECT_EQ(explain(scan({slow}), make_plan(scan({slow}))).find("relativity"), std::string::npos);
+    EXPECT_EQ(told(scan({slow})).find("relativity"), std::string::npos);
     fast.source.speed = SingleSpeed{1.2e7};
     const Experiment e = scan({slow, fast});
-    EXPECT_NE(
-        explain(e, make_plan(e))
-            .find("warning: neutron flies at 1.2e+07 m/s, (v/c)^2 = 0.0016: no law here knows relativity, so "
+    EXPECT_NE(told(e).find(
+                  "warning: neutron flies at 1.2e+07 m/s, (v/c)^2 = 0.0016: no law here knows relativity, so "
                   "that a charge's radius in a field is too small by 0.0008 of itself"),
-        std::string::npos);
+              std::string::npos);
   }
 }
 
@@ -201,18 +208,17 @@ TEST(Explain, SaysUnderTheHypothesisThatMagnetsSeparateNoLevels) {
   magnet.gradient = 10;
   b.parts.insert(b.parts.end() - 1, place("A", 0.7, magnet));
   const Experiment hypothesis = scan({b});
-  EXPECT_NE(explain(hypothesis, make_plan(hypothesis)).find("under dorado no levels are separated by `A`: "),
-            std::string::npos);
+  EXPECT_NE(told(hypothesis).find("under dorado no levels are separated by `A`: "), std::string::npos);
   b.law = QuantumLaw{};
   const Experiment standard = scan({b});
-  EXPECT_EQ(explain(standard, make_plan(standard)).find("separated"), std::string::npos);
+  EXPECT_EQ(told(standard).find("separated"), std::string::npos);
 }
 
 TEST(Explain, WarnsOfAFieldThatTurnsAgainstThePrecession) {
   Beamline b = suggested(291.6e3);
   std::get<UniformField>(b.parts[1].part).field = -10e-3;
   const Experiment e = scan({b});
-  EXPECT_NE(explain(e, make_plan(e)).find("against the precession"), std::string::npos);
+  EXPECT_NE(told(e).find("against the precession"), std::string::npos);
 }
 
 TEST(Compile, StepsInAMagnetWhoseForceDependsOnThePlaceAndNotUnderTheHypothesis) {

@@ -1,0 +1,206 @@
+// Fields that drive spins of one moment: those that do nothing, and what their approximations leave out.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "plan/zones.hpp"
+#include "rules/warning_room.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+/// A field with a clock, alone in a zone, as one species sees it.
+struct Drive {
+  const PlacedPart* part;
+  SpinZone zone;
+  double speed;               // [m/s] of the species
+  double rotation, coupling;  // [rad/s] of the field at that speed, and of the spin about it
+  double width() const { return speed / (zone.end - zone.begin); }  // [Hz] 1/T
+  double larmor() const { return zone.spin_rate; }                  // [rad/s] signed, like `rotation`
+  bool turns_one_way() const { return zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled; }
+};
+
+bool is_on(const Part& part) {
+  return std::visit(
+      [](const auto& any) {
+        if constexpr (requires { any.oscillator; }) return any.amplitude != 0;
+        return false;
+      },
+      part);
+}
+
+std::vector<Drive> drives_of(const Beamline& beamline, const Species& species) {
+  std::vector<Drive> out;
+  const ZoneMaker maker = zone_maker(beamline, species);
+  const double speed = mean_speed(beamline.source.speed, species.mass);
+  for (const Section& section : sections_of(beamline).sections) {
+    const SpinZone zone = maker.zone_of(section);
+    if (zone.drives != 1 || zone.drive[0].omega == 0) continue;
+    const double middle = (section.begin + section.end) / 2;
+    for (const PlacedPart& part : beamline.parts)
+      if (is_on(part.part) && part.placement.at < middle && middle < end_of(part))
+        out.push_back({&part, zone, speed, zone.drive[0].omega + zone.drive[0].twist * speed,
+                       std::abs(zone.drive[0].spin_rate)});
+  }
+  return out;
+}
+
+/// Those that fly with one moment.
+std::vector<const Species*> points_of(const Beamline& beamline) {
+  std::vector<const Species*> out;
+  for (const Component& component : beamline.species)
+    if (!is_quantum(beamline) || !component.species.structure) out.push_back(&component.species);
+  return out;
+}
+
+/// Beyond ten widths and a hundred Rabi frequencies it flips 1e-4 at most.
+bool is_far(const Drive& d) {
+  const double detuning = std::abs(std::abs(d.rotation) - std::abs(d.larmor())) / two_pi;
+  return detuning > 10 * d.width() + 100 * d.coupling / two_pi;
+}
+bool turns_against(const Drive& d) { return d.turns_one_way() && d.rotation * d.larmor() < 0; }
+
+std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
+
+/// The key that says how fast a field turns: that of its clock.
+std::pair<std::string, std::string> clock_key(const PlacedPart& part) {
+  const std::string* clock = clock_of(part.part);
+  return {clock ? *clock : part.placement.name, "frequency"};
+}
+
+}  // namespace
+
+Faults idle_drives_of(const Beamline& beamline) {
+  std::vector<Drive> all;
+  for (const Species* species : points_of(beamline))
+    for (Drive& drive : drives_of(beamline, *species)) all.push_back(std::move(drive));
+  Faults out;
+  for (const PlacedPart& part : beamline.parts) {
+    const Drive* nearest = nullptr;
+    bool far = true, against = true;
+    for (const Drive& d : all) {
+      if (d.part != &part) continue;
+      far = far && is_far(d);
+      against = against && turns_against(d);
+      const auto distance = [](const Drive& x) {
+        return std::abs(std::abs(x.rotation) - std::abs(x.larmor()));
+      };
+      if (!nearest || distance(d) < distance(*nearest)) nearest = &d;
+    }
+    if (!nearest) continue;
+    const std::string& name = part.placement.name;
+    const auto [subject, key] = clock_key(part);
+    if (far)
+      out.push_back(
+          warning(subject, key,
+                  fmt::format("`{}` at {} is far from every resonance: spins precess at {} there, 1/T is {}",
+                              name, hertz(nearest->rotation), hertz(nearest->larmor()),
+                              pretty_quantity(nearest->width(), Dimension::frequency)),
+                  "is one of the units wrong?"));
+    else if (against)
+      out.push_back(warning(name, "sense",
+                            fmt::format("the field of `{}` turns against the precession there and cannot be "
+                                        "resonant",
+                                        name),
+                            "write `sense: co`"));
+  }
+  return out;
+}
+
+namespace {
+
+/// The rotating-wave approximation of an oscillating field, where its other half is not small.
+void judge_rotating_wave(const Beamline& beamline, const Species& species, Faults& out) {
+  for (const Drive& d : drives_of(beamline, species)) {
+    const bool approximated = std::visit(
+        [](const auto& any) {
+          if constexpr (requires { any.approximation; })
+            return any.approximation == Approximation::rotating_wave;
+          return false;
+        },
+        d.part->part);
+    const std::string& name = d.part->placement.name;
+    if (!approximated) continue;
+    if (d.larmor() == 0)
+      out.push_back(warning(name, "approximation",
+                            fmt::format("`{}` is used in the rotating-wave approximation where there is no "
+                                        "static field for spins to precess in",
+                                        name),
+                            "write `approximation: none`"));
+    else if (const double share = d.coupling / std::abs(d.larmor()); share > 0.1)
+      out.push_back(
+          warning(name, "approximation",
+                  fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is "
+                              "{:.2g} of the static field",
+                              name, share),
+                  "`approximation: none` integrates the whole field"));
+  }
+}
+
+bool across_z(const std::optional<UnitVector>& axis) { return axis && (axis->x != 0 || axis->y != 0); }
+
+/// Whether spins lie across the field behind a part: a drive, a coil, a filter or a source across z.
+bool tips(const Part& part) {
+  return std::visit(
+      [](const auto& any) {
+        if constexpr (requires { any.oscillator; }) return any.amplitude != 0;
+        if constexpr (requires { any.angle; }) return any.angle != 0 && across_z(any.axis);
+        if constexpr (requires { any.up; }) return across_z(any.axis);
+        return false;
+      },
+      part);
+}
+bool starts_across(const StartSpin& spin) {
+  return std::visit(
+      [](const auto& any) {
+        if constexpr (requires { any.axis; }) return across_z(any.axis);
+        return false;
+      },
+      spin);
+}
+/// Whether a part asks for a phase: by a second drive, or across z.
+bool needs_phase(const Part& part) {
+  const std::vector<Tally>* tallies = tallies_of(part);
+  return tips(part) || (tallies && std::any_of(tallies->begin(), tallies->end(), [](const Tally& tally) {
+                          return std::any_of(tally.axes.begin(), tally.axes.end(), [](const TallyAxis& axis) {
+                            return across_z(axis.axis) || axis.quantity == Quantity::spin_azimuth;
+                          });
+                        }));
+}
+
+/// The gradient of a deflecting magnet acts on paths, not on the phases of spins that differ over the beam.
+void judge_gradients(const Beamline& beamline, Faults& out) {
+  if (!law_traits(beamline.law).deflects) return;
+  for (const PlacedPart& magnet : beamline.parts) {
+    if (!is_magnet(magnet.part)) continue;
+    const PlacedPart *before = nullptr, *behind = nullptr;
+    for (const PlacedPart& part : beamline.parts) {
+      if (end_of(part) <= magnet.placement.at + 1e-12 && tips(part.part)) before = &part;
+      if (part.placement.at >= end_of(magnet) - 1e-12 && needs_phase(part.part) && !behind) behind = &part;
+    }
+    if ((!before && !starts_across(beamline.source.spin)) || !behind) continue;
+    const std::string& name = magnet.placement.name;
+    out.push_back(warning(
+        name, "kind",
+        fmt::format(
+            "`{}` stands between {} and `{}`, where the phase of the spins matters: its gradient is "
+            "not integrated into that phase, and {}",
+            name, before ? fmt::format("`{}`", before->placement.name) : "the source", behind->placement.name,
+            is_quantum(beamline) ? "each particle is in one level behind it, so that no fringes remain"
+                                 : "all spins precess as on the axis"),
+        "put it in front of what tips the spins, or behind what asks for them"));
+  }
+}
+
+}  // namespace
+
+Faults approximations_of(const Beamline& beamline) {
+  Faults out;
+  for (const Species* species : points_of(beamline)) judge_rotating_wave(beamline, *species, out);
+  judge_gradients(beamline, out);
+  return out;
+}
+
+}  // namespace rabiline

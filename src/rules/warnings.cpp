@@ -1,0 +1,62 @@
+#include "rules/warnings.hpp"
+
+#include <algorithm>
+
+#include "plan/explain.hpp"
+#include "plan/explain_atoms.hpp"
+#include "plan/explain_laws.hpp"
+#include "rules/warning_room.hpp"
+
+namespace rabiline {
+namespace {
+
+bool is_same(const Fault& a, const Fault& b) { return a.subject == b.subject && a.key == b.key; }
+
+void add_once(const Faults& from, Faults& out) {
+  for (const Fault& fault : from)
+    if (std::none_of(out.begin(), out.end(), [&](const Fault& other) {
+          return is_same(fault, other) && fault.message == other.message;
+        }))
+      out.push_back(fault);
+}
+
+/// Those of the first point that every other one has too.
+Faults at_every_point(const std::vector<Beamline>& points, Faults (*find)(const Beamline&)) {
+  Faults out = find(points.front());
+  for (const Beamline& point : points) {
+    if (out.empty()) break;
+    const Faults here = find(point);
+    std::erase_if(out, [&](const Fault& fault) {
+      return std::none_of(here.begin(), here.end(),
+                          [&](const Fault& other) { return is_same(fault, other); });
+    });
+  }
+  return out;
+}
+
+/// Those of any of some hundred points between the first and the last.
+Faults at_any_point(const std::vector<Beamline>& points, Faults (*find)(const Beamline&)) {
+  constexpr std::size_t most = 128;
+  Faults out;
+  const std::size_t step = points.size() / most + 1;
+  for (std::size_t i = 0; i < points.size() + step - 1; i += step)
+    for (Fault& fault : find(points[std::min(i, points.size() - 1)]))
+      if (std::none_of(out.begin(), out.end(), [&](const Fault& other) { return is_same(fault, other); }))
+        out.push_back(std::move(fault));
+  return out;
+}
+
+}  // namespace
+
+std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
+  Faults out;
+  add_once(at_every_point(experiment.points, &blunders_of), out);
+  add_once(at_every_point(experiment.points, &idle_drives_of), out);
+  add_once(warnings_of_stages(experiment, plan), out);
+  add_once(at_any_point(experiment.points, &approximations_of), out);
+  add_once(warnings_of_atoms(experiment, plan), out);
+  add_once(warnings_of_laws(experiment), out);
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,101 @@
+// Experiments that run and cannot find what they look for.
+#include "rules/warnings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "physics/suggested.hpp"
+
+namespace rabiline {
+namespace {
+
+using test::place;
+using test::suggested;
+
+std::vector<Fault> warned(std::vector<Beamline> points) {
+  Experiment e;
+  e.points = std::move(points);
+  return warnings_of(e, make_plan(e));
+}
+Beamline standard() {
+  Beamline b = suggested(291.6e3);
+  b.law = QuantumLaw{};
+  return b;
+}
+
+struct Blunder {
+  const char* what;
+  std::string subject, key;
+  std::function<void(Beamline&)> make;
+};
+std::ostream& operator<<(std::ostream& out, const Blunder& blunder) { return out << blunder.what; }
+
+const std::vector<Blunder> blunders{
+    {"ADetectorInFrontOfEverything", "screen", "at", [](Beamline& b) { b.parts[3].placement.at = 0.05; }},
+    {"AClosedSlit", "S", "width",
+     [](Beamline& b) {
+       b.parts.push_back(place("S", 0.7, Slit{Rectangle{0, 1e-3}, {}}));
+     }},
+    {"ASlitOutOfReach", "S", "offset",
+     [](Beamline& b) {
+       b.parts.push_back(place("S", 0.7, Slit{Rectangle{1e-3, 1e-3}, {5e-3, 0}}));
+     }},
+    {"ASourceBesideTheAxis", "source", "offset",
+     [](Beamline& b) {
+       b.source.offset = {5e-3, 0};
+     }},
+    {"ADetectorInsideAField", "screen", "at", [](Beamline& b) { b.parts[3].placement.at = 0.4; }},
+    {"OverlappingZonesOfOneClock", "H1", "at",
+     [](Beamline& b) {
+       RotatingField second = std::get<RotatingField>(b.parts[2].part);
+       second.oscillator = "H0", second.frequency.reset(), second.sense.reset();
+       second.phase = {Phase::Kind::locked, 0};
+       second.length = 0.1;
+       b.parts.push_back(place("H1", 0.45, second));
+     }},
+    {"HertzForKilohertz", "H0", "frequency",
+     [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).frequency = 291.6; }},
+    {"APolarizerBehindTheCoil", "B_prime", "at", [](Beamline& b) { b.parts[0].placement.at = 0.7; }},
+    {"AFieldThatTurnsAgainstThePrecession", "H0", "sense",
+     [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).sense = Sense::counter; }},
+};
+
+class WarnsOf : public testing::TestWithParam<Blunder> {};
+
+TEST_P(WarnsOf, ABlunderOnceAndOnlyWhereEveryPointMakesIt) {
+  ASSERT_TRUE(warned({standard()}).empty());
+  Beamline spoiled = standard();
+  GetParam().make(spoiled);
+  const std::vector<Fault> faults = warned({spoiled});
+  ASSERT_EQ(faults.size(), 1U) << (faults.empty() ? "" : faults.back().message);
+  EXPECT_EQ(faults[0].subject, GetParam().subject);
+  EXPECT_EQ(faults[0].key, GetParam().key);
+  EXPECT_EQ(faults[0].severity, Severity::warning);
+  EXPECT_TRUE(warned({spoiled, standard()}).empty());
+}
+INSTANTIATE_TEST_SUITE_P(Warnings, WarnsOf, testing::ValuesIn(blunders),
+                         [](const auto& test) { return test.param.what; });
+
+/// Two rotating fields with a magnet of 1e-9 T/m between them.
+TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
+  Beamline b = standard();
+  GradientMagnet magnet;
+  magnet.length = 0.04;
+  magnet.field = 1e-3;
+  magnet.gradient = 1e-9;
+  b.parts.insert(b.parts.begin() + 3, place("M", 0.7, magnet));
+  EXPECT_TRUE(warned({b}).empty());
+  RotatingField second = std::get<RotatingField>(b.parts[2].part);
+  b.parts.insert(b.parts.begin() + 4, place("B2", 0.8, UniformField{0.25, 10e-3, {}}));
+  b.parts.insert(b.parts.begin() + 5, place("H1", 0.8, second));
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}}) {
+    b.law = law;
+    const std::vector<Fault> faults = warned({b});
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].subject, "M");
+  }
+}
+
+}  // namespace
+}  // namespace rabiline
