@@ -99,12 +99,13 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 std::string render(const Diagnostic& d) {
   std::string out;
   const SourceText* text = d.place.text.get();
+  const std::string_view word = d.severity == Severity::warning ? "warning" : "error";
   if (text && d.place.line > 0)
-    out = fmt::format("{}:{}:{}: error: {}\n", text->name, d.place.line, d.place.column, d.message);
+    out = fmt::format("{}:{}:{}: {}: {}\n", text->name, d.place.line, d.place.column, word, d.message);
   else if (text)
-    out = fmt::format("{}: error: {}\n", text->name, d.message);
+    out = fmt::format("{}: {}: {}\n", text->name, word, d.message);
   else
-    out = fmt::format("error: {}\n", d.message);
+    out = fmt::format("{}: {}\n", word, d.message);
   if (text && d.place.line > 0 && static_cast<std::size_t>(d.place.line) <= text->lines.size())
     out += excerpt(d.place, text->lines[static_cast<std::size_t>(d.place.line) - 1]);
   if (!d.suggestion.empty()) out += fmt::format("  help: {}\n", d.suggestion);

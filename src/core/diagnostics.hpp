@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/fault.hpp"
+
 namespace rabiline {
 
 /// A text that messages can point into: a file, or an argument of the command line.
@@ -33,6 +35,7 @@ struct Diagnostic {
   Place place;
   std::string message;
   std::string suggestion;  // empty when there is none
+  Severity severity = Severity::error;
 };
 
 /// "file:line:column: error: message", the line itself, carets under the place, "  help: suggestion".

@@ -34,7 +34,7 @@ const Place& Places::of(std::string name) const {
 }
 
 Diagnostic Places::locate(const Fault& fault) const {
-  return {of(dotted_name(fault.subject, fault.key)), fault.message, fault.help};
+  return {of(dotted_name(fault.subject, fault.key)), fault.message, fault.help, fault.severity};
 }
 
 }  // namespace rabiline
