@@ -203,11 +203,11 @@ class Tracer {
 }  // namespace
 
 Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
-  Experiment experiment;
-  experiment.points = {beamline};
   // A track follows one branch.
-  if (auto* quantum = std::get_if<QuantumLaw>(&experiment.points.front().law))
-    quantum->outcomes = Outcomes::sample;
+  Beamline sampled = beamline;
+  if (auto* quantum = std::get_if<QuantumLaw>(&sampled.law)) quantum->outcomes = Outcomes::sample;
+  Experiment experiment;
+  experiment.points = {std::move(sampled)};
   const Plan plan = make_plan(experiment);
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();
