@@ -55,7 +55,7 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
     return out;
   }
   const auto space = std::make_shared<ParameterSpace<Beamline>>(
-      scans_variables(plan) ? file.root : with_values, plan.axes,
+      scans_variables(plan) ? file.root : with_values, scans_variables(plan), plan.axes,
       FileReader<Beamline>{&read_beamline, &read_beamline_values, &finish_beamline,
                            [](const Beamline& beamline) { return faults_of(beamline).empty(); }},
       reading);

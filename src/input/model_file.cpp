@@ -99,7 +99,8 @@ LoadedModel load_model(LoadedFile file, const CommandLine& line) {
   refuse_settings_of_scanned(settings, plan, reading);
   throw_if_wrong(reading, sources);
   if (plan.axes.empty()) return out;
-  ParameterSpace<ModelFile> space(scans_variables(plan) ? file.root : with_values, plan.axes,
+  ParameterSpace<ModelFile> space(scans_variables(plan) ? file.root : with_values, scans_variables(plan),
+                                  plan.axes,
                                   {&read_model, &read_model_values, [](ModelFile&) {},
                                    [](const ModelFile& model) { return faults_in(model).empty(); }},
                                   reading);

@@ -36,9 +36,14 @@ struct FileReader {
 template <class File>
 class ParameterSpace {
  public:
-  /// `root` has its settings; its variables are in place where none is scanned.
-  ParameterSpace(const Node& root, std::vector<Axis> axes, FileReader<File> reader, const Reading& reading)
-      : root_(root), axes_(std::move(axes)), reader_(reader), files_(reading) {
+  /// `root` has its settings. `open_variables`: some are scanned, so that each point puts them in place anew.
+  ParameterSpace(const Node& root, bool open_variables, std::vector<Axis> axes, FileReader<File> reader,
+                 const Reading& reading)
+      : root_(root),
+        open_variables_(open_variables),
+        axes_(std::move(axes)),
+        reader_(reader),
+        files_(reading) {
     files_.errors.clear();
     files_.watched.clear();
   }
@@ -58,7 +63,7 @@ class ParameterSpace {
         prepare(reading);
         out.push_back(read_axis(*this, 0, reading));
       } else {
-        ParameterSpace alone(root_, {axes_[k]}, reader_, reading);
+        ParameterSpace alone(root_, open_variables_, {axes_[k]}, reader_, reading);
         alone.prepare(reading);
         out.push_back(read_axis(alone, k, reading));
         values_.push_back(std::move(alone.values_.front()));
@@ -154,9 +159,8 @@ class ParameterSpace {
     }
   }
 
-  bool scans_variables() const { return rabiline::scans_variables({axes_}); }
   Node with_variables_in(Node tree, Reading& reading) const {
-    if (scans_variables()) put_variables(tree, reading);
+    if (open_variables_) put_variables(tree, reading);
     return tree;
   }
   Node tree_at(std::size_t point) const {
@@ -205,7 +209,7 @@ class ParameterSpace {
     for (const NamedAt& named : axis.parameters)
       if (Node* node = put_value(tree, named.name, named.place, value, reading))
         reading.watched.push_back({node, std::nullopt, 0});
-    if (scans_variables()) {
+    if (open_variables_) {
       reader_.read(with_variables_in(std::move(tree), reading), reading);
       const ParsedQuantity parsed =
           value.is_scalar() ? parse_quantity(value.scalar) : ParsedQuantity{0, {}, "a list", {}};
@@ -313,6 +317,7 @@ class ParameterSpace {
   }
 
   Node root_, tree_;  // without and with the scanned keys
+  bool open_variables_;
   std::vector<Axis> axes_;
   FileReader<File> reader_;
   Reading files_;  // what was read beside the file
