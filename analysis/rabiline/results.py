@@ -1,6 +1,6 @@
 """What `rabiline run` wrote, as plain values.
 
-Scan points are flat and row-major everywhere, as in the file: point = i0 * n1 + i1 for axes 0 and 1.
+Scan points are flat and row-major everywhere, as in the file: the last axis changes fastest.
 """
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .hdf5 import Group, open_entry
 
 @dataclass(frozen=True)
 class Axis:
-    """A scanned parameter."""
+    """A scanned parameter, or several that change together."""
 
-    parameter: str  # dotted name, "H0.frequency"
+    parameter: str  # dotted name, "H0.frequency"; several with ", " between
     units: str  # SI, "Hz"; empty for a plain number
     values: np.ndarray  # [n] in `units`; 0, 1, ... for a categorical axis
     labels: tuple[str, ...] = ()  # [n] of a categorical axis, else empty
@@ -26,7 +26,7 @@ class Axis:
 class Scan:
     """The fraction of the emitted particles that each detector caught, over the scan."""
 
-    axes: tuple[Axis, ...]  # none, one or two
+    axes: tuple[Axis, ...]  # the outermost first; none where nothing is scanned
     detectors: tuple[str, ...]  # [detectors]
     detected: np.ndarray  # [detectors, points]
     errors: np.ndarray  # [detectors, points] one standard error

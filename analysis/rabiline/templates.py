@@ -77,6 +77,9 @@ def templates(results: Results, parameter: str, histogram: str = "image", most: 
     along = numbers[0]
     if scan.axes[along].values.size < 2:
         raise NoTemplates(f"{results.path}: its scan has only one value of {parameter}")
+    if len(scan.axes) > 2:
+        raise NoTemplates(f"{results.path}: its scan runs over {len(scan.axes)} axes; templates need {parameter} and one "
+                          "more at most")
     other = scan.axes[1 - along] if len(scan.axes) == 2 else None
     flat = np.moveaxis(np.arange(np.prod(scan.shape)).reshape(scan.shape), along, 0).reshape(scan.shape[along], -1)
     return Templates(

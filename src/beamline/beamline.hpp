@@ -32,6 +32,7 @@ struct Beamline {
   std::vector<PlacedPart> parts;   // in order of `at`
   std::uint64_t particles = 0;     // per scan point
   std::uint64_t seed = 0;
+  bool operator==(const Beamline&) const = default;
 };
 
 /// Whether scan points fly the same particles (smooth curves, correlated points) or each its own.
@@ -42,22 +43,6 @@ inline constexpr auto choices<ScanParticles> = std::array{
                           "every scan point flies the same particles: smooth curves"},
     Choice<ScanParticles>{"independent", ScanParticles::independent,
                           "every scan point draws its own particles"},
-};
-
-/// One scanned parameter and its values, for axes of results.
-struct ScanAxis {
-  std::string parameter;               // dotted name, e.g. "H0.frequency"
-  std::optional<Dimension> dimension;  // none for a categorical axis such as "law"
-  std::vector<double> values;          // [SI]; the index 0, 1, ... for a categorical axis
-  std::vector<std::string> labels;     // of a categorical axis, else empty
-};
-
-/// The experiment over its scan: points[i0 * n1 + i1] for axes 0 and 1; a single point where nothing is
-/// scanned.
-struct Experiment {
-  std::vector<ScanAxis> axes;  // none, one or two
-  ScanParticles particles = ScanParticles::shared;
-  std::vector<Beamline> points;
 };
 
 }  // namespace rabiline

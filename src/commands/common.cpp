@@ -77,9 +77,10 @@ void ExperimentOptions::add_to(CLI::App& app) {
   app.add_option(
          "--scan", changes.scan,
          "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'; `:log` behind it spreads the "
-         "points in equal ratios")
-      ->type_name("NAME=FROM:TO:POINTS[:log]|NAME=A,B,C")
+         "points in equal ratios; several names with commas between take each value together")
+      ->type_name("NAME[,NAME]=FROM:TO:POINTS[:log]|NAME[,NAME]=A,B,C")
       ->allow_extra_args(false);
+  app.add_flag("--no-scan", changes.without_scan, "omit the file's scan");
 }
 
 void ExperimentOptions::add_without_scan_to(CLI::App& app) {
@@ -88,19 +89,20 @@ void ExperimentOptions::add_without_scan_to(CLI::App& app) {
   app.add_option("--set", changes.set, "change a parameter for this time, e.g. --set 'B.field=9 mT'")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--particles", changes.particles, "particles per scan point")->type_name("N");
+  app.add_option("--particles", changes.particles, "particles per scan point, such as 1e6")->type_name("N");
   app.add_option("--seed", changes.seed, "seed of all random numbers")->type_name("S");
 }
 
 void MachineOptions::add_to(CLI::App& app) {
-  app.add_option("--threads", threads, "threads; the result is the same for any number")
-      ->type_name("T")
-      ->check(CLI::Range(1, 1024));
+  app.add_option("--threads", threads, "threads; the result is the same for any number")->type_name("T");
   app.add_option("--isa", isa, "instruction set: x86-64, avx2 or avx512; the result is the same for any")
       ->type_name("NAME");
 }
 
-int MachineOptions::thread_count() const { return threads > 0 ? threads : omp_get_num_procs(); }
+int MachineOptions::thread_count() const {
+  if (threads.empty()) return omp_get_num_procs();
+  return static_cast<int>(read_argument("--threads", threads, {1, 1024, true, true, "from 1 to 1024"}));
+}
 
 Isa MachineOptions::instruction_set() const {
   if (isa.empty()) return best_isa();
@@ -150,7 +152,9 @@ std::string fingerprint(const LoadedExperiment& loaded, const CommandLine& chang
   for (const InputText& input : loaded.inputs) mix(input.text);
   for (const std::string& change : changes.set) mix(change);
   for (const std::string& scan : changes.scan) mix(scan);
-  mix(fmt::format("{} {}", changes.particles.value_or(0), changes.seed.value_or(0)));
+  mix(changes.without_scan ? "without scan" : "");
+  mix(changes.particles.value_or(""));
+  mix(changes.seed.value_or(""));
   return fmt::format("{:016x}", hash);
 }
 

@@ -33,8 +33,8 @@ struct ExperimentOptions {
 
 /// How to compute, which never changes a result.
 struct MachineOptions {
-  int threads = 0;  // 0: as many as the process may use
-  std::string isa;  // empty: the best one
+  std::string threads;  // empty: as many as the process may use
+  std::string isa;      // empty: the best one
   void add_to(CLI::App&);
   int thread_count() const;
   Isa instruction_set() const;  // throws ArgumentError

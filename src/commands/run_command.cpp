@@ -8,6 +8,7 @@
 
 #include "commands/common.hpp"
 #include "rules/warnings.hpp"
+#include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 #include "storage/checkpoint_file.hpp"
@@ -23,7 +24,7 @@ struct RunArguments {
   MachineOptions machine;
   std::string output;
   std::string progress = "auto";
-  int batch = Batch::capacity;
+  std::string batch;  // empty: the largest
 };
 
 std::string duration(double seconds) {
@@ -90,11 +91,12 @@ std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::f
   };
   for (const std::string& change : changes.set) add("--set", change);
   for (const std::string& scan : changes.scan) add("--scan", scan);
-  if (changes.particles) add("--particles", std::to_string(*changes.particles));
-  if (changes.seed) add("--seed", std::to_string(*changes.seed));
-  if (a.machine.threads > 0) add("--threads", std::to_string(a.machine.threads));
+  if (changes.without_scan) arguments.emplace_back("--no-scan");
+  if (changes.particles) add("--particles", *changes.particles);
+  if (changes.seed) add("--seed", *changes.seed);
+  if (!a.machine.threads.empty()) add("--threads", a.machine.threads);
   if (!a.machine.isa.empty()) add("--isa", a.machine.isa);
-  add("--batch", std::to_string(a.batch));
+  if (!a.batch.empty()) add("--batch", a.batch);
   add("--progress", a.progress);
   return arguments;
 }
@@ -161,7 +163,11 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   const std::filesystem::path output = a.output.empty()
                                            ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
                                            : std::filesystem::path(a.output);
-  if (a.batch < 8 || a.batch > Batch::capacity || a.batch % 8 != 0)
+  const int batch = a.batch.empty()
+                        ? Batch::capacity
+                        : static_cast<int>(read_argument(
+                              "--batch", a.batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
+  if (batch % 8 != 0)
     throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
   const Loaded file = load(a.experiment.file, a.experiment.changes);
   if (std::holds_alternative<LoadedModel>(file)) refuse_for_a_model(verb);
@@ -193,7 +199,7 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   RunOptions options;
   options.threads = a.machine.thread_count();
   options.isa = a.machine.instruction_set();
-  options.batch = a.batch;
+  options.batch = batch;
   options.stop = &stop_requested();
   options.progress = [&](const Progress& p) { progress(p); };
   options.snapshot = [&](const Snapshot& s) { checkpoints.write_or_warn(s); };
@@ -212,6 +218,7 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   }
   Result result = finish(loaded.experiment, plan, outcome.sums);
   result.provenance = std::move(provenance);
+  for (const std::string& warning : warnings_of(result)) fmt::print(stderr, "warning: {}\n", warning);
   write_results(result, output);
   checkpoints.remove();
   print_summary(result, output, result.provenance.seconds);

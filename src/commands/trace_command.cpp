@@ -12,13 +12,12 @@ namespace {
 struct TraceArguments {
   ExperimentOptions experiment;
   std::string output, isa;
-  std::uint64_t count = 5;
-  std::optional<std::uint64_t> particle;
+  std::string count = "5";
+  std::optional<std::string> particle;
 };
 
 void trace_command(const TraceArguments& a) {
-  constexpr std::uint64_t most = 10000;
-  if (a.count < 1 || a.count > most) throw ArgumentError(fmt::format("-n must be from 1 to {}", most));
+  const std::uint64_t count = read_argument("-n", a.count, {1, 10000, true, true, "from 1 to 10000"});
   MachineOptions machine;
   machine.isa = a.isa;
   const Isa isa = machine.instruction_set();
@@ -26,8 +25,9 @@ void trace_command(const TraceArguments& a) {
   require_no_input(a.output, loaded.inputs);
   require_writable(a.output);
   std::vector<Track> tracks;
-  const std::uint64_t first = a.particle.value_or(0);
-  const std::uint64_t last = a.particle ? first + 1 : std::min(a.count, loaded.base.particles);
+  const std::uint64_t first =
+      a.particle ? read_argument("--particle", *a.particle, {0, 1e14, true, true, "zero or greater"}) : 0;
+  const std::uint64_t last = a.particle ? first + 1 : std::min(count, loaded.base.particles);
   if (first >= loaded.base.particles)
     throw ArgumentError(fmt::format("--particle: there is no particle {}; the run has {}, counted from 0",
                                     first, loaded.base.particles));
@@ -43,8 +43,7 @@ void trace_command(const TraceArguments& a) {
 }  // namespace
 
 void add_trace(CLI::App& app) {
-  CLI::App* verb =
-      app.add_subcommand("trace", "write the paths of a few particles, the file's scan left out");
+  CLI::App* verb = app.add_subcommand("trace", "write the paths of a few particles, without the file's scan");
   auto a = std::make_shared<TraceArguments>();
   a->experiment.add_without_scan_to(*verb);
   CLI::Option* count = verb->add_option("-n", a->count, "how many particles, from number 0")->type_name("N");

@@ -168,20 +168,46 @@ bool read_value(const Node& node, const Place&, const Row& row, Reading& reading
   return good;
 }
 
-Beamline read_beamline(const Node& root, Reading& reading) {
-  Beamline out;
+namespace {
+
+/// Whether all of it could be read.
+bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
   if (!root.is_mapping()) {
     reading.error(root.place,
                   fmt::format("a beamline file is a mapping of keys, but {} stands here", quote(root)),
                   "begin it with `rabiline: 1`");
-    return out;
+    return false;
   }
   Keys keys(root, "the file", root.place, reading);
   check_version(root, keys);
   const bool all_read = read_rows(keys, out);
-  keys.take("geometry");
-  keys.take("scan");
+  for (const std::string_view key : {"geometry", "variables", "scan"}) keys.take(key);
   keys.finish();
+  return all_read;
+}
+
+void omit_disabled(std::vector<PlacedPart>& parts) {
+  std::erase_if(parts, [](const PlacedPart& part) { return !part.placement.enabled; });
+}
+
+}  // namespace
+
+Beamline read_beamline_values(const Node& root, Reading& reading) {
+  Beamline out;
+  read_by_tables(root, reading, out);
+  return out;
+}
+
+void finish_beamline(Beamline& beamline) {
+  omit_disabled(beamline.parts);
+  std::stable_sort(beamline.parts.begin(), beamline.parts.end(),
+                   [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });
+}
+
+Beamline read_beamline(const Node& root, Reading& reading) {
+  Beamline out;
+  const bool all_read = read_by_tables(root, reading, out);
+  omit_disabled(out.parts);
   // Rules between parts are asked where all of them could be read.
   std::vector<Fault> faults;
   if (all_read)
@@ -193,9 +219,13 @@ Beamline read_beamline(const Node& root, Reading& reading) {
     const Places places(root);
     for (const Fault& fault : faults) reading.errors.push_back(places.locate(fault));
   }
-  std::stable_sort(out.parts.begin(), out.parts.end(),
-                   [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });
+  finish_beamline(out);
   return out;
+}
+
+void check_scanned(const Axis& axis, const ScanPoints& points, Reading& reading) {
+  if (std::optional<Fault> fault = fault_of_axis(axis.name(), points))
+    reading.error(axis.place, std::move(fault->message), std::move(fault->help));
 }
 
 }  // namespace rabiline

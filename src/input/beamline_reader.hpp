@@ -1,8 +1,9 @@
 #pragma once
 // The beamline's own table and how one point of it is read from a tree.
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "input/document.hpp"
 #include "input/keys.hpp"
+#include "input/scan.hpp"
 #include "input/values.hpp"
 
 namespace rabiline {
@@ -29,5 +30,11 @@ inline constexpr auto parameters<Beamline> = std::tuple{
 void check_version(const Node& root, Keys&);
 /// Reads and checks a whole file's tree; `scan` is left alone. Whether all is well shows in the Reading.
 Beamline read_beamline(const Node& root, Reading&);
+/// The same in two steps: the values by the tables, every part in the order of the file; then the parts that
+/// are enabled, in order of `at`.
+Beamline read_beamline_values(const Node& root, Reading&);
+void finish_beamline(Beamline&);
+/// What may not change along an axis of a scan, at the points on it.
+void check_scanned(const Axis&, const ScanPoints&, Reading&);
 
 }  // namespace rabiline

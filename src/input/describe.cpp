@@ -72,7 +72,7 @@ std::string describe_source() {
 }
 
 std::string describe_scan() {
-  Page page("scan: which parameter takes which values; a list of two makes a grid");
+  Page page("scan: which parameter takes which values; a list makes a grid");
   add_rows<ScanEntry>(page);
   page.line(
       "\nExamples\n"
@@ -82,9 +82,14 @@ std::string describe_scan() {
       "  --scan 'H0.frequency=280 kHz:300 kHz:21'   --scan 'H0.amplitude=1 nT:1 uT:31:log'\n"
       "  --scan law=quantum,dorado   --set "
       "scan.particles=independent\n"
+      "  scan: {parameter: [C1.amplitude, C2.amplitude], from: 1 uT, to: 2 uT, points: 11}\n"
+      "  --scan 'C1.amplitude,C2.amplitude=1 uT:2 uT:11'   --scan C2.enabled=true,false\n"
       "A range has both ends and at least two points. A logarithmic one has both ends on the same side of "
       "zero. --scan\n"
-      "replaces the file's scan of the same parameter; else it is the outer axis of a grid.");
+      "may be given several times, the outermost axis first. It replaces the file's scan of the same "
+      "parameter; "
+      "else\n"
+      "it stands outside of the file's. --no-scan omits the file's.");
   return page.finish();
 }
 
@@ -216,7 +221,9 @@ std::string describe_overview() {
   page.row("rabiline", "1", "required", "version of the format");
   page.row("geometry", "path", "may be missing", "a file with `parts` and `chamber` that experiments share");
   add_rows<Beamline>(page);
-  page.row("scan", "mapping, or list of two", "may be missing", "which parameter takes which values");
+  page.row("variables", "names and values", "may be missing",
+           "`{B1: 2 mT}`: values put where `${B1}` stands; set and scanned as variables.B1");
+  page.row("scan", "mapping, or list of them", "may be missing", "which parameter takes which values");
   page.line("\nParts");
   for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
     page.row(std::string(A::kind), std::string(A::meaning), "", "");

@@ -111,6 +111,8 @@ std::string need_of(const Row& row, const D& fallback) {
     return fallback.x == 1 ? "default x" : "default z";
   else if constexpr (requires { D::kind; })
     return fmt::format("default {}", D::kind);
+  else if constexpr (std::is_same_v<D, bool>)
+    return fallback ? "default true" : "default false";
   else if constexpr (std::is_arithmetic_v<D>)
     return row.dimension == Dimension::angle && fallback != 0
                ? fmt::format("default {:.4g} deg",

@@ -4,6 +4,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -43,6 +44,30 @@ std::size_t count_nodes(const Node& node) {
   for (const Node& item : node.items) count += count_nodes(item);
   for (const Entry& entry : node.entries) count += count_nodes(entry.value);
   return count;
+}
+
+// `{` and `}` would end a plain value inside of braces, so the parser sees those of `${name}` as bytes that
+// no text holds.
+constexpr char hidden_open = '\x01', hidden_close = '\x02';
+
+std::string hide_variables(std::string text) {
+  const auto of_name = [](char c) {
+    return c == '_' || (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+  };
+  for (std::size_t from = 0; (from = text.find("${", from)) != std::string::npos; from += 2) {
+    std::size_t end = from + 2;
+    while (end < text.size() && of_name(text[end])) ++end;
+    if (end == text.size() || text[end] != '}') continue;
+    text[from + 1] = hidden_open;
+    text[end] = hidden_close;
+  }
+  return text;
+}
+
+std::string with_variables(std::string text) {
+  std::replace(text.begin(), text.end(), hidden_open, '{');
+  std::replace(text.begin(), text.end(), hidden_close, '}');
+  return text;
 }
 
 /// Builds the tree from the parser's events. The library's own tree forgets duplicate keys, follows aliases
@@ -89,9 +114,9 @@ class TreeBuilder final : public YAML::EventHandler {
     refuse_tag(mark, tag);
     Node node;
     node.kind = Node::Kind::scalar;
-    node.scalar = value;
+    node.scalar = with_variables(value);
     node.quoted = tag == "!";
-    node.place = place_of(mark, value);
+    node.place = place_of(mark, node.scalar);
     if (node.quoted) refuse_open_quote(mark, node.place);
     complete(std::move(node), anchor);
   }
@@ -317,7 +342,7 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
   refuse_what_yaml_mistakes(source, text);
   TreeBuilder builder(source);
   try {
-    std::istringstream stream{std::string(text)};
+    std::istringstream stream{hide_variables(std::string(text))};
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) return {};
     parser.HandleNextDocument(builder);  // refuses what it finds

@@ -111,6 +111,26 @@ bool refuse_what_is_no_parameter(const std::vector<Segment>& path, const std::st
   return true;
 }
 
+/// Only variables that the file states: another one would be set and used nowhere.
+bool is_variable(const Node& root, const std::vector<Segment>& path, Reading& reading) {
+  const Entry* variables = root.find("variables");
+  std::vector<std::string> known;
+  if (variables)
+    for (const Entry& entry : variables->value.entries) known.push_back(entry.key);
+  if (path.size() == 1) {
+    reading.error(
+        path.front().place, "`variables` holds all variables of the file, not one value",
+        known.empty() ? "" : fmt::format("name one of them, such as `variables.{}`", known.front()));
+    return false;
+  }
+  if (std::find(known.begin(), known.end(), path[1].word) != known.end()) return true;
+  const std::string near = closest(path[1].word, known);
+  reading.error(path[1].place, fmt::format("the file has no variable `{}`", path[1].word),
+                near.empty() ? fmt::format("state it in the file: `variables: {{{}: 2 mT}}`", path[1].word)
+                             : fmt::format("did you mean `variables.{}`?", near));
+  return false;
+}
+
 /// A scalar on the way to a key is the short form of a mapping.
 void write_out(Node& node, std::string_view key, const Place& place) {
   if (node.is_mapping() || node.is_sequence()) return;
@@ -137,12 +157,13 @@ Node* put_value(Node& root, const std::string& name, const Place& name_place, co
   const bool known =
       root.find("model") ? has_key<ModelFile>(path.front().word) : has_key<Beamline>(path.front().word);
   const bool top = known || path.front().word == "rabiline" || path.front().word == "geometry" ||
-                   path.front().word == "scan";
+                   path.front().word == "scan" || path.front().word == "variables";
   Node* part = top ? nullptr : find_part(root, path.front().word);
   if (!top && !part) {
     unknown_name(root, name, path.front(), reading);
     return nullptr;
   }
+  if (path.front().word == "variables" && !is_variable(root, path, reading)) return nullptr;
   if (refuse_what_is_no_parameter(path, name, part != nullptr, part, reading)) return nullptr;
   Node* node = part ? part : &root;
   for (std::size_t i = part ? 1 : 0; i < path.size(); ++i) {

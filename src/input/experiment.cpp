@@ -2,9 +2,10 @@
 
 #include "input/beamline_reader.hpp"
 #include "input/dotted_name.hpp"
+#include "input/parameter_space.hpp"
 #include "input/reader.hpp"
 #include "input/scan.hpp"
-#include "input/scan_reader.hpp"
+#include "rules/rules.hpp"
 
 namespace rabiline {
 namespace {
@@ -35,28 +36,33 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
   const std::vector<Setting> settings = read_settings(line, sources, reading);
   std::optional<ScanParticles> mode;
   if (file.root.is_mapping()) apply_settings(file.root, settings, reading, mode);
-  out.base = read_beamline(file.root, reading);
-  out.places = Places(file.root);
+  Node with_values = file.root;
+  put_variables(with_values, reading);
+  out.base = read_beamline(with_values, reading);
+  out.places = Places(with_values);
 
   // What is scanned.
   const Sources arguments = scan_arguments(line, sources);
-  const ScanPlan plan = line.without_scan ? ScanPlan{} : read_scan(file.root, arguments, reading);
+  const ScanPlan plan = read_scan(line.without_scan ? nullptr : &with_values, arguments, reading);
   refuse_settings_of_scanned(settings, plan, reading);
   add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
 
   // Every point of the scan.
-  ScanReader<Beamline> scan(file.root, plan, &read_beamline, reading);
   out.experiment.particles = mode.value_or(plan.particles);
-  for (const Axis& axis : plan.axes) {
-    out.experiment.points.clear();
-    out.experiment.axes.push_back(scan.read_axis(axis, out.experiment.points));
+  if (plan.axes.empty()) {
+    out.experiment.points = {out.base};
+    return out;
   }
+  const auto space = std::make_shared<ParameterSpace<Beamline>>(
+      scans_variables(plan) ? file.root : with_values, scans_variables(plan), plan.axes,
+      FileReader<Beamline>{&read_beamline, &read_beamline_values, &finish_beamline,
+                           [](const Beamline& beamline) { return faults_of(beamline).empty(); }},
+      reading);
+  out.experiment.axes = space->read(reading);
   add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
-  if (plan.axes.size() == 2) out.experiment.points = scan.read_grid();
-  if (plan.axes.empty()) out.experiment.points = {out.base};
-  throw_if_wrong(reading, sources);
+  out.experiment.points = {space->size(), [space](std::size_t point) { return space->at(point); }};
   return out;
 }
 

@@ -4,9 +4,9 @@
 
 #include "input/beamline_reader.hpp"
 #include "input/dotted_name.hpp"
+#include "input/parameter_space.hpp"
 #include "input/places.hpp"
 #include "input/reader.hpp"
-#include "input/scan_reader.hpp"
 
 namespace rabiline {
 namespace {
@@ -14,19 +14,28 @@ namespace {
 // Of all scan points together: a GiB. What is written of a point besides takes as much as so many samples.
 constexpr double most_samples = 1e6, samples_of_a_point = 200;
 
-ModelFile read_model(const Node& root, Reading& reading) {
+std::vector<Fault> faults_in(const ModelFile& file) {
+  return std::visit([](const auto& any) { return faults_of(any); }, file.model);
+}
+
+ModelFile read_model_values(const Node& root, Reading& reading) {
   ModelFile out;
   Keys keys(root, "the file of a model", root.place, reading);
   check_version(root, keys);
-  const bool good = read_rows(keys, out);
-  keys.take("scan");
+  read_rows(keys, out);
+  for (const std::string_view key : {"variables", "scan"}) keys.take(key);
   keys.finish([](std::string_view key) {
     return has_key<Beamline>(key) || key == "geometry" ? std::string("a beamline") : std::string{};
   });
-  if (!good) return out;
+  return out;
+}
+
+ModelFile read_model(const Node& root, Reading& reading) {
+  const std::size_t errors = reading.errors.size();
+  ModelFile out = read_model_values(root, reading);
+  if (reading.errors.size() > errors) return out;
   const Places places(root);
-  for (const Fault& fault : std::visit([](const auto& any) { return faults_of(any); }, out.model))
-    reading.errors.push_back(places.locate(fault));
+  for (const Fault& fault : faults_in(out)) reading.errors.push_back(places.locate(fault));
   return out;
 }
 
@@ -35,28 +44,29 @@ void apply_settings(Node& root, const std::vector<Setting>& settings, Reading& r
     if (s.name.empty()) continue;
     if (s.name == "particles" || s.name == "seed" || s.name == "scan.particles")
       reading.error(s.place, fmt::format("`{}` has no meaning for a model: it is solved, not flown", s.name),
-                    "leave it away");
+                    "omit it");
     else
       put_value(root, s.name, s.place, s.value, reading);
   }
 }
 
-void check_scan(const Node& root, const ScanPlan& plan, Reading& reading) {
+void check_scan(const Node* root, const ScanPlan& plan, Reading& reading) {
   if (plan.axes.size() > 1)
     reading.error(plan.axes[1].place, "a model is scanned over one parameter",
                   "set the other one with --set");
-  for (const auto& axis : plan.axes)
-    if (!axis.parameter.starts_with("model"))
-      reading.error(axis.place,
-                    fmt::format("`{}` cannot be scanned: it is no parameter of the model", axis.parameter),
-                    "scan one such as `model.samples`");
-  const Entry* scan = root.find("scan");
+  for (const Axis& axis : plan.axes)
+    for (const NamedAt& scanned : axis.parameters)
+      if (!scanned.name.starts_with("model") && !scanned.name.starts_with("variables."))
+        reading.error(scanned.place,
+                      fmt::format("`{}` cannot be scanned: it is no parameter of the model", scanned.name),
+                      "scan one such as `model.samples`");
+  const Entry* scan = root ? root->find("scan") : nullptr;
   if (!scan) return;
   const std::vector<Node> one{scan->value};
   for (const Node& node : scan->value.is_sequence() ? scan->value.items : one)
     if (const Entry* particles = node.find("particles"))
       reading.error(particles->key_place, "`particles` has no meaning for a model: it is solved, not flown",
-                    "leave it away");
+                    "omit it");
 }
 
 /// Every point keeps its motions until all are written.
@@ -79,17 +89,26 @@ LoadedModel load_model(LoadedFile file, const CommandLine& line) {
   Sources& sources = file.sources;
   const std::vector<Setting> settings = read_settings(line, sources, reading);
   apply_settings(file.root, settings, reading);
-  out.points = {read_model(file.root, reading)};
+  Node with_values = file.root;
+  put_variables(with_values, reading);
+  out.points = {read_model(with_values, reading)};
   const Sources arguments = scan_arguments(line, sources);
-  const ScanPlan plan = read_scan(file.root, arguments, reading);
-  check_scan(file.root, plan, reading);
+  const Node* scanned = line.without_scan ? nullptr : &with_values;
+  const ScanPlan plan = read_scan(scanned, arguments, reading);
+  check_scan(scanned, plan, reading);
   refuse_settings_of_scanned(settings, plan, reading);
   throw_if_wrong(reading, sources);
   if (plan.axes.empty()) return out;
+  ParameterSpace<ModelFile> space(scans_variables(plan) ? file.root : with_values, scans_variables(plan),
+                                  plan.axes,
+                                  {&read_model, &read_model_values, [](ModelFile&) {},
+                                   [](const ModelFile& model) { return faults_in(model).empty(); }},
+                                  reading);
+  out.axes = space.read(reading);
+  throw_if_wrong(reading, sources);
   out.points.clear();
-  ScanReader<ModelFile> scan(file.root, plan, &read_model, reading);
-  out.axes.push_back(scan.read_axis(plan.axes.front(), out.points));
-  if (reading.errors.empty()) check_size(out, plan, reading);
+  for (std::size_t i = 0; i < space.size(); ++i) out.points.push_back(space.at(i));
+  check_size(out, plan, reading);
   throw_if_wrong(reading, sources);
   return out;
 }

@@ -24,8 +24,7 @@ std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view ke
   return std::nullopt;
 }
 
-/// The value at `part` of the way, in equal ratios, to 15 digits: so that decades are whole numbers, the same
-/// on every processor.
+/// The value at `part` of the way, in equal ratios, to 15 digits, so that decades are whole numbers.
 double between_logarithmic(double first, double last, double part) {
   const auto ratio = static_cast<long double>(last) / first;
   const std::string text =
@@ -49,37 +48,29 @@ bool has_ratio(const Node& from, const Node& to, double first, double last, Read
   return false;
 }
 
-/// Both ends keep their text, so they are exact; the values between are written in SI, which loses no bit.
-std::vector<Node> range_values(const Node& from, const Node& to, std::uint64_t points, ScanSpacing spacing,
-                               Reading& reading) {
+/// The range, or no values where something is wrong with it.
+decltype(Axis::values) range_values(const Node& from, const Node& to, std::uint64_t points,
+                                    ScanSpacing spacing, Reading& reading) {
+  const std::vector<Node> none;
   const auto first = end_of_range(from, "from", reading);
   const auto last = end_of_range(to, "to", reading);
-  if (!first || !last) return {};
+  if (!first || !last) return none;
   if (first->dimension != last->dimension) {
     reading.error(
         to.place,
         fmt::format("the range begins with {} and ends with {}", with_article(name_of(first->dimension)),
                     with_article(name_of(last->dimension))),
         "both ends need a unit of the same kind");
-    return {};
+    return none;
   }
   if (first->value == last->value) {
     reading.error(to.place, fmt::format("the range ends where it begins, at {}", quote(from)),
                   "a single value is set with --set");
-    return {};
+    return none;
   }
-  const bool logarithmic = spacing == ScanSpacing::logarithmic;
-  if (logarithmic && !has_ratio(from, to, first->value, last->value, reading)) return {};
-  std::vector<Node> values(points, from);
-  const auto steps = static_cast<double>(points - 1);
-  for (std::uint64_t i = 1; i + 1 < points; ++i) {
-    const auto step = static_cast<double>(i);
-    const double between = logarithmic ? between_logarithmic(first->value, last->value, step / steps)
-                                       : (first->value * (steps - step) + last->value * step) / steps;
-    values[i].scalar = write_quantity(between, first->dimension);
-  }
-  values.back() = to;
-  return values;
+  if (spacing == ScanSpacing::logarithmic && !has_ratio(from, to, first->value, last->value, reading))
+    return none;
+  return Axis::Range{from, to, first->value, last->value, first->dimension, points, spacing};
 }
 
 std::vector<Node> listed_values(const Node& list, Reading& reading) {
@@ -104,12 +95,8 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
     return axis;
   }
   if (!read_struct(node, named_at, {"scan", Dimension::number, range::any, ""}, reading, entry)) return axis;
-  axis.parameter = entry.parameter;
-  axis.place = place_of(node, "parameter");
-  if (node.find("parameter")->value.quoted) {
-    ++axis.place.column;
-    axis.place.length -= 2;
-  }
+  axis.parameters = entry.parameter.names;
+  axis.place = axis.parameters.front().place;
   if (entry.particles) particles = entry.particles;
   const Place& blame = node.find("parameter")->key_place;
   if (entry.values && (entry.from || entry.to || entry.points))
@@ -118,24 +105,22 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
   else if (entry.values && entry.spacing)
     reading.error(node.find("spacing")->key_place,
                   "`spacing` spreads the values of a range, but here they are written one by one",
-                  "leave it away, or give `from`, `to` and `points`");
+                  "omit it, or give `from`, `to` and `points`");
   else if (entry.values)
     axis.values = listed_values(*entry.values, reading);
   else if (!entry.from && !entry.to && !entry.points)
-    reading.error(blame, fmt::format("the scan of `{}` does not say over which values", axis.parameter),
+    reading.error(blame, fmt::format("the scan of `{}` does not say over which values", axis.name()),
                   "add `from`, `to` and `points`, or `values`");
   else if (!entry.from || !entry.to || !entry.points)
     reading.error(blame,
-                  fmt::format("the scan of `{}` lacks `{}`", axis.parameter,
+                  fmt::format("the scan of `{}` lacks `{}`", axis.name(),
                               !entry.from ? "from"
                               : !entry.to ? "to"
                                           : "points"),
                   "a range has `from`, `to` and `points`");
-  else {
-    axis.is_range = true;
+  else
     axis.values = range_values(*entry.from, *entry.to, *entry.points,
                                entry.spacing.value_or(ScanSpacing::linear), reading);
-  }
   return axis;
 }
 
@@ -160,7 +145,23 @@ std::vector<std::size_t> separators(std::string_view text, std::size_t from, cha
   return out;
 }
 
-/// NAME=FROM:TO:POINTS, NAME=FROM:TO:POINTS:log or NAME=A,B,C.
+/// The names before the equals sign of an argument, with commas between.
+std::vector<NamedAt> names_before(std::size_t equals, const std::shared_ptr<const SourceText>& source) {
+  const std::string_view names = std::string_view(source->lines.front()).substr(0, equals);
+  std::vector<NamedAt> out;
+  for (std::size_t from = 0; from <= names.size();) {
+    const std::size_t end = std::min(names.find(',', from), names.size());
+    std::size_t first = from, last = end;
+    while (first < last && names[first] == ' ') ++first;
+    while (last > first && names[last - 1] == ' ') --last;
+    out.push_back({std::string(names.substr(first, last - first)),
+                   {source, 1, static_cast<int>(first) + 1, std::max(1, static_cast<int>(last - first))}});
+    from = end + 1;
+  }
+  return out;
+}
+
+/// NAME=FROM:TO:POINTS, NAME=FROM:TO:POINTS:log or NAME=A,B,C; several names have commas between.
 Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& reading) {
   Axis axis;
   const std::string& text = source->lines.front();
@@ -171,7 +172,7 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
                   "such as `H0.frequency=280 kHz:300 kHz:21` or `law=quantum,dorado`");
     return axis;
   }
-  axis.parameter = text.substr(0, equals);
+  axis.parameters = names_before(equals, source);
   axis.place = {source, 1, 1, static_cast<int>(equals)};
   const std::vector<std::size_t> colons = separators(text, equals + 1, ':');
   std::vector<std::size_t> cuts = separators(text, equals + 1, ',');
@@ -194,7 +195,6 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
     from = cut + 1;
   }
   std::uint64_t points = 0;
-  axis.is_range = range;
   if (!range)
     axis.values = std::move(nodes);
   else if (nodes.size() == 4 && nodes[3].scalar != "log")
@@ -209,34 +209,94 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
 }
 
 void check_axes(const std::vector<Axis>& axes, Reading& reading) {
-  if (axes.size() > 2)
-    reading.error(axes[2].place,
-                  fmt::format("{} parameters are scanned, but a grid has two at most", axes.size()),
-                  "scan fewer, and set the others with --set");
-  if (axes.size() != 2) return;
-  if (names_overlap(axes[0].parameter, axes[1].parameter)) {
-    const bool same = axes[0].parameter == axes[1].parameter;
-    const Axis& inner = axes[1];
-    reading.error(inner.place,
-                  same ? fmt::format("`{}` is scanned twice", inner.parameter)
-                       : fmt::format("`{}` and `{}` cannot be scanned together: one is a part of the other",
-                                     axes[0].parameter, inner.parameter),
-                  same ? "join the values in one scan" : "write the combinations as `values` of the whole");
+  std::vector<const NamedAt*> names;
+  double total = 1;
+  for (const Axis& axis : axes) {
+    for (const NamedAt& named : axis.parameters) {
+      for (const NamedAt* other : names)
+        if (names_overlap(other->name, named.name)) {
+          const bool same = other->name == named.name;
+          reading.error(
+              named.place,
+              same ? fmt::format("`{}` is scanned twice", named.name)
+                   : fmt::format("`{}` and `{}` cannot be scanned together: one is a part of the other",
+                                 other->name, named.name),
+              same ? "join the values in one scan" : "write the combinations as `values` of the whole");
+        }
+      names.push_back(&named);
+    }
+    total *= static_cast<double>(axis.size());
   }
-  const double total =
-      static_cast<double>(axes[0].values.size()) * static_cast<double>(axes[1].values.size());
   if (total > max_scan_points)
-    reading.error(axes[1].place, fmt::format("the grid has {} points, more than {}", total, max_scan_points),
+    reading.error(axes.back().place,
+                  fmt::format("the grid has {} points, more than {}", total, max_scan_points),
                   "scan fewer points");
+}
+
+bool share_a_parameter(const Axis& a, const Axis& b) {
+  return std::any_of(a.parameters.begin(), a.parameters.end(), [&](const NamedAt& one) {
+    return std::any_of(b.parameters.begin(), b.parameters.end(),
+                       [&](const NamedAt& other) { return one.name == other.name; });
+  });
 }
 
 }  // namespace
 
-ScanPlan read_scan(const Node& root, const std::vector<std::shared_ptr<const SourceText>>& arguments,
+bool scans_variables(const ScanPlan& plan) {
+  return std::any_of(plan.axes.begin(), plan.axes.end(), [](const Axis& axis) {
+    return std::any_of(axis.parameters.begin(), axis.parameters.end(),
+                       [](const NamedAt& named) { return named.name.starts_with("variables."); });
+  });
+}
+
+std::size_t Axis::size() const {
+  const auto* range = std::get_if<Range>(&values);
+  return range ? range->points : std::get<std::vector<Node>>(values).size();
+}
+
+Node Axis::value(std::size_t point) const {
+  const auto* range = std::get_if<Range>(&values);
+  if (!range) return std::get<std::vector<Node>>(values)[point];
+  if (point == 0) return range->from;
+  if (point + 1 == range->points) return range->to;
+  const auto steps = static_cast<double>(range->points - 1), step = static_cast<double>(point);
+  Node node = range->from;
+  node.scalar = write_quantity(range->spacing == ScanSpacing::logarithmic
+                                   ? between_logarithmic(range->first, range->last, step / steps)
+                                   : (range->first * (steps - step) + range->last * step) / steps,
+                               range->dimension);
+  return node;
+}
+
+std::string Axis::name() const {
+  std::string out;
+  for (const NamedAt& named : parameters) out += (out.empty() ? "" : ", ") + named.name;
+  return out;
+}
+
+bool ValueType<ScannedNames>::read(const Node& node, const Row& row, Reading& reading, ScannedNames& out) {
+  out.names.clear();
+  if (node.is_sequence() && node.items.empty()) {
+    reading.error(node.place, fmt::format("`{}` names no parameter", row.key), "write one, or several");
+    return false;
+  }
+  const std::vector<Node> one{node};
+  for (const Node& item : node.is_sequence() ? node.items : one) {
+    NamedAt& named = out.names.emplace_back();
+    if (!read_text(item, row, reading, named.name)) return false;
+    named.place = item.place;
+    if (!item.quoted) continue;
+    ++named.place.column;
+    named.place.length -= 2;
+  }
+  return true;
+}
+
+ScanPlan read_scan(const Node* root, const std::vector<std::shared_ptr<const SourceText>>& arguments,
                    Reading& reading) {
   ScanPlan plan;
   const std::size_t errors = reading.errors.size();
-  if (const Entry* scan = root.find("scan")) {
+  if (const Entry* scan = root ? root->find("scan") : nullptr) {
     std::vector<std::pair<const Node*, const Place*>> entries;
     if (scan->value.is_sequence())
       for (const Node& item : scan->value.items) entries.emplace_back(&item, &item.place);
@@ -256,9 +316,8 @@ ScanPlan read_scan(const Node& root, const std::vector<std::shared_ptr<const Sou
   std::vector<Axis> outer;
   for (const auto& argument : arguments) {
     Axis axis = read_argument(argument, reading);
-    const auto same = std::find_if(plan.axes.begin(), plan.axes.end(), [&](const Axis& a) {
-      return !a.parameter.empty() && a.parameter == axis.parameter;
-    });
+    const auto same = std::find_if(plan.axes.begin(), plan.axes.end(),
+                                   [&](const Axis& a) { return share_a_parameter(a, axis); });
     if (same != plan.axes.end() && !same->place.text->name.starts_with("--"))
       *same = std::move(axis);
     else

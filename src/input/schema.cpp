@@ -44,13 +44,15 @@ struct Mapping {
 };
 
 std::string schema_of_quantity(Dimension d) {
-  if (d == Dimension::number) return R"({"type": "number"})";
+  if (d == Dimension::number)
+    return R"({"anyOf": [{"type": "number"}, {"type": "string", "pattern": "\\$\\{"}]})";
   std::string units;
   for (const UnitSymbol& unit : unit_table())
     if (unit.dimension == d) units += fmt::format("{}{}", units.empty() ? "" : "|", unit.symbol);
   return fmt::format(
       R"({{"type": "string", "pattern": {}}})",
-      in_quotes(fmt::format(R"(^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*({})\s*$)", units)));
+      in_quotes(
+          fmt::format(R"(^\s*[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?\s*({})\s*$|\$\{{)", units)));
 }
 
 std::string schema_of_words(std::span<const Word> words) {
@@ -192,16 +194,18 @@ std::string schema_of(const Row& row) {
     return any_of(schemas_of_rows<T>());
 }
 
+constexpr const char* schema_of_variables =
+    R"({"type": "object", "description": "values with a name, put where ${name} stands"})";
+
 std::string schema_of_beamlines() {
   std::vector<Mapping> file(1);
   file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
   file.front().add("geometry", R"({"type": "string", "description": "path of a file with shared parts"})",
                    false);
   add_rows<Beamline>(file);
+  file.front().add("variables", schema_of_variables, false);
   const std::string entry = any_of(schemas_of_rows<ScanEntry>());
-  file.front().add("scan",
-                   any_of({entry, fmt::format(R"({{"type": "array", "maxItems": 2, "items": {}}})", entry)}),
-                   false);
+  file.front().add("scan", any_of({entry, fmt::format(R"({{"type": "array", "items": {}}})", entry)}), false);
   return file.front().schema();
 }
 
@@ -209,6 +213,7 @@ std::string schema_of_models() {
   std::vector<Mapping> file(1);
   file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
   add_rows<ModelFile>(file);
+  file.front().add("variables", schema_of_variables, false);
   file.front().add("scan", any_of(schemas_of_rows<ScanEntry>()), false);
   return file.front().schema();
 }

@@ -32,14 +32,24 @@ std::vector<Setting> read_settings(const CommandLine& line, Sources& sources, Re
     sources.push_back(make_source_text("--set", text));
     out.push_back(read_setting(sources.back(), reading));
   }
-  const auto add_count = [&](const std::string& name, const std::optional<std::uint64_t>& value) {
+  const auto add_count = [&](const std::string& name, const std::optional<std::string>& value) {
     if (!value) return;
-    sources.push_back(make_source_text("--" + name, std::to_string(*value)));
-    const Place place{sources.back(), 1, 1, static_cast<int>(sources.back()->lines[0].size())};
-    out.push_back({name, place, parse_value(sources.back(), 0, sources.back()->lines[0].size())});
+    sources.push_back(make_source_text("--" + name, *value));
+    const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
+    out.push_back({name, node.place, node});
   };
   add_count("particles", line.particles);
   add_count("seed", line.seed);
+  return out;
+}
+
+std::uint64_t read_argument(const std::string& option, const std::string& text, const Range& range) {
+  Reading reading;
+  const auto source = make_source_text(option, text);
+  std::uint64_t out = 0;
+  if (!read_count(parse_value(source, 0, source->lines.front().size()),
+                  {option, Dimension::number, range, ""}, reading, out))
+    throw InputError(std::move(reading.errors));
   return out;
 }
 
@@ -54,9 +64,10 @@ void refuse_settings_of_scanned(const std::vector<Setting>& settings, const Scan
                                 Reading& reading) {
   for (const Setting& s : settings)
     for (const Axis& axis : plan.axes)
-      if (!axis.parameter.empty() && (s.name == axis.parameter || s.name.starts_with(axis.parameter + ".")))
-        reading.error(s.place, fmt::format("`{}` is scanned, so it cannot be set as well", axis.parameter),
-                      fmt::format("replace the scan: `--scan {}=...`", axis.parameter));
+      for (const NamedAt& scanned : axis.parameters)
+        if (!scanned.name.empty() && (s.name == scanned.name || s.name.starts_with(scanned.name + ".")))
+          reading.error(s.place, fmt::format("`{}` is scanned, so it cannot be set as well", scanned.name),
+                        fmt::format("replace the scan: `--scan {}=...`", scanned.name));
 }
 
 void add_files(const Reading& reading, std::vector<InputText>& inputs, Sources& sources) {

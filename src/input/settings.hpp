@@ -18,9 +18,12 @@ namespace rabiline {
 struct CommandLine {
   std::vector<std::string> set{};   // NAME=VALUE
   std::vector<std::string> scan{};  // NAME=FROM:TO:POINTS or NAME=A,B,C
-  std::optional<std::uint64_t> particles{}, seed{};
-  bool without_scan = false;  // the file's scan is left out
+  std::optional<std::string> particles{}, seed{};
+  bool without_scan = false;  // the file's scan is omitted
 };
+
+/// A whole number of the command line, read as the file reads one. Throws InputError.
+std::uint64_t read_argument(const std::string& option, const std::string& text, const Range&);
 
 using Sources = std::vector<std::shared_ptr<const SourceText>>;
 

@@ -168,6 +168,13 @@ bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_
   return true;
 }
 
+bool ValueType<bool>::read(const Node& node, const Row& row, Reading& reading, bool& out) {
+  static constexpr Word words[] = {{"true", ""}, {"false", ""}};
+  const std::optional<std::size_t> index = read_word(node, row, words, reading);
+  if (index) out = *index == 0;
+  return index.has_value();
+}
+
 bool read_text(const Node& node, const Row& row, Reading& reading, std::string& out) {
   if (!node.is_scalar() || node.scalar.empty()) {
     reading.error(node.place,

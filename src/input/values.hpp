@@ -84,6 +84,12 @@ concept has_value_type = requires {
 };
 
 template <>
+struct ValueType<bool> {
+  static constexpr std::string_view example = "false", what = "true | false",
+                                    schema = R"({"type": "boolean"})";
+  static bool read(const Node&, const Row&, Reading&, bool& out);
+};
+template <>
 struct ValueType<HalfInteger> {
   static constexpr std::string_view example = "1/2", what = "1/2 to 9/2",
                                     schema = R"({"enum": ["1/2", 1, "3/2", 2, "5/2", 3, "7/2", 4, "9/2"]})";

@@ -36,6 +36,7 @@ struct Placement {
   std::string name;                  // [A-Za-z][A-Za-z0-9_]*
   double at = 0;                     // [m] where the part begins, from the source's opening
   std::optional<std::string> label;  // how plots call it
+  bool enabled = true;               // else the beam flies as if it were absent
   bool operator==(const Placement&) const = default;
 };
 template <>
@@ -44,6 +45,7 @@ inline constexpr auto parameters<Placement> = std::tuple{
     param("at", &Placement::at, Dimension::length, range::not_negative,
           "where the part begins, from the source"),
     param("label", &Placement::label, "how plots call the part; the name where it is missing"),
+    param("enabled", &Placement::enabled, "false: as if the part were absent", true),
 };
 
 /// Names that no part can have.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "core/fault.hpp"
 #include "plan/plan.hpp"
 

@@ -12,12 +12,12 @@ namespace {
 void tell_relativity(const Experiment& experiment, std::vector<Fault>& out) {
   constexpr double noticed = 1e-3;  // of (v/c)^2
   double fastest = 0;
-  const Species* species = nullptr;
+  std::string species;
   for (const Beamline& point : experiment.points)
     for (const Component& component : point.species)
       if (const double v = mean_speed(point.source.speed, component.species.mass); v > fastest) {
         fastest = v;
-        species = &component.species;
+        species = component.species.name;
       }
   const double square = fastest * fastest / (constants::speed_of_light * constants::speed_of_light);
   if (!(square > noticed)) return;
@@ -27,18 +27,19 @@ void tell_relativity(const Experiment& experiment, std::vector<Fault>& out) {
        "speed",
        fmt::format("{} flies at {:.4g} m/s, (v/c)^2 = {:.2g}: no law here knows relativity, so that "
                    "a charge's radius in a field is too small by {:.1g} of itself",
-                   species->name, fastest, square, square / 2),
+                   species, fastest, square, square / 2),
        {},
        Severity::warning});
 }
 
 /// The hypothesis replaces mu grad |B|; what is left of a magnet is its field at the beam.
 void tell_magnets(const Experiment& experiment, std::vector<Fault>& out) {
-  const auto point = std::find_if(experiment.points.begin(), experiment.points.end(),
-                                  [](const Beamline& b) { return !law_traits(b.law).deflects; });
+  const auto follows_hypothesis = [](const Beamline& b) { return !law_traits(b.law).deflects; };
+  const auto point = std::find_if(experiment.points.begin(), experiment.points.end(), follows_hypothesis);
   if (point == experiment.points.end()) return;
   std::string names;
-  for (const PlacedPart& part : point->parts)
+  const Beamline beamline = *point;
+  for (const PlacedPart& part : beamline.parts)
     if (is_magnet(part.part)) names += fmt::format("{}`{}`", names.empty() ? "" : ", ", part.placement.name);
   if (!names.empty())
     out.push_back(

@@ -45,7 +45,7 @@ Rectangle extent_of(const Face& face) {
   return std::get<Rectangle>(face);
 }
 
-ScreenGrids screen_grids(const std::vector<Beamline>& points) {
+ScreenGrids screen_grids(const ScanPoints& points) {
   ScreenGrids grids;
   for (const Beamline& beamline : points)
     for (const PlacedPart& part : beamline.parts) {

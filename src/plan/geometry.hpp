@@ -5,7 +5,7 @@
 #include <vector>
 #include "particle/source.hpp"
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "parts/part.hpp"
 #include "section/section.hpp"
 #include "transport/kernels.hpp"
@@ -26,7 +26,7 @@ struct ScreenGrid {
   double low_x, high_x, low_z, high_z;
 };
 using ScreenGrids = std::map<std::string, ScreenGrid>;  // by the detector's name
-ScreenGrids screen_grids(const std::vector<Beamline>& points);
+ScreenGrids screen_grids(const ScanPoints& points);
 
 Screen screen_of(double y, int part, const ScreenTerm&, const ScreenGrid&);
 

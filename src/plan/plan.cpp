@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plan/neighbours.hpp"
 #include "transport/cost.hpp"
 
 namespace rabiline {
@@ -11,6 +12,7 @@ namespace {
 struct Chain {
   int point;
   std::vector<Stage> stages;
+  bool of_atom;  // the species has levels
 };
 
 bool splits_at(const Chain& chain, std::size_t depth) {
@@ -21,41 +23,28 @@ bool splits_at(const Chain& chain, std::size_t depth) {
 class TreeMaker {
  public:
   /// Sums begin at `sums`; `ledger_levels`: 0 for no ledger by level.
-  TreeMaker(std::size_t sums, std::size_t ledger_levels) : sums_(sums), ledger_levels_(ledger_levels) {}
+  TreeMaker(std::size_t sums, std::size_t ledger_levels, Neighbours& neighbours)
+      : sums_(sums), ledger_levels_(ledger_levels), neighbours_(neighbours) {}
 
   std::size_t end_of_sums() const { return sums_; }
 
   /// Points that share their weights over the levels in different ways, and then go on alike, are one node.
   std::vector<PlanNode> merge_ways(const std::vector<const Chain*>& chains, std::size_t depth) {
-    std::vector<std::vector<const Chain*>> groups;
-    for (const Chain* chain : chains) {
-      const auto goes_on_alike = [&](const auto& group) {
-        return std::equal(group.front()->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
-                          group.front()->stages.end(),
-                          chain->stages.begin() + static_cast<std::ptrdiff_t>(depth) + 1,
-                          chain->stages.end());
-      };
-      const auto group = std::find_if(groups.begin(), groups.end(), goes_on_alike);
-      if (group == groups.end())
-        groups.push_back({chain});
-      else
-        group->push_back(chain);
-    }
+    const auto behind = static_cast<std::ptrdiff_t>(depth) + 1;
+    const auto go_on_alike = [&](const Chain& a, const Chain& b) {
+      return std::equal(a.stages.begin() + behind, a.stages.end(), b.stages.begin() + behind, b.stages.end());
+    };
     std::vector<PlanNode> nodes;
-    for (const auto& group : groups) {
+    for (const std::vector<const Chain*>& group : grouped(chains, go_on_alike)) {
       PlanNode node{group.front()->stages[depth], {}, sums_, {}};
       const std::size_t begin = sums_;
       node.next = merge({group.front()}, depth + 1);
       const std::size_t size = sums_ - begin;
-      for (const Chain* chain : group) {
-        node.points.push_back(chain->point);
-        const Stage& projection = chain->stages[depth];
-        const auto way = std::find_if(node.ways.begin(), node.ways.end(),
-                                      [&](const auto& w) { return w.projection == projection; });
-        if (way == node.ways.end())
-          node.ways.push_back({projection, {chain->point}, node.ways.size() * size});
-        else
-          way->points.push_back(chain->point);
+      for (const Chain* chain : group) node.points.push_back(chain->point);
+      const auto share_alike = [&](const Chain& a, const Chain& b) { return a.stages[depth] == b.stages[depth]; };
+      for (const std::vector<const Chain*>& way : grouped(group, share_alike)) {
+        node.ways.push_back({way.front()->stages[depth], {}, node.ways.size() * size});
+        for (const Chain* chain : way) node.ways.back().points.push_back(chain->point);
       }
       sums_ = begin + node.ways.size() * size;
       nodes.push_back(std::move(node));
@@ -63,24 +52,15 @@ class TreeMaker {
     return nodes;
   }
 
-  /// Groups chains by their stage at `depth` and goes on behind it. Few different stages are looked through
-  /// at once: scans put equal ones next to each other or repeat a short list.
+  /// Groups chains by their stage at `depth` and goes on behind it.
   std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth) {
     if (std::all_of(chains.begin(), chains.end(), [&](const Chain* c) { return splits_at(*c, depth); }))
       return merge_ways(chains, depth);
-    constexpr std::size_t looked_through = 16;
-    std::vector<std::vector<const Chain*>> groups;
-    for (const Chain* chain : chains) {
-      if (chain->stages.size() == depth) continue;
-      const std::size_t first = groups.size() > looked_through ? groups.size() - looked_through : 0;
-      const auto group =
-          std::find_if(groups.begin() + static_cast<std::ptrdiff_t>(first), groups.end(),
-                       [&](const auto& g) { return g.front()->stages[depth] == chain->stages[depth]; });
-      if (group == groups.end())
-        groups.push_back({chain});
-      else
-        group->push_back(chain);
-    }
+    std::vector<const Chain*> going_on;
+    for (const Chain* chain : chains)
+      if (chain->stages.size() > depth) going_on.push_back(chain);
+    const std::vector<std::vector<const Chain*>> groups =
+        grouped(going_on, [&](const Chain& a, const Chain& b) { return a.stages[depth] == b.stages[depth]; });
     // Points that differ in what is looked at, and not in what happens, go on together.
     const bool look_apart =
         groups.size() > 1 && std::all_of(chains.begin(), chains.end(), [&](const Chain* c) {
@@ -104,6 +84,24 @@ class TreeMaker {
   }
 
  private:
+  template <class Alike>
+  std::vector<std::vector<const Chain*>> grouped(const std::vector<const Chain*>& chains, Alike alike) {
+    std::vector<std::vector<const Chain*>> groups;
+    neighbours_.clear();
+    for (const Chain* chain : chains) {
+      const auto point = static_cast<std::size_t>(chain->point);
+      std::size_t group =
+          neighbours_.find(point, [&](std::size_t g) { return alike(*groups[g].front(), *chain); });
+      if (group == Neighbours::none) {
+        group = groups.size();
+        groups.emplace_back();
+      }
+      groups[group].push_back(chain);
+      neighbours_.put(point, group);
+    }
+    return groups;
+  }
+
   void add_sums(PlanNode& node) {
     sums_ += sums_needed(node.stage);
     if (ledger_levels_ == 0 || !traits_of(node.stage).ends_particles) return;
@@ -113,6 +111,7 @@ class TreeMaker {
 
   std::size_t sums_;
   const std::size_t ledger_levels_;
+  Neighbours& neighbours_;
 };
 
 double cost_of_branch(const PlanNode& node, double speed) {
@@ -149,11 +148,14 @@ struct Group {
   std::vector<Chain> chains;
 };
 
-std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& tables) {
+std::vector<Group> group_by_source(const Experiment& experiment, const Neighbours& apart,
+                                   SampledTables& tables) {
   const ScreenGrids grids = screen_grids(experiment.points);
+  std::vector<Neighbours> of_component;
   std::vector<Group> groups;
   for (std::size_t p = 0; p < experiment.points.size(); ++p) {
     const Beamline& beamline = experiment.points[p];
+    of_component.resize(std::max(of_component.size(), beamline.species.size()), apart);
     const auto first = shares(beamline);
     const std::uint32_t stream =
         experiment.particles == ScanParticles::shared ? 0 : static_cast<std::uint32_t>(p) + 1;
@@ -162,9 +164,16 @@ std::vector<Group> group_by_source(const Experiment& experiment, SampledTables& 
       const Component& component = beamline.species[k];
       const Root root{static_cast<int>(k), first[k], first[k + 1],
                       emission_of(beamline, component, {beamline.seed, stream}, tables)};
-      auto group = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.root == root; });
-      if (stream != 0 || group == groups.end()) group = groups.insert(groups.end(), {root, {}});
-      group->chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables)});
+      std::size_t group =
+          stream != 0 ? Neighbours::none
+                      : of_component[k].find(p, [&](std::size_t g) { return groups[g].root == root; });
+      if (group == Neighbours::none) {
+        group = groups.size();
+        groups.push_back({root, {}});
+      }
+      of_component[k].put(p, group);
+      groups[group].chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables),
+                                      component.species.structure.has_value()});
     }
   }
   return groups;
@@ -184,7 +193,7 @@ std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& 
 }
 
 PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bool of_atom,
-                   std::size_t& sums) {
+                   Neighbours& neighbours, std::size_t& sums) {
   PlanTree tree;
   tree.component = root.component;
   tree.first = root.first;
@@ -196,7 +205,7 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   tree.ledger_levels = ledger_levels_of(root, chains, of_atom);
   tree.ledger = sums;
   sums += tree.ledger_levels;
-  TreeMaker maker(sums, tree.ledger_levels);
+  TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
   tree.cost = cost::emission;
@@ -242,23 +251,22 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
   plan.points = static_cast<int>(experiment.points.size());
   const auto tables = std::make_shared<SampledTables>();
   plan.tables = tables;
-  const std::vector<Group> groups = group_by_source(experiment, *tables);
+  Neighbours neighbours(experiment);
+  const std::vector<Group> groups = group_by_source(experiment, neighbours, *tables);
   tables->tabulate_transitions(threads);
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
-    const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(), [&](const Chain& chain) {
-      const Beamline& beamline = experiment.points[static_cast<std::size_t>(chain.point)];
-      return beamline.species[static_cast<std::size_t>(group.root.component)].species.structure.has_value();
-    });
+    const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(),
+                                     [](const Chain& chain) { return chain.of_atom; });
     std::size_t unused = 0;
-    const double cost = 64 * make_tree(group.root, chains, of_atom, unused).cost;
+    const double cost = 64 * make_tree(group.root, chains, of_atom, neighbours, unused).cost;
     const auto parts =
         std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
-      plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, plan.sums));
+      plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, neighbours, plan.sums));
       for (PlanNode& node : plan.trees.back().next) find_reach(node);
     }
   }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "plan/geometry.hpp"
 #include "plan/sampled_tables.hpp"
 #include "transport/stage.hpp"

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "rules/warning_room.hpp"
 
 namespace rabiline {
@@ -36,7 +37,7 @@ bool filters(const Part& part) {
       part);
 }
 bool asks_for_spins(const Part& part, const Law& law) {
-  if ((is_magnet(part) && deflects(law)) || filters(part) || detector_in(part)) return true;
+  if ((is_magnet(part) && law_traits(law).deflects) || filters(part) || detector_in(part)) return true;
   const std::vector<Tally>* tallies = tallies_of(part);
   return tallies && std::any_of(tallies->begin(), tallies->end(), [](const Tally& tally) {
            return std::any_of(tally.axes.begin(), tally.axes.end(),
@@ -56,7 +57,7 @@ Box box_of(const Opening& opening, Offset offset, double roll) {
   if (const auto* ring = std::get_if<Ring>(&opening))
     return {{offset.x, offset.z}, {ring->outer_radius, ring->outer_radius}};
   const auto& r = std::get<Rectangle>(opening);
-  const double c = std::abs(std::cos(roll)), s = std::abs(std::sin(roll));
+  const double c = std::abs(portable::cos(roll)), s = std::abs(portable::sin(roll));
   return {{offset.x, offset.z}, {(c * r.width + s * r.height) / 2, (s * r.width + c * r.height) / 2}};
 }
 constexpr double farthest_normal = 8.6;  // [sigma] that are drawn

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "core/fault.hpp"
 #include "plan/magnets.hpp"
 
@@ -54,7 +54,6 @@ void check_walls(const Beamline&, Faults&);
 void check_flight(const Beamline&, Faults&);
 
 /// Tallies that not all points of a scan can fill.
-std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter,
-                                              const std::vector<Beamline>& points);
+std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter, const ScanPoints& points);
 
 }  // namespace rabiline

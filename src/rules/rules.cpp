@@ -1,6 +1,7 @@
 #include "rules/rules.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "core/diagnostics.hpp"
 #include "rules/room.hpp"
@@ -70,7 +71,23 @@ std::vector<Fault> faults_of(const Beamline& beamline) {
   return out;
 }
 
-std::optional<Fault> fault_of_axis(std::string_view parameter, const std::vector<Beamline>& points) {
+namespace {
+std::set<std::string> names_of_counting_parts(const Beamline& beamline) {
+  std::set<std::string> names;
+  for (const PlacedPart& part : beamline.parts)
+    if (detector_in(part.part) || monitor_in(part.part)) names.insert(part.placement.name);
+  return names;
+}
+}  // namespace
+
+std::optional<Fault> fault_of_axis(std::string_view parameter, const ScanPoints& points) {
+  const std::set<std::string> counting = names_of_counting_parts(points.front());
+  for (const Beamline& point : points)
+    if (names_of_counting_parts(point) != counting)
+      return Fault{
+          "", "",
+          fmt::format("`{}` cannot be scanned: all points have the same detectors and monitors", parameter),
+          "make one run with it and one without"};
   if (std::optional<Fault> fault = fault_of_scanned_tallies(parameter, points)) return fault;
   for (const Beamline& point : points) {
     if (point.source.rate != points.front().source.rate)

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "core/fault.hpp"
 
 namespace rabiline {
@@ -14,6 +14,6 @@ namespace rabiline {
 std::vector<Fault> faults_of(const Beamline&);
 
 /// What may not change along an axis of a scan, at `points`; none where all is well. Its subject is empty.
-std::optional<Fault> fault_of_axis(std::string_view parameter, const std::vector<Beamline>& points);
+std::optional<Fault> fault_of_axis(std::string_view parameter, const ScanPoints& points);
 
 }  // namespace rabiline

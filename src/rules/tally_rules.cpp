@@ -224,8 +224,7 @@ void check_result_names(const Beamline& beamline, Faults& out) {
 }
 
 /// All points count in the same planes, which are an axis of the results.
-std::optional<Fault> fault_of_scanned_planes(std::string_view parameter,
-                                             const std::vector<Beamline>& points) {
+std::optional<Fault> fault_of_scanned_planes(std::string_view parameter, const ScanPoints& points) {
   for (const Beamline& point : points)
     for (const PlacedPart& now : point.parts) {
       const Monitor* monitor = monitor_in(now.part);
@@ -255,8 +254,7 @@ void check_tallies(const Beamline& beamline, Faults& out) {
   }
 }
 
-std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter,
-                                              const std::vector<Beamline>& points) {
+std::optional<Fault> fault_of_scanned_tallies(std::string_view parameter, const ScanPoints& points) {
   if (auto fault = fault_of_scanned_planes(parameter, points)) return fault;
   static constexpr std::uint64_t most_bins = 100'000'000;
   const Beamline& front = points.front();

@@ -21,7 +21,7 @@ void add_once(const Faults& from, Faults& out) {
 }
 
 /// Those of the first point that every other one has too.
-Faults at_every_point(const std::vector<Beamline>& points, Faults (*find)(const Beamline&)) {
+Faults at_every_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
   Faults out = find(points.front());
   for (const Beamline& point : points) {
     if (out.empty()) break;
@@ -35,7 +35,7 @@ Faults at_every_point(const std::vector<Beamline>& points, Faults (*find)(const 
 }
 
 /// Those of any of some hundred points between the first and the last.
-Faults at_any_point(const std::vector<Beamline>& points, Faults (*find)(const Beamline&)) {
+Faults at_any_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
   constexpr std::size_t most = 128;
   Faults out;
   const std::size_t step = points.size() / most + 1;

@@ -104,8 +104,18 @@ inline int number_of(const Beamline& beamline, const std::string& name) {
   throw std::logic_error("a part is missing at a scan point");
 }
 
-inline bool concerns(const std::vector<int>& points, std::size_t p) {
-  return std::binary_search(points.begin(), points.end(), static_cast<int>(p));
-}
+/// The tallies that concern each scan point.
+template <class Tally>
+class AtPoints {
+ public:
+  AtPoints(const std::vector<Tally>& tallies, std::size_t points) : at_(points) {
+    for (const Tally& tally : tallies)
+      for (const int point : *tally.points) at_[static_cast<std::size_t>(point)].push_back(&tally);
+  }
+  const std::vector<const Tally*>& operator[](std::size_t point) const { return at_[point]; }
+
+ private:
+  std::vector<std::vector<const Tally*>> at_;
+};
 
 }  // namespace rabiline

@@ -28,7 +28,9 @@ class Finisher {
         plan_(plan),
         sums_(sums),
         tallies_(plan),
-        points_(static_cast<std::size_t>(plan.points)) {}
+        points_(static_cast<std::size_t>(plan.points)),
+        screens_(tallies_.screens, points_),
+        levels_(tallies_.level_tallies, points_) {}
 
   Result finish() {
     const Beamline& first = experiment_.points.front();
@@ -91,7 +93,7 @@ class Finisher {
   // ---- detectors ----
 
   void add_detectors() {
-    const auto& parts = experiment_.points.front().parts;
+    const std::vector<PlacedPart> parts = experiment_.points.front().parts;
     const ScreenGrids grids = screen_grids(experiment_.points);
     for (std::size_t i = 0; i < parts.size(); ++i) {
       const Detector* screen = detector_in(parts[i].part);
@@ -157,8 +159,9 @@ class Finisher {
     Counts bins(nx * nz), along_x(nx), along_z(nz), total(1);
     Moments all;
     std::vector<double> deviations(group_count, 0.0);
-    for (const ScreenTally& screen : tallies_.screens) {
-      if (screen.part != part || !concerns(*screen.points, p)) continue;
+    for (const ScreenTally* at : screens_[p]) {
+      const ScreenTally& screen = *at;
+      if (screen.part != part) continue;
       const Sum* s = &sums_[screen.at];
       // A particle's shares in several bins are one score: its square is not the sum of theirs.
       const Moments whole{s[screen.layout.total()], s[screen.layout.total() + 1]};
@@ -236,8 +239,9 @@ class Finisher {
     std::vector<std::map<std::string, LevelMoments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
       const int part = number_of(experiment_.points[p], detector.name);
-      for (const LevelTally& tally : tallies_.level_tallies) {
-        if (tally.part != part || !concerns(*tally.points, p)) continue;
+      for (const LevelTally* at : levels_[p]) {
+        const LevelTally& tally = *at;
+        if (tally.part != part) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {
           const std::string label = label_of(experiment_.points[p], tally.component, tally.levels, level);
@@ -365,6 +369,8 @@ class Finisher {
   const Sums& sums_;
   const Tallies tallies_;
   const std::size_t points_;
+  const AtPoints<ScreenTally> screens_;
+  const AtPoints<LevelTally> levels_;
   std::vector<std::map<int, std::vector<std::size_t>>> ledger_columns_;  // [points]: component, [levels]
   std::vector<Moments> emitted_;                                         // [points]
   std::map<std::string, std::vector<std::vector<double>>> deviations_;   // detector: [points][groups]

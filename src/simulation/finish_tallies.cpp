@@ -20,7 +20,12 @@ __extension__ typedef __int128 Signed;
 class TallyFinisher {
  public:
   TallyFinisher(const Summed& run, Result& result)
-      : run_(run), result_(result), points_(run.experiment.points.size()) {}
+      : run_(run),
+        result_(result),
+        points_(run.experiment.points.size()),
+        screens_(run.tallies.screens, points_),
+        censuses_(run.tallies.censuses, points_),
+        histograms_(run.tallies.histograms, points_) {}
 
   void finish() {
     for (const PlacedPart& part : run_.experiment.points.front().parts) {
@@ -31,7 +36,7 @@ class TallyFinisher {
   }
 
  private:
-  const Beamline& beamline(std::size_t p) const { return run_.experiment.points[p]; }
+  Beamline beamline(std::size_t p) const { return run_.experiment.points[p]; }
 
   // ---- monitors ----
 
@@ -56,10 +61,9 @@ class TallyFinisher {
       const Moments& emitted = run_.emitted[p];
       Counts total(1);
       Moments all;
-      for (const CensusTally& census : run_.tallies.censuses) {
-        if (census.part != number || static_cast<std::size_t>(census.plane) != plane ||
-            !concerns(*census.points, p))
-          continue;
+      for (const CensusTally* at : censuses_[p]) {
+        const CensusTally& census = *at;
+        if (census.part != number || static_cast<std::size_t>(census.plane) != plane) continue;
         const Sum* s = &run_.sums[census.at];
         const Moments own{s[CensusSums::total()], s[CensusSums::total() + 1]};
         const double n = static_cast<double>(census.tree->last - census.tree->first);
@@ -110,7 +114,7 @@ class TallyFinisher {
   }
 
   void add_tally(const PlacedPart& part, const Tally& tally, std::size_t number) {
-    const Species& species = beamline(0).species.front().species;
+    const Species& species = run_.experiment.points.front().species.front().species;
     const int levels = species.levels();
     TallyResult out;
     out.part = part.placement.name;
@@ -134,17 +138,18 @@ class TallyFinisher {
   std::vector<const HistogramTally*> found(int part, std::size_t number, std::size_t plane,
                                            std::size_t p) const {
     std::vector<const HistogramTally*> out;
-    for (const HistogramTally& tally : run_.tallies.histograms)
-      if (tally.part == part && static_cast<std::size_t>(tally.tally) == number &&
-          static_cast<std::size_t>(tally.plane) == plane && concerns(*tally.points, p))
-        out.push_back(&tally);
+    for (const HistogramTally* tally : histograms_[p])
+      if (tally->part == part && static_cast<std::size_t>(tally->tally) == number &&
+          static_cast<std::size_t>(tally->plane) == plane)
+        out.push_back(tally);
     return out;
   }
 
   void add_counts(const HistogramSums& layout, std::size_t number, std::size_t plane, std::size_t p,
                   TallyResult& out) {
-    const int part = number_of(beamline(p), out.part);
-    const auto* detector = detector_in(beamline(p).parts[static_cast<std::size_t>(part)].part);
+    const Beamline point = beamline(p);
+    const int part = number_of(point, out.part);
+    const auto* detector = detector_in(point.parts[static_cast<std::size_t>(part)].part);
     const std::uint64_t each = detector ? counted_of_one(detector->efficiency) : quanta_per_particle;
     Counts bins(layout.bins), outside(1);
     Sum sum = 0;
@@ -172,13 +177,11 @@ class TallyFinisher {
   /// What a detector counted or a monitor let pass.
   Sum crossed(int part, std::size_t plane, std::size_t p) const {
     Sum sum = 0;
-    for (const ScreenTally& screen : run_.tallies.screens)
-      if (screen.part == part && concerns(*screen.points, p))
-        sum += run_.sums[screen.at + screen.layout.total()];
-    for (const CensusTally& census : run_.tallies.censuses)
-      if (census.part == part && static_cast<std::size_t>(census.plane) == plane &&
-          concerns(*census.points, p))
-        sum += run_.sums[census.at + CensusSums::total()];
+    for (const ScreenTally* screen : screens_[p])
+      if (screen->part == part) sum += run_.sums[screen->at + screen->layout.total()];
+    for (const CensusTally* census : censuses_[p])
+      if (census->part == part && static_cast<std::size_t>(census->plane) == plane)
+        sum += run_.sums[census->at + CensusSums::total()];
     return sum;
   }
 
@@ -221,6 +224,9 @@ class TallyFinisher {
   const Summed& run_;
   Result& result_;
   const std::size_t points_;
+  const AtPoints<ScreenTally> screens_;
+  const AtPoints<CensusTally> censuses_;
+  const AtPoints<HistogramTally> histograms_;
 };
 
 }  // namespace

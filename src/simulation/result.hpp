@@ -1,11 +1,11 @@
 #pragma once
 // What a run hands to storage: exact sums turned into numbers with errors, as plain values.
-// Index order everywhere: scan point first (points[i0 * n1 + i1] for axes 0 and 1), row-major.
+// Index order everywhere: scan point first, row-major: the last axis changes fastest.
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "beamline/beamline.hpp"
+#include "beamline/experiment.hpp"
 #include "core/diagnostics.hpp"
 
 namespace rabiline {
@@ -97,7 +97,7 @@ struct Provenance {
 
 struct Result {
   std::string title;
-  std::vector<ScanAxis> axes;  // none, one or two
+  std::vector<ScanAxis> axes;
   ScanParticles particles_mode = ScanParticles::shared;
   std::vector<std::string> laws;     // [points] "dorado (torque, kappa = 1)"
   std::vector<std::string> species;  // [points] "neutron", or "0.5 Li-7 + 0.5 H"

@@ -192,10 +192,11 @@ class Tracer {
 }  // namespace
 
 Track trace(const Beamline& beamline, std::uint64_t particle, Isa isa) {
-  Experiment experiment;
-  experiment.points = {beamline};
   // A track follows one branch.
-  experiment.points.front().law = without_splitting(beamline.law);
+  Experiment experiment;
+  Beamline sampled = beamline;
+  sampled.law = without_splitting(beamline.law);
+  experiment.points = {std::move(sampled)};
   const Plan plan = make_plan(experiment);
   for (const PlanTree& tree : plan.trees)
     if (particle >= tree.first && particle < tree.last) return Tracer(beamline, tree, particle, isa).fly();

@@ -43,7 +43,7 @@ std::vector<Axis> scan_axes(const Result& result) {
                       "levels_errors"});
   std::vector<Axis> axes;
   for (const ScanAxis& scanned : result.axes) {
-    std::string name = scanned.parameter;
+    std::string name = scanned.parameter.substr(0, scanned.parameter.find(','));  // of several, the first
     std::replace(name.begin(), name.end(), '.', '_');
     name = names.claim(name, {"", "_labels"});
     if (!scanned.dimension) {

@@ -22,9 +22,11 @@ void check_beam() {
   constexpr std::uint64_t particles = 8192;
   constexpr int points = 5;
   Experiment experiment = two_level_beamline(points, particles, true);
-  for (Beamline& beamline : experiment.points)
+  std::vector<Beamline> opened(experiment.points.begin(), experiment.points.end());
+  for (Beamline& beamline : opened)
     for (PlacedPart& placed : beamline.parts)
       if (auto* slit = std::get_if<Slit>(&placed.part)) slit->opening = Rectangle{1, 1};
+  experiment.points = std::move(opened);
   const Plan plan = make_plan(experiment);
   const std::vector<RabiLine> lines = lines_of(plan);
   FlipSums scan[points];
@@ -41,11 +43,12 @@ void check_beam() {
 
 /// A few steps of one particle in the suggested experiment's fields.
 void check_flight() {
-  Experiment experiment = suggested_experiment(1, 1);
-  Beamline& beamline = experiment.points.at(0);
+  Beamline beamline = suggested_experiment(1, 1).points.front();
   for (PlacedPart& placed : beamline.parts)
     if (auto* rotating = std::get_if<RotatingField>(&placed.part))
       rotating->phase = {Phase::Kind::angle, 0.7};
+  Experiment experiment;
+  experiment.points = {beamline};
   const Plan plan = make_plan(experiment);
   const RegionZone& zone = region_of(plan).zones.back();
   const Track track = trace(beamline, 0, best_isa());

@@ -30,10 +30,11 @@ std::vector<const T*> stages_of(const Plan& plan) {
 Experiment scan(const Beamline& beamline, int points, double range) {
   Experiment experiment;
   for (int i = 0; i < points; ++i) {
-    experiment.points.push_back(beamline);
-    for (PlacedPart& placed : experiment.points.back().parts)
+    Beamline point = beamline;
+    for (PlacedPart& placed : point.parts)
       if (auto* rotating = std::get_if<RotatingField>(&placed.part))
         rotating->frequency = larmor + range * (i - points / 2) / points;
+    experiment.points.push_back(std::move(point));
   }
   return experiment;
 }
@@ -86,9 +87,9 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) 
              test::place("wire", 1.60, Detector{Rectangle{10e-3, 80e-6}, {20, 20}, {}})};
   Experiment experiment;
   for (int i = 0; i < points; ++i) {
-    experiment.points.push_back(b);
-    std::get<RotatingField>(experiment.points.back().parts[4].part).frequency =
-        3.518e6 + 100e3 * (i - points / 2) / points;
+    Beamline point = b;
+    std::get<RotatingField>(point.parts[4].part).frequency = 3.518e6 + 100e3 * (i - points / 2) / points;
+    experiment.points.push_back(std::move(point));
   }
   return experiment;
 }

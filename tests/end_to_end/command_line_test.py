@@ -189,6 +189,8 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["run", EXPERIMENT, "--particles", "many"], "--particles"),
     (["run", EXPERIMENT, "--particles", "-5"], "particles"),
     (["run", EXPERIMENT, "--particles", "0"], "`particles` must be from 1 to 1e14"),
+    (["run", EXPERIMENT, "--particles", "010"], "--particles"),
+    (["run", EXPERIMENT, "--set", "variables.B1=9 mT"], "no variable `B1`"),
     (["run", EXPERIMENT, "--set", "B.fild=9 mT"], "did you mean"),
     (["run", EXPERIMENT, "--set", "B.field=9"], "B.field=9"),
     (["run", EXPERIMENT, "--scan", "law=quantum,newton"], "newton"),
@@ -361,6 +363,26 @@ def test_two_scans_make_a_grid_whose_rows_are_single_scans(tmp_path: Path) -> No
     for row, amplitude in zip(rows, ("0.2 uT", "0.4 uT")):
         single = run(tmp_path / "single.h5", "--particles", 300, *EDGES, "--set", f"H0.amplitude={amplitude}")
         assert np.array_equal(read(single, "screen/counts"), row)
+
+
+def test_three_scans_are_three_dimensions_of_every_result(tmp_path: Path) -> None:
+    axes = ("--scan", "law=quantum,dorado", "--scan", "B.field,B_prime.field=10 mT,10.01 mT", "--scan", "H0.enabled=true,false")
+    grid = run(tmp_path / "grid.h5", "--no-scan", "--particles", "1e2", *axes)
+    with h5py.File(grid) as file:
+        scan = file["entry/scan"]
+        assert list(scan.attrs["axes"]) == ["law", "B_field", "H0_enabled"]
+        assert scan["B_field"].attrs["parameter"] == "B.field, B_prime.field"
+        assert scan["detected"].shape == (2, 2, 2)
+        counts = file["entry/screen/counts"][()]
+    single = run(tmp_path / "single.h5", "--no-scan", "--particles", 100, "--set", "H0.enabled=false", "--set", "B.field=10.01 mT",
+                 "--set", "B_prime.field=10.01 mT")
+    assert np.array_equal(read(single, "screen/counts").reshape(counts.shape[-2:]), counts[1, 1, 1])
+
+
+def test_a_scan_without_effect_is_told(tmp_path: Path) -> None:
+    done = rabiline("run", EXPERIMENT, "-o", tmp_path / "out.h5", "--progress", "none", "--particles", 10, "--no-scan",
+                    "--set", "law=quantum", "--scan", "H0.phase=0 deg,90 deg")
+    assert done.returncode == DONE and "the scan of `H0.phase` had no effect" in done.stderr
 
 
 def test_standard_theory_and_its_classical_limit_agree_at_every_frequency(tmp_path: Path) -> None:

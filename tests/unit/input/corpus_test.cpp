@@ -33,7 +33,7 @@ CommandLine arguments_beside(fs::path yaml) {
     else if (option == "--scan")
       out.scan.push_back(value);
     else if (option == "--particles")
-      out.particles = std::stoull(value);
+      out.particles = value;
     else
       ADD_FAILURE() << yaml << ": unknown option " << option;
   }

@@ -186,9 +186,16 @@ TEST(Settings, WriteAShortFormOut) {
 }
 
 TEST(Settings, OfParticlesAndSeedHaveOptionsOfTheirOwn) {
-  const LoadedExperiment loaded = load_experiment(sample, {{}, {}, 7, 18446744073709551615ULL});
+  const LoadedExperiment loaded = load_experiment(sample, {{}, {}, "7", "18446744073709551615"});
   EXPECT_EQ(loaded.base.particles, 7U);
   EXPECT_EQ(loaded.base.seed, 18446744073709551615ULL);
+}
+
+TEST(Settings, OfParticlesAreReadAsTheFileReadsThem) {
+  EXPECT_EQ(load_experiment(sample, {{}, {}, "1e5", {}}).base.particles, 100000U);
+  EXPECT_THROW(load_experiment(sample, {{}, {}, "010", {}}), InputError);
+  EXPECT_EQ(read_argument("--batch", "512", range::positive), 512U);
+  EXPECT_THROW(read_argument("--batch", "512 MiB", range::positive), InputError);
 }
 
 TEST(Settings, ReportEveryMistakeAtOnceInTheOrderGiven) {
@@ -197,6 +204,99 @@ TEST(Settings, ReportEveryMistakeAtOnceInTheOrderGiven) {
   EXPECT_NE(first, std::string::npos);
   EXPECT_NE(second, std::string::npos);
   EXPECT_LT(first, second);
+}
+
+/// The sample with some texts put in place of others.
+LoadedExperiment load_changed(const std::vector<std::pair<std::string, std::string>>& changes,
+                              std::vector<std::string> set = {}, std::vector<std::string> scan = {}) {
+  std::ifstream in(sample);
+  std::string file{std::istreambuf_iterator<char>(in), {}};
+  for (const auto& [text, other] : changes) file.replace(file.find(text), text.size(), other);
+  const auto path = std::filesystem::temp_directory_path() / "rabiline_changed_experiment_test.yaml";
+  std::ofstream(path) << file;
+  return load_experiment(path, {std::move(set), std::move(scan), {}, {}});
+}
+
+/// The beamline at a point is the one of a file that states the values of that point, to the bit.
+TEST(ParameterSpace, MakesEachPointAsTheReaderDoes) {
+  for (const char* name :
+       {"source.speed.mean=900 m/s,1100 m/s", "source.opening.width=0.1 mm,0.3 mm", "law.kappa=0.5,1",
+        "law=quantum,{name: dorado, closure: larmor},classical", "screen.offset.x=-1 mm,1 mm",
+        "chamber.radius=40 mm,60 mm", "B_prime.alignment=0.5,1", "B.bore.radius=10 mm,30 mm",
+        "H0.phase=random,90 deg", "H0.at=0.31 m,0.36 m", "B_prime.at=0.1 m,0.9 m", "species=neutron,proton",
+        "B.label=one,two", "H0.enabled=true,false", "source.speed.kind=gaussian", "H0.sense=co,negative"}) {
+    const std::string scan = name;
+    const Experiment e = load({}, {scan, "seed=1,2", "H0.frequency=1 kHz,2 kHz"}).experiment;
+    const std::string parameter = scan.substr(0, scan.find('='));
+    ASSERT_EQ(e.axes.size(), 3U);
+    const std::size_t values = e.axes[0].values.size();
+    ASSERT_EQ(e.points.size(), 4 * values);
+    std::size_t from = scan.find('=') + 1;
+    for (std::size_t i = 0; i < values; ++i) {
+      const std::size_t brace = scan.find('}', from);
+      std::size_t end = scan.find(',', scan[from] == '{' ? brace : from);
+      end = std::min(end, scan.size());
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Beamline alone =
+            load({parameter + "=" + scan.substr(from, end - from), k < 2 ? "seed=1" : "seed=2"},
+                 {k % 2 == 0 ? "H0.frequency=1 kHz" : "H0.frequency=2 kHz"})
+                .experiment.points.front();
+        EXPECT_TRUE(e.points[4 * i + k] == alone) << scan << ", point " << 4 * i + k;
+      }
+      from = end + 1;
+    }
+  }
+}
+
+TEST(Scan, MayChangeSeveralParametersTogether) {
+  const Experiment e = load({}, {"B.field, B_prime.field=9 mT:11 mT:3", "H0.frequency=1 kHz"}).experiment;
+  ASSERT_EQ(e.axes.size(), 2U);
+  EXPECT_EQ(e.axes[0].parameter, "B.field, B_prime.field");
+  EXPECT_THAT(e.axes[0].values, ElementsAre(0.009, testing::DoubleEq(0.01), 0.011));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(part<UniformField>(e.points[i], "B").field, e.axes[0].values[i]);
+    EXPECT_EQ(part<Polarizer>(e.points[i], "B_prime").field, e.axes[0].values[i]);
+  }
+}
+
+TEST(Scan, IsOmittedOnDemand) {
+  CommandLine line{{}, {}, {}, {}, true};
+  EXPECT_EQ(load_experiment(sample, line).experiment.points.size(), 1U);
+  line.scan = {"B.field=9 mT,10 mT"};
+  const Experiment e = load_experiment(sample, line).experiment;
+  ASSERT_EQ(e.axes.size(), 1U);
+  EXPECT_EQ(e.axes[0].parameter, "B.field");
+}
+
+TEST(Variables, StandForValuesAndInsideOfThem) {
+  const std::string stated = "variables: {B1: 9 mT, number: 4, size: \"${number} mm\"}\nseed: 1938";
+  const auto changed = [&](std::vector<std::string> set, std::vector<std::string> scan) {
+    set.insert(set.begin(), {"B.field=${B1}", "screen.width=${size}"});
+    return load_changed({{"seed: 1938", stated}}, std::move(set), std::move(scan));
+  };
+  const Beamline plain = changed({}, {}).base;
+  EXPECT_EQ(part<UniformField>(plain, "B").field, 0.009);
+  EXPECT_EQ(std::get<Rectangle>(part<Detector>(plain, "screen").face).width, 0.004);
+  EXPECT_EQ(part<UniformField>(changed({"variables.B1=8 mT"}, {}).base, "B").field, 0.008);
+  const Experiment e = changed({}, {"variables.B1=7 mT:8 mT:3", "H0.frequency=1 kHz"}).experiment;
+  EXPECT_THAT(e.axes.at(0).values, ElementsAre(0.007, 0.0075, 0.008));
+  EXPECT_EQ(e.axes[0].dimension, Dimension::magnetic_field);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(part<UniformField>(e.points[i], "B").field, e.axes[0].values[i]);
+}
+
+TEST(Variables, StandUnquotedInsideOfBraces) {
+  const Beamline b =
+      load_changed({{"field: 10 mT}", "field: ${B1}}"}, {"seed:", "variables: {B1: 12 mT}\nseed:"}}).base;
+  EXPECT_EQ(part<UniformField>(b, "B").field, 0.012);
+}
+
+TEST(Parts, ThatAreNotEnabledAreAsIfAbsent) {
+  const Beamline without = load({"B.enabled=false"}).base;
+  ASSERT_EQ(without.parts.size(), 3U);
+  EXPECT_EQ(without.parts[1].placement.name, "H0");
+  EXPECT_TRUE(load({"B.enabled=true"}).base == load().base);
+  EXPECT_EQ(load({"B.enabled=false", "B.field=1 mT"}).base.parts.size(), 3U);
 }
 
 TEST(Parts, AreSortedByWhereTheyBegin) {

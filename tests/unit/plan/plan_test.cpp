@@ -126,6 +126,22 @@ TEST(MakePlan, KeepsIndependentPointsApartAndLargeScansInSeveralTrees) {
   EXPECT_GT(make_plan(scan(points), 1, 1e-3).trees.size(), 5U);
 }
 
+TEST(MakePlan, SharesASourceThatIsScannedInsideOfAFrequency) {
+  std::vector<Beamline> points;
+  for (int outer = 0; outer < 3; ++outer)
+    for (int inner = 0; inner < 40; ++inner) {
+      Beamline b = suggested(290e3 + outer);
+      b.source.speed = SingleSpeed{SpeedQuantity{900.0 + inner, Dimension::speed}};
+      points.push_back(b);
+    }
+  Experiment e = scan(points);
+  e.axes = {{"H0.frequency", Dimension::frequency, {0, 1, 2}, {}},
+            {"source.speed.mean", Dimension::speed, std::vector<double>(40), {}}};
+  const Plan plan = make_plan(e, 1, 1e9);
+  ASSERT_EQ(plan.trees.size(), 40U);
+  for (const PlanTree& tree : plan.trees) EXPECT_EQ(tree.points.size(), 3U);
+}
+
 /// A monitor with one tally inside the fields, of a run under the hypothesis.
 Experiment with_planes(std::uint64_t planes) {
   Beamline b = suggested(291e3);

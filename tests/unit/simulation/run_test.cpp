@@ -189,7 +189,9 @@ TEST(Run, WithAnotherSeedOrStreamGivesOtherParticles) {
   RunOptions options;
   options.isa = best_isa();
   const Sums expected = sums_of(make_plan(e), options);
-  for (Beamline& b : e.points) b.seed = 7;
+  std::vector<Beamline> reseeded(e.points.begin(), e.points.end());
+  for (Beamline& b : reseeded) b.seed = 7;
+  e.points = std::move(reseeded);
   EXPECT_FALSE(sums_of(make_plan(e), options) == expected);
 }
 

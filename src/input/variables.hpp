@@ -1,0 +1,11 @@
+#pragma once
+// `variables` at the top of a file: values with a name, put where `${name}` stands.
+#include "input/document.hpp"
+#include "input/values.hpp"
+
+namespace rabiline {
+
+/// Puts the values of the file's variables in place, everywhere in the tree but in `variables` itself.
+void put_variables(Node& root, Reading&);
+
+}  // namespace rabiline
