@@ -3,21 +3,20 @@
 import re
 
 import numpy as np
+import paper_test
 import pytest
 from experiments import EXPERIMENTS, crossings
-from paper_test import TESTED as OF_THE_PAPER
 
 LARMOR = 29.1646935e6 * 10e-3  # Hz, neutron in 10 mT
 
 
-def test_every_shipped_experiment_is_tested_here():
-    tested = {"suggested-experiment", "two-species", "rabi-flop", "ramsey", "ramsey-effusive", "polarised-neutrons",
-              "alvarez-bloch", "broad-beam", "stern-gerlach", "rabi-licl", "refocusing", "rabi-1938-nuclei",
-              "kusch-millman-rabi-lithium", "kusch-millman-rabi-potassium", "caesium-clock", "ortho-hydrogen",
-              "hydrogen-source", "deflection-potassium", "deflection-potassium-point"}
-    assert {p.stem for p in EXPERIMENTS.glob("*.yaml")} == tested | OF_THE_PAPER
+def test_every_shipped_experiment_has_a_test_of_what_its_header_promises():
+    tests = [*globals().values(), *vars(paper_test).values()]
+    marks = [mark for test in tests for mark in getattr(test, "pytestmark", []) if mark.name == "experiment"]
+    assert {path.stem for path in EXPERIMENTS.glob("*.yaml")} == {name for mark in marks for name in mark.args}
 
 
+@pytest.mark.experiment("suggested-experiment")
 def test_the_suggested_experiment_loses_the_beam_at_the_larmor_frequency(run):
     file = run("suggested-experiment")
     x, detected = file["entry/scan/H0_frequency"][:], file["entry/scan/detected"][:]
@@ -29,6 +28,7 @@ def test_the_suggested_experiment_loses_the_beam_at_the_larmor_frequency(run):
     assert abs((left + right) / 2 - 1.01 * LARMOR) > 2000
 
 
+@pytest.mark.experiment("two-species")
 def test_two_species_give_two_dips_each_at_its_own_larmor_frequency(run):
     file = run("two-species")
     x, detected = file["entry/scan/H0_frequency"][:], file["entry/scan/detected"][:]
@@ -40,6 +40,7 @@ def test_two_species_give_two_dips_each_at_its_own_larmor_frequency(run):
     assert detected[abs(x - 320e3) < 10e3].min() >= 0.99
 
 
+@pytest.mark.experiment("rabi-flop")
 def test_rabis_resonance_has_his_width_zero_and_sidelobe(run):
     file = run("rabi-flop")
     x, flipped = file["entry/scan/H0_frequency"][:] - LARMOR, file["entry/screen_levels/levels"][:, 0]
@@ -53,6 +54,7 @@ def test_rabis_resonance_has_his_width_zero_and_sidelobe(run):
     assert np.ptp(file["entry/scan/detected"][:]) == 0
 
 
+@pytest.mark.experiment("ramsey")
 def test_ramseys_central_fringe_is_as_narrow_as_the_time_between_the_zones_allows(run):
     file = run("ramsey")
     x, flipped = file["entry/scan/first_frequency"][:] - LARMOR, file["entry/screen_levels/levels"][:, 0]
@@ -64,6 +66,7 @@ def test_ramseys_central_fringe_is_as_narrow_as_the_time_between_the_zones_allow
     assert flipped.max() > 0.999
 
 
+@pytest.mark.experiment("ramsey-effusive")
 def test_an_effusive_beam_keeps_the_central_fringe_and_loses_those_aside(run):
     file = run("ramsey-effusive")
     centre = 32.436045e6 * 10e-3  # Hz, helion in 10 mT
@@ -80,6 +83,7 @@ def test_an_effusive_beam_keeps_the_central_fringe_and_loses_those_aside(run):
     assert np.ptp(flipped[beyond & (abs(x) < 4500)]) < 0.15 * (top - foot)
 
 
+@pytest.mark.experiment("polarised-neutrons")
 def test_the_flipper_of_the_neutron_line_turns_all_spins_at_the_larmor_frequency(run):
     file = run("polarised-neutrons", "--particles", "200000")
     x, detected = file["entry/scan/flipper_frequency"][:], file["entry/scan/detected"][:]
@@ -95,6 +99,7 @@ def test_the_flipper_of_the_neutron_line_turns_all_spins_at_the_larmor_frequency
     assert np.allclose(rate, 1e6 * detected + background) and background == 3
 
 
+@pytest.mark.experiment("alvarez-bloch")
 def test_alvarez_and_blochs_neutrons_show_their_moment(run):
     file = run("alvarez-bloch", "--particles", "200000", "--set", "scan.particles=shared")
     x, detected = file["entry/scan/H0_field"][:], file["entry/scan/detected"][:]
@@ -117,6 +122,7 @@ def test_alvarez_and_blochs_neutrons_show_their_moment(run):
     assert np.abs(dip - expected).max() < 0.01 * dip.max()
 
 
+@pytest.mark.experiment("broad-beam")
 def test_a_broad_beam_dips_under_the_hypothesis_and_not_under_standard_laws(run):
     file = run("broad-beam")
     x, detected = file["entry/scan/H0_frequency"][:], file["entry/scan/detected"][:]
@@ -129,6 +135,7 @@ def test_a_broad_beam_dips_under_the_hypothesis_and_not_under_standard_laws(run)
     assert dorado.min() < 0.2 and dorado[0] > 0.95
 
 
+@pytest.mark.experiment("stern-gerlach")
 def test_silver_draws_two_lines_and_a_classical_moment_one_smear(run):
     file = run("stern-gerlach")
     z, counts = file["entry/plate_z/z"][:], file["entry/plate_z/counts"][:]
@@ -140,6 +147,7 @@ def test_silver_draws_two_lines_and_a_classical_moment_one_smear(run):
     assert abs(z[np.argmax(classical)]) < 40e-6 and classical[middle].mean() > 0.9 * classical.max()
 
 
+@pytest.mark.experiment("rabi-licl")
 def test_the_moment_of_lithium_7_is_where_rabis_dip_is(run):
     file = run("rabi-licl")
     x, detected = file["entry/scan/C_field"][:], file["entry/scan/detected"][:]
@@ -186,6 +194,7 @@ def dip_centre(x, y, baseline=None):
     return (found[0] + found[-1]) / 2
 
 
+@pytest.mark.experiment("refocusing")
 def test_rabis_magnets_bring_every_speed_back_to_the_image_of_the_slits(run):
     file = run("refocusing", "--particles", "200000000")
     counts, errors = file["entry/detector_z/counts"][:], file["entry/detector_z/counts_errors"][:]
@@ -229,6 +238,7 @@ def test_rabis_magnets_bring_every_speed_back_to_the_image_of_the_slits(run):
     assert expected < 0.8 and abs(smeared - expected) < 0.004
 
 
+@pytest.mark.experiment("rabi-1938-nuclei")
 def test_three_nuclei_come_into_resonance_one_after_the_other(run):
     file = run("rabi-1938-nuclei")
     x, detected = file["entry/scan/C_field"][:], file["entry/scan/detected"][:]
@@ -262,6 +272,7 @@ def hz(value):
     return f"{value:.3f} Hz"
 
 
+@pytest.mark.experiment("kusch-millman-rabi-lithium", "kusch-millman-rabi-potassium")
 @pytest.mark.parametrize("name, constants, seen", [("kusch-millman-rabi-lithium", LITHIUM, (-1, 1, 3)),
                                                    ("kusch-millman-rabi-potassium", POTASSIUM, (-3, -1, 1, 3))])
 def test_hyperfine_lines_of_atoms_are_those_of_the_hamiltonian(run, name, constants, seen):
@@ -308,6 +319,7 @@ def peak_centre(x, y):
     return (place(sides[sides < top].max()) + place(sides[sides >= top].min())) / 2
 
 
+@pytest.mark.experiment("caesium-clock")
 def test_the_caesium_clock_shows_the_second_and_its_quadratic_shift(run):
     assert abs(quadratic_shift(6e-6) - 427.45 * 0.06**2) < 1e-3
     # All levels: those with other m add 1 % of ripples. The two with m = 0 alone: 1 % of the shift is 0.015 and 1.5 Hz.
@@ -341,6 +353,7 @@ def test_the_phase_of_the_second_zone_moves_the_clocks_fringe(run):
     assert abs(x[np.argmax(curves[-90])] - line - period / 4) < 0.15 * period / 4 + 5
 
 
+@pytest.mark.experiment("ortho-hydrogen")
 def test_ortho_hydrogen_has_six_lines_about_the_protons(run):
     magneton = BOHR / PLANCK
     proton, rotation, c, d, field = 42.577478461e6, 6.71e6, 113.904e3, 57.671e3, 0.18
@@ -406,6 +419,7 @@ def weak_transition(hydrogen, amplitude, speeds):
     return np.average(abs(turned)**2, axis=0, weights=speeds)
 
 
+@pytest.mark.experiment("hydrogen-source")
 def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(run):
     file = run("hydrogen-source")
     labels = [label.decode() for label in file["entry/target_levels/level_index_labels"][:]]
@@ -449,6 +463,7 @@ def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(
     assert ledger[1, 0] < 0.15 * ledger[0, 0] and ledger[1, 1] > 0.95 * ledger[0, 1]
 
 
+@pytest.mark.experiment("deflection-potassium", "deflection-potassium-point")
 def test_potassium_in_a_weak_field_draws_the_lines_of_its_levels(run):
     file, point = run("deflection-potassium"), run("deflection-potassium-point")
     z, (quantum, classical) = file["entry/screen_z/z"][:], file["entry/screen_z/counts"][:]

@@ -10,9 +10,6 @@ import pytest
 from matplotlib.testing.compare import compare_images
 from experiments import EXPERIMENTS, RABILINE, crossings
 
-TESTED = {"rotating-cylinder", "charged-particle", "muon-storage-ring", "bound-charge", "proton-in-a-field", "muon-precession",
-          "spin-angles", "rabi-neutrons", "unaligned-beam", "trajectories", "known-guided-neutrons", "known-rf-flipper",
-          "known-turned-guide-field"}
 DOCS = EXPERIMENTS.parent / "docs"
 GAMMA = -2 * np.pi * 29.1646935e6  # rad/(s T), neutron
 LAWS = {"quantum": "law=quantum", "torque": "law.closure=torque", "larmor": "law.closure=larmor"}
@@ -58,6 +55,7 @@ def agrees(pair, at=1e-8):
     return abs(value - expected) <= at * abs(expected) < abs(value - 1.01 * expected)
 
 
+@pytest.mark.experiment("rotating-cylinder")
 def test_a_precessing_cylinder_is_the_papers_circle_and_one_at_rest_nods_about_it(tmp_path):
     steady = findings(tmp_path, "rotating-cylinder", "--set", "model.axis_start=precessing")
     assert all(agrees(steady[name]) for name in ("precession", "radius", "tilt"))
@@ -73,6 +71,7 @@ def test_a_precessing_cylinder_is_the_papers_circle_and_one_at_rest_nods_about_i
     assert slow["fast_top"][0] > 1 and slow["path_distance"][0] > 3
 
 
+@pytest.mark.experiment("charged-particle")
 def test_a_charge_follows_its_closed_forms_and_the_two_theories_differ_by_half_its_g(tmp_path):
     for species, g in (("electron", 2.00231930436), ("muon+", 2.00233184), ("proton", 5.5856946893),
                        ("deuteron", 1.7140255)):
@@ -87,6 +86,7 @@ def test_a_charge_follows_its_closed_forms_and_the_two_theories_differ_by_half_i
     assert abs(found["radius_ratio"][0] - 1) < 1e-8
 
 
+@pytest.mark.experiment("muon-storage-ring")
 def test_a_muon_precesses_against_its_momentum_as_storage_rings_see_it(tmp_path):
     found = findings(tmp_path, "muon-storage-ring")
     assert agrees(found["anomalous_frequency"]) and abs(found["anomalous_frequency"][0] - 229.08e3) < 10
@@ -94,6 +94,7 @@ def test_a_muon_precesses_against_its_momentum_as_storage_rings_see_it(tmp_path)
     assert found["larmor_angle_drift"][0] < 1e-12 and agrees(found["larmor_spin_turns"])
 
 
+@pytest.mark.experiment("bound-charge")
 def test_a_bound_orbit_precesses_with_half_the_cyclotron_frequency_and_half_of_eq_74(tmp_path):
     harmonic = "model.binding={kind: harmonic, frequency: 80 GHz, radius: 100 nm}"
     assert findings(tmp_path, "bound-charge", "--set", harmonic)["closed_form"][0] < 1e-9
@@ -128,6 +129,7 @@ def test_trajectory_one_is_straight(path):
     assert np.all(place[:, [0, 2]] == 0) and np.all(velocity == [0, 1000, 0])
 
 
+@pytest.mark.experiment("trajectories")
 @pytest.mark.parametrize("closure", ["torque", "larmor"])
 def test_trajectory_two_is_the_exact_solution(path, closure):
     time, place, velocity = path(closure)
@@ -176,6 +178,7 @@ seed: 1
     assert 30 < far[0] / far[1] < 400 and 70 < far[1] / far[2] < 150  # a hundred: the fourth power of the steps
 
 
+@pytest.mark.experiment("rabi-neutrons")
 def test_in_rabis_arrangement_quantum_theory_gives_his_line_and_the_hypothesis_no_beam(run):
     file = run("rabi-neutrons")
     x = file["entry/scan/H0_frequency"][:]
@@ -192,6 +195,7 @@ def test_in_rabis_arrangement_quantum_theory_gives_his_line_and_the_hypothesis_n
     assert torque.max() == 0 and larmor.max() == 0
 
 
+@pytest.mark.experiment("unaligned-beam")
 def test_spins_that_nothing_has_aligned_leave_at_every_frequency_under_the_hypothesis(run):
     quantum, torque, larmor = run("unaligned-beam")["entry/scan/detected"][:]
     assert (quantum == 1).all() and torque.max() < 0.005 and larmor.max() == 0
@@ -222,6 +226,7 @@ def place_behind_a_field(radius):
     return radius - y + 0.8 * 0.1 / y
 
 
+@pytest.mark.experiment("proton-in-a-field")
 def test_protons_land_where_the_lorentz_force_puts_them_and_elsewhere_under_the_hypothesis(run):
     scan = run("proton-in-a-field")["entry"]
     names = [name.decode() for name in scan["scan/detector_names"][:]]
@@ -252,6 +257,7 @@ def test_a_proton_with_g_of_two_lands_at_one_place_under_both(tmp_path):
     assert quantum == classical and abs(larmor / classical - 1) < 1e-6  # a tally has 2^24 places in 20 mm
 
 
+@pytest.mark.experiment("muon-precession")
 def test_the_spin_of_a_muon_gains_its_anomaly_on_the_velocity(run):
     entry = run("muon-precession")["entry"]
     turns = entry["scan/B_length"][:] / 5e-3
@@ -265,6 +271,7 @@ def test_the_spin_of_a_muon_gains_its_anomaly_on_the_velocity(run):
     assert np.allclose(entry["screen_angle_x/angle_x_mean"][:], 10e-3, atol=1e-6)
 
 
+@pytest.mark.experiment("spin-angles")
 @pytest.mark.parametrize("law", ["dorado", "classical"])
 def test_the_angles_of_the_spin_fall_and_turn_as_the_fields_say(run, law):
     file = run("spin-angles", "--set", f"law={law}")
@@ -301,6 +308,7 @@ FLIPPED = 1e-3 / (abs(GAMMA) * 68.6e-3 * 50e-3 / 989.107)
 TURNED = 10e-3 / (np.pi / 2 * (0.25 + 0.25))
 
 
+@pytest.mark.experiment("known-guided-neutrons", "known-rf-flipper", "known-turned-guide-field")
 @pytest.mark.parametrize("name, closure, half", [("known-guided-neutrons", "larmor", GUIDED),
                                                  ("known-rf-flipper", "torque", 2 * FLIPPED),
                                                  ("known-rf-flipper", "larmor", FLIPPED),
