@@ -14,19 +14,47 @@ namespace {
 using std::numbers::pi;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// A fused multiply-add rounds in the same way as an instruction and as a function of the library, only
+// faster.
+#if defined(__x86_64__)
+const bool has_fma = __builtin_cpu_supports("fma") != 0;
+template <class Function>
+[[gnu::target("fma"), gnu::noinline]] auto with_instruction(double x) {
+  return Function::of(x);
+}
+template <class Function>
+auto call(double x) {
+  return has_fma ? with_instruction<Function>(x) : Function::of(x);
+}
+#else
+template <class Function>
+auto call(double x) {
+  return Function::of(x);
+}
+#endif
+
+template <isa_scalar::real (*function)(isa_scalar::real)>
+struct OneLane {
+  RABILINE_LANES static double of(double x) {
+    return isa_scalar::lane(function(isa_scalar::broadcast(x)), 0);
+  }
+};
 template <isa_scalar::real (*function)(isa_scalar::real)>
 double of_one_lane(double x) {
-  return isa_scalar::lane(function(isa_scalar::broadcast(x)), 0);
+  return call<OneLane<function>>(x);
 }
 
 struct SineAndCosine {
   double sine, cosine;
 };
-SineAndCosine sincos(double x) {
-  isa_scalar::real s, c;
-  isa_scalar::sincos(isa_scalar::broadcast(x), s, c);
-  return {isa_scalar::lane(s, 0), isa_scalar::lane(c, 0)};
-}
+struct OfAngle {
+  RABILINE_LANES static SineAndCosine of(double x) {
+    isa_scalar::real s, c;
+    isa_scalar::sincos(isa_scalar::broadcast(x), s, c);
+    return {isa_scalar::lane(s, 0), isa_scalar::lane(c, 0)};
+  }
+};
+SineAndCosine sincos(double x) { return call<OfAngle>(x); }
 
 }  // namespace
 

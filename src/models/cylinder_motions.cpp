@@ -48,7 +48,8 @@ State paper_at(const SpaceFixedTorque& torque, const Numbers& n, double speed, d
   const double c = 1 / growth, s = ratio / growth;
   State out = fast_top(n, t, {0, s, c}, growth);
   out.velocity = speed * Vector3{0, c, -s};
-  out.position = (speed * t) * Vector3{0, ratio == 0 ? 1 : portable::asinh(ratio) / ratio, -ratio / (growth + 1)};
+  out.position =
+      (speed * t) * Vector3{0, ratio == 0 ? 1 : portable::asinh(ratio) / ratio, -ratio / (growth + 1)};
   out.torque = {0, torque.size, 0};
   out.omega_1 = -n.precession / (growth * growth);
   out.turned = portable::atan(ratio);

@@ -22,14 +22,17 @@ OF_THE_RUN = {"seconds", "start_time", "end_time", "date", "arguments", "instruc
 SHIPPED = sorted((ROOT / "beamline").glob("*.yaml"))
 FIELDS_AND_SOURCES = """
 rabiline: 1
+title: Fields and sources
 species: neutron
 law: {law}
-source: {{speed: {speed}, opening: {{radius: 1 mm}}, direction: {direction}, tilt: {{x: 0.3 mrad, z: 0.1 mrad}},
+source: {{speed: {speed}, opening: {{radius: 1 mm}}, direction: {direction},
          spin: {{kind: polarised, axis: [0.2, 0.1, 0.9], degree: 0.9}}}}
 parts:
   - {{name: C, kind: coil, at: 5 cm, length: 5 cm, axis: [1, 2, 3], angle: 77 deg, speed: 1100 m/s, tilt: {{z: 0.1 rad}}}}
   - {{name: G, kind: guide_field, at: 20 cm, length: 20 cm, field: 70 uT, from: [0.3, 0, 1], to: [1, 0.3, 0]}}
-  - {{name: D, kind: detector, at: 1 m, width: 9 cm, height: 9 cm, bins: 20, tilt: {{y: 0.2 rad}}, spin_axis: [1, 1, 1]}}
+  - {{name: D, kind: detector, at: 1 m, width: 9 cm, height: 9 cm, bins: [20, 20], tilt: {{y: 0.2 rad}}}}
+particles: 16
+seed: 7
 """
 
 
@@ -83,9 +86,10 @@ def test_a_shipped_experiment_gives_the_same_bits_without_fused_multiply_add(exp
 
 
 @pytest.mark.parametrize(("law", "speed", "direction"), [
-    ("classical", "{distribution: supersonic, temperature: 300 K, speed_ratio: 7}", "{kind: channel, length: 5 mm}"),
-    ("dorado", "{distribution: gaussian, mean: 2 angstrom, sigma: 0.1 angstrom}", "{kind: cone, half_angle: 0.4 deg}"),
-    ("quantum", "{distribution: maxwell, temperature: 40 K}", "{kind: gaussian, x: 1 mrad, z: 2 mrad}"),
+    ("classical", "{kind: supersonic, temperature: 300 K, adiabatic_exponent: 1.6, speed_ratio: 7}",
+     "{kind: channel, length: 5 mm, radius: 1 mm}"),
+    ("dorado", "{kind: gaussian, mean: 2 angstrom, sigma: 0.1 angstrom}", "{kind: cone, half_angle: 0.4 deg}, tilt: {x: 3 mrad}"),
+    ("quantum", "{kind: maxwell, temperature: 40 K}", "{kind: gaussian, x: 1 mrad, z: 2 mrad}, tilt: {z: -2 mrad}"),
 ])
 def test_fields_and_sources_give_the_same_bits_without_fused_multiply_add(law: str, speed: str, direction: str,
                                                                           tmp_path: Path) -> None:
