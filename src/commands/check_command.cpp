@@ -3,7 +3,6 @@
 
 #include "commands/common.hpp"
 #include "plan/explain.hpp"
-#include "rules/warnings.hpp"
 
 namespace rabiline {
 
@@ -15,10 +14,10 @@ void add_check(CLI::App& app) {
   verb->callback([options] {
     const Loaded loaded = load(options->file, options->changes);
     if (const auto* model = std::get_if<LoadedModel>(&loaded)) return fmt::print("{}", check_model(*model));
-    const Experiment& experiment = std::get<LoadedExperiment>(loaded).experiment;
+    const auto& [experiment, inputs, base, places] = std::get<LoadedExperiment>(loaded);
     const Plan plan = make_plan(experiment);
     fmt::print("{}", explain(experiment, plan));
-    for (const Fault& fault : warnings_of(experiment, plan)) fmt::print("warning: {}\n", fault.message);
+    report_warnings(experiment, plan, places, options->strict, stdout);
   });
 }
 

@@ -14,6 +14,7 @@
 #include <sys/utsname.h>
 
 #include "core/version.hpp"
+#include "rules/warnings.hpp"
 #include "storage/digest.hpp"
 #include "storage/storage_error.hpp"
 
@@ -91,6 +92,7 @@ void ExperimentOptions::add_without_scan_to(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--particles", changes.particles, "particles per scan point, such as 1e6")->type_name("N");
   app.add_option("--seed", changes.seed, "seed of all random numbers")->type_name("S");
+  app.add_flag("--strict", strict, "take warnings for errors: exit code 2");
 }
 
 void MachineOptions::add_to(CLI::App& app) {
@@ -114,6 +116,22 @@ Isa MachineOptions::instruction_set() const {
     throw ArgumentError(
         fmt::format("--isa: this processor has no {}; the best one here is {}", isa, name_of(best_isa())));
   return *parsed;
+}
+
+std::vector<std::string> report_warnings(const Experiment& experiment, const Plan& plan, const Places& places,
+                                         bool strict, FILE* to) {
+  std::vector<Diagnostic> found;
+  std::vector<std::string> texts;
+  for (const Fault& fault : warnings_of(experiment, plan)) {
+    found.push_back(places.locate(fault));
+    texts.push_back(fault.help.empty() ? fault.message : fmt::format("{}\n  help: {}", fault.message, fault.help));
+  }
+  if (strict && !found.empty()) {
+    for (Diagnostic& diagnostic : found) diagnostic.severity = Severity::error;
+    throw InputError(std::move(found));
+  }
+  fmt::print(to, "{}", render(found));
+  return texts;
 }
 
 void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs) {

@@ -1,6 +1,7 @@
 #pragma once
 // What the verbs of the command line share: options of an experiment, exit codes, signals.
 #include <atomic>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/isa.hpp"
 #include "input/model_file.hpp"
+#include "plan/plan.hpp"
 #include "simulation/snapshot.hpp"
 
 namespace rabiline {
@@ -27,6 +29,7 @@ struct ArgumentError : std::runtime_error {
 struct ExperimentOptions {
   std::filesystem::path file;
   CommandLine changes;
+  bool strict = false;  // warnings are errors
   void add_to(CLI::App&);
   void add_without_scan_to(CLI::App&);  // for one point: the file's own values
 };
@@ -43,6 +46,10 @@ struct MachineOptions {
 /// Set by SIGINT and SIGTERM after watch_signals().
 const std::atomic<bool>& stop_requested();
 void watch_signals();
+
+/// Prints what is warned of, each with its line, and returns the texts. Where warnings are errors they are thrown
+/// as such.
+std::vector<std::string> report_warnings(const Experiment&, const Plan&, const Places&, bool strict, FILE* to);
 
 /// Results never replace what they are computed from. Throws ArgumentError.
 void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs);

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "commands/common.hpp"
-#include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
@@ -89,6 +88,7 @@ std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::f
   const auto add = [&](const char* option, const std::string& value) {
     arguments.insert(arguments.end(), {option, value});
   };
+  if (a.experiment.strict) arguments.push_back("--strict");
   for (const std::string& change : changes.set) add("--set", change);
   for (const std::string& scan : changes.scan) add("--scan", scan);
   if (changes.without_scan) arguments.emplace_back("--no-scan");
@@ -155,7 +155,7 @@ void refuse_for_a_model(const CLI::App& verb) {
   for (const char* option : {"--threads", "--isa", "--batch", "--progress"})
     if (verb.count(option) > 0)
       throw ArgumentError(fmt::format(
-          "{} has no meaning for a model: it is solved, not flown\n  help: leave it away", option));
+          "{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
 }
 
 int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
@@ -180,8 +180,8 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   const auto& loaded = std::get<LoadedExperiment>(file);
   const std::string identity = fingerprint(loaded, a.experiment.changes);
   if (start != nullptr && start->fingerprint != identity)
-    throw ArgumentError("the checkpoint belongs to another state of the input: " +
-                        a.experiment.file.string() + " or the program has changed since");
+    throw ArgumentError("the checkpoint does not match: " + a.experiment.file.string() +
+                        " or the program has changed since it was written");
 
   Provenance provenance = provenance_of(arguments, loaded.inputs);
   provenance.instruction_set = name_of(a.machine.instruction_set());
@@ -189,8 +189,8 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   const auto begin = std::chrono::steady_clock::now();
   const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
   require_memory(plan, a.machine.thread_count());
-  for (const Fault& fault : warnings_of(loaded.experiment, plan))
-    fmt::print(stderr, "warning: {}\n", fault.message);
+  provenance.warnings =
+      report_warnings(loaded.experiment, plan, loaded.places, a.experiment.strict, stderr);
   if (start != nullptr && !fits(*start, plan))
     throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,
@@ -212,17 +212,19 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   progress.clear();
   if (!outcome.finished) {
     fmt::print(stderr,
-               "stopped; what is finished is in {0}.checkpoint\n  help: go on with: rabiline resume {0}\n",
+               "stopped; what is finished is in {0}.checkpoint\n  help: continue with: rabiline resume {0}\n",
                output.string());
     return exit_code::stopped;
   }
   Result result = finish(loaded.experiment, plan, outcome.sums);
   result.provenance = std::move(provenance);
-  for (const std::string& warning : warnings_of(result)) fmt::print(stderr, "warning: {}\n", warning);
+  const std::vector<std::string> ineffective = warnings_of(result);
+  for (const std::string& warning : ineffective) fmt::print(stderr, "warning: {}\n", warning);
+  result.provenance.warnings.insert(result.provenance.warnings.end(), ineffective.begin(), ineffective.end());
   write_results(result, output);
   checkpoints.remove();
   print_summary(result, output, result.provenance.seconds);
-  return exit_code::done;
+  return a.experiment.strict && !ineffective.empty() ? exit_code::bad_input : exit_code::done;
 }
 
 }  // namespace
@@ -237,7 +239,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Sna
       ->type_name("OUT.h5");
   a->machine.add_to(*verb);
   verb->add_option("--batch", a->batch,
-                   "particles that go through the loops together; the result is the same for any")
+                   "particles per batch; the result is the same for any")
       ->type_name("N");
   verb->add_option("--progress", a->progress, "auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
@@ -245,12 +247,12 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Sna
 }
 
 void add_resume(CLI::App& app, int& exit) {
-  CLI::App* verb = app.add_subcommand("resume", "go on with a run that was stopped, to the same bits");
+  CLI::App* verb = app.add_subcommand("resume", "continue a stopped run, bit-identical");
   auto output = std::make_shared<std::string>();
   verb->add_option("OUT.h5", *output, "the file that the stopped run was to write")->required();
   verb->callback([output, &exit] {
     if (!std::filesystem::exists(*output + ".checkpoint"))
-      throw ArgumentError(fmt::format("there is no {}.checkpoint: nothing to go on with", *output));
+      throw ArgumentError(fmt::format("there is no {}.checkpoint: nothing to resume", *output));
     const Snapshot snapshot = read_checkpoint(*output + ".checkpoint");
     exit = run_program(snapshot.arguments, &snapshot);
   });

@@ -24,6 +24,9 @@ void trace_command(const TraceArguments& a) {
   const LoadedExperiment loaded = load_experiment(a.experiment.file, a.experiment.changes);
   require_no_input(a.output, loaded.inputs);
   require_writable(a.output);
+  Experiment at_base;
+  at_base.points = {loaded.base};
+  report_warnings(at_base, make_plan(at_base), loaded.places, a.experiment.strict, stderr);
   std::vector<Track> tracks;
   const std::uint64_t first =
       a.particle ? read_argument("--particle", *a.particle, {0, 1e14, true, true, "zero or greater"}) : 0;

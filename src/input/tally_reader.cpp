@@ -44,7 +44,7 @@ bool read_if_given(Keys& keys, std::string_view key, M& out) {
 bool refuse(Keys& keys, std::string_view key, const std::string& why) {
   const Entry* entry = keys.take(key);
   if (!entry) return true;
-  keys.reading().error(entry->key_place, why, fmt::format("leave `{}` away", key));
+  keys.reading().error(entry->key_place, why, fmt::format("omit `{}`", key));
   return false;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "plan/plan.hpp"
 #include "plan/zones.hpp"
 #include "rules/warning_room.hpp"
 

@@ -156,7 +156,7 @@ def test_what_has_no_meaning_for_a_model_is_refused(tmp_path: Path) -> None:
     for option, value in (("--threads", "2"), ("--isa", "avx2"), ("--progress", "none"), ("--batch", "8")):
         refused = rabiline("run", CYLINDER, "-o", output, option, value)
         assert (refused.returncode, refused.stderr) == (
-            2, f"error: {option} has no meaning for a model: it is solved, not flown\n  help: leave it away\n")
+            2, f"error: {option} has no meaning for a model: it is solved, not flown\n  help: omit it\n")
     for option in ("--particles", "--seed"):
         refused = rabiline("run", CYLINDER, "-o", output, option, "7")
         assert refused.returncode == 2

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "physics/suggested.hpp"
-#include "simulation/units.hpp"
+#include "simulation/blocks.hpp"
 
 namespace rabiline {
 namespace {
@@ -154,7 +154,7 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
 
 TEST(Run, GoesOnOnlyFromASnapshotThatFitsItsPlan) {
   const Plan plan = make_plan(everything());
-  const std::uint64_t units = Units(plan, block_sizes(plan, 1e-5)).count();
+  const std::uint64_t units = Blocks(plan, block_sizes(plan, 1e-5)).count();
   Snapshot snapshot;
   snapshot.block_sizes = block_sizes(plan, 1e-5);
   snapshot.finished = {{0, units}};
