@@ -37,7 +37,7 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
   std::optional<ScanParticles> mode;
   if (file.root.is_mapping()) apply_settings(file.root, settings, reading, mode);
   Node with_values = file.root;
-  put_variables(with_values, reading);
+  if (!put_variables(with_values, reading)) throw_if_wrong(reading, sources);
   out.base = read_beamline(with_values, reading);
   out.places = Places(with_values);
 

@@ -90,7 +90,7 @@ LoadedModel load_model(LoadedFile file, const CommandLine& line) {
   const std::vector<Setting> settings = read_settings(line, sources, reading);
   apply_settings(file.root, settings, reading);
   Node with_values = file.root;
-  put_variables(with_values, reading);
+  if (!put_variables(with_values, reading)) throw_if_wrong(reading, sources);
   out.points = {read_model(with_values, reading)};
   const Sources arguments = scan_arguments(line, sources);
   const Node* scanned = line.without_scan ? nullptr : &with_values;

@@ -99,19 +99,21 @@ class Variables {
 
 }  // namespace
 
-void put_variables(Node& root, Reading& reading) {
+bool put_variables(Node& root, Reading& reading) {
   static const Node none;
+  const std::size_t errors = reading.errors.size();
   const Entry* variables = root.find("variables");
   if (variables && !variables->value.is_mapping()) {
     reading.error(variables->value.place,
                   fmt::format("`variables` is a mapping of names to values, but {} stands here",
                               quote(variables->value)),
                   "write it like `variables: {B1: 2 mT}`, and `${B1}` where the value is needed");
-    return;
+    return false;
   }
   Variables values(variables ? variables->value : none, reading);
   for (Entry& entry : root.entries)
     if (entry.key != "variables") values.put_into(entry.value);
+  return reading.errors.size() == errors;
 }
 
 }  // namespace rabiline

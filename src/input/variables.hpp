@@ -5,7 +5,8 @@
 
 namespace rabiline {
 
-/// Puts the values of the file's variables in place, everywhere in the tree but in `variables` itself.
-void put_variables(Node& root, Reading&);
+/// Puts the values of the file's variables in place, everywhere in the tree but in `variables` itself; false
+/// where one is missing or has no value.
+bool put_variables(Node& root, Reading&);
 
 }  // namespace rabiline

@@ -2,6 +2,7 @@
 // From sums of quanta to counts with their variances.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -110,12 +111,14 @@ class AtPoints {
  public:
   AtPoints(const std::vector<Tally>& tallies, std::size_t points) : at_(points) {
     for (const Tally& tally : tallies)
-      for (const int point : *tally.points) at_[static_cast<std::size_t>(point)].push_back(&tally);
+      for (const int point : *tally.points) at_[static_cast<std::size_t>(point)].emplace_back(tally);
   }
-  const std::vector<const Tally*>& operator[](std::size_t point) const { return at_[point]; }
+  const std::vector<std::reference_wrapper<const Tally>>& operator[](std::size_t point) const {
+    return at_[point];
+  }
 
  private:
-  std::vector<std::vector<const Tally*>> at_;
+  std::vector<std::vector<std::reference_wrapper<const Tally>>> at_;
 };
 
 }  // namespace rabiline

@@ -93,15 +93,14 @@ class Finisher {
   // ---- detectors ----
 
   void add_detectors() {
-    const std::vector<PlacedPart> parts = experiment_.points.front().parts;
     const ScreenGrids grids = screen_grids(experiment_.points);
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Detector* screen = detector_in(parts[i].part);
+    for (const PlacedPart& part : experiment_.points.front().parts) {
+      const Detector* screen = detector_in(part.part);
       if (!screen) continue;
       DetectorResult detector;
-      detector.name = parts[i].placement.name;
-      detector.label = parts[i].placement.label.value_or(detector.name);
-      detector.y = parts[i].placement.at;
+      detector.name = part.placement.name;
+      detector.label = part.placement.label.value_or(detector.name);
+      detector.y = part.placement.at;
       detector.background = screen->background;
       add_axes(grids.at(detector.name), screen->bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
@@ -159,8 +158,7 @@ class Finisher {
     Counts bins(nx * nz), along_x(nx), along_z(nz), total(1);
     Moments all;
     std::vector<double> deviations(group_count, 0.0);
-    for (const ScreenTally* at : screens_[p]) {
-      const ScreenTally& screen = *at;
+    for (const ScreenTally& screen : screens_[p]) {
       if (screen.part != part) continue;
       const Sum* s = &sums_[screen.at];
       // A particle's shares in several bins are one score: its square is not the sum of theirs.
@@ -239,8 +237,7 @@ class Finisher {
     std::vector<std::map<std::string, LevelMoments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
       const int part = number_of(experiment_.points[p], detector.name);
-      for (const LevelTally* at : levels_[p]) {
-        const LevelTally& tally = *at;
+      for (const LevelTally& tally : levels_[p]) {
         if (tally.part != part) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {

@@ -61,8 +61,7 @@ class TallyFinisher {
       const Moments& emitted = run_.emitted[p];
       Counts total(1);
       Moments all;
-      for (const CensusTally* at : censuses_[p]) {
-        const CensusTally& census = *at;
+      for (const CensusTally& census : censuses_[p]) {
         if (census.part != number || static_cast<std::size_t>(census.plane) != plane) continue;
         const Sum* s = &run_.sums[census.at];
         const Moments own{s[CensusSums::total()], s[CensusSums::total() + 1]};
@@ -138,10 +137,10 @@ class TallyFinisher {
   std::vector<const HistogramTally*> found(int part, std::size_t number, std::size_t plane,
                                            std::size_t p) const {
     std::vector<const HistogramTally*> out;
-    for (const HistogramTally* tally : histograms_[p])
-      if (tally->part == part && static_cast<std::size_t>(tally->tally) == number &&
-          static_cast<std::size_t>(tally->plane) == plane)
-        out.push_back(tally);
+    for (const HistogramTally& tally : histograms_[p])
+      if (tally.part == part && static_cast<std::size_t>(tally.tally) == number &&
+          static_cast<std::size_t>(tally.plane) == plane)
+        out.push_back(&tally);
     return out;
   }
 
@@ -177,11 +176,11 @@ class TallyFinisher {
   /// What a detector counted or a monitor let pass.
   Sum crossed(int part, std::size_t plane, std::size_t p) const {
     Sum sum = 0;
-    for (const ScreenTally* screen : screens_[p])
-      if (screen->part == part) sum += run_.sums[screen->at + screen->layout.total()];
-    for (const CensusTally* census : censuses_[p])
-      if (census->part == part && static_cast<std::size_t>(census->plane) == plane)
-        sum += run_.sums[census->at + CensusSums::total()];
+    for (const ScreenTally& screen : screens_[p])
+      if (screen.part == part) sum += run_.sums[screen.at + screen.layout.total()];
+    for (const CensusTally& census : censuses_[p])
+      if (census.part == part && static_cast<std::size_t>(census.plane) == plane)
+        sum += run_.sums[census.at + CensusSums::total()];
     return sum;
   }
 

@@ -146,7 +146,7 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   stop = false;
   options.snapshot = {};
   options.start = &kept;
-  options.most_unit_cost = 1e-3;  // the units stay those of the snapshot
+  options.most_block_cost = 1e-3;  // the blocks stay those of the snapshot
   const RunOutcome outcome = run(plan, options);
   EXPECT_TRUE(outcome.finished);
   EXPECT_TRUE(outcome.sums == expected);

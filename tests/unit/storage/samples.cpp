@@ -67,6 +67,7 @@ Provenance provenance() {
           "g++ 12.2",
           "avx2",
           "bench",
+          {"`H0` cannot be resonant\n  help: write `sense: co`"},
           2,
           5.25};
 }

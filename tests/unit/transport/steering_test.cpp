@@ -10,7 +10,7 @@
 #include "core/isa.hpp"
 #include "particle/species.hpp"
 #include "spin/moment_table.hpp"
-#include "transport/kernels.hpp"
+#include "transport/stages/steering.hpp"
 
 namespace rabiline {
 namespace {
