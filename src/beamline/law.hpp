@@ -80,8 +80,8 @@ inline constexpr std::string_view tag_key<Law> = "name";
 /// "quantum", or "dorado (torque, kappa = 1)".
 std::string describe(const Law&);
 
-/// What a law does with levels, magnets and velocities: all that anything else needs to know of it, but for the
-/// parameters of its own force.
+/// What a law does with levels, magnets and velocities: all that anything else needs to know of it, but for
+/// the parameters of its own force.
 struct LawTraits {
   bool has_levels = false;       // spins are found in levels; else they are vectors
   bool splits = false;           // weights are shared out over the levels that a magnet asks for

@@ -124,7 +124,8 @@ std::vector<std::string> report_warnings(const Experiment& experiment, const Pla
   std::vector<std::string> texts;
   for (const Fault& fault : warnings_of(experiment, plan)) {
     found.push_back(places.locate(fault));
-    texts.push_back(fault.help.empty() ? fault.message : fmt::format("{}\n  help: {}", fault.message, fault.help));
+    texts.push_back(fault.help.empty() ? fault.message
+                                       : fmt::format("{}\n  help: {}", fault.message, fault.help));
   }
   if (strict && !found.empty()) {
     for (Diagnostic& diagnostic : found) diagnostic.severity = Severity::error;

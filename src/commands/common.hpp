@@ -47,9 +47,10 @@ struct MachineOptions {
 const std::atomic<bool>& stop_requested();
 void watch_signals();
 
-/// Prints what is warned of, each with its line, and returns the texts. Where warnings are errors they are thrown
-/// as such.
-std::vector<std::string> report_warnings(const Experiment&, const Plan&, const Places&, bool strict, FILE* to);
+/// Prints what is warned of, each with its line, and returns the texts. Where warnings are errors they are
+/// thrown as such.
+std::vector<std::string> report_warnings(const Experiment&, const Plan&, const Places&, bool strict,
+                                         FILE* to);
 
 /// Results never replace what they are computed from. Throws ArgumentError.
 void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs);

@@ -154,8 +154,8 @@ void require_memory(const Plan& plan, int threads) {
 void refuse_for_a_model(const CLI::App& verb) {
   for (const char* option : {"--threads", "--isa", "--batch", "--progress"})
     if (verb.count(option) > 0)
-      throw ArgumentError(fmt::format(
-          "{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
+      throw ArgumentError(
+          fmt::format("{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
 }
 
 int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
@@ -189,10 +189,8 @@ int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<s
   const auto begin = std::chrono::steady_clock::now();
   const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
   require_memory(plan, a.machine.thread_count());
-  provenance.warnings =
-      report_warnings(loaded.experiment, plan, loaded.places, a.experiment.strict, stderr);
-  if (start != nullptr && !fits(*start, plan))
-    throw ArgumentError("the checkpoint does not fit the plan");
+  provenance.warnings = report_warnings(loaded.experiment, plan, loaded.places, a.experiment.strict, stderr);
+  if (start != nullptr && !fits(*start, plan)) throw ArgumentError("the checkpoint does not fit the plan");
   const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,
                                 arguments_to_resume(a, output));
   ProgressLine progress(a.progress);
@@ -238,8 +236,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Sna
                    "where the result goes; FILE's name with .h5 where it is missing")
       ->type_name("OUT.h5");
   a->machine.add_to(*verb);
-  verb->add_option("--batch", a->batch,
-                   "particles per batch; the result is the same for any")
+  verb->add_option("--batch", a->batch, "particles per batch; the result is the same for any")
       ->type_name("N");
   verb->add_option("--progress", a->progress, "auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}));

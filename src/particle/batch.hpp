@@ -48,8 +48,8 @@ inline void copy_particle(const BatchView& from, int i, const BatchView& to, int
 class Batch {
  public:
   static constexpr int capacity = 512;
-  static constexpr int columns = sizeof(real_columns) / sizeof(*real_columns) +
-                                 sizeof(word_columns) / sizeof(*word_columns);
+  static constexpr int columns =
+      sizeof(real_columns) / sizeof(*real_columns) + sizeof(word_columns) / sizeof(*word_columns);
   static constexpr std::size_t bytes = sizeof(double) * columns * capacity;
 
   Batch();

@@ -5,10 +5,10 @@
 
 namespace rabiline::fate {
 
-inline constexpr std::string_view stopped = "stopped",                // by a part, a bore or the chamber
-    detected = "detected",                                            // by a detector
-    passed = "passed",                                                // flew past the last part
-    left_backwards = "left_backwards",                                // left a field against the beam
+inline constexpr std::string_view stopped = "stopped",  // by a part, a bore or the chamber
+    detected = "detected",                              // by a detector
+    passed = "passed",                                  // flew past the last part
+    left_backwards = "left_backwards",                  // left a field against the beam
     gave_up = "gave_up";  // was still circling in a field when its flight was cut off
 
 }  // namespace rabiline::fate

@@ -1,5 +1,5 @@
-#include "core/portable_math.hpp"
 #include "particle/law_tables.hpp"
+#include "core/portable_math.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -50,7 +50,7 @@ double distance_from_axis(const Opening& opening, Offset offset, double roll) {
     offset = {offset.x * portable::cos(roll) - offset.z * portable::sin(roll),
               offset.x * portable::sin(roll) + offset.z * portable::cos(roll)};
   return portable::hypot(std::max(0.0, std::abs(offset.x) - r.width / 2),
-                    std::max(0.0, std::abs(offset.z) - r.height / 2));
+                         std::max(0.0, std::abs(offset.z) - r.height / 2));
 }
 
 }  // namespace rabiline

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "core/portable_math.hpp"
 #include "core/constants.hpp"
+#include "core/portable_math.hpp"
 #include "particle/law_tables.hpp"
 
 namespace rabiline {
@@ -170,7 +170,8 @@ std::vector<StatedSpeed> SupersonicSpeed::stated_speeds(double mass) const {
 /// sqrt(q0) ((1+r)^(3/2) - (1-r)^(3/2))/3r.
 double UniformSpeed::mean_speed(double mass) const {
   const double v = speed_of(mean, mass);
-  if (mean.dimension == Dimension::length) return v * portable::asinh(spread / std::sqrt(1 - spread * spread)) / spread;
+  if (mean.dimension == Dimension::length)
+    return v * portable::asinh(spread / std::sqrt(1 - spread * spread)) / spread;
   if (mean.dimension == Dimension::energy) {
     const double up = 1 + spread, down = 1 - spread;
     return v * (up * std::sqrt(up) - down * std::sqrt(down)) / (3 * spread);

@@ -5,8 +5,8 @@ namespace rabiline {
 
 class SectionBuilder;
 
-/// A shutter in a plane that opens periodically: at time t since emission, or since the pulse began, it is open
-/// while the fractional part of frequency t + phase/(2 pi) is less than `open`.
+/// A shutter in a plane that opens periodically: at time t since emission, or since the pulse began, it is
+/// open while the fractional part of frequency t + phase/(2 pi) is less than `open`.
 struct Chopper {
   static constexpr std::string_view kind = "chopper", meaning = "a shutter that opens periodically";
   static constexpr PartTraits traits{.one_way = true};

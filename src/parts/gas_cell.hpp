@@ -17,7 +17,8 @@ inline constexpr auto parameters<GasDensity> = std::tuple{
 };
 /// An ideal gas: p = n k T.
 struct GasPressure {
-  static constexpr std::string_view kind = "pressure", meaning = "an ideal gas of some pressure and temperature";
+  static constexpr std::string_view kind = "pressure",
+                                    meaning = "an ideal gas of some pressure and temperature";
   double pressure = 0;     // [Pa]
   double temperature = 0;  // [K]
   bool operator==(const GasPressure&) const = default;
@@ -35,8 +36,8 @@ inline constexpr std::string_view said_by_keys<Gas> = "its gas";
 /// Molecules in a volume [1/m^3].
 double density_of(const Gas&);
 
-/// Gas along a stretch of the beam. Of a particle's weight exp(-n sigma l) goes on, l its straight path through
-/// the cell; the rest is scattered and ends there. All of it acts where the cell begins.
+/// Gas along a stretch of the beam. Of a particle's weight exp(-n sigma l) goes on, l its straight path
+/// through the cell; the rest is scattered and ends there. All of it acts where the cell begins.
 struct GasCell {
   static constexpr std::string_view kind = "gas_cell",
                                     meaning = "gas that scatters particles out of the beam";

@@ -3,8 +3,8 @@
 #include <variant>
 
 #include "parts/beam_stop.hpp"
-#include "parts/coil.hpp"
 #include "parts/chopper.hpp"
+#include "parts/coil.hpp"
 #include "parts/collimator.hpp"
 #include "parts/detector.hpp"
 #include "parts/gas_cell.hpp"

@@ -22,12 +22,12 @@ struct StaticField {
 /// What a kind of part says of itself, so that nobody needs a list of kinds: `static constexpr PartTraits
 /// traits`.
 struct PartTraits {
-  bool field = false;                   // a field fills its length
-  bool homogeneous = false;             // a static field in which a deflecting magnet may stand
-  bool deflects = false;                // by the gradient of its field
-  bool drives = false;                  // its field has a clock: it can drive transitions
-  bool target = false;                  // a source may be aimed at it
-  bool one_way = false;                 // what it does depends on how often and in which direction it is passed
+  bool field = false;        // a field fills its length
+  bool homogeneous = false;  // a static field in which a deflecting magnet may stand
+  bool deflects = false;     // by the gradient of its field
+  bool drives = false;       // its field has a clock: it can drive transitions
+  bool target = false;       // a source may be aimed at it
+  bool one_way = false;      // what it does depends on how often and in which direction it is passed
   std::string_view needs_one_moment{};  // what it does to a spin with one moment, and to no atom with levels
   std::string_view instead{};           // what does the like to atoms
 };

@@ -6,15 +6,16 @@ namespace rabiline {
 
 class SectionBuilder;
 
-/// A turning drum of helical slots. What misses the nominal speed drifts towards a slot's wall by an amount that is
-/// linear in 1/v, so that the transmission is a triangle in the wavelength: `transmission` at the nominal one, half of it
-/// at half the resolution to either side. All of it acts in one plane; losses count as stopped.
+/// A turning drum of helical slots. What misses the nominal speed drifts towards a slot's wall by an amount
+/// that is linear in 1/v, so that the transmission is a triangle in the wavelength: `transmission` at the
+/// nominal one, half of it at half the resolution to either side. All of it acts in one plane; losses count
+/// as stopped.
 struct VelocitySelector {
   static constexpr std::string_view kind = "velocity_selector",
                                     meaning = "passes a triangular band of wavelengths, as helical slots do";
   static constexpr PartTraits traits{.one_way = true};
-  SpeedQuantity speed;     // along the beam
-  double resolution = 0;   // full width at half maximum of the wavelength, relative
+  SpeedQuantity speed;      // along the beam
+  double resolution = 0;    // full width at half maximum of the wavelength, relative
   double transmission = 1;  // of the nominal speed
   bool operator==(const VelocitySelector&) const = default;
 };

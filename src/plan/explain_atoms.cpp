@@ -122,8 +122,7 @@ DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
 void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
   for (const PlanNode& node : nodes) {
     collect(node.stage, node.points);
-    for (const PlanNode::Way& way : node.ways)
-      collect(way.projection, way.points);
+    for (const PlanNode::Way& way : node.ways) collect(way.projection, way.points);
     collect(node.next);
   }
 }
@@ -312,8 +311,7 @@ std::vector<int> all_levels(const Species& species) {
 }
 
 std::vector<int> levels_on_axis(const Source& source, const Species& species, const Law& law) {
-  if (!law_traits(law).has_levels || source.offset != Offset{} || !(source.tilt == SourceTilt{}))
-    return {};
+  if (!law_traits(law).has_levels || source.offset != Offset{} || !(source.tilt == SourceTilt{})) return {};
   const auto* named = std::get_if<LevelsSpin>(&source.spin);
   if (!named || !species.structure) return all_levels(species);
   const std::vector<LevelLabel> labels = level_labels(coupled_spins(*species.structure));

@@ -73,7 +73,8 @@ std::vector<LevelZone> driven_zones(const std::vector<Section>& sections, double
 
 double steepest_before(const Plane& asked, const Beamline& beamline, const Sections& sections) {
   const Source& source = beamline.source;
-  const double tilt = portable::acos(std::clamp(portable::cos(source.tilt.x) * portable::cos(source.tilt.z), -1.0, 1.0));
+  const double tilt =
+      portable::acos(std::clamp(portable::cos(source.tilt.x) * portable::cos(source.tilt.z), -1.0, 1.0));
   const double law =
       std::visit([](const auto& l) { return l.widest_angle(deviations); }, source.direction) + tilt;
   if (law == 0) return 0;

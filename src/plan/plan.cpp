@@ -41,7 +41,9 @@ class TreeMaker {
       node.next = merge({group.front()}, depth + 1);
       const std::size_t size = sums_ - begin;
       for (const Chain* chain : group) node.points.push_back(chain->point);
-      const auto share_alike = [&](const Chain& a, const Chain& b) { return a.stages[depth] == b.stages[depth]; };
+      const auto share_alike = [&](const Chain& a, const Chain& b) {
+        return a.stages[depth] == b.stages[depth];
+      };
       for (const std::vector<const Chain*>& way : grouped(group, share_alike)) {
         node.ways.push_back({way.front()->stages[depth], {}, node.ways.size() * size});
         for (const Chain* chain : way) node.ways.back().points.push_back(chain->point);

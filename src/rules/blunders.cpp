@@ -73,8 +73,10 @@ Slopes slopes_of(const ParallelDirection&) { return {{0, 0}}; }
 Slopes slopes_of(const GaussianDirection& law) {
   return {{farthest_normal * law.x, farthest_normal * law.z}};
 }
-Slopes slopes_of(const BoxDirection& law) { return {{std::tan(law.x), std::tan(law.z)}}; }
-Slopes slopes_of(const ConeDirection& law) { return {{std::tan(law.half_angle), std::tan(law.half_angle)}}; }
+Slopes slopes_of(const BoxDirection& law) { return {{portable::tan(law.x), portable::tan(law.z)}}; }
+Slopes slopes_of(const ConeDirection& law) {
+  return {{portable::tan(law.half_angle), portable::tan(law.half_angle)}};
+}
 template <class Law>
 Slopes slopes_of(const Law&) {
   return std::nullopt;

@@ -134,9 +134,10 @@ void check_one_way(const Beamline& beamline, Faults& out) {
     if (field != beamline.parts.end() && goes_on)
       out.push_back(
           {part.placement.name, "at",
-           fmt::format("`{}` stands in the field `{}`, which turns the path under this law, and a {} can only be "
-                       "passed in one direction",
-                       part.placement.name, field->placement.name, kind_of(part.part)),
+           fmt::format(
+               "`{}` stands in the field `{}`, which turns the path under this law, and a {} can only be "
+               "passed in one direction",
+               part.placement.name, field->placement.name, kind_of(part.part)),
            "move it out of the field, or omit it under this law"});
   }
 }

@@ -1,6 +1,6 @@
 // Detectors that cannot stand together, or are not there.
-#include "core/portable_math.hpp"
 #include <cmath>
+#include "core/portable_math.hpp"
 
 #include "rules/room.hpp"
 
@@ -14,8 +14,13 @@ struct Outline {
 Outline outline_of(const Detector& d) {
   const auto* disc = std::get_if<Disc>(&d.face);
   const Rectangle size = disc ? Rectangle{} : std::get<Rectangle>(d.face);
-  return {d.offset.x,         d.offset.z,        size.width / 2, size.height / 2, disc ? disc->radius : 0,
-          portable::cos(d.tilt.y), portable::sin(d.tilt.y)};
+  return {d.offset.x,
+          d.offset.z,
+          size.width / 2,
+          size.height / 2,
+          disc ? disc->radius : 0,
+          portable::cos(d.tilt.y),
+          portable::sin(d.tilt.y)};
 }
 /// How far an outline reaches along a direction (x, z).
 double reach(const Outline& o, double x, double z) {

@@ -1,8 +1,8 @@
 // A source that cannot be as it is written: speeds and directions.
-#include "core/portable_math.hpp"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include "core/portable_math.hpp"
 
 #include "rules/room.hpp"
 

@@ -1,7 +1,7 @@
 // Walls that cannot stand together, and what lies outside of them.
-#include "core/portable_math.hpp"
 #include <algorithm>
 #include <cmath>
+#include "core/portable_math.hpp"
 
 #include "rules/room.hpp"
 

@@ -102,8 +102,7 @@ struct OwnStageTerm {
 struct Plane {
   double y = 0;  // [m]
   int part = 0;
-  std::variant<PlateTerm, AlignTerm, FilterTerm, MagnetTerm, ScreenTerm, MonitorTerm, OwnStageTerm>
-      term;
+  std::variant<PlateTerm, AlignTerm, FilterTerm, MagnetTerm, ScreenTerm, MonitorTerm, OwnStageTerm> term;
   bool operator==(const Plane&) const = default;
 };
 

@@ -11,7 +11,7 @@ namespace rabiline {
 
 /// Everything that a run needs to go on: which blocks are finished, and the exact sums over them.
 struct Snapshot {
-  std::string fingerprint;                // of the experiment; a snapshot of another one is refused
+  std::string fingerprint;                 // of the experiment; a snapshot of another one is refused
   std::vector<std::uint64_t> block_sizes;  // particles in a block of each tree of the plan
   /// Half-open intervals of block numbers, ascending and disjoint.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> finished;

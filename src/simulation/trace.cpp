@@ -102,9 +102,10 @@ class Tracer {
     if constexpr (requires { stage.piece(0.0, 0.0); }) {
       constexpr int pieces = 32;
       for (int i = 1; i <= pieces && flying(); ++i)
-        fly_piece(stage.piece(batch_.view().y,
-                              i == pieces ? stage.end : std::lerp(stage.begin, stage.end, i * (1.0 / pieces))),
-                  traits, context);
+        fly_piece(
+            stage.piece(batch_.view().y,
+                        i == pieces ? stage.end : std::lerp(stage.begin, stage.end, i * (1.0 / pieces))),
+            traits, context);
     } else {
       stage.pass(context);
       if (traits.spins == SpinEffect::carried) spin_at_ = std::max(stage.y(), batch_.view().y);

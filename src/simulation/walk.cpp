@@ -7,7 +7,8 @@ namespace {
 
 /// All that follows only reads.
 bool leaves_untouched(const PlanNode& node) {
-  return traits_of(node.stage).only_reads && std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
+  return traits_of(node.stage).only_reads &&
+         std::all_of(node.next.begin(), node.next.end(), leaves_untouched);
 }
 
 void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* all) {

@@ -1,6 +1,6 @@
 #pragma once
-// A batch behind a projection that splits weights: one copy in each level is flown to its end once, and the sums
-// for every set of level weights are computed from these paths.
+// A batch behind a projection that splits weights: one copy in each level is flown to its end once, and the
+// sums for every set of level weights are computed from these paths.
 #include <memory>
 #include <vector>
 

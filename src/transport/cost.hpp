@@ -2,7 +2,7 @@
 // Rough times that one particle takes on one core with AVX-512 [s]; only their order of magnitude matters.
 namespace rabiline::cost {
 
-inline constexpr double plane = 3e-9, emission = 1e-8, step = 4e-9, zone = 5e-9, closed_form = 2e-9, tally = 1e-8,
-                        share = 5e-9;
+inline constexpr double plane = 3e-9, emission = 1e-8, step = 4e-9, zone = 5e-9, closed_form = 2e-9,
+                        tally = 1e-8, share = 5e-9;
 
 }  // namespace rabiline::cost

@@ -1,7 +1,7 @@
 // What `check` tells of the fields in one zone.
-#include "core/portable_math.hpp"
 #include <cmath>
 #include <numbers>
+#include "core/portable_math.hpp"
 
 #include "transport/plan_report.hpp"
 

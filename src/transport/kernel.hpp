@@ -4,12 +4,13 @@
 
 #include "core/isa.hpp"
 
-/// RABILINE_KERNEL(name, result(parameters)), in namespace rabiline: the host calls kernel::name(isa)(...); the
-/// definition stands in namespace RABILINE_ISA, in a source that is compiled once for each instruction set.
+/// RABILINE_KERNEL(name, result(parameters)), in namespace rabiline: the host calls kernel::name(isa)(...);
+/// the definition stands in namespace RABILINE_ISA, in a source that is compiled once for each instruction
+/// set.
 #if defined(RABILINE_ISA)
-#define RABILINE_KERNEL(name, ...)            \
-  namespace RABILINE_ISA {                    \
-  std::type_identity_t<__VA_ARGS__> name;     \
+#define RABILINE_KERNEL(name, ...)        \
+  namespace RABILINE_ISA {                \
+  std::type_identity_t<__VA_ARGS__> name; \
   }
 #elif defined(__x86_64__)
 #define RABILINE_KERNEL(name, ...)                                 \

@@ -206,11 +206,11 @@ RABILINE_KERNEL(emit, void(const Emission&, std::uint64_t first_particle, BatchV
 /// rest.
 RABILINE_KERNEL(outcomes, void(const SpinPathView&, const BatchView&, const std::uint64_t* weights,
                                std::uint64_t* shares))
-/// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are drawn
-/// for that part.
+/// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
+/// drawn for that part.
 RABILINE_KERNEL(collapse, void(const SpinPathView&, int part, BatchView&))
-/// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums are
-/// by path; of particles they come last, at index `paths`.
+/// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums
+/// are by path; of particles they come last, at index `paths`.
 RABILINE_KERNEL(count_shares,
                 void(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&))
 RABILINE_KERNEL(project, void(const Projection&, const BatchView&, LevelSums&))

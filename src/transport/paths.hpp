@@ -1,6 +1,6 @@
 #pragma once
-// Behind a projection that splits weights: particles are flown once in each level, and what each way to share the
-// weights comes to is tallied from these paths.
+// Behind a projection that splits weights: particles are flown once in each level, and what each way to share
+// the weights comes to is tallied from these paths.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -27,10 +27,10 @@ struct PreparedGroup {
 
 /// One path for each level that is flown.
 struct Paths {
-  std::vector<int> levels;     // [path]
-  std::vector<PathEnds> ends;  // [path]
-  bool levels_stay = true;     // on every path, to its end
-  Batch asked;                 // the particles whose end depends on the level
+  std::vector<int> levels;                              // [path]
+  std::vector<PathEnds> ends;                           // [path]
+  bool levels_stay = true;                              // on every path, to its end
+  Batch asked;                                          // the particles whose end depends on the level
   std::array<std::uint16_t, Batch::capacity> number{};  // of each of them in the batch
   std::vector<PreparedGroup> groups;
 
@@ -71,7 +71,8 @@ class PathMasks {
 class PathTally {
  public:
   virtual ~PathTally() = default;
-  /// The particles on a path come to the stage; `numbers`: of each of them in the batch. Only stages that read.
+  /// The particles on a path come to the stage; `numbers`: of each of them in the batch. Only stages that
+  /// read.
   virtual void see(std::size_t /*path*/, StageContext&, const std::uint16_t* /*numbers*/) {}
   /// All paths are flown; the stage is that link of the chain.
   virtual void gather(const Paths&, std::size_t /*link*/, Isa) {}

@@ -29,7 +29,8 @@ class PlanReport {
   std::string field_at(double y) const {
     std::string name;
     for (const PlacedPart& part : beamline.parts)
-      if (traits_of(part.part).field && part.placement.at <= y && y < end_of(part)) name = part.placement.name;
+      if (traits_of(part.part).field && part.placement.at <= y && y < end_of(part))
+        name = part.placement.name;
     return name;
   }
 
@@ -41,14 +42,14 @@ class PlanReport {
   const Beamline& beamline;
   // the species at hand
   const Species* species = nullptr;
-  bool of_atom = false;            // under `quantum`, with the levels of two spins
-  double speed = 0;                // [m/s] on average
-  std::function<double()> fastest;  // [m/s]
+  bool of_atom = false;                       // under `quantum`, with the levels of two spins
+  double speed = 0;                           // [m/s] on average
+  std::function<double()> fastest;            // [m/s]
   std::function<void(int part)> tell_driven;  // what drives an atom's levels before a part asks for them
   // the stage at hand
-  std::string reuse;                         // "  [once for all points]"
-  std::size_t reweightings = 0;              // of a projection that splits
-  int levels_found = 0;                      // likewise
+  std::string reuse;             // "  [once for all points]"
+  std::size_t reweightings = 0;  // of a projection that splits
+  int levels_found = 0;          // likewise
   // the beam where it stands
   std::vector<int> on_axis;  // levels of a beam that nothing has bent yet
   double tip = 0;            // [rad] what all drives since the last alignment can have done at most

@@ -84,7 +84,8 @@ RABILINE_LANES words bin_on(const Screen& s, real x, real z) {
 RABILINE_LANES real number_of(words weight) { return from_bits(weight | 0x4330000000000000ULL) - 0x1p52; }
 RABILINE_LANES words weight_of(real whole) { return bit_pattern(whole + 0x1p52) & 0xfffffffffffffULL; }
 
-/// Lets a share of each weight in flight pass, floored; what has none left ends. Returns what stays behind [quanta].
+/// Lets a share of each weight in flight pass, floored; what has none left ends. Returns what stays behind
+/// [quanta].
 RABILINE_LANES words let_pass(BatchView& batch, int i, real share) {
   const words flying = load(batch.flying + i), weight = load(batch.weight + i);
   const words kept = weight_of(floor(number_of(weight) * share));

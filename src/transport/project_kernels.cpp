@@ -57,7 +57,9 @@ void project_two(const Projection& p, const BatchView& batch, LevelSums& sums) {
   Accumulator upper, lower;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real sz = spin_after(p.path.zones, p.path.zone_count, p.path.key, batch, i, caught_slowness(batch, i, weight)).z;
+    const real sz =
+        spin_after(p.path.zones, p.path.zone_count, p.path.key, batch, i, caught_slowness(batch, i, weight))
+            .z;
     const real up = upper_fraction(p, batch, i, p.majorana ? flip_probability(sz) : sz);
     const Shares shares = share(weight, max(broadcast(0), min(broadcast(1), up)));
     upper.add(shares.first);
@@ -89,15 +91,15 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
   Accumulator levels[most_levels], products[most_levels];
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real weight = caught_weight(p, batch, i);
-    const real flip = max(
-        broadcast(0),
-        min(broadcast(1),
-            flip_probability(
-                spin_after(p.path.zones, p.path.zone_count, p.path.key, batch, i, caught_slowness(batch, i, weight)).z)));
+    const real flip =
+        max(broadcast(0),
+            min(broadcast(1), flip_probability(spin_after(p.path.zones, p.path.zone_count, p.path.key, batch,
+                                                          i, caught_slowness(batch, i, weight))
+                                                   .z)));
     real quanta[most_levels];
     for (int to = 0; to < p.path.levels; ++to)
-      quanta[to] =
-          floor(weight * outcome_probability(p.path.polynomials, p.path.levels, load(batch.level + i), to, flip));
+      quanta[to] = floor(
+          weight * outcome_probability(p.path.polynomials, p.path.levels, load(batch.level + i), to, flip));
     give_rest_to_largest(quanta, p.path.levels, weight);
     for (int to = 0; to < p.path.levels; ++to) {
       levels[to].add(quanta[to]);

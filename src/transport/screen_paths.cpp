@@ -52,8 +52,8 @@ void ScreenPaths::add(const Paths& paths, const PathWeights& weights, Sum* sums,
   const BatchView& asked = paths.asked.view();
   const std::size_t all = paths.levels.size();
   by_path_ = {};
-  const ShareCount shares{weights.shares, hits_.column(0), paths.levels.data(), static_cast<int>(all),
-                          asked.padded,   screen_.efficiency};
+  const ShareCount shares{weights.shares,        hits_.column(0), paths.levels.data(),
+                          static_cast<int>(all), asked.padded,    screen_.efficiency};
   std::uint64_t* totals = counts_.column(all);
   kernel::count_shares(isa_)(shares, counts_.column(0), totals, by_path_);
   for (std::size_t path = 0; path < all; ++path) caught_.of[path] = counts_.column(path);

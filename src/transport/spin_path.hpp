@@ -28,6 +28,7 @@ double cost_of(const std::vector<SpinZone>&, double speed);
 
 /// The weights of atoms shared out over their levels, a column for each: by the transitions, or where there
 /// are none by the level that each is in.
-void share_levels(const SpinPath&, Isa, const BatchView&, const std::uint64_t* weights, std::uint64_t* shares);
+void share_levels(const SpinPath&, Isa, const BatchView&, const std::uint64_t* weights,
+                  std::uint64_t* shares);
 
 }  // namespace rabiline

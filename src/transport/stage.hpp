@@ -1,6 +1,6 @@
 #pragma once
-// The closed list of stages: what a batch passes, one after the other. Plain values, compared with == where scan
-// points may share them. A new kind stands here and nowhere else; StageKind says what it must state.
+// The closed list of stages: what a batch passes, one after the other. Plain values, compared with == where
+// scan points may share them. A new kind stands here and nowhere else; StageKind says what it must state.
 #include <memory>
 #include <string>
 #include <variant>
@@ -30,7 +30,8 @@ namespace rabiline {
 template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
-                        TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping, VelocitySelection>;
+                        TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping,
+                        VelocitySelection>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

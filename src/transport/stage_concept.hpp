@@ -38,8 +38,8 @@ enum class LevelEffect { none, separated, replaced };
 struct StageTraits {
   /// Leaves the batch as it is, so that it may stand beside what follows.
   bool only_reads = false;
-  /// Particles end here. Where it follows paths, the first of its sums counts the weight of what ends and is not
-  /// detected.
+  /// Particles end here. Where it follows paths, the first of its sums counts the weight of what ends and is
+  /// not detected.
   bool ends_particles = false;
   SpinEffect spins = SpinEffect::none;
   LevelEffect levels = LevelEffect::none;
@@ -51,27 +51,26 @@ inline constexpr double behind_everything = std::numeric_limits<double>::infinit
 /// A kind of stage. Its behaviour depends on nothing but its own parameters, the batch and the random key;
 /// equal stages do the same, which is how scan points share them.
 template <class S>
-concept StageKind =
-    std::equality_comparable<S> &&
+concept StageKind = std::equality_comparable<S> &&
     requires(const S& stage, StageContext& context, SumSink& sink, PlanReport& report, double speed) {
-      // What the plan must know before it runs.
-      { S::traits } -> std::convertible_to<const StageTraits&>;
-      // How many sums it keeps.
-      { stage.sums() } -> std::same_as<std::size_t>;
-      // How a batch passes it, with its kernels.
-      { stage.pass(context) } -> std::same_as<void>;
-      // Names the fates and the tallies among its sums.
-      { stage.list_sums(sink) } -> std::same_as<void>;
-      // Where it stands or begins [m]: tracks are recorded up to there; or behind_everything.
-      { stage.y() } -> std::same_as<double>;
-      // About how long one particle of that speed [m/s] keeps one core busy [s].
-      { stage.cost(speed) } -> std::same_as<double>;
-      // What `check` tells of it.
-      { stage.explain(report) } -> std::same_as<void>;
-      // Whether it may stand behind a projection that splits weights: paths are then flown once in each level
-      // and their shares of the weight are known later only. No stage can that changes weights.
-      { stage.follows_paths() } -> std::same_as<bool>;
-    };
+  // What the plan must know before it runs.
+  { S::traits } -> std::convertible_to<const StageTraits&>;
+  // How many sums it keeps.
+  { stage.sums() } -> std::same_as<std::size_t>;
+  // How a batch passes it, with its kernels.
+  { stage.pass(context) } -> std::same_as<void>;
+  // Names the fates and the tallies among its sums.
+  { stage.list_sums(sink) } -> std::same_as<void>;
+  // Where it stands or begins [m]: tracks are recorded up to there; or behind_everything.
+  { stage.y() } -> std::same_as<double>;
+  // About how long one particle of that speed [m/s] keeps one core busy [s].
+  { stage.cost(speed) } -> std::same_as<double>;
+  // What `check` tells of it.
+  { stage.explain(report) } -> std::same_as<void>;
+  // Whether it may stand behind a projection that splits weights: paths are then flown once in each level
+  // and their shares of the weight are known later only. No stage can that changes weights.
+  { stage.follows_paths() } -> std::same_as<bool>;
+};
 // What only some stages have, asked by the functions of transport/stage.hpp:
 //   const SpinPath* path()     the fields that act on spins before it
 //   bool splits()              shares the weight over the levels at the end of its path
@@ -81,8 +80,8 @@ concept StageKind =
 //   unique_ptr<PathTally> tally_paths()   what it keeps of paths and counts of their shares
 //   size_t own_memory()        what each thread keeps while a batch passes it [bytes]
 
-/// Where a part stands that is a stage of its own, for one species: its stage is stage_of(part, site), declared beside
-/// the stage.
+/// Where a part stands that is a stage of its own, for one species: its stage is stage_of(part, site),
+/// declared beside the stage.
 struct StageSite {
   double y = 0;  // [m]
   int part = 0;

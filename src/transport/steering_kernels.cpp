@@ -1,6 +1,6 @@
 // Magnets whose force depends on the place: stepped paths.
-#include "transport/stages/steering.hpp"
 #include "transport/plane_lanes.hpp"
+#include "transport/stages/steering.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {

@@ -18,8 +18,8 @@ struct LevelLayout {
 };
 
 /// The sums of a screen: q of what hit it and was not counted; q and q^2 of every bin, then of the whole
-/// screen, then q of every group of particles; then, of each column and each row of bins, what (sum of q)^2 of
-/// a particle has beyond the squares of its bins, where it is split over several of them.
+/// screen, then q of every group of particles; then, of each column and each row of bins, what (sum of q)^2
+/// of a particle has beyond the squares of its bins, where it is split over several of them.
 struct ScreenSums {
   std::size_t columns, rows;
   std::size_t bins() const { return columns * rows; }

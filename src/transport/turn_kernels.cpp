@@ -1,7 +1,7 @@
 // Fields that turn the velocity: dS/dt = w x S, dv/dt = W x v, dr/dt = v, in a region of touching zones that
 // a particle may cross in either direction.
-#include "transport/region.hpp"
 #include "transport/plane_lanes.hpp"
+#include "transport/region.hpp"
 #include "transport/turn_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {

@@ -440,7 +440,7 @@ def test_check_tells_the_plan_and_the_derived_numbers() -> None:
     done = rabiline("check", EXPERIMENT)
     assert done.returncode == DONE and done.stderr == ""
     for words in ("The experiment suggested to test the theory", "dorado", "H0.frequency: 266.6 kHz to 316.6 kHz",
-                  "101 points", "neutron: spin 1/2", "Larmor 291.6 kHz", "1/T = 5 kHz, FWHM of the line 4.43 kHz", "cost"):
+                  "101 points", "neutron: spin 1/2", "Larmor 291.6 kHz", "1/T = 5 kHz, FWHM of the line 4.429 kHz", "cost"):
         assert words in done.stdout
     for part in ("B_prime", "screen"):
         assert f"{part}:" in done.stdout

@@ -37,8 +37,10 @@ TEST(Chopper, OpensAndClosesWhenItsPhaseSays) {
   // At t = 0.5 ms the chopper has turned 1.5 times: with a lead of half a period it has just opened.
   const double open = 0.2, turn = 2 * std::numbers::pi, arrival = frequency * at / speed;
   const auto lead = [&](double into) { return turn * (into - arrival + std::floor(arrival) + 1); };
-  for (const double into : {0.001, 0.1, 0.199}) EXPECT_EQ(detected(through({open, frequency, lead(into)})), 1);
-  for (const double into : {0.201, 0.5, 0.999}) EXPECT_EQ(detected(through({open, frequency, lead(into)})), 0);
+  for (const double into : {0.001, 0.1, 0.199})
+    EXPECT_EQ(detected(through({open, frequency, lead(into)})), 1);
+  for (const double into : {0.201, 0.5, 0.999})
+    EXPECT_EQ(detected(through({open, frequency, lead(into)})), 0);
 }
 
 TEST(Chopper, TellsSpeedsApartByTheirTimeOfFlight) {

@@ -46,8 +46,8 @@ TEST(GasCell, CountsTheSlantPath) {
   const double tilt = 0.6;
   expect_agreement(
       detected(through(cell(), tilt)),
-      [&](double scale) { return std::exp(-density * cross_section * length * scale / std::cos(tilt)); }, 1e-11,
-      "length");
+      [&](double scale) { return std::exp(-density * cross_section * length * scale / std::cos(tilt)); },
+      1e-11, "length");
 }
 
 TEST(GasCell, TakesTheDensityOfAnIdealGas) {

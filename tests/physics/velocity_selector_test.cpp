@@ -27,7 +27,8 @@ TEST(VelocitySelector, PassesATriangleInTheWavelength) {
   for (const double longer : {-0.1, -0.03, 0.0, 0.07, 0.11})  // than the nominal wavelength, relative
     expect_agreement(
         detected(selector(), SingleSpeed{nominal / (1 + longer)}),
-        [&](double scale) { return scale * peak * (1 - std::abs(longer) / resolution); }, 1e-11, "transmission");
+        [&](double scale) { return scale * peak * (1 - std::abs(longer) / resolution); }, 1e-11,
+        "transmission");
   for (const double longer : {-0.13, 0.13})
     EXPECT_EQ(detected(selector(), SingleSpeed{nominal / (1 + longer)}), 0);
 }

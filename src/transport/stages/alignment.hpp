@@ -1,7 +1,7 @@
 #pragma once
 // Moments aligned with a field.
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

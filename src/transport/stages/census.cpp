@@ -28,7 +28,8 @@ class CensusPaths : public PathTally {
     kernel::cross(here.isa)(census_.face, batch, weights);
     if (crossed_.size() <= path) crossed_.resize(path + 1);
     crossed_[path].fill(0);
-    for (int n = 0; n < batch.count; ++n) crossed_[path][numbers[n]] = weights[n] != 0 ? ~std::uint64_t{0} : 0;
+    for (int n = 0; n < batch.count; ++n)
+      crossed_[path][numbers[n]] = weights[n] != 0 ? ~std::uint64_t{0} : 0;
   }
   void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
     for (std::size_t k = 0; k < paths.count(); ++k) {
@@ -64,12 +65,13 @@ void Census::explain(PlanReport& report) const {
   if (plane > 0) return;
   const PlacedPart& placed = report.part(part);
   const auto& monitor = std::get<Monitor>(placed.part);
-  report.line("{}  {}: counts what passes{}{}", PlanReport::metres(face.y), report.name_of(part),
-              monitor.planes > 1
-                  ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
-                                PlanReport::metres(place_of_plane(monitor, placed.placement, monitor.planes - 1)))
-                  : "",
-              report.reuse);
+  report.line(
+      "{}  {}: counts what passes{}{}", PlanReport::metres(face.y), report.name_of(part),
+      monitor.planes > 1
+          ? fmt::format(" it and each of {} more planes, to {}", monitor.planes - 1,
+                        PlanReport::metres(place_of_plane(monitor, placed.placement, monitor.planes - 1)))
+          : "",
+      report.reuse);
 }
 
 }  // namespace rabiline

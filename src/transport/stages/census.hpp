@@ -2,8 +2,8 @@
 // A plane of a monitor.
 #include <memory>
 
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

@@ -25,9 +25,11 @@ double Chopping::y() const { return at; }
 double Chopping::cost(double) const { return cost::plane; }
 void Chopping::explain(PlanReport& report) const {
   const double arrival = frequency * at / report.speed + lead, into = arrival - std::floor(arrival);
-  report.line("{}  {}: opens at {} for {}; what starts at 0 s with {:.6g} m/s comes {:.3g} of a period after it opens{}",
-              PlanReport::metres(at), report.name_of(part), pretty_quantity(frequency, Dimension::frequency),
-              pretty_quantity(open / frequency, Dimension::time), report.speed, into, report.reuse);
+  report.line(
+      "{}  {}: opens at {} for {}; what starts at 0 s with {:.6g} m/s comes {:.3g} of a period after it "
+      "opens{}",
+      PlanReport::metres(at), report.name_of(part), pretty_quantity(frequency, Dimension::frequency),
+      pretty_quantity(open / frequency, Dimension::time), report.speed, into, report.reuse);
 }
 bool Chopping::follows_paths() const { return true; }
 
@@ -44,7 +46,8 @@ std::uint64_t chop(const Chopping& c, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real t = load(batch.t + i) + to_plane(c.at, batch, i).dt;
     const real periods = fma(broadcast(c.frequency), t, broadcast(c.lead));
-    const words through = (words)(periods - floor(periods) < broadcast(c.open)), flying = load(batch.flying + i);
+    const words through = (words)(periods - floor(periods) < broadcast(c.open)),
+                flying = load(batch.flying + i);
     stopped = stopped + (load(batch.weight + i) & flying & ~through);
     store(batch.flying + i, flying & through);
   }

@@ -40,13 +40,15 @@ void Deflection::explain(PlanReport& report) const {
   const double stops = begin + (end - begin) * std::sqrt(room / 2 / bent);
   if (levels > 0 && levels % 2 == 0 && bent > room * (levels - 1))
     report.warn(
-        name, "gradient", fmt::format("`{}` pushes every level into its walls: m = I by {} within a gap of {} at {:.4g} m/s, "
+        name, "gradient",
+        fmt::format("`{}` pushes every level into its walls: m = I by {} within a gap of {} at {:.4g} m/s, "
                     "and stops it at "
                     "about {:.3g} m; nothing so slow can arrive",
                     name, metres(bent), metres(room), speed, stops));
   else
     report.warn(
-        name, "gradient", fmt::format("`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} "
+        name, "gradient",
+        fmt::format("`{}` pushes the outer levels into its walls: m = I by {} within a gap of {} at {:.0f} "
                     "m/s, and stops them at about {:.3g} m",
                     name, metres(bent), metres(room), speed, stops));
 }

@@ -1,7 +1,7 @@
 #pragma once
 // A deflecting magnet with a constant force.
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

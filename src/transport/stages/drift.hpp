@@ -1,7 +1,7 @@
 #pragma once
 // Straight flight to a plane.
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

@@ -18,7 +18,8 @@ double Filter::y() const { return at; }
 double Filter::cost(double) const { return cost::plane; }
 void Filter::explain(PlanReport& report) const {
   report.line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}",
-              PlanReport::metres(at), report.name_of(part), axis[0], axis[1], axis[2], up, down, report.reuse);
+              PlanReport::metres(at), report.name_of(part), axis[0], axis[1], axis[2], up, down,
+              report.reuse);
 }
 /// It changes weights.
 bool Filter::follows_paths() const { return false; }

@@ -1,7 +1,7 @@
 #pragma once
 // A polariser or an analyser that lets spins through.
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

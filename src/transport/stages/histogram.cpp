@@ -137,8 +137,8 @@ class Filler {
       const HistogramAxis& axis = histogram_.axes[a];
       if (!asks_for_spin(axis.quantity)) {
         kernel::measure(context_.isa)(
-            {axis.quantity, histogram_.face.y, histogram_.mass, context_.key, histogram_.pulse}, batch_, weights_,
-            values_[a]);
+            {axis.quantity, histogram_.face.y, histogram_.mass, context_.key, histogram_.pulse}, batch_,
+            weights_, values_[a]);
         continue;
       }
       std::copy_n(axis.direction, 3, spin.axis);

@@ -29,9 +29,9 @@ struct Histogram {
   bool caught = false;  // of what the detector `part` caught, else of what flies through `face`
   Aperture face;        // of a detector only its place along the beam
   std::vector<HistogramAxis> axes;
-  double mass = 0;     // [kg]
+  double mass = 0;    // [kg]
   PulseDraw pulse{};  // of the source
-  SpinPath spins;   // before the plane, where an axis asks for them; its levels also where none does
+  SpinPath spins;     // before the plane, where an axis asks for them; its levels also where none does
   bool operator==(const Histogram&) const = default;
 
   static constexpr StageTraits traits{.only_reads = true};

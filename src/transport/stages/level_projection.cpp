@@ -19,8 +19,8 @@ void LevelProjection::explain(PlanReport& report) const {
               report.reuse);
   if (report.reweightings > 1)
     report.line(
-        "{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them", "",
-        report.levels_found, report.reweightings);
+        "{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them",
+        "", report.levels_found, report.reweightings);
   if (report.of_atom && !report.on_axis.empty()) {
     report.on_axis.resize(static_cast<std::size_t>(spins.levels));
     std::iota(report.on_axis.begin(), report.on_axis.end(), 0);

@@ -1,12 +1,12 @@
 #pragma once
 // A deflecting magnet finds the level of each particle.
-#include "transport/stage_concept.hpp"
 #include "transport/spin_path.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 
-/// A deflecting magnet asks for the level along the field, after the fields of a straight flight. `split`: the
-/// weight is shared out over all levels and each is followed on; else one is drawn.
+/// A deflecting magnet asks for the level along the field, after the fields of a straight flight. `split`:
+/// the weight is shared out over all levels and each is followed on; else one is drawn.
 struct LevelProjection {
   int part = 0;
   double at = 0;  // [m]

@@ -1,7 +1,7 @@
 #pragma once
 // An opening in a plate or a wall.
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

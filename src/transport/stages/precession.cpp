@@ -9,7 +9,8 @@ namespace rabiline {
 
 std::size_t Precession::sums() const { return 0; }
 void Precession::pass(StageContext& context) const {
-  kernel::precess(context.isa)(zones.data(), static_cast<int>(zones.size()), context.key, context.batch.view());
+  kernel::precess(context.isa)(zones.data(), static_cast<int>(zones.size()), context.key,
+                               context.batch.view());
 }
 void Precession::list_sums(SumSink&) const {}
 double Precession::y() const { return zones.back().end; }

@@ -2,8 +2,8 @@
 // Spins brought up to date on a straight flight.
 #include <vector>
 
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

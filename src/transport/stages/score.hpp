@@ -2,8 +2,8 @@
 // The screen of a detector.
 #include <memory>
 
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 #include "transport/sum_layout.hpp"
 
 namespace rabiline {
@@ -30,7 +30,8 @@ ScreenSums sums_of(const Screen&);
 /// Names the fates and the tally of a screen whose sums begin at `at`.
 void list_screen(const Screen&, std::size_t at, SumSink&);
 /// Adds a caught weight to the sums of a screen.
-void add_caught(const ScreenSums&, Sum* sums, std::uint64_t bin, std::uint64_t weight, std::uint64_t particle);
+void add_caught(const ScreenSums&, Sum* sums, std::uint64_t bin, std::uint64_t weight,
+                std::uint64_t particle);
 
 /// Bins come into scratch, ~0: not counted. What was caught weighs what was counted of it.
 RABILINE_KERNEL(screen, Caught(const Screen&, BatchView&))

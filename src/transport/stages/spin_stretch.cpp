@@ -10,17 +10,17 @@
 namespace rabiline {
 namespace {
 
-LevelLayout layout_of(const SpinStretch& stretch) {
-  return {static_cast<std::size_t>(stretch.spins.levels)};
-}
+LevelLayout layout_of(const SpinStretch& stretch) { return {static_cast<std::size_t>(stretch.spins.levels)}; }
 
-void add_sums(const LevelLayout& layout, std::size_t level, const LevelSums& from, std::size_t column, Sum* sums) {
+void add_sums(const LevelLayout& layout, std::size_t level, const LevelSums& from, std::size_t column,
+              Sum* sums) {
   sums[LevelLayout::q(level)] += from.q[column];
   sums[LevelLayout::squares(level)] += joined(from.squares_high[column], from.squares_low[column]);
   if (layout.has_products())
     sums[layout.products(level)] += joined(from.products_high[column], from.products_low[column]);
 }
-void add_share(const LevelLayout& layout, std::size_t level, std::uint64_t q, std::uint64_t whole, Sum* sums) {
+void add_share(const LevelLayout& layout, std::size_t level, std::uint64_t q, std::uint64_t whole,
+               Sum* sums) {
   sums[LevelLayout::q(level)] += q;
   sums[LevelLayout::squares(level)] += square(q);
   if (layout.has_products()) sums[layout.products(level)] += static_cast<Sum>(q) * whole;
@@ -89,7 +89,8 @@ void SpinStretch::pass(StageContext& context) const {
   LevelSums found;
   kernel::project(context.isa)({spins.view(context.key), part, majorana}, context.batch.view(), found);
   const LevelLayout layout = layout_of(*this);
-  for (std::size_t level = 0; level < layout.levels; ++level) add_sums(layout, level, found, level, context.sums);
+  for (std::size_t level = 0; level < layout.levels; ++level)
+    add_sums(layout, level, found, level, context.sums);
 }
 
 void SpinStretch::explain(PlanReport& report) const {

@@ -2,8 +2,8 @@
 // The levels of what a detector caught.
 #include <memory>
 
-#include "transport/stage_concept.hpp"
 #include "transport/spin_path.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 

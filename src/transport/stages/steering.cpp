@@ -40,10 +40,12 @@ void explain_stopped(const Steering& s, PlanReport& report) {
   report.line("{:>16}at {:.4g} m/s on the axis {} of {} levels meet its walls, from {:.4f} to {:.4f} m", "",
               speed, stopped, report.on_axis.size(), first, last);
   if (stopped < report.on_axis.size()) return;
-  report.warn(report.name_of(s.part), "kind", fmt::format(
-      "`{}` pushes every level into its walls: at {:.4g} m/s on the axis they stop from {:.4g} to "
-      "{:.4g} m; nothing {} along the axis can arrive",
-      report.name_of(s.part), speed, first, last, fast == stopped ? "that flies" : "so slow that flies"));
+  report.warn(
+      report.name_of(s.part), "kind",
+      fmt::format(
+          "`{}` pushes every level into its walls: at {:.4g} m/s on the axis they stop from {:.4g} to "
+          "{:.4g} m; nothing {} along the axis can arrive",
+          report.name_of(s.part), speed, first, last, fast == stopped ? "that flies" : "so slow that flies"));
 }
 
 }  // namespace
@@ -66,8 +68,8 @@ Steering Steering::piece(double from, double to) const {
 void Steering::explain(PlanReport& report) const {
   const double stay = (end - begin) / report.speed;
   const SteeringOutlook outlook = outlook_of(*this, report.speed);
-  report.line("{}  {}: steers up to {}, about {:.0f} steps{}", PlanReport::metres(begin), report.name_of(part),
-              PlanReport::metres(end), outlook.steps, report.reuse);
+  report.line("{}  {}: steers up to {}, about {:.0f} steps{}", PlanReport::metres(begin),
+              report.name_of(part), PlanReport::metres(end), outlook.steps, report.reuse);
   const bool multipole = shape.kind == MagnetKind::multipole;
   report.line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
               multipole ? "halfway to the poles" : "at the beam",

@@ -2,8 +2,8 @@
 // A deflecting magnet whose force depends on the place: stepped paths.
 #include <optional>
 
-#include "transport/stage_concept.hpp"
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 
 namespace rabiline {
 
@@ -30,7 +30,8 @@ struct Steering {
   int part = 0;
   bool operator==(const Steering&) const = default;
 
-  static constexpr StageTraits traits{.ends_particles = true, .spins = SpinEffect::carried, .levels = LevelEffect::separated};
+  static constexpr StageTraits traits{
+      .ends_particles = true, .spins = SpinEffect::carried, .levels = LevelEffect::separated};
   std::size_t sums() const;
   void pass(StageContext&) const;
   void list_sums(SumSink&) const;

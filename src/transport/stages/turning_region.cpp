@@ -112,10 +112,11 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
   for (std::size_t i = 0; i < region.zones.size(); ++i) {
     const SpinZone& zone = region.zones[i].field;
     if (report.tip > 0 && zone.drives == 0 && zone.turn_rate != 0)
-      report.warn(report.field_at((zone.begin + zone.end) / 2), "length",
-                  fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
-                              "it keeps turning the path of tipped spins",
-                              zone.end));
+      report.warn(
+          report.field_at((zone.begin + zone.end) / 2), "length",
+          fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
+                      "it keeps turning the path of tipped spins",
+                      zone.end));
     const bool before = report.tip > large_tip;
     for (int k = 0; k < zone.drives; ++k)
       report.tip += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / report.speed;
@@ -123,10 +124,11 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
     if (i < region.edges.size() && region.edges[i].kind == EdgeKind::align) report.tip = 0;
   }
   if (!tipped_by.empty())
-    report.warn(tipped_by, "amplitude",
-                fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
-                            "frequencies then deflect, and the resonance is far wider than 1/T",
-                            report.tip * 180 / std::numbers::pi));
+    report.warn(
+        tipped_by, "amplitude",
+        fmt::format("the tip angle on resonance, {:.3g} deg, is large: under closure torque nearly all "
+                    "frequencies then deflect, and the resonance is far wider than 1/T",
+                    report.tip * 180 / std::numbers::pi));
 }
 
 }  // namespace
@@ -160,7 +162,8 @@ void TurningRegion::list_sums(SumSink& sink) const {
   sink.fate(fate::left_backwards, no_part, RegionSums::backwards());
   sink.fate(fate::gave_up, no_part, RegionSums::gave_up());
   for (std::size_t i = 0; i < zones.size(); ++i)
-    if (std::isfinite(zones[i].wall_radius)) sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
+    if (std::isfinite(zones[i].wall_radius))
+      sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
   std::size_t screen = layout.screens();
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const RegionEdge& edge = edges[i];

@@ -2,8 +2,8 @@
 
 #ifndef RABILINE_ISA  // what the host does
 
-#include "particle/species.hpp"
 #include "particle/fate.hpp"
+#include "particle/species.hpp"
 #include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"
@@ -11,7 +11,8 @@
 namespace rabiline {
 
 VelocitySelection stage_of(const VelocitySelector& selector, const StageSite& site) {
-  return {speed_of(selector.speed, site.species.mass), selector.resolution, selector.transmission, site.part, site.y};
+  return {speed_of(selector.speed, site.species.mass), selector.resolution, selector.transmission, site.part,
+          site.y};
 }
 
 std::size_t VelocitySelection::sums() const { return 1; }
@@ -22,9 +23,9 @@ void VelocitySelection::list_sums(SumSink& sink) const { sink.fate(fate::stopped
 double VelocitySelection::y() const { return at; }
 double VelocitySelection::cost(double) const { return cost::plane; }
 void VelocitySelection::explain(PlanReport& report) const {
-  report.line("{}  {}: passes {:.4g} at {:.6g} m/s, half of it at {:.6g} and {:.6g} m/s{}", PlanReport::metres(at),
-              report.name_of(part), transmission, speed, speed / (1 + resolution / 2), speed / (1 - resolution / 2),
-              report.reuse);
+  report.line("{}  {}: passes {:.4g} at {:.6g} m/s, half of it at {:.6g} and {:.6g} m/s{}",
+              PlanReport::metres(at), report.name_of(part), transmission, speed, speed / (1 + resolution / 2),
+              speed / (1 - resolution / 2), report.reuse);
 }
 /// It changes weights.
 bool VelocitySelection::follows_paths() const { return false; }

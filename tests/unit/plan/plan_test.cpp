@@ -175,7 +175,7 @@ TEST(Explain, TellsTheNumbersThatAPhysicistWants) {
   const Experiment e = scan({suggested(291.6e3)});
   const std::string text = told(e);
   for (const char* expected : {"Larmor 291.6 kHz", "58.33 turns", "tip angle 0.63 deg", "1/T = 5 kHz",
-                               "FWHM of the line 4.43 kHz", "200 us"})
+                               "FWHM of the line 4.429 kHz", "200 us"})
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\n" << text;
 }
 

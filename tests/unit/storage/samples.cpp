@@ -166,8 +166,8 @@ bool same(const Snapshot& a, const Snapshot& b) {
   const auto same_input = [](const InputText& left, const InputText& right) {
     return left.path == right.path && left.text == right.text;
   };
-  return a.fingerprint == b.fingerprint && a.block_sizes == b.block_sizes && a.finished == b.finished && a.sums_high == b.sums_high &&
-         a.sums_low == b.sums_low && a.arguments == b.arguments &&
+  return a.fingerprint == b.fingerprint && a.block_sizes == b.block_sizes && a.finished == b.finished &&
+         a.sums_high == b.sums_high && a.sums_low == b.sums_low && a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
 
