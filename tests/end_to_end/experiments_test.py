@@ -453,7 +453,7 @@ def test_the_hydrogen_source_polarises_electrons_and_with_its_transition_nuclei(
     for flown, amplitude in ((file, 2.61e-6), (half, 1.305e-6)):
         counts, speeds = flown["entry/behind_states/counts"][1], flown["entry/behind_speeds/counts"][1]
         expected = weak_transition(hydrogen, amplitude, speeds)
-        matrix = (counts / counts.sum(axis=1, keepdims=True))[:0:-1, :0:-1]  # from the highest label down, F = 1
+        matrix = (counts / counts.sum(axis=1, keepdims=True))[:3, :3]  # F = 1
         assert np.abs(matrix[:2] - expected[:2]).max() < 0.002 and np.abs(matrix[2] - expected[2]).max() < 0.01
     detected = file["entry/scan/detected"][:]
     assert abs(off @ nuclear) < 0.05 and on @ nuclear < -0.88 and 0.8 < on @ electron < 0.9
