@@ -45,6 +45,11 @@ bool asks_for_spins(const Part& part, const Law& law) {
          });
 }
 
+bool has_levels(const Beamline& beamline) {
+  return std::ranges::any_of(beamline.species,
+                             [](const Component& c) { return c.species.structure.has_value(); });
+}
+
 // ---- what reaches what on a straight flight ----
 
 /// A rectangle across the beam, along x and z.
@@ -269,6 +274,39 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   }
 }
 
+/// Unpolarised spins look the same however they are turned.
+void find_unpolarised_spins(const Beamline& beamline, Faults& out) {
+  const bool one_moment = !law_traits(beamline.law).has_levels || !has_levels(beamline);
+  if (!std::holds_alternative<UnpolarisedSpin>(beamline.source.spin) || !one_moment ||
+      law_traits(beamline.law).turns_with_spin)
+    return;
+  const PlacedPart *first = nullptr, *last = nullptr;
+  for (const PlacedPart& part : beamline.parts)
+    if (works_on_spins(part.part)) {
+      if (!first || part.placement.at < first->placement.at) first = &part;
+      if (!last || part.placement.at > last->placement.at) last = &part;
+    }
+  const bool can_be_seen = std::ranges::any_of(beamline.parts, [&](const PlacedPart& part) {
+    const std::vector<Tally>* tallies = tallies_of(part.part);
+    const bool by_level = tallies && std::ranges::any_of(*tallies, [](const Tally& tally) {
+                            return std::ranges::any_of(tally.axes, [](const TallyAxis& axis) {
+                              return axis.quantity == Quantity::prepared_level;
+                            });
+                          });
+    const bool selects = aligns(part.part) || filters(part.part) ||
+                         (is_magnet(part.part) && law_traits(beamline.law).deflects);
+    return by_level || (last && selects && part.placement.at < end_of(*last));
+  });
+  if (first && !can_be_seen)
+    out.push_back(
+        warning(first->placement.name, "at",
+                fmt::format("`{}` acts on unpolarised spins: nothing in front of it polarises them, so "
+                            "nothing that it does to them can be seen",
+                            first->placement.name),
+                "write `spin: {kind: polarised, axis: z}` for the source, or put a spin_filter, a "
+                "polarizer or a deflecting magnet in front"));
+}
+
 }  // namespace
 
 Faults blunders_of(const Beamline& beamline) {
@@ -280,6 +318,7 @@ Faults blunders_of(const Beamline& beamline) {
   if (out.size() == before) find_useless_polarisers(beamline, out);
   find_screens_in_fields(beamline, out);
   find_overlapping_zones(beamline, out);
+  if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "plan/plan.hpp"
 #include "plan/zones.hpp"
 #include "rules/warning_room.hpp"
@@ -56,10 +57,14 @@ std::vector<const Species*> points_of(const Beamline& beamline) {
   return out;
 }
 
-/// Beyond ten widths and a hundred Rabi frequencies it flips 1e-4 at most.
+/// It flips less than a hundredth of what it would on resonance: w1^2/(w1^2 + detuning^2) at most, against
+/// sin^2(w1 T/2), or 1 where that turns the spin by half a turn and more (I. I. Rabi, Phys. Rev. 51 (1937)
+/// 652).
 bool is_far(const Drive& d) {
-  const double detuning = std::abs(std::abs(d.rotation) - std::abs(d.larmor())) / two_pi;
-  return detuning > 10 * d.width() + 100 * d.coupling / two_pi;
+  const double detuning = std::abs(d.rotation) - std::abs(d.larmor()), half_turn = std::numbers::pi / 2;
+  const double on_resonance = portable::sin(std::min(d.coupling / d.width() / 2, half_turn));
+  const double flips = d.coupling * d.coupling / (d.coupling * d.coupling + detuning * detuning);
+  return flips < 0.01 * on_resonance * on_resonance;
 }
 bool turns_against(const Drive& d) { return d.turns_one_way() && d.rotation * d.larmor() < 0; }
 
@@ -92,7 +97,11 @@ Faults idle_drives_of(const Beamline& beamline) {
     }
     if (!nearest) continue;
     const std::string& name = part.placement.name;
-    const auto [subject, key] = clock_key(part);
+    const std::pair<std::string, std::string> clock = clock_key(part);
+    const auto& subject = clock.first;
+    const auto& key = clock.second;
+    const auto blames_this_clock = [&](const Fault& f) { return f.subject == subject && f.key == key; };
+    if (far && std::ranges::any_of(out, blames_this_clock)) continue;
     if (far)
       out.push_back(
           warning(subject, key,

@@ -56,6 +56,12 @@ const std::vector<Blunder> blunders{
      }},
     {"HertzForKilohertz", "H0", "frequency",
      [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).frequency = 291.6; }},
+    {"HertzForKilohertzOfAStrongField", "H0", "frequency",
+     [](Beamline& b) {
+       std::get<RotatingField>(b.parts[2].part).frequency = 291.6;
+       std::get<RotatingField>(b.parts[2].part).amplitude = 0.8e-3;  // 23 kHz: 0.6 % flip at most
+     }},
+    {"ADriveOfUnpolarisedSpins", "H0", "at", [](Beamline& b) { b.parts.erase(b.parts.begin()); }},
     {"APolarizerBehindTheCoil", "B_prime", "at", [](Beamline& b) { b.parts[0].placement.at = 0.7; }},
     {"AFieldThatTurnsAgainstThePrecession", "H0", "sense",
      [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).sense = Sense::counter; }},
