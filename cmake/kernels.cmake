@@ -3,7 +3,7 @@
 # program chooses among isa_baseline, isa_avx2 and isa_avx512 with best_isa() (src/core/isa.hpp). Code that names the last
 # two stands inside #if defined(__x86_64__): elsewhere there is only the baseline.
 #
-# -O3 in every build type: without it a kernel is no kernel. -fno-math-errno lets sqrt of a negative number leave errno
+# -O3 in every build type but the sanitizers': without it a kernel is no kernel. -fno-math-errno lets sqrt of a negative number leave errno
 # alone, so that it becomes an instruction where lanes.hpp has no intrinsic for it; no value depends on it. -ffp-contract
 # is off through rabiline_options, and again here because the same bits everywhere depend on it.
 function(rabiline_add_kernels target)
@@ -23,7 +23,7 @@ function(rabiline_add_kernels target)
     add_library(${objects} OBJECT ${ARG_SOURCES})
     target_link_libraries(${objects} PRIVATE rabiline_options)
     target_compile_definitions(${objects} PRIVATE RABILINE_ISA=isa_${isa} RABILINE_LANE_COUNT=${lanes_of_${isa}})
-    target_compile_options(${objects} PRIVATE -O3 -ffp-contract=off -fno-math-errno ${flags_of_${isa}})
+    target_compile_options(${objects} PRIVATE $<IF:$<BOOL:${RABILINE_SANITIZE}>,-O1,-O3> -ffp-contract=off -fno-math-errno ${flags_of_${isa}})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
   endforeach()
 endfunction()

@@ -131,7 +131,10 @@ void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
   if (path == nullptr || path->transitions == nullptr) return;
   const TransitionTable* table = path->transitions;
-  std::vector<const Driven*>& at = parts_[part_of(stage)];
+  // Numbers of parts differ between the points where one is moved or not enabled.
+  const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
+  std::vector<const Driven*>& at =
+      parts_[beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name];
   at.resize(experiment_.points.size());
   const Driven* driven = &plan_.tables->driven_by(table);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
@@ -172,7 +175,8 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
 
 std::vector<std::string> DrivenParts::lines(int part, double speed) const {
   std::vector<std::string> out;
-  const auto found = parts_.find(part);
+  const auto found =
+      parts_.find(experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name);
   if (found == parts_.end()) return out;
   const std::vector<const Driven*>& at = found->second;
   const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
@@ -224,7 +228,7 @@ std::vector<Fault> DrivenParts::warnings() const {
     double shift = 0;  // that is left out of what it drives, in widths, where it matters
     std::string shifted{}, subject{};
   };
-  for (const auto& [part, at] : parts_) {
+  for (const auto& [name, at] : parts_) {
     std::vector<Best> best;
     const Driven* before = nullptr;
     double error = 0, neglected = 0;
@@ -273,7 +277,6 @@ std::vector<Fault> DrivenParts::warnings() const {
                       experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
                       megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
     }
-    const std::string& name = experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name;
     if (error > 10 * transition_tolerance)
       add("source", "speed",
           fmt::format(

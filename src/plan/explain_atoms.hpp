@@ -18,8 +18,8 @@ class DrivenParts {
  public:
   DrivenParts(const Experiment&, const Plan&);
 
-  /// The fields that drive transitions before a part, and how well they are known; a line each, without
-  /// indentation. At the first, the middle and the last scan point.
+  /// The fields that drive transitions before a part of the first scan point, and how well they are known; a
+  /// line each, without indentation. At the first, the middle and the last scan point.
   std::vector<std::string> lines(int part, double speed) const;
   /// Fields that drive nothing at any point; tables that are not as exact as they should be.
   std::vector<Fault> warnings() const;
@@ -35,7 +35,7 @@ class DrivenParts {
 
   const Experiment& experiment_;
   const Plan& plan_;
-  std::map<int, std::vector<const Driven*>> parts_;  // null where nothing drives them
+  std::map<std::string, std::vector<const Driven*>> parts_;  // [points], null where nothing drives them
 };
 
 /// Where no field is between two that are, and an atom's levels keep their labels; empty where there is none.
