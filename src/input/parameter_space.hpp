@@ -94,29 +94,26 @@ class ParameterSpace {
   }
 
  private:
-  struct Read {
-    const Node& node;
-    const Place& named_at;
-    Reading& reading;
-    std::any value{};
+  /// What is done to a member that a dotted name leads to. One visitor for all, since each is compiled for
+  /// every parameter of every table.
+  struct Access {
+    enum class Deed { find, read, put } deed = Deed::find;
+    const Node* node = nullptr;  // to read from
+    const Place* named_at = nullptr;
+    Reading* reading = nullptr;
+    std::any value{};  // that was read, or is put
     bool good = false;
     template <class Row, class Member>
     void operator()(const Row& row, Member& member) {
-      good = read_value(node, named_at, row_of(row), reading, member);
-      value = member;
+      if (deed == Deed::read) {
+        good = read_value(*node, *named_at, row_of(row), *reading, member);
+        value = member;
+      } else if (deed == Deed::put) {
+        member = *std::any_cast<Member>(&value);
+      }
     }
   };
-  struct Put {
-    const std::any& value;
-    template <class Row, class Member>
-    void operator()(const Row&, Member& member) {
-      member = *std::any_cast<Member>(&value);
-    }
-  };
-  struct Seek {
-    template <class Row, class Member>
-    void operator()(const Row&, Member&) {}
-  };
+  using Deed = typename Access::Deed;
 
   static std::vector<std::string> path_of(const std::string& name) {
     std::vector<std::string> out;
@@ -146,15 +143,15 @@ class ParameterSpace {
       auto& paths = paths_.emplace_back();
       for (const NamedAt& named : axis.parameters) {
         paths.push_back(path_of(named.name));
-        Seek seek;
-        typed_ = typed_ && visit_parameter(origin_, paths.back(), seek);
+        Access find;
+        typed_ = typed_ && visit_parameter(origin_, paths.back(), find);
       }
     }
   }
 
   void put(std::size_t axis, std::size_t i, File& out) const {
     for (std::size_t k = 0; k < paths_[axis].size(); ++k) {
-      Put put{values_[axis][i * paths_[axis].size() + k]};
+      Access put{.deed = Deed::put, .value = values_[axis][i * paths_[axis].size() + k]};
       visit_parameter(out, paths_[axis][k], put);
     }
   }
@@ -189,7 +186,7 @@ class ParameterSpace {
     quiet.watched = {{&node, std::nullopt, 0}};
     File file = origin_;
     for (std::size_t k = 0; k < axis.parameters.size(); ++k) {
-      Read read{node, axis.parameters[k].place, quiet};
+      Access read{Deed::read, &node, &axis.parameters[k].place, &quiet};
       visit_parameter(file, paths_.front()[k], read);
       if (!read.good || node.is_null()) return {};
       values_.front().push_back(std::move(read.value));
