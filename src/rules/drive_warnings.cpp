@@ -81,7 +81,7 @@ std::pair<std::string, std::string> clock_key(const PlacedPart& part) {
 Faults idle_drives_of(const Beamline& beamline) {
   std::vector<Drive> all;
   for (const Species* species : points_of(beamline))
-    for (Drive& drive : drives_of(beamline, *species)) all.push_back(std::move(drive));
+    for (const Drive& drive : drives_of(beamline, *species)) all.push_back(drive);
   Faults out;
   for (const PlacedPart& part : beamline.parts) {
     const Drive* nearest = nullptr;

@@ -90,7 +90,7 @@ Caught screen(const Screen& screen, BatchView& batch) {
     store(batch.scratch + i, bin_on(screen, x, z) | ~caught);
     store(batch.slowness + i, select((mask)caught, 1.0 / load(batch.vy + i), load(batch.slowness + i)));
     store(batch.caught_by + i,
-          select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part + 1)),
+          select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part) + 1),
                  load(batch.caught_by + i)));
     store(batch.flying + i, flying & ~hit);
     counted_weight = counted_weight + (counted & caught);
