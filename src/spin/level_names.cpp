@@ -33,7 +33,7 @@ std::optional<int> take(std::string_view key, std::string_view& text) {
   return value;
 }
 
-std::string with_sign(int twice) { return (twice > 0 ? "+" : "") + write_half(twice); }
+std::string with_sign(int twice) { return std::string(twice > 0 ? "+" : "").append(write_half(twice)); }
 
 }  // namespace
 
