@@ -39,12 +39,6 @@ inline constexpr std::uint64_t* BatchView::*word_columns[] = {
     &BatchView::level,  &BatchView::prepared,  &BatchView::weight, &BatchView::particle,
     &BatchView::flying, &BatchView::caught_by, &BatchView::scratch};
 
-/// Particle i of one batch becomes particle k of another one.
-inline void copy_particle(const BatchView& from, int i, const BatchView& to, int k) {
-  for (const auto column : real_columns) (to.*column)[k] = (from.*column)[i];
-  for (const auto column : word_columns) (to.*column)[k] = (from.*column)[i];
-}
-
 class Batch {
  public:
   static constexpr int capacity = 512;

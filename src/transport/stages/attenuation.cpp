@@ -6,23 +6,19 @@
 
 #include "core/portable_math.hpp"
 #include "particle/fate.hpp"
-#include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"
 
 namespace rabiline {
 
 Attenuation stage_of(const GasCell& cell, const StageSite& site) {
-  return {density_of(cell.gas) * cell.cross_section * cell.length, site.part, site.y};
+  return {{site.part, site.y}, density_of(cell.gas) * cell.cross_section * cell.length};
 }
 
-std::size_t Attenuation::sums() const { return 1; }
 void Attenuation::pass(StageContext& context) const {
   context.sums[0] += kernel::attenuate(context.isa)(*this, context.batch.view());
 }
 void Attenuation::list_sums(SumSink& sink) const { sink.fate("scattered", part, 0); }
-double Attenuation::y() const { return at; }
-double Attenuation::cost(double) const { return cost::plane; }
 void Attenuation::explain(PlanReport& report) const {
   report.line("{}  {}: gas lets {:.4g} of each weight along the beam pass{}", PlanReport::metres(at),
               report.name_of(part), portable::exp(-depth), report.reuse);

@@ -6,23 +6,19 @@
 
 #include "core/constants.hpp"
 #include "particle/fate.hpp"
-#include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"
 
 namespace rabiline {
 
 Chopping stage_of(const Chopper& chopper, const StageSite& site) {
-  return {chopper.open, chopper.frequency, chopper.phase / constants::two_pi, site.part, site.y};
+  return {{site.part, site.y}, chopper.open, chopper.frequency, chopper.phase / constants::two_pi};
 }
 
-std::size_t Chopping::sums() const { return 1; }
 void Chopping::pass(StageContext& context) const {
   context.sums[0] += kernel::chop(context.isa)(*this, context.batch.view());
 }
 void Chopping::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
-double Chopping::y() const { return at; }
-double Chopping::cost(double) const { return cost::plane; }
 void Chopping::explain(PlanReport& report) const {
   const double arrival = frequency * at / report.speed + lead, into = arrival - std::floor(arrival);
   report.line(

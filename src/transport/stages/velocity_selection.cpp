@@ -4,24 +4,19 @@
 
 #include "particle/fate.hpp"
 #include "particle/species.hpp"
-#include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"
 
 namespace rabiline {
 
 VelocitySelection stage_of(const VelocitySelector& selector, const StageSite& site) {
-  return {speed_of(selector.speed, site.species.mass), selector.resolution, selector.transmission, site.part,
-          site.y};
+  return {{site.part, site.y}, speed_of(selector.speed, site.species.mass), selector.resolution, selector.transmission};
 }
 
-std::size_t VelocitySelection::sums() const { return 1; }
 void VelocitySelection::pass(StageContext& context) const {
   context.sums[0] += kernel::select_velocities(context.isa)(*this, context.batch.view());
 }
 void VelocitySelection::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
-double VelocitySelection::y() const { return at; }
-double VelocitySelection::cost(double) const { return cost::plane; }
 void VelocitySelection::explain(PlanReport& report) const {
   report.line("{}  {}: passes {:.4g} at {:.6g} m/s, half of it at {:.6g} and {:.6g} m/s{}",
               PlanReport::metres(at), report.name_of(part), transmission, speed, speed / (1 + resolution / 2),

@@ -2,25 +2,19 @@
 // A band of speeds that a velocity selector passes.
 #include "parts/velocity_selector.hpp"
 #include "transport/kernels.hpp"
-#include "transport/stage_concept.hpp"
+#include "transport/plane_stage.hpp"
 
 namespace rabiline {
 
 /// The share of each weight that goes on is a triangle in 1/v, v along the beam.
-struct VelocitySelection {
+struct VelocitySelection : PlaneStage {
   double speed = 0;         // [m/s] the nominal one
   double resolution = 0;    // full width at half maximum of 1/v, relative
   double transmission = 1;  // of the nominal speed
-  int part = 0;
-  double at = 0;  // [m]
   bool operator==(const VelocitySelection&) const = default;
 
-  static constexpr StageTraits traits{.ends_particles = true};
-  std::size_t sums() const;
   void pass(StageContext&) const;
   void list_sums(SumSink&) const;
-  double y() const;
-  double cost(double speed) const;
   void explain(PlanReport&) const;
   bool follows_paths() const;
 };
