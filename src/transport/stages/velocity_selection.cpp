@@ -10,7 +10,10 @@
 namespace rabiline {
 
 VelocitySelection stage_of(const VelocitySelector& selector, const StageSite& site) {
-  return {{site.part, site.y}, speed_of(selector.speed, site.species.mass), selector.resolution, selector.transmission};
+  return {{site.part, site.y},
+          speed_of(selector.speed, site.species.mass),
+          selector.resolution,
+          selector.transmission};
 }
 
 void VelocitySelection::pass(StageContext& context) const {
