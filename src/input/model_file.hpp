@@ -24,12 +24,12 @@ struct LoadedModel {
   std::vector<ScanAxis> axes;     // none or one
   std::vector<ModelFile> points;  // one where nothing is scanned
   std::vector<InputText> inputs;  // the file, for provenance
+  Place place;                    // of the key that makes it a model
 };
 
 using Loaded = std::variant<LoadedExperiment, LoadedModel>;
 
-/// Reads a beamline or a model, with what the command line changes. Throws InputError with everything that is
-/// wrong.
-Loaded load(const std::filesystem::path&, const CommandLine&);
+/// Reads a beamline or a model, with its changes. Throws InputError with everything that is wrong.
+Loaded load_any(LoadedFile, const Changes&);
 
 }  // namespace rabiline
