@@ -49,7 +49,9 @@ class Setup {
 
 /// Reads a file. Throws InputError.
 Setup load(const std::filesystem::path& file, const Changes& = {});
-/// The same of a text, which messages call `text`; paths in it begin in `folder`.
+/// The same where only a beamline will do: a model is refused before anything else in it is judged.
+Setup load_beamline(const std::filesystem::path& file, const Changes& = {});
+/// As `load`, of a text, which messages call `text`; paths in it begin in `folder`.
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& = {});
 
 /// What is known before anything is flown or solved.
@@ -75,7 +77,7 @@ struct RunSettings {
 };
 
 /// Flies an experiment; nothing where it was stopped. Throws std::invalid_argument where the settings or the
-/// snapshot do not fit, or the machine has not the memory, and InputError for a model.
+/// snapshot do not fit, the machine has not the memory, or it is a model.
 std::optional<Result> run(const Setup&, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the

@@ -21,7 +21,7 @@ void trace_command(const TraceArguments& a) {
   settings.planned = [&](const std::vector<Diagnostic>& warnings) {
     tell(warnings, a.experiment.strict, stderr);
   };
-  const Setup setup = load(a.experiment.file, a.experiment.changes);
+  const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   require_place(a.output, setup.inputs());
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });

@@ -55,17 +55,16 @@ const std::vector<InputText>& inputs_of(const Loaded& loaded) {
   return std::visit([](const auto& any) -> const std::vector<InputText>& { return any.inputs; }, loaded);
 }
 
-Setup setup_of(LoadedFile file, const Changes& changes) {
-  Loaded loaded = load_any(std::move(file), changes);
+Setup setup_of(Loaded loaded, const Changes& changes) {
   std::string fingerprint = fingerprint_of(inputs_of(loaded), changes);
   return Setup(
       std::make_shared<const Setup::Contents>(Setup::Contents{std::move(loaded), std::move(fingerprint)}));
 }
 
 const LoadedExperiment& experiment_of(const Setup& setup) {
-  if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded))
-    throw InputError({{model->place, "this file describes a model, which has no beam and no particles",
-                       "solve it with `rabiline run`"}});
+  if (setup.is_model())
+    throw std::invalid_argument(
+        fmt::format("{} is a model: it is solved, not flown", setup.inputs().front().path));
   return std::get<LoadedExperiment>(setup.contents().loaded);
 }
 
@@ -155,10 +154,13 @@ const std::vector<InputText>& Setup::inputs() const { return inputs_of(contents_
 const std::string& Setup::fingerprint() const { return contents_->fingerprint; }
 
 Setup load(const std::filesystem::path& file, const Changes& changes) {
-  return setup_of(load_file(file), changes);
+  return setup_of(load_any(load_file(file), changes), changes);
+}
+Setup load_beamline(const std::filesystem::path& file, const Changes& changes) {
+  return setup_of(load_experiment(load_file(file), changes), changes);
 }
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& changes) {
-  return setup_of(file_of_text(text, folder), changes);
+  return setup_of(load_any(file_of_text(text, folder), changes), changes);
 }
 
 Report check(const Setup& setup) {

@@ -26,6 +26,9 @@ void apply_settings(Node& root, const std::vector<Setting>& settings, Reading& r
 }  // namespace
 
 LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
+  if (const Entry* model = file.root.find("model"))
+    throw InputError({{model->key_place, "this file describes a model, which has no beam and no particles",
+                       "solve it with `rabiline run`"}});
   LoadedExperiment out;
   out.inputs = std::move(file.inputs);
   Reading reading;

@@ -19,7 +19,7 @@ struct LoadedExperiment {
 };
 
 /// Reads, checks and expands the scan: every point is the file with the scanned values in place, read through
-/// the same tables and checks. Throws InputError with everything that is wrong.
+/// the same tables and checks. Throws InputError with everything that is wrong; a model is refused.
 LoadedExperiment load_experiment(LoadedFile, const Changes&);
 
 }  // namespace rabiline

@@ -85,7 +85,6 @@ void check_size(const LoadedModel& loaded, const ScanPlan& plan, Reading& readin
 LoadedModel load_model(LoadedFile file, const Changes& changes) {
   LoadedModel out;
   out.inputs = std::move(file.inputs);
-  out.place = file.root.find("model")->key_place;
   Reading reading;
   Sources& sources = file.sources;
   const std::vector<Setting> settings = read_settings(changes, sources, reading);

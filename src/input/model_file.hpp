@@ -24,7 +24,6 @@ struct LoadedModel {
   std::vector<ScanAxis> axes;     // none or one
   std::vector<ModelFile> points;  // one where nothing is scanned
   std::vector<InputText> inputs;  // the file, for provenance
-  Place place;                    // of the key that makes it a model
 };
 
 using Loaded = std::variant<LoadedExperiment, LoadedModel>;

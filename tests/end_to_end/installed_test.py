@@ -69,7 +69,7 @@ def test_the_example_gives_the_bits_of_the_program(prefix: Path, output_of_the_p
     said = call(build / "example", prefix / "share/rabiline/beamline/suggested-experiment.yaml", output)
     assert said.count("detected") == 3 and said.startswith("250 kHz: ")
     mine, its = datasets(output), datasets(output_of_the_program)
-    assert mine.keys() == its.keys() and "entry/screen/counts" in mine
+    assert mine.keys() == its.keys() and "entry/scan/detected" in mine
     assert [name for name in mine if mine[name] != its[name]] == []
 
 

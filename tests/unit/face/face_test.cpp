@@ -169,8 +169,10 @@ TEST_F(Face, RefusesSettingsThatDoNotFit) {
   EXPECT_THROW(solve(setup), std::invalid_argument);
   const auto solved = load_text(model, {});
   EXPECT_TRUE(solved.is_model());
-  EXPECT_THROW(run(solved), InputError);
-  EXPECT_THROW(trace(solved, 0, 1), InputError);
+  EXPECT_THROW(run(solved), std::invalid_argument);
+  EXPECT_THROW(trace(solved, 0, 1), std::invalid_argument);
+  std::ofstream(folder_ / "model.yaml") << model;
+  EXPECT_THROW(load_beamline(folder_ / "model.yaml"), InputError);
 }
 
 TEST_F(Face, EndsARunThatItsCallerRefusesBeforeTheFlight) {
