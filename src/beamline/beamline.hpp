@@ -35,14 +35,4 @@ struct Beamline {
   bool operator==(const Beamline&) const = default;
 };
 
-/// Whether scan points fly the same particles (smooth curves, correlated points) or each its own.
-enum class ScanParticles { shared, independent };
-template <>
-inline constexpr auto choices<ScanParticles> = std::array{
-    Choice<ScanParticles>{"shared", ScanParticles::shared,
-                          "every scan point flies the same particles: smooth curves"},
-    Choice<ScanParticles>{"independent", ScanParticles::independent,
-                          "every scan point draws its own particles"},
-};
-
 }  // namespace rabiline

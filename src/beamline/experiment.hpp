@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "beamline/scan.hpp"
 
 namespace rabiline {
 
@@ -67,14 +68,6 @@ class ScanPoints {
   std::vector<Beamline> listed_;
   Make make_;
   std::size_t size_ = 0;
-};
-
-/// One scanned parameter, or several that change together, and its values, for axes of results.
-struct ScanAxis {
-  std::string parameter;               // dotted name, e.g. "H0.frequency"; several with ", " between
-  std::optional<Dimension> dimension;  // none for a categorical axis such as "law"
-  std::vector<double> values;          // [SI]; the index 0, 1, ... for a categorical axis
-  std::vector<std::string> labels;     // of a categorical axis, else empty
 };
 
 /// The experiment over its scan, row-major: the last axis changes fastest. A single point where nothing is

@@ -3,20 +3,13 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <ctime>
-#include <span>
-#include <thread>
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <omp.h>
-#include <sys/utsname.h>
 
+#include "core/isa.hpp"
 #include "core/version.hpp"
-#include "rules/warnings.hpp"
-#include "storage/digest.hpp"
-#include "storage/storage_error.hpp"
+#include "input/settings.hpp"
+#include "storage/safe_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -52,6 +45,9 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
     fmt::print(stderr, "{}", render(error.diagnostics()));
     return exit_code::bad_input;
   } catch (const ArgumentError& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return exit_code::bad_input;
+  } catch (const std::invalid_argument& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_code::bad_input;
   } catch (const StorageError& error) {
@@ -97,45 +93,33 @@ void ExperimentOptions::add_without_scan_to(CLI::App& app) {
 
 void MachineOptions::add_to(CLI::App& app) {
   app.add_option("--threads", threads, "threads; the result is the same for any number")->type_name("T");
+  add_isa_to(app);
+}
+
+void MachineOptions::add_isa_to(CLI::App& app) {
   app.add_option("--isa", isa, "instruction set: x86-64, avx2 or avx512; the result is the same for any")
       ->type_name("NAME");
 }
 
-int MachineOptions::thread_count() const {
-  if (threads.empty()) return omp_get_num_procs();
-  return static_cast<int>(read_argument("--threads", threads, {1, 1024, true, true, "from 1 to 1024"}));
+RunSettings MachineOptions::settings() const {
+  RunSettings out;
+  blaming("--isa", [&] { return isa_called(isa); });
+  out.isa = isa;
+  if (!threads.empty())
+    out.threads =
+        static_cast<int>(read_argument("--threads", threads, {1, 1024, true, true, "from 1 to 1024"}));
+  return out;
 }
 
-Isa MachineOptions::instruction_set() const {
-  if (isa.empty()) return best_isa();
-  const std::optional<Isa> parsed = parse_isa(isa);
-  if (!parsed)
-    throw ArgumentError(
-        fmt::format("--isa: there is no instruction set \"{}\"; choose x86-64, avx2 or avx512", isa));
-  if (!supported(*parsed))
-    throw ArgumentError(
-        fmt::format("--isa: this processor has no {}; the best one here is {}", isa, name_of(best_isa())));
-  return *parsed;
-}
-
-std::vector<std::string> report_warnings(const Experiment& experiment, const Plan& plan, const Places& places,
-                                         bool strict, FILE* to) {
-  std::vector<Diagnostic> found;
-  std::vector<std::string> texts;
-  for (const Fault& fault : warnings_of(experiment, plan)) {
-    found.push_back(places.locate(fault));
-    texts.push_back(fault.help.empty() ? fault.message
-                                       : fmt::format("{}\n  help: {}", fault.message, fault.help));
+void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
+  if (strict && !warnings.empty()) {
+    for (Diagnostic& warning : warnings) warning.severity = Severity::error;
+    throw InputError(std::move(warnings));
   }
-  if (strict && !found.empty()) {
-    for (Diagnostic& diagnostic : found) diagnostic.severity = Severity::error;
-    throw InputError(std::move(found));
-  }
-  fmt::print(to, "{}", render(found));
-  return texts;
+  fmt::print(to, "{}", render(warnings));
 }
 
-void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
+void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
   for (const InputText& input : inputs) {
     std::error_code none;  // of a file that is not there yet
     if (std::filesystem::equivalent(output, input.path, none))
@@ -143,38 +127,7 @@ void require_no_input(const std::filesystem::path& output, const std::vector<Inp
           fmt::format("-o {} is what the experiment is read from\n  help: write results to another file",
                       output.string()));
   }
-}
-
-std::string now() {
-  const std::time_t t = std::time(nullptr);
-  return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(t));
-}
-
-Provenance provenance_of(const std::vector<std::string>& arguments, const std::vector<InputText>& inputs) {
-  Provenance p;
-  p.arguments = arguments;
-  p.inputs = inputs;
-  p.version = version;
-  p.compiler = compiler;
-  utsname machine{};
-  if (uname(&machine) == 0) p.host = machine.nodename;
-  p.start_time = now();
-  return p;
-}
-
-std::string fingerprint(const LoadedExperiment& loaded, const CommandLine& changes) {
-  std::uint64_t hash = digest_of_nothing;
-  const auto mix = [&](const std::string& text) {
-    hash = digest(std::as_bytes(std::span(text.c_str(), text.size() + 1)), hash);
-  };
-  mix(version);
-  for (const InputText& input : loaded.inputs) mix(input.text);
-  for (const std::string& change : changes.set) mix(change);
-  for (const std::string& scan : changes.scan) mix(scan);
-  mix(changes.without_scan ? "without scan" : "");
-  mix(changes.particles.value_or(""));
-  mix(changes.seed.value_or(""));
-  return fmt::format("{:016x}", hash);
+  require_writable(output);
 }
 
 int run_program(const std::vector<std::string>& arguments, const Snapshot* start) {

@@ -7,12 +7,10 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/isa.hpp"
-#include "input/model_file.hpp"
-#include "plan/plan.hpp"
-#include "simulation/snapshot.hpp"
+#include "rabiline.hpp"
 
 namespace rabiline {
 
@@ -28,7 +26,7 @@ struct ArgumentError : std::runtime_error {
 /// FILE and what changes its parameters.
 struct ExperimentOptions {
   std::filesystem::path file;
-  CommandLine changes;
+  Changes changes;
   bool strict = false;  // warnings are errors
   void add_to(CLI::App&);
   void add_without_scan_to(CLI::App&);  // for one point: the file's own values
@@ -39,29 +37,31 @@ struct MachineOptions {
   std::string threads;  // empty: as many as the process may use
   std::string isa;      // empty: the best one
   void add_to(CLI::App&);
-  int thread_count() const;
-  Isa instruction_set() const;  // throws ArgumentError
+  void add_isa_to(CLI::App&);
+  /// Throws ArgumentError and InputError.
+  RunSettings settings() const;
 };
 
 /// Set by SIGINT and SIGTERM after watch_signals().
 const std::atomic<bool>& stop_requested();
 void watch_signals();
 
-/// Prints what is warned of, each with its line, and returns the texts. Where warnings are errors they are
-/// thrown as such.
-std::vector<std::string> report_warnings(const Experiment&, const Plan&, const Places&, bool strict,
-                                         FILE* to);
+/// Prints what is warned of, each with its line. Where warnings are errors they are thrown as such.
+void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to);
 
-/// Results never replace what they are computed from. Throws ArgumentError.
-void require_no_input(const std::filesystem::path& output, const std::vector<InputText>& inputs);
+/// Calls the library; what it says of a value is told with the option that gave it.
+template <class Call>
+auto blaming(const char* option, Call call) {
+  try {
+    return call();
+  } catch (const std::invalid_argument& error) {
+    throw ArgumentError(fmt::format("{}: {}", option, error.what()));
+  }
+}
 
-/// This moment as ISO 8601 with offset, for provenance.
-std::string now();
-/// What is known of a run before it starts: program, machine, command line and inputs.
-Provenance provenance_of(const std::vector<std::string>& arguments, const std::vector<InputText>& inputs);
-
-/// Identifies an experiment with its changes: a checkpoint of another one is refused.
-std::string fingerprint(const LoadedExperiment&, const CommandLine&);
+/// Before anything is computed: results never replace what they are computed from, and must find their place.
+/// Throws ArgumentError and StorageError.
+void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs);
 
 /// Each verb adds itself to the command line; `exit` gets its exit code when it has run.
 void add_run(CLI::App&, const std::vector<std::string>& arguments, const Snapshot* start, int& exit);
@@ -70,10 +70,8 @@ void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_resume(CLI::App&, int& exit);
 
-/// What `check` and `run` do for a model.
-std::string check_model(const LoadedModel&);
-void run_model(const LoadedModel&, const std::filesystem::path& output,
-               const std::vector<std::string>& arguments);
+/// What `run` does for a model.
+void run_model(const Setup&, const std::filesystem::path& output, const std::vector<std::string>& arguments);
 
 /// The whole program: parses the arguments (without the program's name), runs the verb, explains what went
 /// wrong.

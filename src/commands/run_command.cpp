@@ -1,19 +1,14 @@
 // rabiline run: flies the experiment, or solves the model, and writes one HDF5 file.
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include "commands/common.hpp"
-#include "simulation/effects.hpp"
-#include "simulation/finish.hpp"
-#include "simulation/run.hpp"
-#include "storage/checkpoint_file.hpp"
-#include "storage/results_file.hpp"
-#include "storage/safe_file.hpp"
-#include "storage/storage_error.hpp"
+#include "input/settings.hpp"
+#include "particle/batch.hpp"
 
 namespace rabiline {
 namespace {
@@ -65,10 +60,10 @@ class ProgressLine {
   double next_ = 0;
 };
 
-void print_summary(const Result& result, const std::filesystem::path& output, double seconds) {
+void print_summary(const Result& result, const std::filesystem::path& output) {
   const std::size_t points = result.emitted.size();
   fmt::print("{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
-             points == 1 ? "" : "s", result.particles, seconds);
+             points == 1 ? "" : "s", result.particles, result.provenance.seconds);
   for (const DetectorResult& d : result.detectors) {
     const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
     if (points == 1)
@@ -82,7 +77,7 @@ void print_summary(const Result& result, const std::filesystem::path& output, do
 
 /// The command that goes on with this run from any folder.
 std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::filesystem::path& output) {
-  const CommandLine& changes = a.experiment.changes;
+  const Changes& changes = a.experiment.changes;
   std::vector<std::string> arguments{"run", std::filesystem::absolute(a.experiment.file).string(), "-o",
                                      std::filesystem::absolute(output).string()};
   const auto add = [&](const char* option, const std::string& value) {
@@ -104,22 +99,13 @@ std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::f
 /// Writes checkpoints; one that cannot be written is worth a warning, not the run.
 class Checkpoints {
  public:
-  Checkpoints(std::filesystem::path path, std::string fingerprint, const LoadedExperiment& loaded,
-              const std::vector<std::string>& arguments)
-      : path_(std::move(path)),
-        fingerprint_(std::move(fingerprint)),
-        loaded_(loaded),
-        arguments_(arguments) {}
+  Checkpoints(std::filesystem::path path, std::vector<std::string> arguments)
+      : path_(std::move(path)), arguments_(std::move(arguments)) {}
 
-  void write(Snapshot snapshot) const {
-    snapshot.fingerprint = fingerprint_;
+  void write_or_warn(Snapshot snapshot) const {
     snapshot.arguments = arguments_;
-    snapshot.inputs = loaded_.inputs;
-    write_checkpoint(snapshot, path_);
-  }
-  void write_or_warn(const Snapshot& snapshot) const {
     try {
-      write(snapshot);
+      write(snapshot, path_);
     } catch (const StorageError& error) {
       if (stop_requested()) throw;
       fmt::print(stderr, "\nwarning: {}\n", error.what());
@@ -132,23 +118,8 @@ class Checkpoints {
 
  private:
   std::filesystem::path path_;
-  std::string fingerprint_;
-  const LoadedExperiment& loaded_;
   std::vector<std::string> arguments_;
 };
-
-/// Sums of every thread and of the whole, and what threads keep at planes, must fit into the machine.
-void require_memory(const Plan& plan, int threads) {
-  const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
-                        static_cast<double>(bytes_of_stages(plan)) * threads;
-  const double there =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (needed > 0.7 * there)
-    throw ArgumentError(fmt::format(
-        "the histograms of {} scan points need {:.1f} GiB on {} threads, and this machine has {:.1f} GiB\n"
-        "  help: use fewer bins, fewer scan points or fewer threads",
-        plan.points, needed / 1073741824, threads, there / 1073741824));
-}
 
 /// What has a meaning for particles alone.
 void refuse_for_a_model(const CLI::App& verb) {
@@ -158,71 +129,58 @@ void refuse_for_a_model(const CLI::App& verb) {
           fmt::format("{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
 }
 
+RunSettings settings_of(const RunArguments& a) {
+  RunSettings settings = a.machine.settings();
+  if (a.batch.empty()) return settings;
+  settings.batch = static_cast<int>(
+      read_argument("--batch", a.batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
+  if (settings.batch % 8 != 0)
+    throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
+  return settings;
+}
+
 int run_command(const RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
                 const Snapshot* start) {
   const std::filesystem::path output = a.output.empty()
                                            ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
                                            : std::filesystem::path(a.output);
-  const int batch = a.batch.empty()
-                        ? Batch::capacity
-                        : static_cast<int>(read_argument(
-                              "--batch", a.batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
-  if (batch % 8 != 0)
-    throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
-  const Loaded file = load(a.experiment.file, a.experiment.changes);
-  if (std::holds_alternative<LoadedModel>(file)) refuse_for_a_model(verb);
-  require_no_input(output, std::visit([](const auto& any) { return any.inputs; }, file));
-  require_writable(output);
-  if (const auto* model = std::get_if<LoadedModel>(&file)) {
-    run_model(*model, output, arguments);
+  const Setup setup = load(a.experiment.file, a.experiment.changes);
+  if (setup.is_model()) refuse_for_a_model(verb);
+  RunSettings settings = settings_of(a);
+  require_place(output, setup.inputs());
+  if (setup.is_model()) {
+    run_model(setup, output, arguments);
     return exit_code::done;
   }
-  const auto& loaded = std::get<LoadedExperiment>(file);
-  const std::string identity = fingerprint(loaded, a.experiment.changes);
-  if (start != nullptr && start->fingerprint != identity)
-    throw ArgumentError("the checkpoint does not match: " + a.experiment.file.string() +
-                        " or the program has changed since it was written");
 
-  Provenance provenance = provenance_of(arguments, loaded.inputs);
-  provenance.instruction_set = name_of(a.machine.instruction_set());
-  provenance.threads = a.machine.thread_count();
-  const auto begin = std::chrono::steady_clock::now();
-  const Plan plan = make_plan(loaded.experiment, a.machine.thread_count());
-  require_memory(plan, a.machine.thread_count());
-  provenance.warnings = report_warnings(loaded.experiment, plan, loaded.places, a.experiment.strict, stderr);
-  if (start != nullptr && !fits(*start, plan)) throw ArgumentError("the checkpoint does not fit the plan");
-  const Checkpoints checkpoints(output.string() + ".checkpoint", identity, loaded,
-                                arguments_to_resume(a, output));
+  const bool strict = a.experiment.strict;
+  std::size_t told = 0;
+  const Checkpoints checkpoints(output.string() + ".checkpoint", arguments_to_resume(a, output));
   ProgressLine progress(a.progress);
-  RunOptions options;
-  options.threads = a.machine.thread_count();
-  options.isa = a.machine.instruction_set();
-  options.batch = batch;
-  options.stop = &stop_requested();
-  options.progress = [&](const Progress& p) { progress(p); };
-  options.snapshot = [&](const Snapshot& s) { checkpoints.write_or_warn(s); };
-  options.start = start;
-
-  watch_signals();
-  const RunOutcome outcome = run(plan, options);
-  provenance.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  provenance.end_time = now();
+  settings.planned = [&](const std::vector<Diagnostic>& warnings) {
+    tell(warnings, strict, stderr);
+    told = warnings.size();
+    watch_signals();
+  };
+  settings.progress = [&](const Progress& p) { progress(p); };
+  settings.snapshot = [&](const Snapshot& s) { checkpoints.write_or_warn(s); };
+  settings.stop = &stop_requested();
+  settings.start = start;
+  settings.arguments = arguments;
+  const std::optional<Result> result = run(setup, settings);
   progress.clear();
-  if (!outcome.finished) {
+  if (!result) {
     fmt::print(stderr,
                "stopped; what is finished is in {0}.checkpoint\n  help: continue with: rabiline resume {0}\n",
                output.string());
     return exit_code::stopped;
   }
-  Result result = finish(loaded.experiment, plan, outcome.sums);
-  result.provenance = std::move(provenance);
-  const std::vector<std::string> ineffective = warnings_of(result);
+  const std::span ineffective = std::span(result->provenance.warnings).subspan(told);
   for (const std::string& warning : ineffective) fmt::print(stderr, "warning: {}\n", warning);
-  result.provenance.warnings.insert(result.provenance.warnings.end(), ineffective.begin(), ineffective.end());
-  write_results(result, output);
+  write(*result, output);
   checkpoints.remove();
-  print_summary(result, output, result.provenance.seconds);
-  return a.experiment.strict && !ineffective.empty() ? exit_code::bad_input : exit_code::done;
+  print_summary(*result, output);
+  return strict && !ineffective.empty() ? exit_code::bad_input : exit_code::done;
 }
 
 }  // namespace
@@ -250,7 +208,7 @@ void add_resume(CLI::App& app, int& exit) {
   verb->callback([output, &exit] {
     if (!std::filesystem::exists(*output + ".checkpoint"))
       throw ArgumentError(fmt::format("there is no {}.checkpoint: nothing to resume", *output));
-    const Snapshot snapshot = read_checkpoint(*output + ".checkpoint");
+    const Snapshot snapshot = read_snapshot(*output + ".checkpoint");
     exit = run_program(snapshot.arguments, &snapshot);
   });
 }

@@ -1,6 +1,9 @@
 #include "core/isa.hpp"
 
+#include <fmt/format.h>
+
 #include <initializer_list>
+#include <stdexcept>
 
 namespace rabiline {
 
@@ -50,6 +53,18 @@ std::optional<Isa> parse_isa(std::string_view name) {
   for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512})
     if (name == name_of(isa)) return isa;
   return std::nullopt;
+}
+
+Isa isa_called(std::string_view name) {
+  if (name.empty()) return best_isa();
+  const std::optional<Isa> isa = parse_isa(name);
+  if (!isa)
+    throw std::invalid_argument(
+        fmt::format("there is no instruction set \"{}\"; choose x86-64, avx2 or avx512", name));
+  if (!supported(*isa))
+    throw std::invalid_argument(
+        fmt::format("this processor has no {}; the best one here is {}", name, name_of(best_isa())));
+  return *isa;
 }
 
 }  // namespace rabiline

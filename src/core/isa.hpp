@@ -17,5 +17,8 @@ Isa best_isa();
 /// "x86-64", "avx2" or "avx512"; the baseline of another processor family is called "generic".
 std::string_view name_of(Isa);
 std::optional<Isa> parse_isa(std::string_view);
+/// The one of this name; the fastest one supported here where the name is empty. Throws std::invalid_argument
+/// where there is none, or this processor has not got it.
+Isa isa_called(std::string_view name);
 
 }  // namespace rabiline

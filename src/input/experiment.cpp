@@ -25,15 +25,18 @@ void apply_settings(Node& root, const std::vector<Setting>& settings, Reading& r
 
 }  // namespace
 
-LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, const CommandLine& line) {
+LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
+  if (const Entry* model = file.root.find("model"))
+    throw InputError({{model->key_place, "this file describes a model, which has no beam and no particles",
+                       "solve it with `rabiline run`"}});
   LoadedExperiment out;
   out.inputs = std::move(file.inputs);
   Reading reading;
-  reading.folder = folder;
+  reading.folder = file.folder;
   Sources& sources = file.sources;
 
   // The file with what the command line sets, without its scan.
-  const std::vector<Setting> settings = read_settings(line, sources, reading);
+  const std::vector<Setting> settings = read_settings(changes, sources, reading);
   std::optional<ScanParticles> mode;
   if (file.root.is_mapping()) apply_settings(file.root, settings, reading, mode);
   Node with_values = file.root;
@@ -42,8 +45,8 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
   out.places = Places(with_values);
 
   // What is scanned.
-  const Sources arguments = scan_arguments(line, sources);
-  const ScanPlan plan = read_scan(line.without_scan ? nullptr : &with_values, arguments, reading);
+  const Sources arguments = scan_arguments(changes, sources);
+  const ScanPlan plan = read_scan(changes.without_scan ? nullptr : &with_values, arguments, reading);
   refuse_settings_of_scanned(settings, plan, reading);
   add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
@@ -64,14 +67,6 @@ LoadedExperiment load_experiment(LoadedFile file, const std::string& folder, con
   throw_if_wrong(reading, sources);
   out.experiment.points = {space->size(), [space](std::size_t point) { return space->at(point); }};
   return out;
-}
-
-LoadedExperiment load_experiment(const std::filesystem::path& path, const CommandLine& line) {
-  LoadedFile file = load_file(path);
-  if (const Entry* model = file.root.find("model"))
-    throw InputError({{model->key_place, "this file describes a model, which has no beam and no particles",
-                       "solve it with `rabiline run`"}});
-  return load_experiment(std::move(file), path.parent_path().string(), line);
 }
 
 }  // namespace rabiline

@@ -35,7 +35,6 @@ std::string read_text(const fs::path& path, const Place& named_at) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) refuse(named_at, path, "the file cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
   return text;
 }
 
@@ -46,9 +45,14 @@ class Loader {
   Node load(const fs::path& path, const Place& named_at) {
     if (out_.inputs.size() >= max_files)
       refuse(named_at, path, fmt::format("more than {} files are included", max_files));
-    const std::string text = read_text(path, named_at);
-    const auto source = make_source_text(path.string(), text);
-    out_.inputs.push_back({path.string(), text});
+    return parse(path, path.string(), read_text(path, named_at));
+  }
+
+  /// A text that stands at `path`, or would.
+  Node parse(const fs::path& path, const std::string& name, std::string text) {
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    const auto source = make_source_text(name, text);
+    out_.inputs.push_back({name, text});
     out_.sources.push_back(source);
     Node root = parse_document(source, text);
     if (root.is_null())
@@ -133,7 +137,15 @@ class Loader {
 
 LoadedFile load_file(const fs::path& path) {
   LoadedFile out;
+  out.folder = path.parent_path().string();
   out.root = Loader(out).load(path, {});
+  return out;
+}
+
+LoadedFile file_of_text(const std::string& text, const fs::path& folder) {
+  LoadedFile out;
+  out.folder = folder.string();
+  out.root = Loader(out).parse(folder / "text", "text", text);
   return out;
 }
 

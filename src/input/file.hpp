@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "input/document.hpp"
-#include "simulation/result.hpp"
 
 namespace rabiline {
 
@@ -15,9 +14,12 @@ struct LoadedFile {
   Node root;
   std::vector<InputText> inputs;                           // the file itself first
   std::vector<std::shared_ptr<const SourceText>> sources;  // the same files, for messages
+  std::string folder;                                      // where paths in the file begin
 };
 
 /// Reads a file and what it includes. Throws InputError.
 LoadedFile load_file(const std::filesystem::path&);
+/// The same of a text, which messages call `text`; paths in it begin in `folder`.
+LoadedFile file_of_text(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace rabiline

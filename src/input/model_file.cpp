@@ -82,18 +82,18 @@ void check_size(const LoadedModel& loaded, const ScanPlan& plan, Reading& readin
                   "take fewer `samples` or fewer points");
 }
 
-LoadedModel load_model(LoadedFile file, const CommandLine& line) {
+LoadedModel load_model(LoadedFile file, const Changes& changes) {
   LoadedModel out;
   out.inputs = std::move(file.inputs);
   Reading reading;
   Sources& sources = file.sources;
-  const std::vector<Setting> settings = read_settings(line, sources, reading);
+  const std::vector<Setting> settings = read_settings(changes, sources, reading);
   apply_settings(file.root, settings, reading);
   Node with_values = file.root;
   if (!put_variables(with_values, reading)) throw_if_wrong(reading, sources);
   out.points = {read_model(with_values, reading)};
-  const Sources arguments = scan_arguments(line, sources);
-  const Node* scanned = line.without_scan ? nullptr : &with_values;
+  const Sources arguments = scan_arguments(changes, sources);
+  const Node* scanned = changes.without_scan ? nullptr : &with_values;
   const ScanPlan plan = read_scan(scanned, arguments, reading);
   check_scan(scanned, plan, reading);
   refuse_settings_of_scanned(settings, plan, reading);
@@ -115,10 +115,9 @@ LoadedModel load_model(LoadedFile file, const CommandLine& line) {
 
 }  // namespace
 
-Loaded load(const std::filesystem::path& path, const CommandLine& line) {
-  LoadedFile file = load_file(path);
-  if (file.root.find("model")) return load_model(std::move(file), line);
-  return load_experiment(std::move(file), path.parent_path().string(), line);
+Loaded load_any(LoadedFile file, const Changes& changes) {
+  if (file.root.find("model")) return load_model(std::move(file), changes);
+  return load_experiment(std::move(file), changes);
 }
 
 }  // namespace rabiline

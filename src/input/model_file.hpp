@@ -28,8 +28,7 @@ struct LoadedModel {
 
 using Loaded = std::variant<LoadedExperiment, LoadedModel>;
 
-/// Reads a beamline or a model, with what the command line changes. Throws InputError with everything that is
-/// wrong.
-Loaded load(const std::filesystem::path&, const CommandLine&);
+/// Reads a beamline or a model, with its changes. Throws InputError with everything that is wrong.
+Loaded load_any(LoadedFile, const Changes&);
 
 }  // namespace rabiline

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "beamline/beamline.hpp"
+#include "beamline/scan.hpp"
 #include "input/document.hpp"
 #include "input/values.hpp"
 

@@ -26,9 +26,9 @@ Setting read_setting(const std::shared_ptr<const SourceText>& source, Reading& r
 
 }  // namespace
 
-std::vector<Setting> read_settings(const CommandLine& line, Sources& sources, Reading& reading) {
+std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Reading& reading) {
   std::vector<Setting> out;
-  for (const std::string& text : line.set) {
+  for (const std::string& text : changes.set) {
     sources.push_back(make_source_text("--set", text));
     out.push_back(read_setting(sources.back(), reading));
   }
@@ -38,8 +38,8 @@ std::vector<Setting> read_settings(const CommandLine& line, Sources& sources, Re
     const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
     out.push_back({name, node.place, node});
   };
-  add_count("particles", line.particles);
-  add_count("seed", line.seed);
+  add_count("particles", changes.particles);
+  add_count("seed", changes.seed);
   return out;
 }
 
@@ -53,9 +53,9 @@ std::uint64_t read_argument(const std::string& option, const std::string& text, 
   return out;
 }
 
-Sources scan_arguments(const CommandLine& line, Sources& sources) {
+Sources scan_arguments(const Changes& changes, Sources& sources) {
   Sources out;
-  for (const std::string& text : line.scan) out.push_back(make_source_text("--scan", text));
+  for (const std::string& text : changes.scan) out.push_back(make_source_text("--scan", text));
   sources.insert(sources.end(), out.begin(), out.end());
   return out;
 }

@@ -7,20 +7,12 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
+#include "input/changes.hpp"
 #include "input/document.hpp"
 #include "input/scan.hpp"
 #include "input/values.hpp"
-#include "simulation/result.hpp"
 
 namespace rabiline {
-
-/// What the command line changes in a file.
-struct CommandLine {
-  std::vector<std::string> set{};   // NAME=VALUE
-  std::vector<std::string> scan{};  // NAME=FROM:TO:POINTS or NAME=A,B,C
-  std::optional<std::string> particles{}, seed{};
-  bool without_scan = false;  // the file's scan is omitted
-};
 
 /// A whole number of the command line, read as the file reads one. Throws InputError.
 std::uint64_t read_argument(const std::string& option, const std::string& text, const Range&);
@@ -35,9 +27,9 @@ struct Setting {
 };
 
 /// The settings of the command line, --particles and --seed among them.
-std::vector<Setting> read_settings(const CommandLine&, Sources&, Reading&);
+std::vector<Setting> read_settings(const Changes&, Sources&, Reading&);
 /// The texts of --scan.
-Sources scan_arguments(const CommandLine&, Sources&);
+Sources scan_arguments(const Changes&, Sources&);
 void refuse_settings_of_scanned(const std::vector<Setting>&, const ScanPlan&, Reading&);
 
 /// What the files name beside themselves belongs to the inputs.

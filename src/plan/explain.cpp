@@ -55,16 +55,9 @@ class Explainer {
     line("{}", beamline_.title);
     line("law        {}", describe(beamline_.law));
     for (const ScanAxis& axis : experiment_.axes) {
-      const auto show = [&](std::size_t i) {
-        if (!axis.dimension) return axis.labels[i];
-        const double value = axis.values[i];
-        return pretty_quantity(axis.values.front(), *axis.dimension) !=
-                       pretty_quantity(axis.values.back(), *axis.dimension)
-                   ? pretty_quantity(value, *axis.dimension)
-                   : fmt::format("{:.12g} {}", value, si_unit_of(*axis.dimension));
-      };
       const std::size_t last = axis.values.size() - 1;
-      line("scan       {}: {} to {}, {} points", axis.parameter, show(0), show(last), last + 1);
+      line("scan       {}: {} to {}, {} points", axis.parameter, value_at(axis, 0), value_at(axis, last),
+           last + 1);
     }
     if (!experiment_.axes.empty())
       line("particles  {} at each of {} points, {}", beamline_.particles, plan_.points,

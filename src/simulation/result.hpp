@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "beamline/experiment.hpp"
+#include "beamline/scan.hpp"
 #include "core/diagnostics.hpp"
 
 namespace rabiline {

@@ -9,12 +9,6 @@
 
 namespace rabiline {
 
-struct Progress {
-  double done = 0;          // fraction of the work
-  double seconds = 0;       // since this run began
-  double seconds_left = 0;  // estimate
-};
-
 struct RunOptions {
   int threads = 1;
   Isa isa = Isa::baseline;

@@ -9,6 +9,13 @@
 
 namespace rabiline {
 
+/// How far a run is.
+struct Progress {
+  double done = 0;          // fraction of the work
+  double seconds = 0;       // since this run began
+  double seconds_left = 0;  // estimate
+};
+
 /// Everything that a run needs to go on: which blocks are finished, and the exact sums over them.
 struct Snapshot {
   std::string fingerprint;                 // of the experiment; a snapshot of another one is refused

@@ -1,23 +1,11 @@
 #pragma once
 // The motions and findings of a model as one HDF5 file in NeXus base classes.
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "models/motion.hpp"
-#include "simulation/result.hpp"
+#include "models/solved_model.hpp"
 #include "storage/storage_error.hpp"
 
 namespace rabiline {
-
-/// A model solved at each point of its scan; one point where nothing is scanned.
-struct SolvedModel {
-  std::string title, kind;
-  std::optional<ScanAxis> axis{};
-  std::vector<ModelResult> points{};
-  Provenance provenance{};
-};
 
 /// Writes the file wholly and verified, or not at all. Throws StorageError.
 ///   /entry/<motion>            NXdata over `time`: x, y, z of the centre of mass, vectors [time][xyz],

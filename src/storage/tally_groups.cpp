@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "core/units.hpp"
+#include "tally/quantity.hpp"
 
 namespace rabiline::nexus {
 namespace {

@@ -24,8 +24,8 @@ std::string contents(const fs::path& path) {
 }
 
 /// NAME.args has one word of the command line in each line.
-CommandLine arguments_beside(fs::path yaml) {
-  CommandLine out;
+Changes arguments_beside(fs::path yaml) {
+  Changes out;
   std::ifstream file(yaml.replace_extension(".args"));
   for (std::string option, value; std::getline(file, option) && std::getline(file, value);) {
     if (option == "--set")
@@ -58,7 +58,7 @@ TEST_P(BrokenFile, IsExplainedWordForWord) {
   const fs::path expected = GetParam() + ".expected";
   std::string message;
   try {
-    load(yaml, arguments_beside(yaml));
+    load_any(load_file(yaml), arguments_beside(yaml));
   } catch (const InputError& e) {
     message = e.what();
   }
@@ -76,7 +76,7 @@ class GoodFile : public testing::TestWithParam<std::string> {
 
 TEST_P(GoodFile, IsRead) {
   const fs::path yaml = GetParam() + ".yaml";
-  EXPECT_NO_THROW(load(yaml, arguments_beside(yaml)));
+  EXPECT_NO_THROW(load_any(load_file(yaml), arguments_beside(yaml)));
 }
 INSTANTIATE_TEST_SUITE_P(Corpus, GoodFile, testing::ValuesIn(files_in("good")),
                          [](const auto& test) { return test.param; });

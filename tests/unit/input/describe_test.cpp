@@ -152,7 +152,7 @@ TEST(Describe, GivesSnippetsOfPartsThatRunAsTheyStand) {
         << snippet_of("opening") << "  " << snippet_of("cone") << "parts:\n  " << snippet_of(kind)
         << "  - {name: screen, kind: detector, at: 3 m, width: 1 mm, height: 1 mm, bins: [1, 1]}\n";
     try {
-      EXPECT_EQ(load_experiment(path, {}).base.parts.size(), 2U);
+      EXPECT_EQ(load_experiment(load_file(path), {}).base.parts.size(), 2U);
     } catch (const InputError& e) {
       ADD_FAILURE() << kind << "\n" << e.what();
     }

@@ -17,7 +17,7 @@ const std::filesystem::path sample =
     std::filesystem::path(RABILINE_ROOT) / "beamline/suggested-experiment.yaml";
 
 LoadedExperiment load(std::vector<std::string> set = {}, std::vector<std::string> scan = {}) {
-  return load_experiment(sample, {std::move(set), std::move(scan), {}, {}});
+  return load_experiment(load_file(sample), {std::move(set), std::move(scan), {}, {}});
 }
 std::string error_of(std::vector<std::string> set, std::vector<std::string> scan = {}) {
   try {
@@ -36,7 +36,7 @@ const P& part(const Beamline& beamline, std::string_view name) {
 
 TEST(SpeciesOfOnesOwn, MayStateItsGFactorAndBeScannedOverIt) {
   const LoadedExperiment loaded = load_experiment(
-      std::filesystem::path(RABILINE_ROOT) / "tests/corpus/good/species_with_g_factor.yaml", {});
+      load_file(std::filesystem::path(RABILINE_ROOT) / "tests/corpus/good/species_with_g_factor.yaml"), {});
   const Species& s = loaded.base.species.at(0).species;
   EXPECT_EQ(s.name, "X");
   EXPECT_DOUBLE_EQ(s.gyromagnetic_ratio, s.charge / s.mass);  // g = 2
@@ -112,7 +112,7 @@ TEST(Scan, ReadsItsSpacingFromTheFile) {
       if (!line.starts_with("scan:")) out << line << '\n';
     out << "scan: {parameter: H0.amplitude, from: 1 nT, to: 100 nT, points: 3" << spacing << "}\n"
         << std::flush;
-    return load_experiment(path, {}).experiment.axes[0].values;
+    return load_experiment(load_file(path), {}).experiment.axes[0].values;
   };
   EXPECT_THAT(values(", spacing: logarithmic"), ElementsAre(1e-9, 1e-8, 1e-7));
   EXPECT_THAT(values(", spacing: linear"), ElementsAre(1e-9, testing::DoubleEq(50.5e-9), 1e-7));
@@ -186,14 +186,14 @@ TEST(Settings, WriteAShortFormOut) {
 }
 
 TEST(Settings, OfParticlesAndSeedHaveOptionsOfTheirOwn) {
-  const LoadedExperiment loaded = load_experiment(sample, {{}, {}, "7", "18446744073709551615"});
+  const LoadedExperiment loaded = load_experiment(load_file(sample), {{}, {}, "7", "18446744073709551615"});
   EXPECT_EQ(loaded.base.particles, 7U);
   EXPECT_EQ(loaded.base.seed, 18446744073709551615ULL);
 }
 
 TEST(Settings, OfParticlesAreReadAsTheFileReadsThem) {
-  EXPECT_EQ(load_experiment(sample, {{}, {}, "1e5", {}}).base.particles, 100000U);
-  EXPECT_THROW(load_experiment(sample, {{}, {}, "010", {}}), InputError);
+  EXPECT_EQ(load_experiment(load_file(sample), {{}, {}, "1e5", {}}).base.particles, 100000U);
+  EXPECT_THROW(load_experiment(load_file(sample), {{}, {}, "010", {}}), InputError);
   EXPECT_EQ(read_argument("--batch", "512", range::positive), 512U);
   EXPECT_THROW(read_argument("--batch", "512 MiB", range::positive), InputError);
 }
@@ -214,7 +214,7 @@ LoadedExperiment load_changed(const std::vector<std::pair<std::string, std::stri
   for (const auto& [text, other] : changes) file.replace(file.find(text), text.size(), other);
   const auto path = std::filesystem::temp_directory_path() / "rabiline_changed_experiment_test.yaml";
   std::ofstream(path) << file;
-  return load_experiment(path, {std::move(set), std::move(scan), {}, {}});
+  return load_experiment(load_file(path), {std::move(set), std::move(scan), {}, {}});
 }
 
 /// The beamline at a point is the one of a file that states the values of that point, to the bit.
@@ -260,10 +260,10 @@ TEST(Scan, MayChangeSeveralParametersTogether) {
 }
 
 TEST(Scan, IsOmittedOnDemand) {
-  CommandLine line{{}, {}, {}, {}, true};
-  EXPECT_EQ(load_experiment(sample, line).experiment.points.size(), 1U);
+  Changes line{{}, {}, {}, {}, true};
+  EXPECT_EQ(load_experiment(load_file(sample), line).experiment.points.size(), 1U);
   line.scan = {"B.field=9 mT,10 mT"};
-  const Experiment e = load_experiment(sample, line).experiment;
+  const Experiment e = load_experiment(load_file(sample), line).experiment;
   ASSERT_EQ(e.axes.size(), 1U);
   EXPECT_EQ(e.axes[0].parameter, "B.field");
 }

@@ -39,10 +39,10 @@ class ExplainAtoms : public testing::Test {
   ExplainAtoms() { std::ofstream(path_) << clock_file; }
   ~ExplainAtoms() override { std::filesystem::remove(path_); }
   std::string check(std::vector<std::string> set = {}, std::vector<std::string> scan = {}) const {
-    CommandLine line;
+    Changes line;
     line.set = std::move(set);
     line.scan = std::move(scan);
-    const Experiment experiment = load_experiment(path_, line).experiment;
+    const Experiment experiment = load_experiment(load_file(path_), line).experiment;
     const Plan plan = make_plan(experiment);
     std::string text = explain(experiment, plan);
     for (const Fault& fault : warnings_of(experiment, plan)) text += "warning: " + fault.message + "\n";

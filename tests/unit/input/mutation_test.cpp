@@ -49,7 +49,7 @@ TEST(DamagedFile, IsReadOrExplained) {
     for (int k = 0; k <= i % 3 && !text.empty(); ++k) text = damaged(std::move(text), random);
     std::ofstream(path, std::ios::binary) << text;
     try {
-      load_experiment(path, {});
+      load_experiment(load_file(path), {});
     } catch (const InputError& error) {
       ++explained;
       EXPECT_FALSE(error.diagnostics().empty()) << text;

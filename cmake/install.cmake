@@ -1,0 +1,53 @@
+# `cmake --install BUILD --prefix P`: the program, the library with its header and CMake package, the analysis, and the
+# experiments. All of it may be moved elsewhere afterwards.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# The library as others link it: the objects of every folder but the command line, in one archive.
+add_library(rabiline_library STATIC)
+get_property(folders DIRECTORY src PROPERTY SUBDIRECTORIES)
+foreach(folder IN LISTS folders)
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(type ${target} TYPE)
+    if(type MATCHES "^(STATIC|OBJECT)_LIBRARY$" AND NOT folder MATCHES "/commands$")
+      target_sources(rabiline_library PRIVATE $<TARGET_OBJECTS:${target}>)
+    endif()
+  endforeach()
+endforeach()
+set_target_properties(rabiline_library PROPERTIES OUTPUT_NAME rabiline EXPORT_NAME rabiline LINKER_LANGUAGE CXX)
+target_link_libraries(rabiline_library PRIVATE fmt::fmt yaml-cpp hdf5::hdf5 GSL::gsl OpenMP::OpenMP_CXX)
+target_include_directories(rabiline_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_compile_features(rabiline_library INTERFACE cxx_std_20)
+
+# <rabiline/rabiline.hpp> and the headers that it needs, which name each other <rabiline/...> once they are installed.
+set(waiting rabiline.hpp)
+set(headers)
+while(waiting)
+  list(POP_FRONT waiting header)
+  list(APPEND headers ${header})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS src/${header})
+  file(READ src/${header} text)
+  string(REGEX MATCHALL "#include \"[^\"]+" included "${text}")
+  list(TRANSFORM included REPLACE "#include \"" "")
+  list(APPEND waiting ${included})
+  list(REMOVE_DUPLICATES waiting)
+  list(REMOVE_ITEM waiting ${headers})
+  string(REGEX REPLACE "#include \"([^\"]+)\"" "#include <rabiline/\\1>" text "${text}")
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/include/rabiline/${header} CONTENT "${text}" @ONLY)
+  get_filename_component(folder rabiline/${header} DIRECTORY)
+  install(FILES ${PROJECT_BINARY_DIR}/include/rabiline/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
+endwhile()
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/rabiline)
+set(share ${CMAKE_INSTALL_DATADIR}/rabiline)
+configure_package_config_file(cmake/rabilineConfig.cmake.in ${PROJECT_BINARY_DIR}/rabilineConfig.cmake
+                              INSTALL_DESTINATION ${package} PATH_VARS share)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/rabilineConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/rabilineConfig.cmake ${PROJECT_BINARY_DIR}/rabilineConfigVersion.cmake
+        DESTINATION ${package})
+install(TARGETS rabiline)
+install(TARGETS rabiline_library EXPORT rabilineTargets)
+install(EXPORT rabilineTargets NAMESPACE rabiline:: DESTINATION ${package})
+install(DIRECTORY beamline geometries DESTINATION ${share})
+install(DIRECTORY analysis/rabiline DESTINATION ${share}/analysis FILES_MATCHING PATTERN *.py)

@@ -1,0 +1,17 @@
+#pragma once
+// What the library says of a model, and its solution.
+#include <string>
+
+#include "input/model_file.hpp"
+#include "models/solved_model.hpp"
+
+namespace rabiline {
+
+/// The model, its scan and the numbers that follow from its values alone.
+std::string explain(const LoadedModel&);
+
+/// All but its provenance. Throws std::runtime_error where a motion cannot be integrated, with the scan
+/// point.
+SolvedModel solve_all(const LoadedModel&);
+
+}  // namespace rabiline
