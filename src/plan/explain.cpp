@@ -123,6 +123,8 @@ class Explainer {
         report_.reuse = reuse(node.points.size());
         report_.reweightings = node.ways.size();
         report_.levels_found = levels_found(node);
+        report_.slowness_cells = node.transit ? node.transit->cells().count : 0;
+        report_.why_one_by_one = node.why_one_by_one;
         rabiline::explain(node.stage, report_);
         walk(node.next);
       }

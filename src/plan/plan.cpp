@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plan/neighbours.hpp"
+#include "plan/transits.hpp"
 #include "transport/cost.hpp"
 
 namespace rabiline {
@@ -121,8 +122,16 @@ double cost_of_branch(const PlanNode& node, double speed) {
   double behind = 0;
   for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
   if (node.ways.empty()) return sum + behind;
-  return path_of(node.stage)->levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
+  const double levels = path_of(node.stage)->levels;
+  if (node.transit) return levels * (behind + cost::moments);
+  return levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
          sum * static_cast<double>(node.ways.size());
+}
+
+double cost_of_tree(const PlanTree& tree) {
+  double cost = cost::emission;
+  for (const PlanNode& node : tree.next) cost += cost_of_branch(node, tree.source.speed.mean);
+  return cost;
 }
 
 /// First particle of each species: fractions of the whole, rounded so that all particles are shared out.
@@ -147,6 +156,7 @@ struct Root {
 
 struct Group {
   Root root;
+  SpeedRange speeds;
   std::vector<Chain> chains;
 };
 
@@ -171,7 +181,11 @@ std::vector<Group> group_by_source(const Experiment& experiment, const Neighbour
                       : of_component[k].find(p, [&](std::size_t g) { return groups[g].root == root; });
       if (group == Neighbours::none) {
         group = groups.size();
-        groups.push_back({root, {}});
+        const double mass = component.species.mass;
+        groups.push_back(
+            {root,
+             std::visit([&](const auto& law) { return law.speed_range(mass); }, beamline.source.speed),
+             {}});
       }
       of_component[k].put(p, group);
       groups[group].chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables),
@@ -210,8 +224,7 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
-  tree.cost = cost::emission;
-  for (const PlanNode& node : tree.next) tree.cost += cost_of_branch(node, root.source.speed.mean);
+  tree.cost = cost_of_tree(tree);
   return tree;
 }
 
@@ -270,6 +283,8 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
       plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, neighbours, plan.sums));
       for (PlanNode& node : plan.trees.back().next) find_reach(node);
+      lay_out_moments(plan.trees.back(), group.speeds, plan.points, plan.sums);
+      plan.trees.back().cost = cost_of_tree(plan.trees.back());
     }
   }
   return plan;

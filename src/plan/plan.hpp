@@ -2,12 +2,14 @@
 // The plan of a scan: every point compiles to a source and a chain of stages; equal beginnings are shared.
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "beamline/experiment.hpp"
 #include "plan/geometry.hpp"
 #include "plan/sampled_tables.hpp"
 #include "transport/stage.hpp"
+#include "transport/transit.hpp"
 
 namespace rabiline {
 
@@ -30,6 +32,10 @@ struct PlanNode {
   std::vector<Way> ways{};
   std::vector<std::uint64_t>
       reach{};  // levels that any of the ways can find, as a mask for each level before
+  /// Where all ways follow from moments of the slowness: how these are laid out, and where they begin.
+  std::shared_ptr<const TransitLayout> transit{};
+  std::size_t moments = 0;
+  std::string_view why_one_by_one{};  // why they do not
 };
 
 /// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.

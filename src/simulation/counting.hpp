@@ -25,7 +25,8 @@ inline std::uint64_t counted_of_one(double efficiency) {
 /// was counted weighs `each`, the most that it can; else the standard one. Species are drawn in fixed shares,
 /// so their variances add up.
 inline double variance_of(const Moments& m, double n, std::uint64_t each = quanta_per_particle) {
-  if (m.q2 == m.q * each) {
+  const double sum2 = static_cast<double>(m.q2);
+  if (std::abs(sum2 - static_cast<double>(m.q) * static_cast<double>(each)) <= 1e-12 * sum2) {
     const double weight = particles(each);
     return weight == 0 ? 0 : portable::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
   }
@@ -76,25 +77,27 @@ inline double covariance_of(const std::vector<double>& a, const std::vector<doub
 
 /// Standard error of the fraction of the emitted weight that was counted: binomial where all particles weigh
 /// the same, from the scatter of the groups where they do not. Where nothing was counted there is no scatter,
-/// and the binomial error of no count in n is what bounds the fraction. `deviations` are fractions too.
+/// and the binomial error of no count in n is what bounds the fraction. `scatter`: the fraction's variance.
 inline double fraction_error(const Moments& counted, double variance, const Moments& emitted,
-                             const std::vector<double>& deviations) {
+                             double scatter) {
   const bool alike = emitted.q2 == emitted.q * quanta_per_particle;
   return alike || counted.q == 0 ? std::sqrt(variance) / particles(emitted.q)
-                                 : std::sqrt(covariance_of(deviations, deviations));
+                                 : std::sqrt(scatter);
 }
 
-/// Between points that fly the same particles: from how far each group is from what its size lets expect;
-/// nothing where there is no such thing. `deviations`: [points][groups].
-inline std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations,
-                                         ScanParticles mode) {
+/// Between points that fly the same particles: from how far each group is from what its size lets expect, and
+/// what is known otherwise; nothing where there is no such thing. `deviations`: [points][groups].
+template <class Known>
+std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations, ScanParticles mode,
+                                  Known known) {
   constexpr std::size_t most_points = 2048;
   const std::size_t points = deviations.size();
   if (points < 2 || points > most_points || mode != ScanParticles::shared) return {};
   std::vector<double> covariance(points * points);
   for (std::size_t a = 0; a < points; ++a)
     for (std::size_t b = 0; b <= a; ++b)
-      covariance[a * points + b] = covariance[b * points + a] = covariance_of(deviations[a], deviations[b]);
+      covariance[a * points + b] = covariance[b * points + a] =
+          covariance_of(deviations[a], deviations[b]) + known(a, b);
   return covariance;
 }
 

@@ -12,6 +12,7 @@
 
 #include "particle/fate.hpp"
 #include "section/section.hpp"
+#include "simulation/contraction.hpp"
 #include "simulation/counting.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
@@ -27,6 +28,7 @@ class Finisher {
       : experiment_(experiment),
         plan_(plan),
         sums_(sums),
+        covariances_(contract_moments(plan, sums_)),
         tallies_(plan),
         points_(static_cast<std::size_t>(plan.points)),
         screens_(tallies_.screens, points_),
@@ -104,7 +106,9 @@ class Finisher {
       detector.background = screen->background;
       add_axes(grids.at(detector.name), screen->bins, detector);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
-      detector.detected_covariance = covariance_of(deviations_[detector.name], experiment_.particles);
+      detector.detected_covariance = covariance_of(
+          deviations_[detector.name], experiment_.particles,
+          [&](std::size_t a, std::size_t b) { return covariance_by_moments(detector.name, a, b); });
       add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
@@ -178,7 +182,8 @@ class Finisher {
       along_x.add(own_x, n, each);
       along_z.add(own_z, n, each);
       total.add(own_total, n, each);
-      add_deviations(*screen.tree, sums_, s + screen.layout.group(0), own_total[0], deviations);
+      if (!screen.by_moments)
+        add_deviations(*screen.tree, sums_, s + screen.layout.group(0), own_total[0], deviations);
       component_weights_[detector.name][p][screen.tree->component] = own_total[0];
     }
     bins.put(detector.counts, detector.counts_errors);
@@ -188,10 +193,21 @@ class Finisher {
     const double fraction = particles(all.q) / particles(emitted.q);
     detector.detected.push_back(fraction);
     for (double& d : deviations) d /= particles(emitted.q);
-    detector.detected_errors.push_back(fraction_error(all, total.variances[0], emitted, deviations));
+    const double by_moments = covariance_by_moments(detector.name, p, p);
+    detector.detected_errors.push_back(fraction_error(
+        all, total.variances[0], emitted, covariance_of(deviations, deviations) + by_moments));
     rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
     deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
+  }
+
+  /// Between the detected fractions of two points, of what was booked as moments.
+  double covariance_by_moments(const std::string& detector, std::size_t a, std::size_t b) const {
+    double sum = 0;
+    for (const ScreenCovariance& c : covariances_)
+      if (experiment_.points.front().parts[static_cast<std::size_t>(c.part)].placement.name == detector)
+        sum += c.between_ways(static_cast<Eigen::Index>(c.way_of[a]), static_cast<Eigen::Index>(c.way_of[b]));
+    return sum / (particles(emitted_[a].q) * particles(emitted_[b].q));
   }
 
   // ---- levels ----
@@ -363,7 +379,8 @@ class Finisher {
 
   const Experiment& experiment_;
   const Plan& plan_;
-  const Sums& sums_;
+  Sums sums_;
+  const std::vector<ScreenCovariance> covariances_;
   const Tallies tallies_;
   const std::size_t points_;
   const AtPoints<ScreenTally> screens_;

@@ -74,9 +74,10 @@ class TallyFinisher {
       for (double& d : deviations[p]) d /= particles(emitted.q);
       monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
       monitor.passed_errors[p * planes + plane] =
-          fraction_error(all, total.variances[0], emitted, deviations[p]);
+          fraction_error(all, total.variances[0], emitted, covariance_of(deviations[p], deviations[p]));
     }
-    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles);
+    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles,
+                                                       [](std::size_t, std::size_t) { return 0.0; });
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
   }
 

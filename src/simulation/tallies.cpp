@@ -11,7 +11,9 @@ Tallies::Tallies(const Plan& plan) {
 
 void Tallies::visit(const PlanNode& node) {
   list(node.stage, node.sums, node.ledger, node.points);
+  by_moments_ = node.transit != nullptr;
   for (const PlanNode::Way& way : node.ways) visit_way(node.next.front(), way);
+  by_moments_ = false;
   if (!node.ways.empty()) return;
   for (const PlanNode& next : node.next) visit(next);
 }

@@ -13,6 +13,7 @@ struct TallyPlace {
   const PlanTree* tree;
   std::size_t at;
   const std::vector<int>* points;
+  bool by_moments;  // of the slowness, behind a projection: groups are empty
 };
 struct ScreenTally : TallyPlace {
   int part;
@@ -56,7 +57,7 @@ class Tallies : private SumSink {
   void visit(const PlanNode&);
   void visit_way(const PlanNode&, const PlanNode::Way&);
   void list(const Stage&, std::size_t sums, std::size_t ledger, const std::vector<int>& points);
-  TallyPlace place(std::size_t at) const { return {tree_, sums_ + at, points_}; }
+  TallyPlace place(std::size_t at) const { return {tree_, sums_ + at, points_, by_moments_}; }
 
   void fate(std::string_view word, int part, std::size_t at) override;
   void screen(int part, const ScreenSums& layout, std::size_t at) override;
@@ -68,6 +69,7 @@ class Tallies : private SumSink {
   const PlanTree* tree_ = nullptr;
   std::size_t sums_ = 0, ledger_ = 0;
   const std::vector<int>* points_ = nullptr;
+  bool by_moments_ = false;
 };
 
 }  // namespace rabiline

@@ -1,6 +1,7 @@
 #include "simulation/walk.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rabiline {
 namespace {
@@ -74,6 +75,16 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
     count_emitted(tree, start.view(), sums.data());
     walk(tree.next, 0, tree.source.key, sums);
   }
+  flush_moments(sums);
+}
+
+void Walker::flush_moments(Sums& sums) {
+  for (auto& [node, cells] : moments_) {
+    Sum* to = sums.data() + node->moments;
+    for (CellMoments& cell : cells)
+      for (std::int64_t& moment : cell.of) *to++ += static_cast<Sum>(std::exchange(moment, 0));
+  }
+  moments_.clear();
 }
 
 void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
@@ -82,7 +93,12 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_.fly(batch, chain, node.reach, isa_, key);
+  branches_.fly(batch, chain, node.reach, isa_, key, node.transit.get());
+  if (node.transit) {
+    std::vector<CellMoments>& moments = moments_[&node];
+    moments.resize(node.transit->size());
+    if (branches_.book_moments(*node.transit, batch, moments.data(), sums.data() + node.moments)) return;
+  }
   for (const PlanNode::Way& way : node.ways) {
     branches_.book(*path_of(way.projection), sums.data(), way.shift);
     for (const ChainLink& link : chain) {

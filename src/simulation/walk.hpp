@@ -1,5 +1,7 @@
 #pragma once
 // One block of particles through one tree of the plan.
+#include <map>
+
 #include "plan/plan.hpp"
 #include "transport/branches.hpp"
 
@@ -16,6 +18,8 @@ class Walker {
  private:
   void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
   void pass(const PlanNode&, Batch&, const RandomKey&, Sums&);
+  /// Adds what was booked as moments to the sums, before it can overflow.
+  void flush_moments(Sums&);
   void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
@@ -23,6 +27,7 @@ class Walker {
   int batch_size_;
   std::vector<std::unique_ptr<Batch>> batches_;
   Branches branches_;
+  std::map<const PlanNode*, std::vector<CellMoments>> moments_;
 };
 
 }  // namespace rabiline

@@ -1,6 +1,7 @@
 #include "transport/branches.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rabiline {
 namespace {
@@ -22,7 +23,8 @@ void gather_particles(const BatchView& from, const std::uint16_t* numbers, int c
 // ---- paths ----
 
 void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
-                   const std::vector<std::uint64_t>& reach, Isa isa, const RandomKey& key) {
+                   const std::vector<std::uint64_t>& reach, Isa isa, const RandomKey& key,
+                   const TransitLayout* layout) {
   chain_ = chain;
   isa_ = isa;
   key_ = key;
@@ -45,7 +47,7 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
     paths_.levels_stay = paths_.levels_stay && traits.spins != SpinEffect::set;
   }
   for (std::size_t path = 0; path < paths_.levels.size(); ++path) fly_on(path, batch, reach);
-  keep_undecided(batch);
+  keep_undecided(batch, layout);
   find_stops();
   for (std::size_t link = 0; link < chain.size(); ++link)
     if (tallies_[link]) tallies_[link]->gather(paths_, link, isa);
@@ -100,10 +102,11 @@ void Branches::fly_on(std::size_t path, const Batch& batch, const std::vector<st
 
 /// Particles that end alike in every level, and are not counted by a screen, are decided. The others are put
 /// together by the level that they were prepared in.
-void Branches::keep_undecided(const Batch& batch) {
+void Branches::keep_undecided(const Batch& batch, const TransitLayout* layout) {
   const BatchView& from = batch.view();
   decided_.assign(chain_.size() * most_levels, 0);
   std::array<std::vector<int>, most_levels> undecided;
+  in_cells_.clear();
   for (int i = 0; i < from.count; ++i) {
     if (from.flying[i] == 0) continue;
     const std::size_t at = number(i);
@@ -116,6 +119,8 @@ void Branches::keep_undecided(const Batch& batch) {
     });
     if (alike && !sees_all_)
       decided_[std::size_t{first.link[at]} * most_levels + from.prepared[i]] += from.weight[i];
+    else if (layout != nullptr && layout->cells().contains(1 / from.vy[i]))
+      in_cells_.push_back(i);
     else
       undecided[from.prepared[i]].push_back(i);
   }
@@ -150,6 +155,17 @@ void Branches::find_stops() {
       stop->mask[k] = yes;
     }
   }
+}
+
+// ---- all sets of weights ----
+
+bool Branches::book_moments(const TransitLayout& layout, const Batch& batch, CellMoments* moments,
+                            Sum* sums) {
+  transits_.add(layout, paths_, batch.view(), in_cells_, isa_, moments);
+  for (std::size_t k = 0; k < chain_.size(); ++k)
+    for (std::size_t from = 0; from < layout.levels(); ++from)
+      sums[layout.decided(k, from)] += std::exchange(decided_[k * most_levels + from], 0);
+  return paths_.asked.view().count == 0;
 }
 
 // ---- one set of weights ----

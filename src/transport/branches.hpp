@@ -6,6 +6,7 @@
 
 #include "transport/paths.hpp"
 #include "transport/stage.hpp"
+#include "transport/transit_book.hpp"
 
 namespace rabiline {
 
@@ -20,9 +21,13 @@ struct ChainLink {
 class Branches {
  public:
   /// Flies what flies of the batch, once in each level that it can be found in, through the chain. `reach`:
-  /// these levels as a mask, for each level that a particle is in.
+  /// these levels as a mask, for each level that a particle is in. With a layout of moments, particles whose
+  /// slowness is in its cells are left to book_moments().
   void fly(const Batch& batch, const std::vector<ChainLink>& chain, const std::vector<std::uint64_t>& reach,
-           Isa isa, const RandomKey& key);
+           Isa isa, const RandomKey& key, const TransitLayout* layout = nullptr);
+  /// Books them for all ways to share their weights at once, and what ends alike in every level, in the sums
+  /// of the layout. Whether all were booked.
+  bool book_moments(const TransitLayout& layout, const Batch& batch, CellMoments* moments, Sum* sums);
   /// Shares the weights by a projection, and adds what each share comes to, to the sums of the chain; those
   /// begin `shift` behind what the links say.
   void book(const SpinPath& projection, Sum* sums, std::size_t shift);
@@ -38,7 +43,7 @@ class Branches {
 
   void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach);
   void gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reach);
-  void keep_undecided(const Batch& batch);
+  void keep_undecided(const Batch& batch, const TransitLayout*);
   void find_stops();
   void book_stops(Sum* sums) const;
   void book_decided(Sum* sums) const;
@@ -53,6 +58,8 @@ class Branches {
   std::vector<Sum> unused_;             // what the stages themselves would add
   std::vector<std::uint64_t> decided_;  // [link][prepared level] [quanta] that end there whatever the level
   std::vector<Stop> stops_;
+  std::vector<int> in_cells_;  // particles of the batch that are booked by moments
+  TransitBook transits_;
   Batch flown_;
   std::array<std::uint16_t, capacity> flown_number_{};  // of each of them in the batch
   alignas(64) std::array<std::uint64_t, most_levels * capacity> shares_{};

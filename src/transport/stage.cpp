@@ -53,6 +53,14 @@ bool splits(const Stage& stage) {
       },
       stage);
 }
+double counted_share(const Stage& stage) {
+  return std::visit(
+      [](const auto& s) {
+        if constexpr (requires { s.counted_share(); }) return s.counted_share();
+        return 1.0;
+      },
+      stage);
+}
 int catches(const Stage& stage) {
   return std::visit(
       [](const auto& s) {

@@ -47,7 +47,8 @@ bool follows_paths(const Stage&);
 const SpinPath* path_of(const Stage&);  // null where it asks for no spins
 int part_of(const Stage&);              // that it belongs to, or no_part
 bool splits(const Stage&);
-int catches(const Stage&);         // or no_part
+int catches(const Stage&);  // or no_part
+double counted_share(const Stage&);
 int reads_catch_of(const Stage&);  // or no_part
 std::unique_ptr<PathTally> tally_paths(const Stage&);
 std::size_t own_memory(const Stage&);

@@ -76,6 +76,7 @@ concept StageKind = std::equality_comparable<S> &&
 //   bool splits()              shares the weight over the levels at the end of its path
 //   S piece(begin, end)        a part of it along the beam, for tracks
 //   int catches()              the part whose screen it is
+//   double counted_share()     what that screen counts of each weight
 //   int reads_catch_of()       the part whose catch it tallies, or no_part
 //   unique_ptr<PathTally> tally_paths()   what it keeps of paths and counts of their shares
 //   size_t own_memory()        what each thread keeps while a batch passes it [bytes]

@@ -18,9 +18,11 @@ void LevelProjection::explain(PlanReport& report) const {
               split ? "all are followed with their shares of its weight" : "drawn by its probability",
               report.reuse);
   if (report.reweightings > 1)
-    report.line(
-        "{:>16}its paths in {} levels are flown once, and {} ways to share the weights are booked on them",
-        "", report.levels_found, report.reweightings);
+    report.line("{:>16}its paths in {} levels are flown once; {} ways to share the weights {}", "",
+                report.levels_found, report.reweightings,
+                report.slowness_cells > 0
+                    ? fmt::format("follow from moments of the slowness in {} cells", report.slowness_cells)
+                    : fmt::format("are booked one by one: {}", report.why_one_by_one));
   if (report.of_atom && !report.on_axis.empty()) {
     report.on_axis.resize(static_cast<std::size_t>(spins.levels));
     std::iota(report.on_axis.begin(), report.on_axis.end(), 0);

@@ -22,6 +22,7 @@ struct Score {
   void explain(PlanReport&) const;
   bool follows_paths() const;
   int catches() const;
+  double counted_share() const { return screen.efficiency; }
   std::unique_ptr<PathTally> tally_paths() const;
 };
 static_assert(StageKind<Score>);

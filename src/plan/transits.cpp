@@ -1,0 +1,148 @@
+#include "plan/transits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "transport/cost.hpp"
+#include "transport/sum_sink.hpp"
+
+namespace rabiline {
+namespace {
+
+/// Of the fastest cosine in a probability, across one cell: a polynomial through 8 Chebyshev points is then
+/// off by (1/2)^8/(8! 2^7) = 7.6e-10 of its amplitude.
+constexpr double radians_per_cell = 1;
+/// Moments of one projection, at most.
+constexpr std::size_t most_moments = std::size_t{1} << 19;
+/// How far cells reach beyond the speeds of nearly all particles; what is still outside is shared point by
+/// point.
+constexpr double beyond = 2;
+
+/// What a stage behind a projection keeps.
+class LinkSums : public SumSink {
+ public:
+  explicit LinkSums(const Stage& stage) {
+    link.counted = counted_share(stage);
+    rabiline::list_sums(stage, *this);
+  }
+  TransitLink link;
+  bool has_levels = false, has_more = false;
+
+ private:
+  void fate(std::string_view, int, std::size_t) override {}
+  void screen(int, const ScreenSums& layout, std::size_t) override {
+    link.is_screen = true;
+    link.screen = layout;
+  }
+  void levels(int, int, std::size_t) override { has_levels = true; }
+  void plane(int, int, std::size_t) override { has_more = true; }
+  void histogram(int, int, int, const HistogramSums&, std::size_t) override { has_more = true; }
+};
+
+/// The stages behind a projection, where its moments can hold all that they count.
+std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection) {
+  std::vector<TransitLink> links;
+  std::vector<int> screens;
+  for (const PlanNode* node = &projection; !node->next.empty();) {
+    node = &node->next.front();
+    const LinkSums kept(node->stage);
+    const bool of_screen_before =
+        std::find(screens.begin(), screens.end(), reads_catch_of(node->stage)) != screens.end();
+    if (kept.has_more || kept.has_levels != traits_of(node->stage).only_reads ||
+        (kept.has_levels && !of_screen_before) || traits_of(node->stage).spins == SpinEffect::set)
+      return {};
+    if (kept.link.is_screen) screens.push_back(catches(node->stage));
+    links.push_back(kept.link);
+  }
+  return links;
+}
+
+/// The angle by which spins turn, over the slowness [rad m/s], where that is all that their flip probability
+/// depends on: one frame that turns evenly, from a level along its axis.
+std::optional<double> turning_of(const SpinPath& path) {
+  if (!path.from_level || path.of_atom || path.transitions != nullptr || path.levels < 2) return {};
+  const DriveTerm* clock = nullptr;
+  double angle = 0, since_drive = 0;
+  for (const SpinZone& zone : path.zones) {
+    if (zone.turned || (zone.kind != ZoneKind::precession && zone.kind != ZoneKind::rotating)) return {};
+    const double length = zone.end - zone.begin;
+    if (zone.kind == ZoneKind::precession) {
+      if (clock != nullptr) since_drive += std::abs(zone.spin_rate - clock->omega) * length;
+      continue;
+    }
+    const DriveTerm& drive = zone.drive[0];
+    if (clock == nullptr) clock = &drive;
+    if (!drive.in_xy || drive.twist != 0 || drive.omega != clock->omega ||
+        drive.oscillator != clock->oscillator || drive.random_turn != clock->random_turn)
+      return {};
+    angle += since_drive + std::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
+    since_drive = 0;
+  }
+  return angle;
+}
+
+class TransitMaker {
+ public:
+  TransitMaker(const PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums)
+      : particles_(static_cast<double>(tree.last - tree.first)),
+        speeds_(speeds),
+        points_(static_cast<std::size_t>(points)),
+        sums_(sums) {}
+
+  void visit(PlanNode& node) {
+    if (traits_of(node.stage).spins == SpinEffect::set && node.ways.empty()) return;  // and behind it
+    if (!node.ways.empty()) return lay_out(node);
+    for (PlanNode& next : node.next) visit(next);
+  }
+
+ private:
+  void lay_out(PlanNode& node) {
+    // Their covariance with the other points would be missing.
+    if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
+    const auto links = links_behind(node);
+    if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
+    double angle = 0;
+    for (const PlanNode::Way& way : node.ways) {
+      const SpinPath& path = *path_of(way.projection);
+      const std::optional<double> turning = turning_of(path);
+      if (!turning) return by_particle(node, "the fields before it are no closed form of the slowness alone");
+      angle = std::max(angle, *turning * (path.levels - 1));
+    }
+    const double first = 1 / (beyond * speeds_.fastest), last = beyond / speeds_.slowest;
+    const double cells = std::max(1.0, std::ceil((last - first) * angle / radians_per_cell));
+    if (cells > static_cast<double>(most_moments)) return by_particle(node, too_large);
+    const auto layout = std::make_shared<TransitLayout>(
+        SlownessCells{first, (last - first) / cells, static_cast<int>(cells)}, node.reach, *links);
+    if (layout->size() > most_moments) return by_particle(node, too_large);
+    if (!is_shorter(node, *layout)) return by_particle(node, "that is shorter here");
+    node.transit = layout;
+    node.moments = sums_;
+    sums_ += layout->sums();
+  }
+  static constexpr std::string_view too_large = "their moments would need much memory";
+  static void by_particle(PlanNode& node, std::string_view why) { node.why_one_by_one = why; }
+
+  /// Against sharing the weight of every particle for each way.
+  bool is_shorter(const PlanNode& node, const TransitLayout& layout) const {
+    const double ways = static_cast<double>(node.ways.size()), levels = static_cast<double>(layout.levels());
+    const double one_by_one = particles_ * ways * cost::share * levels;
+    const double booked = particles_ * cost::moments * levels,
+                 contracted = ways * static_cast<double>(layout.size()) * transit_powers * cost::multiply;
+    return one_by_one > booked + 2 * contracted;
+  }
+
+  const double particles_;
+  const SpeedRange speeds_;
+  const std::size_t points_;
+  std::size_t& sums_;
+};
+
+}  // namespace
+
+void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums) {
+  TransitMaker maker(tree, speeds, points, sums);
+  for (PlanNode& node : tree.next) maker.visit(node);
+}
+
+}  // namespace rabiline

@@ -1,0 +1,12 @@
+#pragma once
+// Which projections book moments of the slowness, so that a scan behind them costs one flight.
+#include "particle/speed.hpp"
+#include "plan/plan.hpp"
+
+namespace rabiline {
+
+/// Lays out the moments of every projection of a tree where all scan points follow from them and that is the
+/// shorter way; they stand at the end of `sums`. `speeds`: of nearly all particles of the tree.
+void lay_out_moments(PlanTree&, const SpeedRange& speeds, int points, std::size_t& sums);
+
+}  // namespace rabiline

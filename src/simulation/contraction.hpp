@@ -1,0 +1,13 @@
+#pragma once
+// From moments of the slowness to what each scan point counts.
+#include <vector>
+
+#include "simulation/screen_covariance.hpp"
+
+namespace rabiline {
+
+/// Adds what follows from the moments to the sums of every way to share the weights, and tells how the counts
+/// of screens go together. Throws std::logic_error where moments do not add up to what was booked.
+std::vector<ScreenCovariance> contract_moments(const Plan&, Sums&);
+
+}  // namespace rabiline

@@ -1,0 +1,108 @@
+#include "simulation/screen_covariance.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double quanta = static_cast<double>(quanta_per_particle);
+
+/// P(from -> to) is a polynomial in the flip probability p of a spin 1/2 (MajoranaTable): of a power of p.
+double coefficient(const SpinPath& path, std::size_t from, int to, int power) {
+  if (path.levels == 2) {
+    const bool stays = static_cast<int>(from) == to;
+    return power == 0 ? (stays ? 1 : 0) : (stays ? -1 : 1);
+  }
+  return path.polynomials[(from * static_cast<std::size_t>(path.levels) + static_cast<std::size_t>(to)) *
+                              static_cast<std::size_t>(path.levels) +
+                          static_cast<std::size_t>(power)];
+}
+
+/// Products of powers of p in what the screen counts of pairs of paths: [i][j], each over the nodes.
+std::vector<std::vector<Eigen::VectorXd>> products_of_powers(const SpinPath& path,
+                                                             const TransitLayout& layout,
+                                                             const TransitNodes& nodes, std::size_t link) {
+  const auto levels = static_cast<std::size_t>(path.levels);
+  std::vector<std::vector<Eigen::VectorXd>> of(
+      levels, std::vector<Eigen::VectorXd>(levels, Eigen::VectorXd::Zero(nodes.size())));
+  for (std::size_t from = 0; from < layout.levels(); ++from)
+    for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
+      for (std::size_t b = 0; b < layout.outcomes(from).size(); ++b) {
+        const Eigen::VectorXd pair = nodes.pair_weights(link, from, a, b);
+        for (std::size_t i = 0; i < levels; ++i)
+          for (std::size_t j = 0; j < levels; ++j)
+            of[i][j] += pair * (coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i)) *
+                                coefficient(path, from, layout.outcomes(from)[b], static_cast<int>(j)));
+      }
+  return of;
+}
+
+/// Sum of w^2 P, as powers of p.
+std::vector<Eigen::VectorXd> powers_in_counts(const SpinPath& path, const TransitLayout& layout,
+                                              const TransitNodes& nodes, std::size_t link) {
+  std::vector<Eigen::VectorXd> of(static_cast<std::size_t>(path.levels), Eigen::VectorXd::Zero(nodes.size()));
+  for (std::size_t from = 0; from < layout.levels(); ++from)
+    for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
+      for (std::size_t i = 0; i < of.size(); ++i)
+        of[i] += nodes.pair_weights(link, from, a, a) *
+                 coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i));
+  return of;
+}
+
+/// The flip probability of a spin 1/2 at the nodes, for every way: [way][node], ways in eights.
+Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes) {
+  const auto ways = static_cast<Eigen::Index>(projection.ways.size());
+  Eigen::MatrixXd flips = Eigen::MatrixXd::Zero((ways + 7) / 8 * 8, nodes.size());
+  for (Eigen::Index way = 0; way < ways; ++way)
+    flips.row(way) =
+        nodes.flips(*path_of(projection.ways[static_cast<std::size_t>(way)].projection), tree.source.key);
+  return flips;
+}
+
+}  // namespace
+
+/// Of counts C = sum of w P over N particles that were emitted with sum of w = W: the sum over all of them of
+/// (w P - r w)(w P' - r' w), r = C/W.
+ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
+                               std::size_t link, int part, Eigen::VectorXd counted, const Sums& sums) {
+  const TransitLayout& layout = *projection.transit;
+  const SpinPath& path = *path_of(projection.stage);
+  const auto products = products_of_powers(path, layout, nodes, link);
+  const auto singles = powers_in_counts(path, layout, nodes, link);
+  const Eigen::MatrixXd flips = flips_of(tree, projection, nodes);
+  const Eigen::Index ways = flips.rows();
+  const double share = layout.link(link).counted;
+
+  std::vector<Eigen::MatrixXd> power(products.size());  // of the flips, the 0th left out
+  power[1] = flips;
+  for (std::size_t i = 2; i < power.size(); ++i) power[i] = power[i - 1].cwiseProduct(flips);
+
+  Eigen::MatrixXd together = Eigen::MatrixXd::Constant(ways, ways, products[0][0].sum());
+  Eigen::VectorXd weighted = Eigen::VectorXd::Constant(ways, singles[0].sum());
+  for (std::size_t i = 1; i < power.size(); ++i) {
+    const Eigen::VectorXd with_one = power[i] * products[i][0];
+    together.colwise() += with_one;
+    together.rowwise() += with_one.transpose();
+    weighted += power[i] * singles[i];
+    Eigen::MatrixXd others = Eigen::MatrixXd::Zero(ways, nodes.size());
+    for (std::size_t j = 1; j < power.size(); ++j) others += power[j] * products[i][j].asDiagonal();
+    kernel::add_products(best_isa())(power[i].data(), others.data(), ways, nodes.size(), together.data());
+  }
+  together *= share * share / quanta;
+  weighted *= share / quanta;
+
+  const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / quanta,
+               emitted2 = static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / quanta / quanta;
+  counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
+  const Eigen::VectorXd rate = counted / emitted;
+  ScreenCovariance out{part, {}, {}};
+  for (std::size_t way = 0; way < projection.ways.size(); ++way)
+    for (const int point : projection.ways[way].points) {
+      out.way_of.resize(std::max(out.way_of.size(), static_cast<std::size_t>(point) + 1));
+      out.way_of[static_cast<std::size_t>(point)] = static_cast<Eigen::Index>(way);
+    }
+  out.between_ways = together - weighted * rate.transpose() - rate * weighted.transpose() +
+                     emitted2 * rate * rate.transpose();
+  out.between_ways.diagonal() = out.between_ways.diagonal().cwiseMax(0);
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,19 @@
+#pragma once
+// How the counts of scan points go together that fly the same particles, from moments of their slowness.
+#include "plan/plan.hpp"
+#include "simulation/transit_nodes.hpp"
+
+namespace rabiline {
+
+/// Of what one screen counted at all points of a projection.
+struct ScreenCovariance {
+  int part = 0;                        // the screen's, at the first point
+  std::vector<Eigen::Index> way_of{};  // [points]
+  Eigen::MatrixXd between_ways{};      // particles^2
+};
+
+/// Of the screen that is that link behind the projection; `counted`: particles, of each way.
+ScreenCovariance covariance_of(const PlanTree&, const PlanNode& projection, const TransitNodes&,
+                               std::size_t link, int part, Eigen::VectorXd counted, const Sums&);
+
+}  // namespace rabiline

@@ -1,0 +1,103 @@
+#include "simulation/transit_nodes.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <numbers>
+
+#include "core/portable_math.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr int powers = transit_powers;
+using Powers = Eigen::Matrix<double, powers, 1>;
+
+/// A sum of moments, which may be negative.
+double number(Sum sum) {
+  __extension__ typedef __int128 Signed;
+  return static_cast<double>(static_cast<Signed>(sum));
+}
+
+double chebyshev_point(int j) { return portable::cos(std::numbers::pi * (j + 0.5) / powers); }
+
+/// A polynomial through the points t_j is the sum of f(t_j) l_j(t); row j has the coefficients of l_j.
+Eigen::Matrix<double, powers, powers> lagrange_polynomials() {
+  Eigen::Matrix<double, powers, powers> vandermonde;
+  for (int j = 0; j < powers; ++j) {
+    double power = 1;
+    for (int k = 0; k < powers; ++k, power *= chebyshev_point(j)) vandermonde(j, k) = power;
+  }
+  return vandermonde.inverse().transpose();
+}
+
+}  // namespace
+
+TransitNodes::TransitNodes(const TransitLayout& layout, const Sum* sums) : layout_(layout), sums_(sums) {
+  const SlownessCells& cells = layout.cells();
+  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells.count); ++cell) {
+    bool holds = false;
+    for (std::size_t row = 0; !holds && row < layout.rows(); ++row)
+      holds = sums[layout.moment(row, cell, 0)] != 0;
+    if (!holds) continue;
+    cells_.push_back(cell);
+    for (int j = 0; j < powers; ++j)
+      slowness_.push_back(cells.first +
+                          cells.width * (static_cast<double>(cell) + 0.5 * (chebyshev_point(j) + 1)));
+  }
+  const Eigen::Matrix<double, powers, powers> lagrange = lagrange_polynomials();
+  weights_.resize(size(), static_cast<Eigen::Index>(layout.rows()));
+  for (std::size_t row = 0; row < layout.rows(); ++row)
+    for (std::size_t c = 0; c < cells_.size(); ++c) {
+      Powers moments;
+      for (int k = 0; k < powers; ++k) moments[k] = number(sums[layout.moment(row, cells_[c], k)]);
+      weights_.col(static_cast<Eigen::Index>(row)).segment<powers>(static_cast<Eigen::Index>(c) * powers) =
+          lagrange * moments;
+    }
+}
+
+Sum TransitNodes::booked(std::size_t row) const {
+  Sum sum = 0;
+  for (const std::size_t cell : cells_) sum += sums_[layout_.moment(row, cell, 0)];
+  return sum;
+}
+
+Eigen::VectorXd TransitNodes::pair_weights(std::size_t link, std::size_t from, std::size_t a,
+                                           std::size_t b) const {
+  if (a < b) std::swap(a, b);
+  const ScreenSums& screen = layout_.link(link).screen;
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
+  for (std::size_t bin = 0; bin < screen.bins(); ++bin) sum += weights(layout_.square(link, bin, from, a, b));
+  if (a != b && screen.bins() > 1) sum += weights(layout_.screen(link, from, a, b));
+  return sum;
+}
+
+Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key, std::size_t from,
+                                     const std::vector<int>& outcomes) const {
+  struct alignas(64) Line {
+    std::uint64_t of[8];
+  };
+  std::vector<Line> lines(most_levels * Batch::capacity / 8);
+  std::uint64_t* shared = lines.front().of;
+  Eigen::MatrixXd out(size(), static_cast<Eigen::Index>(outcomes.size()));
+  Batch batch;
+  BatchView& b = batch.view();
+  for (std::size_t begin = 0; begin < slowness_.size(); begin += Batch::capacity) {
+    const std::size_t count = std::min<std::size_t>(Batch::capacity, slowness_.size() - begin);
+    b.count = b.padded = static_cast<int>(count);  // nodes come in eights
+    for (const auto column : real_columns) std::fill_n(b.*column, count, 0.0);
+    for (const auto column : word_columns) std::fill_n(b.*column, count, 0);
+    for (std::size_t i = 0; i < count; ++i) b.vy[i] = 1 / slowness_[begin + i];
+    std::fill_n(b.sz, count, 1.0);
+    std::fill_n(b.level, count, from);
+    std::fill_n(b.weight, count, quanta_per_particle);
+    kernel::outcomes(best_isa())(path.view(key), b, b.weight, shared);
+    for (std::size_t rank = 0; rank < outcomes.size(); ++rank)
+      for (std::size_t i = 0; i < count; ++i)
+        out(static_cast<Eigen::Index>(begin + i), static_cast<Eigen::Index>(rank)) =
+            static_cast<double>(shared[static_cast<std::size_t>(outcomes[rank]) * count + i]) /
+            static_cast<double>(quanta_per_particle);
+  }
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,47 @@
+#pragma once
+// The moments of one projection as weights at places of the slowness, where probabilities are asked for.
+#include <Eigen/Core>
+#include <vector>
+
+#include "transport/spin_path.hpp"
+#include "transport/transit.hpp"
+
+namespace rabiline {
+
+/// Eight Chebyshev points in each cell that holds anything: a sum of w f(s) over the particles of a row is
+/// weights(row).dot(f at the nodes) for every f that is a polynomial of degree 7 across each cell.
+class TransitNodes {
+ public:
+  /// `sums`: those of the layout.
+  TransitNodes(const TransitLayout& layout, const Sum* sums);
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(slowness_.size()); }
+  /// [quanta] of a row of w; of a row of w^2 in units of 2^-40 particle^2.
+  auto weights(std::size_t row) const { return weights_.col(static_cast<Eigen::Index>(row)); }
+  /// All that was booked in a row of w, exactly.
+  Sum booked(std::size_t row) const;
+  /// w^2 of pairs of paths that a screen catches, whatever the bins.
+  Eigen::VectorXd pair_weights(std::size_t link, std::size_t from, std::size_t a, std::size_t b) const;
+
+  /// What the kernel that shares out weights gives to each outcome of a level: [node][rank].
+  Eigen::MatrixXd shares(const SpinPath& path, const RandomKey& key, std::size_t from) const {
+    return shares(path, key, from, layout_.outcomes(from));
+  }
+  /// The flip probability of a spin 1/2 that turns likewise: [node].
+  Eigen::VectorXd flips(SpinPath path, const RandomKey& key) const {
+    path.levels = 2;
+    return shares(path, key, 0, {1});
+  }
+
+ private:
+  Eigen::MatrixXd shares(const SpinPath&, const RandomKey&, std::size_t from,
+                         const std::vector<int>& outcomes) const;
+
+  const TransitLayout& layout_;
+  const Sum* sums_;
+  std::vector<std::size_t> cells_;  // that hold anything
+  std::vector<double> slowness_;    // [s/m]
+  Eigen::MatrixXd weights_;         // [node][row]
+};
+
+}  // namespace rabiline

@@ -1,0 +1,78 @@
+#include "transport/transit.hpp"
+
+#ifndef RABILINE_ISA  // what the host does
+
+namespace rabiline {
+
+TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
+                             const std::vector<TransitLink>& links)
+    : cells_(cells), outcomes_(reach.size()), paths_before_{0}, pairs_before_{0}, links_(links) {
+  for (std::size_t from = 0; from < reach.size(); ++from) {
+    for (int to = 0; to < most_levels; ++to)
+      if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
+    const std::size_t n = outcomes_[from].size();
+    paths_before_.push_back(paths_before_.back() + n);
+    pairs_before_.push_back(pairs_before_.back() + n * (n - 1) / 2);
+  }
+  for (const TransitLink& link : links) {
+    first_row_.push_back(rows_);
+    rows_ += all_paths();
+    if (link.is_screen)
+      rows_ += (all_paths() + all_pairs(true)) * link.screen.bins() +
+               all_pairs(false) * (link.screen.columns + link.screen.rows + 1);
+  }
+}
+
+}  // namespace rabiline
+
+#else  // its kernel, compiled once for each instruction set
+
+#include "core/lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// A number below 2^51 in size gets a whole number's bits by adding 1.5 2^52.
+void add_moments(const TransitEntry* entries, std::size_t count, CellMoments* moments) {
+  constexpr double shift = 0x1.8p52;
+  const words shift_bits = bit_pattern(broadcast(shift));
+  for (std::size_t n = 0; n < count; ++n) {
+    const double t = entries[n].t, t2 = t * t, t4 = t2 * t2;
+    alignas(64) const double powers[transit_powers] = {1, t, t2, t2 * t, t4, t4 * t, t4 * t2, t4 * (t2 * t)};
+    const real weight = broadcast(entries[n].weight);
+    std::int64_t* sums = moments[entries[n].cell].of;
+    for (int k = 0; k < transit_powers; k += lane_count) {
+      auto* to = reinterpret_cast<unsigned long*>(sums + k);
+      store(to, load(to) + (bit_pattern(load(powers + k) * weight + shift) - shift_bits));
+    }
+  }
+}
+
+/// Lanes are rows, so that every sum goes over the columns in their order.
+void add_products(const double* a, const double* b, std::ptrdiff_t rows, std::ptrdiff_t columns,
+                  double* sums) {
+  using vector = double __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+  constexpr int vectors = 8 / lane_count, at_once = 4;
+  constexpr std::ptrdiff_t chunk = 512;  // of columns, which stay in the cache
+  for (std::ptrdiff_t begin = 0; begin < columns; begin += chunk) {
+    const std::ptrdiff_t end = begin + chunk < columns ? begin + chunk : columns;
+    for (std::ptrdiff_t j = 0; j < rows; j += at_once)
+      for (std::ptrdiff_t i = 0; i < rows; i += 8) {
+        vector sum[at_once][vectors];
+        for (int q = 0; q < at_once; ++q)
+          for (int v = 0; v < vectors; ++v)
+            sum[q][v] = *reinterpret_cast<const vector*>(sums + (j + q) * rows + i + v * lane_count);
+        for (std::ptrdiff_t k = begin; k < end; ++k)
+          for (int v = 0; v < vectors; ++v) {
+            const vector of_a = *reinterpret_cast<const vector*>(a + k * rows + i + v * lane_count);
+            for (int q = 0; q < at_once; ++q) sum[q][v] = sum[q][v] + of_a * b[k * rows + j + q];
+          }
+        for (int q = 0; q < at_once; ++q)
+          for (int v = 0; v < vectors; ++v)
+            *reinterpret_cast<vector*>(sums + (j + q) * rows + i + v * lane_count) = sum[q][v];
+      }
+  }
+}
+
+}  // namespace rabiline::RABILINE_ISA
+
+#endif

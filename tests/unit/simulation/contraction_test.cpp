@@ -1,0 +1,189 @@
+// Scan points from moments of the slowness, against the same points flown alone.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "physics/suggested.hpp"
+
+namespace rabiline::test {
+namespace {
+
+GradientMagnet magnet(double length, double gradient) {
+  GradientMagnet part;
+  part.length = length;
+  part.field = 1;
+  part.gradient = gradient;
+  part.gap = Rectangle{6e-3, 0.5e-3};
+  return part;
+}
+Species point_of_spin(int twice) { return {"point", 3e-26, 0, {twice}, 5.86e10, ""}; }
+
+/// A magnet, a field that turns or two of them on one oscillator, a second magnet, a screen.
+struct Apparatus {
+  Species species = point_of_spin(1);
+  Bins bins{1, 1};
+  double efficiency = 1;
+  bool ramsey = false, aimed = false;
+  std::uint64_t particles = 30000;
+
+  Beamline at(double frequency) const {
+    Beamline b = suggested(1e6);
+    b.law = QuantumLaw{Outcomes::split};
+    b.species = {{species, 1}};
+    b.source = {GaussianSpeed{800, 60}, Rectangle{0.2e-3, 0.1e-3}, BoxDirection{1e-4, 1e-4}};
+    if (aimed) b.source.direction = AimedDirection{"screen", CosineEmission{}};
+    b.chamber.reset();
+    RotatingField drive;
+    drive.length = ramsey ? 0.02 : 0.05;
+    drive.amplitude = 1e-6;
+    drive.frequency = frequency;
+    drive.sense = Sense::co;
+    Detector detector{Rectangle{4e-3, 0.6e-3}, bins, {}};
+    detector.efficiency = efficiency;
+    if (efficiency < 1) detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};
+    b.parts = {place("A", 0.1, magnet(0.1, 8)), place("C", 0.25, UniformField{0.2, resonant_field, {}}),
+               place("drive", 0.27, drive)};
+    if (ramsey) b.parts.push_back(place("second", 0.39, drive));
+    b.parts.push_back(place("B", 0.5, magnet(0.1, 20)));
+    b.parts.push_back(place("screen", 0.8, detector));
+    b.particles = particles;
+    return b;
+  }
+  static constexpr double resonant_field = 1e-3;
+  double resonance() const { return 5.86e10 * resonant_field / (2 * std::numbers::pi); }
+  std::vector<Beamline> scan(int points) const {
+    std::vector<Beamline> out;
+    for (int i = 0; i < points; ++i) out.push_back(at(resonance() * (1 + 2e-3 * (i - points / 2) / points)));
+    return out;
+  }
+};
+
+bool has_moments(const std::vector<PlanNode>& nodes) {
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [](const PlanNode& node) { return node.transit != nullptr || has_moments(node.next); });
+}
+bool has_moments(const std::vector<Beamline>& points) {
+  Experiment e;
+  e.points = points;
+  return has_moments(make_plan(e).trees.front().next);
+}
+
+void expect_as_alone(const Apparatus& apparatus, int points) {
+  const std::vector<Beamline> scan = apparatus.scan(points);
+  ASSERT_TRUE(has_moments(scan));
+  ASSERT_FALSE(has_moments({scan.front()}));
+  const Result all = run_points(scan);
+  const DetectorResult& screen = all.detectors[0];
+  const double emitted = all.emitted[0];
+  for (int i = 0; i < points; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const Result one = run_points({scan[at]});
+    const DetectorResult& alone = one.detectors[0];
+    for (std::size_t b = 0; b < alone.counts.size(); ++b) {
+      EXPECT_NEAR(screen.counts[at * alone.counts.size() + b], alone.counts[b], 1e-9 * emitted);
+      EXPECT_NEAR(screen.counts_errors[at * alone.counts.size() + b], alone.counts_errors[b],
+                  1e-6 * std::sqrt(emitted));
+    }
+    for (std::size_t x = 0; x < alone.counts_x.size(); ++x)
+      EXPECT_NEAR(screen.counts_x_errors[at * alone.counts_x.size() + x], alone.counts_x_errors[x],
+                  1e-6 * std::sqrt(emitted));
+    for (std::size_t z = 0; z < alone.counts_z.size(); ++z)
+      EXPECT_NEAR(screen.counts_z_errors[at * alone.counts_z.size() + z], alone.counts_z_errors[z],
+                  1e-6 * std::sqrt(emitted));
+    for (std::size_t level = 0; level < alone.levels.size(); ++level) {
+      EXPECT_NEAR(screen.levels[at * alone.levels.size() + level], alone.levels[level], 1e-8);
+      EXPECT_NEAR(screen.levels_errors[at * alone.levels.size() + level], alone.levels_errors[level], 1e-7);
+    }
+    ASSERT_EQ(all.fates.size(), one.fates.size());
+    for (std::size_t f = 0; f < one.fates.size(); ++f) {
+      EXPECT_NEAR(all.fates[f].particles[at], one.fates[f].particles[0], 1e-9 * emitted);
+      for (std::size_t level = 0; level < one.fates[f].by_level.size(); ++level)
+        EXPECT_NEAR(all.fates[f].by_level[at * one.fates[f].by_level.size() + level],
+                    one.fates[f].by_level[level], 1e-9 * emitted);
+    }
+  }
+}
+
+TEST(Moments, GiveEachPointOfAScanAsIfItWereFlownAlone) { expect_as_alone({}, 9); }
+TEST(Moments, GiveEveryBinOfAScreenThatCountsTwoThirds) {
+  Apparatus apparatus;
+  apparatus.bins = {3, 4};
+  apparatus.efficiency = 2.0 / 3;
+  expect_as_alone(apparatus, 7);
+}
+TEST(Moments, OfASpinThreeHalvesFollowMajorana) {
+  Apparatus apparatus;
+  apparatus.species = point_of_spin(3);
+  expect_as_alone(apparatus, 7);
+}
+TEST(Moments, OfTwoFieldsOnOneOscillatorGiveRamseysFringes) {
+  Apparatus apparatus;
+  apparatus.ramsey = true;
+  apparatus.particles = 100000;
+  expect_as_alone(apparatus, 9);
+}
+TEST(Moments, OfParticlesThatWeighDifferently) {
+  Apparatus apparatus;
+  apparatus.aimed = true;
+  expect_as_alone(apparatus, 7);
+}
+
+TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
+  Apparatus apparatus;
+  apparatus.bins = {3, 4};
+  Experiment e;
+  e.points = apparatus.scan(7);
+  const Plan plan = make_plan(e);
+  const Result one = finish(e, plan, run(plan, {}).sums);
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    RunOptions options;
+    options.isa = isa;
+    options.threads = 3;
+    options.batch = isa == Isa::baseline ? 512 : 40;
+    const Result other = finish(e, plan, run(plan, options).sums);
+    EXPECT_EQ(one.detectors[0].counts, other.detectors[0].counts);
+    EXPECT_EQ(one.detectors[0].counts_errors, other.detectors[0].counts_errors);
+    EXPECT_EQ(one.detectors[0].detected_covariance, other.detectors[0].detected_covariance);
+    EXPECT_EQ(one.detectors[0].levels_errors, other.detectors[0].levels_errors);
+  }
+}
+
+/// Two points that drive nothing but another power of their Larmor angle see the same particles: what both
+/// count varies as each alone.
+TEST(Moments, TellHowPointsVaryTogether) {
+  for (const bool aimed : {false, true}) {
+    Apparatus apparatus;
+    apparatus.aimed = aimed;
+    std::vector<Beamline> scan = apparatus.scan(6);
+    scan.push_back(apparatus.at(apparatus.resonance() * (1 + 1e-12)));
+    ASSERT_TRUE(has_moments(scan));
+    const DetectorResult screen = run_points(scan).detectors[0];
+    const auto covariance = [&](std::size_t a, std::size_t b) {
+      return screen.detected_covariance[a * 7 + b];
+    };
+    for (std::size_t i = 0; i < 7; ++i) {
+      EXPECT_NEAR(covariance(i, i), screen.detected_errors[i] * screen.detected_errors[i],
+                  1e-6 * covariance(i, i));
+      for (std::size_t j = 0; j < 7; ++j)
+        EXPECT_NEAR(covariance(i, j), covariance(j, i), 1e-9 * covariance(i, i));
+    }
+    EXPECT_NEAR(covariance(3, 6), covariance(3, 3), 1e-6 * covariance(3, 3));
+
+    // Against groups of particles, as points are flown whose projection has a monitor behind it.
+    for (Beamline& b : scan)
+      b.parts.insert(b.parts.end() - 1, place("look", 0.7, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
+    ASSERT_FALSE(has_moments(scan));
+    const DetectorResult groups = run_points(scan).detectors[0];
+    for (std::size_t i = 0; i < 7; ++i)
+      for (std::size_t j = 0; j < 7; ++j) {
+        // Of normally distributed numbers: Var(C_ij) = (C_ij^2 + C_ii C_jj)/255.
+        const double error =
+            std::sqrt((covariance(i, j) * covariance(i, j) + covariance(i, i) * covariance(j, j)) / 255);
+        EXPECT_NEAR(covariance(i, j), groups.detected_covariance[i * 7 + j], 4 * error);
+      }
+  }
+}
+
+}  // namespace
+}  // namespace rabiline::test
