@@ -80,8 +80,8 @@ TEST(PartOfTheHowTo, IsDescribedAndInTheSchema) {
 }
 
 TEST(PartOfTheHowTo, HasARule) {
-  EXPECT_TRUE(faults_of(solenoid(), {"S", 0.2, {}}).empty());
-  const std::vector<Fault> faults = faults_of(Solenoid{0.1, 0.02, 400, 0.025}, {"S", 0.2, {}});
+  EXPECT_TRUE(faults_of(Solenoid{0.2, 0.02, 400, 0.025}, {"S", 0.2, {}}).empty());
+  const std::vector<Fault> faults = faults_of(Solenoid{0.199, 0.02, 400, 0.025}, {"S", 0.2, {}});
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(dotted_name(faults[0].subject, faults[0].key), "S.length");
   EXPECT_THAT(faults[0].message, HasSubstr("too short"));
