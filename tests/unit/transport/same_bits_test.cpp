@@ -101,28 +101,24 @@ void expect_same(const StageSample& sample) {
           << sample.what << " on " << name_of(isa) << " in batches of " << size;
 }
 
-template <class Kind>
-class StageBits : public testing::Test {};
-template <class List>
-struct KindsOf;
+struct Kind {
+  std::string name;
+  std::vector<StageSample> (*samples)();
+};
 template <class... Kinds>
-struct KindsOf<std::variant<Kinds...>> {
-  using type = testing::Types<Kinds...>;
-};
-struct NameOfKind {
-  template <class Kind>
-  static std::string GetName(int) {
-    const std::string name = testing::internal::GetTypeName<Kind>();
-    return name.substr(name.rfind(':') + 1);
-  }
-};
-TYPED_TEST_SUITE(StageBits, KindsOf<Stage>::type, NameOfKind);
+std::vector<Kind> kinds_of(std::type_identity<std::variant<Kinds...>>) {
+  const auto name = [](std::string full) { return full.substr(full.rfind(':') + 1); };
+  return {Kind{name(testing::internal::GetTypeName<Kinds>()), test::samples_of<Kinds>}...};
+}
 
-TYPED_TEST(StageBits, AreTheSameOnEachInstructionSetInBatchesOfAnySize) {
-  const std::vector<StageSample> samples = test::samples_of<TypeParam>();
+class StageBits : public testing::TestWithParam<Kind> {};
+TEST_P(StageBits, AreTheSameOnEachInstructionSetInBatchesOfAnySize) {
+  const std::vector<StageSample> samples = GetParam().samples();
   EXPECT_FALSE(samples.empty());
   for (const StageSample& sample : samples) expect_same(sample);
 }
+INSTANTIATE_TEST_SUITE_P(Of, StageBits, testing::ValuesIn(kinds_of(std::type_identity<Stage>())),
+                         [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
 }  // namespace rabiline
