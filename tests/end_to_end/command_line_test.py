@@ -331,8 +331,8 @@ def test_particles_and_seed_change_what_they_should(tmp_path: Path) -> None:
     other = run(tmp_path / "other.h5", "--particles", 500, *EDGES, "--seed", 12345678901234567890)
     assert read(other, "simulation/seed") == 12345678901234567890
     assert not np.array_equal(read(few, "screen/counts"), read(other, "screen/counts"))
-    assert provenance(other) == ["run", str(EXPERIMENT), "-o", str(other), "--progress", "none", "--particles", "500",
-                                 *EDGES, "--seed", "12345678901234567890"]
+    assert provenance(other) == ["run", str(EXPERIMENT), "-o", str(other), "--progress", "none", "--threads", "1",
+                                 "--particles", "500", *EDGES, "--seed", "12345678901234567890"]
     assert read(other, "simulation/input_0/data").decode() == EXPERIMENT.read_text()
     assert read(other, "simulation/input_0/file_name").decode() == str(EXPERIMENT)
 
