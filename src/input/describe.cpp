@@ -13,16 +13,6 @@
 namespace rabiline {
 namespace {
 
-template <class A>
-std::string describe_part() {
-  Page page(fmt::format("{}: {}", A::kind, A::meaning));
-  add_rows<Placement>(page);
-  add_rows<A>(page);
-  std::string snippet = fmt::format("{{name: my_{0}, kind: {0}, at: 0.25 m", A::kind);
-  page.line(fmt::format("\nExample\n  - {}, {}}}", snippet, example_of_rows<A>()));
-  return page.finish();
-}
-
 /// Calls f(type_identity<Variant>, row) for each row of a table that holds a variant with a tag.
 template <class T, class F>
 void for_each_nested(F f) {

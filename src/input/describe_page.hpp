@@ -152,6 +152,17 @@ void add_rows(Page& page) {
   });
 }
 
+/// One kind of part.
+template <class A>
+std::string describe_part() {
+  Page page(fmt::format("{}: {}", A::kind, A::meaning));
+  add_rows<Placement>(page);
+  add_rows<A>(page);
+  std::string snippet = fmt::format("{{name: my_{0}, kind: {0}, at: 0.25 m", A::kind);
+  page.line(fmt::format("\nExample\n  - {}, {}}}", snippet, example_of_rows<A>()));
+  return page.finish();
+}
+
 template <class A>
 void add_alternative(Page& page, std::string_view tag) {
   page.line(fmt::format("{}{}: {}", tag.empty() ? "" : fmt::format("{}: ", tag), A::kind, A::meaning));

@@ -144,10 +144,6 @@ class Tracer {
     record_at(y);
   }
   void record_at(double y) {
-    const BatchView& b = batch_.view();
-    const double dt = (y - b.y) / b.vy[0];
-    const double place[3] = {std::fma(b.vx[0], dt, b.x[0]), y, std::fma(b.vz[0], dt, b.z[0])};
-    const double velocity[3] = {b.vx[0], b.vy[0], b.vz[0]};
     Batch there;
     there.copy_from(batch_);
     there.view().flying[0] = ~std::uint64_t{0};
@@ -158,8 +154,11 @@ class Tracer {
       if (zone.begin < zone.end) passed.push_back(zone);
     }
     kernel::precess(isa_)(passed.data(), static_cast<int>(passed.size()), tree_.source.key, there.view());
-    const double spin[3] = {there.view().sx[0], there.view().sy[0], there.view().sz[0]};
-    record(b.t[0] + dt, place, velocity, spin);
+    kernel::drift(isa_)(y, there.view());
+    const BatchView& b = there.view();
+    const double place[3] = {b.x[0], y, b.z[0]}, velocity[3] = {b.vx[0], b.vy[0], b.vz[0]},
+                 spin[3] = {b.sx[0], b.sy[0], b.sz[0]};
+    record(b.t[0], place, velocity, spin);
   }
   /// `spin` is the vector itself, or under `quantum` the image of the axis that the level m belongs to.
   void record(double t, const double* place, const double* velocity, const double* spin) {

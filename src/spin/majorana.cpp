@@ -50,13 +50,6 @@ Polynomial squared_element(int twice_spin, int from, int to) {
 
 }  // namespace
 
-double MajoranaTable::probability(int from, int to, double p) const {
-  const double* c = polynomial(from, to);
-  double sum = 0;
-  for (int i = twice_spin; i >= 0; --i) sum = sum * p + c[i];
-  return sum;
-}
-
 MajoranaTable majorana_table(int twice_spin) {
   MajoranaTable table{twice_spin, {}};
   for (int from = 0; from <= twice_spin; ++from)

@@ -1,6 +1,5 @@
 #pragma once
 // Transitions between the levels of a spin I in any field that acts on it like a rotation.
-#include <cstddef>
 #include <vector>
 
 namespace rabiline {
@@ -15,10 +14,6 @@ struct MajoranaTable {
   std::vector<double> coefficients;  // [from][to][power of p], levels m = I, I-1, ... -I
 
   int levels() const { return twice_spin + 1; }
-  const double* polynomial(int from, int to) const {
-    return coefficients.data() + static_cast<std::ptrdiff_t>(from * levels() + to) * levels();
-  }
-  double probability(int from, int to, double p) const;
 };
 
 MajoranaTable majorana_table(int twice_spin);

@@ -16,8 +16,6 @@ class MomentTable {
  public:
   explicit MomentTable(const CoupledSpins&);
 
-  /// [J/T] from the table, as a kernel reads it.
-  double moment(int level, double field) const;
   /// [level][cell][power] of the place in the cell, from 0 to 1; J/T.
   const std::vector<double>& coefficients() const { return coefficients_; }
   int levels() const { return levels_; }

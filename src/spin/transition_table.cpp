@@ -145,19 +145,4 @@ TransitionTable tabulate(const DrivenLevels& driven, double from, double to, dou
   return without_zeros(fill(driven, from, to, tolerance, most_points), driven.levels());
 }
 
-double probability(const TransitionTable& table, int from, int to, double slowness) {
-  const auto begin = table.targets.begin() + table.begin[from],
-             end = table.targets.begin() + table.begin[from + 1];
-  const auto found = std::lower_bound(begin, end, to);
-  if (found == end || *found != to) return 0;
-  const int target = static_cast<int>(found - table.targets.begin());
-  if (table.points < 4) return std::clamp(table.at(0, target), 0.0, 1.0);
-  const double x = std::clamp((slowness - table.first) / table.step, 0.0, table.points - 1.0);
-  const int start = std::clamp(static_cast<int>(x) - 1, 0, table.points - 4);
-  const std::array<double, 4> w = cubic_weights(x - start);
-  double sum = 0;
-  for (int k = 0; k < 4; ++k) sum += w[k] * table.at(start + k, target);
-  return std::clamp(sum, 0.0, 1.0);
-}
-
 }  // namespace rabiline

@@ -29,7 +29,4 @@ struct TransitionTable {
 TransitionTable tabulate(const DrivenLevels& driven, double from, double to, double tolerance = 1e-6,
                          int most_points = 1 << 14);
 
-/// P(from -> to), within [0, 1]. Outside the table's range that at its end.
-double probability(const TransitionTable& table, int from, int to, double slowness);
-
 }  // namespace rabiline

@@ -14,19 +14,21 @@ inline std::uint64_t sum_of_lanes(words w) {
 
 /// A constant acceleration across the beam [m/s^2].
 struct Acceleration {
-  double x = 0, z = 0;
+  real x, z;
 };
 /// Particles on a plane of constant y, and how long they fly there.
 struct OnPlane {
   real dt, x, z;
 };
 /// The flight of particles from the batch's common plane on to another one, or back to it.
-RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a = {}) {
+RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i) {
   const real dt = broadcast(y - batch.y) / load(batch.vy + i);
-  real vx = load(batch.vx + i), vz = load(batch.vz + i);
-  if (a.x != 0) vx = fma(broadcast(0.5 * a.x), dt, vx);
-  if (a.z != 0) vz = fma(broadcast(0.5 * a.z), dt, vz);
-  return {dt, fma(vx, dt, load(batch.x + i)), fma(vz, dt, load(batch.z + i))};
+  return {dt, fma(load(batch.vx + i), dt, load(batch.x + i)), fma(load(batch.vz + i), dt, load(batch.z + i))};
+}
+RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a) {
+  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  return {dt, fma(fma(0.5 * a.x, dt, load(batch.vx + i)), dt, load(batch.x + i)),
+          fma(fma(0.5 * a.z, dt, load(batch.vz + i)), dt, load(batch.z + i))};
 }
 
 RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {

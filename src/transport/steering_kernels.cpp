@@ -96,16 +96,15 @@ RABILINE_LANES mask through(const Steering& s, words level, real part, mask flyi
 
 std::uint64_t steer(const Steering& s, BatchView& batch) {
   words stopped = words{};
-  const double way = s.end - batch.y;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words was_flying = load(batch.flying + i);
     const mask flies = (mask)was_flying;
-    const real dt = broadcast(way) / load(batch.vy + i);
+    const OnPlane straight = to_plane(s.end, batch, i);
     const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i), vz = load(batch.vz + i);
-    store(batch.t + i, load(batch.t + i) + dt);
+    store(batch.t + i, load(batch.t + i) + straight.dt);
     if (!any(flies)) {
-      store(batch.x + i, fma(vx, dt, x));
-      store(batch.z + i, fma(vz, dt, z));
+      store(batch.x + i, straight.x);
+      store(batch.z + i, straight.z);
       continue;
     }
     const words level = select(flies, load(batch.level + i), words{});
@@ -115,14 +114,14 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
     const auto up = [&](real u, real v) { return fma(u, broadcast(s.sine), v * s.cosine); };
     Across at{across(x - s.x0, z - s.z0), up(x - s.x0, z - s.z0) + s.shape.height, across(vx, vz),
               up(vx, vz)};
-    const mask came = through(s, level, part, flies, dt, at);
+    const mask came = through(s, level, part, flies, straight.dt, at);
     stopped = stopped + (load(batch.weight + i) & was_flying & ~(words)came);
     store(batch.flying + i, was_flying & (words)came);
     at.z = at.z - s.shape.height;
     const auto back_x = [&](real u, real v) { return fma(u, broadcast(s.cosine), v * s.sine); };
     const auto back_z = [&](real u, real v) { return fma(v, broadcast(s.cosine), -(u * s.sine)); };
-    store(batch.x + i, select(flies, back_x(at.x, at.z) + s.x0, fma(vx, dt, x)));
-    store(batch.z + i, select(flies, back_z(at.x, at.z) + s.z0, fma(vz, dt, z)));
+    store(batch.x + i, select(flies, back_x(at.x, at.z) + s.x0, straight.x));
+    store(batch.z + i, select(flies, back_z(at.x, at.z) + s.z0, straight.z));
     store(batch.vx + i, select(flies, back_x(at.vx, at.vz), vx));
     store(batch.vz + i, select(flies, back_z(at.vx, at.vz), vz));
   }

@@ -54,8 +54,9 @@ def rabiline(*arguments: object, cwd: Path | None = None) -> subprocess.Complete
 
 
 def run(output: Path, *arguments: object, experiment: Path = EXPERIMENT) -> Path:
-    """A run that has to succeed; its output."""
-    done = rabiline("run", experiment, "-o", output, "--progress", "none", *arguments)
+    """A run that has to succeed, in one thread unless told otherwise; its output."""
+    threads = () if "--threads" in arguments else ("--threads", 1)
+    done = rabiline("run", experiment, "-o", output, "--progress", "none", *threads, *arguments)
     assert done.returncode == DONE, done.stderr
     assert done.stderr == "" and f"wrote {output}" in done.stdout
     return output
@@ -228,7 +229,7 @@ def test_what_cannot_be_written_exits_3_before_the_run_and_leaves_nothing(tmp_pa
 def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Path) -> None:
     output = tmp_path / "out.h5"
     output.write_bytes(b"precious")
-    done = subprocess.run([PROGRAM, "run", EXPERIMENT, "--particles", "10", *EDGES, "-o", output], text=True,
+    done = subprocess.run([PROGRAM, "run", EXPERIMENT, "--particles", "10", *EDGES, "-o", output, "--threads", "1"], text=True,
                           capture_output=True, timeout=60,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
     assert done.returncode == NOT_WRITTEN and "out.h5" in done.stderr
@@ -266,15 +267,16 @@ def long_reference(folder: Path) -> Path:
     return run(folder / "long.h5", *LONG)
 
 
+@pytest.mark.slow
 def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, long_reference: Path) -> None:
     output = tmp_path / "out.h5"
     checkpoint = tmp_path / "out.h5.checkpoint"
     said = stop(slow_run(output), signal.SIGTERM)
     assert f"rabiline resume {output}" in said
     assert list(tmp_path.iterdir()) == [checkpoint]
-    stop(start_and_wait_for_progress("resume", output), signal.SIGINT)
+    stop(start_and_wait_for_progress("resume", output, "--threads", 1), signal.SIGINT)
     assert list(tmp_path.iterdir()) == [checkpoint]
-    resumed = rabiline("resume", output)
+    resumed = rabiline("resume", output, "--threads", 1)
     assert resumed.returncode == DONE, resumed.stderr
     assert list(tmp_path.iterdir()) == [output]
     assert_same_bits(long_reference, output)
@@ -294,6 +296,7 @@ def test_a_stopped_run_leaves_an_earlier_file_and_a_killed_one_too(tmp_path: Pat
     assert list(tmp_path.iterdir()) == [output]
 
 
+@pytest.mark.slow
 def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) -> None:
     work = tmp_path / "work"
     work.mkdir()
@@ -301,7 +304,7 @@ def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) 
     process = start_and_wait_for_progress("run", "mine.yaml", "-o", "out.h5", *LONG, "--threads", 1, "--batch", 8,
                                           "--progress", "json", cwd=work)
     stop(process, signal.SIGTERM)
-    resumed = rabiline("resume", "work/out.h5", cwd=tmp_path)
+    resumed = rabiline("resume", "work/out.h5", "--threads", 1, cwd=tmp_path)
     assert resumed.returncode == DONE, resumed.stderr
     assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
     assert_same_bits(long_reference, work / "out.h5")
@@ -328,8 +331,8 @@ def test_particles_and_seed_change_what_they_should(tmp_path: Path) -> None:
     other = run(tmp_path / "other.h5", "--particles", 500, *EDGES, "--seed", 12345678901234567890)
     assert read(other, "simulation/seed") == 12345678901234567890
     assert not np.array_equal(read(few, "screen/counts"), read(other, "screen/counts"))
-    assert provenance(other) == ["run", str(EXPERIMENT), "-o", str(other), "--progress", "none", "--particles", "500",
-                                 *EDGES, "--seed", "12345678901234567890"]
+    assert provenance(other) == ["run", str(EXPERIMENT), "-o", str(other), "--progress", "none", "--threads", "1",
+                                 "--particles", "500", *EDGES, "--seed", "12345678901234567890"]
     assert read(other, "simulation/input_0/data").decode() == EXPERIMENT.read_text()
     assert read(other, "simulation/input_0/file_name").decode() == str(EXPERIMENT)
 
@@ -415,6 +418,7 @@ def peak_mebibytes(output: Path, *arguments: object) -> float:
     return kibibytes / 1024
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_particles(tmp_path: Path) -> None:
     assert peak_mebibytes(tmp_path / "out.h5") < 200
     few, many = (peak_mebibytes(tmp_path / "out.h5", "--particles", particles, *EDGES)

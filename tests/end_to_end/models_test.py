@@ -129,6 +129,7 @@ def test_help_says_that_a_file_may_hold_a_model() -> None:
 
 @pytest.mark.parametrize("scan", [(), ("--scan", "model.spin=50 Hz:100 Hz:3"),
                                   ("--scan", "model.axis_start=at_rest,precessing")])
+@pytest.mark.slow
 def test_viewers_plot_the_file_and_so_does_plot_motion(tmp_path: Path, scan: tuple[str, ...]) -> None:
     path = tmp_path / "m.h5"
     with solve(path, *scan) as file:

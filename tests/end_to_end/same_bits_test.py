@@ -81,6 +81,7 @@ def test_the_library_takes_the_variants_of_a_plain_processor() -> None:
 
 
 @pytest.mark.parametrize("experiment", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.slow
 def test_a_shipped_experiment_gives_the_same_bits_without_fused_multiply_add(experiment: Path, tmp_path: Path) -> None:
     expect_same_bits(experiment, tmp_path)
 

@@ -52,8 +52,8 @@ INSIDE = "  - {name: M, kind: monitor, at: 0.4 m, radius: 1 mm}\n"
 
 def run(folder: Path, *arguments: str, text: str = BEAMLINE) -> tuple[Path, subprocess.CompletedProcess]:
     (folder / "a.yaml").write_text(text)
-    done = subprocess.run([PROGRAM, "run", folder / "a.yaml", "-o", folder / "a.h5", *arguments], capture_output=True,
-                          text=True)
+    done = subprocess.run([PROGRAM, "run", folder / "a.yaml", "-o", folder / "a.h5", "--threads", "1", *arguments],
+                          capture_output=True, text=True)
     return folder / "a.h5", done
 
 
@@ -96,6 +96,7 @@ def test_bins_and_what_is_outside_add_up_to_the_ledger(scanned: Path) -> None:
             assert np.allclose(total, passed, rtol=1e-13)
 
 
+@pytest.mark.slow
 def test_summary_and_pictures_know_tallies(scanned: Path, tmp_path: Path) -> None:
     def analysis(*arguments: object) -> subprocess.CompletedProcess:
         return subprocess.run([sys.executable, "-m", "rabiline", *map(str, arguments)], capture_output=True, text=True)

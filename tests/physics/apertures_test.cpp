@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
 namespace {
 
-constexpr double pi = std::numbers::pi, deg = pi / 180;
+constexpr double deg = pi / 180;
 
 /// A parallel beam from a 4 x 4 mm opening through these parts onto a wide detector.
 Beamline parallel(std::vector<PlacedPart> parts) {

@@ -1,14 +1,15 @@
 #pragma once
 // Two deflecting magnets A and B with fields between them, for tests.
+#include "constants.hpp"
 #include "physics/atoms.hpp"
 
 namespace rabiline::test {
 
-inline constexpr double gamma_n = -1.83247174e8, field = 10e-3;
+inline constexpr double field = 10e-3;
 inline const double larmor = std::abs(gamma_n) * field / two_pi;
 
 inline Species moment_of(double mass, int twice_spin, double moment) {
-  return {"test", mass * 1.66053906892e-27, 0, {twice_spin}, moment / (hbar * twice_spin / 2.0), ""};
+  return {"test", mass * atomic_mass, 0, {twice_spin}, moment / (hbar * twice_spin / 2.0), ""};
 }
 
 /// A 0.1 to 0.5 m, fields 0.5 to 0.8 m, B 0.8 to 1.2 m; gradients of A and B [T/m].

@@ -6,14 +6,13 @@
 #include <functional>
 #include <numeric>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/apparatus.hpp"
 #include "spin/atoms.hpp"
 
 namespace rabiline::test {
 namespace {
-
-constexpr double pi = std::numbers::pi, unit = 1.66053906892e-27;
 
 // ---- Ramsey ----
 
@@ -94,7 +93,7 @@ TEST(EffusiveBeam, HasItsStrongestFlopAtTheKnownFieldAndTheKnownWidth) {
   s.screen = 1.2 + 0.15;
   s.detector.face = Rectangle{1, 1e-7};
   s.particles = 400000;
-  const double alpha = std::sqrt(2 * boltzmann * 600 / (7 * unit)), l = 0.2;
+  const double alpha = std::sqrt(2 * boltzmann * 600 / (7 * atomic_mass)), l = 0.2;
   const double w0 = s.species.gyromagnetic_ratio * field;
   const auto stays = [&](double w1, double offset) {
     s.between = {place("C", 0.5, UniformField{0.3, field, {}}),
@@ -142,9 +141,9 @@ TEST(Resonance, OfAFixedFrequencyIsAtItsField) {
 /// = -2 a straight line), by differences.
 double energy_of_potassium(int m, double b) {
   const double gj = 2.00229421, gi = -1.4193489e-4, split = planck * 461.719720e6;
-  const double x = (gj - gi) * magneton * b / split;
+  const double x = (gj - gi) * bohr_magneton * b / split;
   const double root = m == -2 ? 1 - x : std::sqrt(1 + m * x + x * x);
-  return gi * magneton * m * b + split / 2 * root;
+  return gi * bohr_magneton * m * b + split / 2 * root;
 }
 double moment_of_potassium(int m, double b, double scale) {
   const double db = 1e-6 * (b + 1e-3);
@@ -159,7 +158,7 @@ struct Wires {
 /// Straight line above the wires: z'' = mu(B) B'/m, B = b (a^2 + h^2)/(a^2 + z^2); kick and drift.
 void through(const Wires& w, int m, double speed, double scale, double& z, double& v) {
   constexpr int steps = 60;
-  const double dt = w.length / speed / steps, mass = 38.96370648482 * unit;
+  const double dt = w.length / speed / steps, mass = 38.96370648482 * atomic_mass;
   z += w.h;
   for (int i = 0; i < steps; ++i) {
     z += v * dt / 2;
@@ -173,8 +172,8 @@ void through(const Wires& w, int m, double speed, double scale, double& z, doubl
 TEST(PotassiumBeam, ThroughTwoWireMagnetsAndADriveIsWhatABruteForceGives) {
   const Wires wires;
   const double temperature = 450, low_field = 1e-6, length = 0.2, angle = 1.3;
-  const double alpha = std::sqrt(2 * boltzmann * temperature / (38.96370648482 * unit));
-  const double per_tesla = (2.00229421 + 3 * -1.4193489e-4) / 4 * magneton / planck,
+  const double alpha = std::sqrt(2 * boltzmann * temperature / (38.96370648482 * atomic_mass));
+  const double per_tesla = (2.00229421 + 3 * -1.4193489e-4) / 4 * bohr_magneton / planck,
                line = per_tesla * low_field;
   Beamline b = atoms("K-39 atom", 0, in_level(2, 2));
   b.source.speed = EffusiveSpeed{temperature};

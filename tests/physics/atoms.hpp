@@ -2,18 +2,15 @@
 // Beamlines of atoms that fly in levels, for tests.
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "constants.hpp"
 #include "particle/species.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
-
-inline constexpr double two_pi = 2 * std::numbers::pi, hbar = 1.054571817e-34, planck = 6.62607015e-34,
-                        magneton = 9.2740100657e-24, boltzmann = 1.380649e-23;
 
 inline StartSpin in_level(int f, int m) { return LevelsSpin{{{false, 2 * f, 2 * m}}}; }
 

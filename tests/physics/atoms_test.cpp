@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/atoms.hpp"
 #include "rules/rules.hpp"
@@ -14,8 +15,6 @@
 namespace rabiline::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 // ---- Zeeman resonances in a weak field ----
 
 /// E/h = g mu_B m B/h in a weak field: the frequency per tesla of neighbouring m.
@@ -23,7 +22,7 @@ double zeeman(const char* atom, int twice_f) {
   const HyperfineAtom& a = *find_atom(atom);
   const double i = a.twice_i / 2.0, f = twice_f / 2.0, j = 0.5;
   const double of_j = (f * (f + 1) + j * (j + 1) - i * (i + 1)) / (2 * f * (f + 1));
-  return (a.g_j * of_j + a.g_i * (1 - of_j)) * magneton / planck;
+  return (a.g_j * of_j + a.g_i * (1 - of_j)) * bohr_magneton / planck;
 }
 double binomial(int n, int k) {
   return std::round(std::tgamma(n + 1) / std::tgamma(k + 1) / std::tgamma(n - k + 1));
@@ -144,7 +143,7 @@ constexpr double clock_line = 9192631770.0, clock_shift = 427.45e8;  // [Hz] [Hz
 /// Turning angle per tesla and second: (g_J - g_I') mu_B A/(2 hbar), the half that turns of <4,0|mu_z|3,0>.
 double clock_rate() {
   const HyperfineAtom& cs = *find_atom("Cs-133");
-  return (cs.g_j - cs.g_i) * magneton / (2 * hbar);
+  return (cs.g_j - cs.g_i) * bohr_magneton / (2 * hbar);
 }
 
 Beamline clock_at(const Clock& c, double frequency) {

@@ -6,14 +6,13 @@
 #include <functional>
 #include <numeric>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/apparatus.hpp"
 #include "spin/atoms.hpp"
 
 namespace rabiline::test {
 namespace {
-
-constexpr double pi = std::numbers::pi, unit = 1.66053906892e-27;
 
 // ---- split and sample ----
 

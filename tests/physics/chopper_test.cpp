@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
@@ -35,7 +35,7 @@ TEST(Chopper, PassesItsOpenFractionOfALongPulse) {
 
 TEST(Chopper, OpensAndClosesWhenItsPhaseSays) {
   // At t = 0.5 ms the chopper has turned 1.5 times: with a lead of half a period it has just opened.
-  const double open = 0.2, turn = 2 * std::numbers::pi, arrival = frequency * at / speed;
+  const double open = 0.2, turn = two_pi, arrival = frequency * at / speed;
   const auto lead = [&](double into) { return turn * (into - arrival + std::floor(arrival) + 1); };
   for (const double into : {0.001, 0.1, 0.199})
     EXPECT_EQ(detected(through({open, frequency, lead(into)})), 1);
@@ -45,7 +45,7 @@ TEST(Chopper, OpensAndClosesWhenItsPhaseSays) {
 
 TEST(Chopper, TellsSpeedsApartByTheirTimeOfFlight) {
   // Open from 1.500 to 1.515 periods after the start: 1000 m/s comes at once, what is 1 % slower on the edge.
-  const Chopper part{0.015, frequency, std::numbers::pi};
+  const Chopper part{0.015, frequency, pi};
   EXPECT_EQ(detected(through(part, speed * (1 - 1e-6))), 1);
   EXPECT_EQ(detected(through(part, speed * 1.001)), 0);
   EXPECT_EQ(detected(through(part, speed / 1.0099)), 1);

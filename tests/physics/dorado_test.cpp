@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <utility>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/independent.hpp"
 #include "physics/suggested.hpp"
@@ -16,8 +16,6 @@
 namespace rabiline::test {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
-constexpr double gamma_n = -1.83247174e8;
 const double larmor = std::abs(gamma_n) * 10e-3 / two_pi;
 
 // ---- D1: circles ----
@@ -68,7 +66,7 @@ TEST(ClosureLarmor, IsTheLorentzForceForAParticleWithGTwo) {
 TEST(LorentzForce, BendsAProtonWithItsCyclotronRadius) {
   Beamline b = suggested(larmor);
   b.law = ClassicalLaw{};
-  const double charge = 1.602176634e-19, mass = 1.67262192595e-27;
+  const double charge = elementary_charge, mass = proton_mass;
   b.species = {{{"proton", mass, charge, {1}, 2.6752218708e8, ""}, 1}};
   b.source.speed = SingleSpeed{1000};
   b.source.opening = Rectangle{0, 0};

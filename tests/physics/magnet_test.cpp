@@ -2,19 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi, hbar = 1.054571817e-34, bohr_magneton = 9.2740100657e-24;
-
 Species atom(double mass_in_u, int twice_spin, double moment) {
   // mu = gamma hbar I along its spin.
-  return {"test", mass_in_u * 1.66053906892e-27, 0, {twice_spin}, moment / (hbar * twice_spin / 2.0), ""};
+  return {"test", mass_in_u * atomic_mass, 0, {twice_spin}, moment / (hbar * twice_spin / 2.0), ""};
 }
 GradientMagnet magnet(double length, double gradient) {
   GradientMagnet part;
@@ -51,9 +49,8 @@ TEST(GradientMagnet, ParsNeutronsIntoTwoPlaces) {
   ASSERT_EQ(found.size(), 2U);
   for (const double z : found)
     expect_agreement(
-        std::abs(z),
-        [](double s) { return s * 0.5 * 1.83247174e8 * hbar / 2 * 100 / 1.67492750056e-27 * 1e-6; }, 1.1e-8,
-        "deflection");
+        std::abs(z), [](double s) { return s * 0.5 * -gamma_n * hbar / 2 * 100 / neutron_mass * 1e-6; },
+        1.1e-8, "deflection");
   EXPECT_NEAR(found[1], 0.2884e-3, 1e-7);
 }
 
@@ -134,10 +131,10 @@ TEST(GradientMagnet, StopsWhatMeetsTheWallsOfItsGapAnywhere) {
 
 /// Rabi's apparatus: the second magnet undoes the deflection of the first where the level has not changed.
 Beamline rabis(double offset, const Law& law) {
-  const double field = 10e-3, gamma = 1.83247174e8, stay = 0.1 / 1000;
+  const double field = 10e-3, gamma = -gamma_n, stay = 0.1 / 1000;
   RotatingField rf;
   rf.length = 0.1;
-  rf.amplitude = std::numbers::pi / stay / gamma;
+  rf.amplitude = pi / stay / gamma;
   rf.frequency = gamma * field / two_pi + offset;
   rf.sense = Sense::co;
   rf.phase = {Phase::Kind::random, 0};
@@ -150,7 +147,7 @@ Beamline rabis(double offset, const Law& law) {
                     1.2, 2e-5, 1);
   b.law = law;
   // At the end: sum of both parabolas and the flight between, z = a L^2/2 + a L (gap + L) - a L^2/2.
-  const double a = gamma * hbar / 2 * 100 / 1.67492750056e-27, t = 0.4 / 1000, between = 0.3 / 1000;
+  const double a = gamma * hbar / 2 * 100 / neutron_mass, t = 0.4 / 1000, between = 0.3 / 1000;
   const double z = a * t * (between + t);
   std::get<Detector>(b.parts.back().part).offset.z = z;
   b.particles = 4000;
@@ -163,18 +160,18 @@ TEST(TwoMagnets, AndAFieldBetweenGiveRabisFlopOutWithALevelDrawnOnce) {
   };
   // Half of the beam is in the level that the screen stands for; Rabi's formula takes it away.
   for (const double offset : {0.0, 4000.0, 8000.0, 60000.0}) {
-    const double w1 = std::numbers::pi / 1e-4, rate = std::hypot(w1, two_pi * offset);
+    const double w1 = pi / 1e-4, rate = std::hypot(w1, two_pi * offset);
     const double flip = std::pow(w1 / rate * std::sin(rate * 1e-4 / 2), 2);
     EXPECT_NEAR(detected(offset), 0.5 * (1 - flip), 4 * 0.5 / std::sqrt(4000.0)) << offset;
   }
 }
 
 TEST(TwoMagnets, BetweenRamseysZonesEraseTheirFringes) {
-  const double field = 10e-3, gamma = 1.83247174e8, length = 0.02;
+  const double field = 10e-3, gamma = -gamma_n, length = 0.02;
   const auto flip = [&](double offset, double gradient) {
     RotatingField first;
     first.length = length;
-    first.amplitude = std::numbers::pi / 2 / (length / 1000) / gamma;
+    first.amplitude = pi / 2 / (length / 1000) / gamma;
     first.frequency = gamma * field / two_pi + offset;
     first.sense = Sense::co;
     RotatingField second = first;

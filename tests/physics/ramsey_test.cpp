@@ -3,16 +3,15 @@
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi, pi = std::numbers::pi;
-constexpr double speed = 1000, field = 10e-3, gamma_n = -1.83247174e8;
+constexpr double speed = 1000, field = 10e-3;
 const double larmor = std::abs(gamma_n) * field / two_pi;
 
 /// Two zones of one oscillator in one field B with these lengths [m], turning angles on resonance and phase
@@ -146,7 +145,7 @@ TEST(TwoZones, OfAnEffusiveBeamGiveTheMeanOfRamseysFringesOverTheFlux) {
   b.source.speed = EffusiveSpeed{60};
   b.chamber.reset();
   b.particles = 1000000;
-  const double alpha = std::sqrt(2 * 1.380649e-23 * 60 / b.species[0].species.mass), l = 0.05, gap = 0.5;
+  const double alpha = std::sqrt(2 * boltzmann * 60 / b.species[0].species.mass), l = 0.05, gap = 0.5;
   const double w1 = 0.6 * pi * alpha / l;
   RotatingField first, second;
   first.length = second.length = l;

@@ -2,15 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
 constexpr double speed = 1000, zone_length = 0.2, stay = zone_length / speed;
 constexpr double field = 10e-3;
 
@@ -60,13 +59,12 @@ double rabi(double w1, double delta, double t) {
   return omega == 0 ? 0 : std::pow(w1 / omega * std::sin(omega * t / 2), 2);
 }
 
-constexpr double gamma_n = -1.83247174e8;
 const double larmor = std::abs(gamma_n) * field / two_pi;
-const double pi_pulse = std::numbers::pi / stay / std::abs(gamma_n);  // H0 of a pi pulse [T]
+const double pi_pulse = pi / stay / std::abs(gamma_n);  // H0 of a pi pulse [T]
 
 TEST(RotatingField, FlipsTheSpinByRabisFormulaOnAndOffResonance) {
   for (const double offset : {0.0, 700.0, -1900.0, 4000.0, -25000.0}) {
-    const double w1 = 0.7 * std::numbers::pi / stay, b1 = w1 / std::abs(gamma_n);
+    const double w1 = 0.7 * pi / stay, b1 = w1 / std::abs(gamma_n);
     const double result = flip(one_zone(neutron(), b1, larmor + offset));
     if (offset == 0 || offset == -1900)
       expect_agreement(
@@ -114,7 +112,7 @@ double ramsey(double w1, double delta, double tau, double gap, double phase) {
 }
 
 TEST(TwoZones, OfOneOscillatorGiveRamseysFringes) {
-  const double gap = 0.25, w1 = 0.5 * std::numbers::pi / stay;
+  const double gap = 0.25, w1 = 0.5 * pi / stay;
   for (const double offset : {100.0, 450.0, -800.0, 2300.0}) {
     const double result = flip(two_zones(w1 / std::abs(gamma_n), larmor + offset, gap, 0));
     for (const char* what : {"detuning", "w1", "gap"})
@@ -129,7 +127,7 @@ TEST(TwoZones, OfOneOscillatorGiveRamseysFringes) {
 }
 
 TEST(TwoZones, WithAPhaseBetweenThemMoveTheFringeByThatPhase) {
-  const double gap = 0.25, w1 = 0.5 * std::numbers::pi / stay;
+  const double gap = 0.25, w1 = 0.5 * pi / stay;
   for (const double phase : {0.6, -1.5}) {
     const double result = flip(two_zones(w1 / std::abs(gamma_n), larmor + 450, gap, phase));
     // The neutron's co field turns right-handed: a phase ahead acts like a larger detuning during the gap.
@@ -140,14 +138,14 @@ TEST(TwoZones, WithAPhaseBetweenThemMoveTheFringeByThatPhase) {
 }
 
 TEST(TwoZones, OfOneOscillatorKeepTheirFringesWhenItsPhaseIsRandom) {
-  const double gap = 0.25, w1 = 0.5 * std::numbers::pi / stay;
+  const double gap = 0.25, w1 = 0.5 * pi / stay;
   Beamline b = two_zones(w1 / std::abs(gamma_n), larmor + 450, gap, 0);
   std::get<RotatingField>(b.parts[2].part).phase = {Phase::Kind::random, 0};
   EXPECT_NEAR(flip(b), ramsey(w1, two_pi * 450, stay, gap / speed, 0), 1e-9);
 }
 
 TEST(TwoZones, OfTwoOscillatorsWithRandomPhasesLoseTheirFringes) {
-  const double gap = 0.25, w1 = 0.5 * std::numbers::pi / stay;
+  const double gap = 0.25, w1 = 0.5 * pi / stay;
   Beamline b = one_zone(neutron(), w1 / std::abs(gamma_n), larmor);
   RotatingField second = drive(w1 / std::abs(gamma_n), larmor);
   second.phase = {Phase::Kind::random, 0};
@@ -162,7 +160,7 @@ TEST(FieldsThatOverlap, TurningAtTwoRatesActTogether) {
   const double b1 = 0.6 * pi_pulse;
   Beamline halves = one_zone(neutron(), b1 / 2, larmor + 900);
   halves.parts.insert(halves.parts.end() - 1, place("again", 0.35, drive(b1 / 2, larmor + 900)));
-  EXPECT_NEAR(flip(halves), rabi(0.6 * std::numbers::pi / stay, two_pi * 900, stay), 1e-5);
+  EXPECT_NEAR(flip(halves), rabi(0.6 * pi / stay, two_pi * 900, stay), 1e-5);
 }
 
 TEST(FieldsThatOverlap, SharesOutEveryLevelOfParticlesOfAnySpeed) {

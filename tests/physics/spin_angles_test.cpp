@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/independent.hpp"
 #include "physics/suggested.hpp"
@@ -11,7 +11,6 @@
 namespace rabiline::test {
 namespace {
 
-constexpr double pi = std::numbers::pi, gamma_n = -1.83247174e8, hbar = 1.054571817e-34;
 constexpr double b_field = 0.1e-3, h0_field = 4.8e-6, begin = 0.35, length = 0.4;
 constexpr std::size_t planes = 81;
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/independent_spin.hpp"
 #include "physics/suggested.hpp"
@@ -11,8 +11,8 @@
 namespace rabiline::test {
 namespace {
 
-constexpr double pi = std::numbers::pi, two_pi = 2 * pi, deg = pi / 180;
-constexpr double speed = 1000, gamma_n = -1.83247174e8;
+constexpr double deg = pi / 180;
+constexpr double speed = 1000;
 constexpr double begin = 0.3, length = 0.2, stay = length / speed;
 
 /// Neutrons of one speed through these parts, spin S along -z or mixed, to a wide detector.

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "particle/species.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
@@ -16,10 +16,10 @@
 namespace rabiline::test {
 namespace {
 
-constexpr double hbar = 1.054571817e-34, bohr_magneton = 9.2740100657e-24, unit = 1.66053906892e-27;
-
 /// mu = gamma hbar I along its spin.
-Species atom(double mass, double moment) { return {"test", mass * unit, 0, {1}, 2 * moment / hbar, ""}; }
+Species atom(double mass, double moment) {
+  return {"test", mass * atomic_mass, 0, {1}, 2 * moment / hbar, ""};
+}
 /// One particle from a point, by its state: level 0 is m = +1/2.
 Beamline line(const Species& species, double speed, std::vector<PlacedPart> parts, int level) {
   Beamline b = suggested(0);
@@ -65,7 +65,8 @@ TEST(TwoWireMagnet, HasTheGradientOfTwoCurrents) {
   const double a = 4e-3, field = 0.2, mass = 39, speed = 20000;
   const Exit out = exit_of(line(atom(mass, -bohr_magneton), speed, {place("A", 0, wires(field, a))}, 0));
   expect_agreement(
-      out.vz, [&](double s) { return bohr_magneton * field * s * 0.98361 / a * 0.5 / speed / (mass * unit); },
+      out.vz,
+      [&](double s) { return bohr_magneton * field * s * 0.98361 / a * 0.5 / speed / (mass * atomic_mass); },
       1e-3 * out.vz, "G/B");
   EXPECT_NEAR(out.vx, 0, 1e-12);
 }
@@ -94,7 +95,7 @@ TEST(TwoWireMagnet, BendsASlowBeamAsAnIntegrationDoes) {
     for (int i = 0; i < steps; ++i) {
       z += v * dt / 2;
       const double d = a * a + z * z;
-      v += dt * scale * bohr_magneton * field * (a * a + h * h) * 2 * z / (d * d) / (mass * unit);
+      v += dt * scale * bohr_magneton * field * (a * a + h * h) * 2 * z / (d * d) / (mass * atomic_mass);
       z += v * dt / 2;
     }
     return z - h;
@@ -107,13 +108,13 @@ TEST(TwoWireMagnet, BendsASlowBeamAsAnIntegrationDoes) {
 TEST(TwoWireMagnet, TurnedByHalfATurnUndoesAnother) {
   const double a = 4e-3;
   TwoWireMagnet first = wires(0.2, a), second = first;
-  second.tilt.y = std::numbers::pi;
+  second.tilt.y = pi;
   const Species species = atom(39, -bohr_magneton);
   const Exit up = exit_of(line(species, 2000, {place("A", 0, first)}, 0));
   const Exit down = exit_of(line(species, 2000, {place("B", 0, second)}, 0));
   EXPECT_GT(up.vz, 0);
   EXPECT_NEAR(up.vz, -down.vz, 1e-12 * up.vz);
-  second.tilt.y = std::numbers::pi / 2;
+  second.tilt.y = pi / 2;
   EXPECT_NEAR(exit_of(line(species, 2000, {place("B", 0, second)}, 0)).vx, up.vz, 1e-12 * up.vz);
   first.offset.z = a;
   EXPECT_GT(exit_of(line(species, 2000, {place("A", 0, first)}, 0)).vz, up.vz);  // closer to the wires
@@ -162,7 +163,7 @@ TEST(IronMagnet, IsTwoWiresBetweenPoles) {
 /// B8: caesium, one Bohr magneton, 250 m/s, 1 T at 5 mm: w^2 = 2 mu B0/(m r0^2).
 constexpr double caesium = 132.905, beam = 250;
 double quarter_wave(double scale = 1) {
-  return std::numbers::pi * beam / 2 / std::sqrt(2 * scale * bohr_magneton / (caesium * unit * 25e-6));
+  return pi * beam / 2 / std::sqrt(2 * scale * bohr_magneton / (caesium * atomic_mass * 25e-6));
 }
 
 TEST(MultipoleMagnet, OfSixPolesMakesAPointSourceParallel) {
@@ -174,14 +175,12 @@ TEST(MultipoleMagnet, OfSixPolesMakesAPointSourceParallel) {
     const Exit low = exit_of(b);
     const double v = beam * std::sin(slope);
     // The exact solution has the speed along the beam, v cos.
-    const auto angle = [&](double s) { return std::numbers::pi / 2 / std::cos(slope) * std::sqrt(s); };
+    const auto angle = [&](double s) { return pi / 2 / std::cos(slope) * std::sqrt(s); };
     expect_agreement(
         low.vz, [&](double s) { return v * std::cos(angle(s)); }, 2e-6 * v, "parallel");
     expect_agreement(
         low.z,
-        [&](double s) {
-          return v / std::sqrt(s) * quarter_wave() / beam / (std::numbers::pi / 2) * std::sin(angle(s));
-        },
+        [&](double s) { return v / std::sqrt(s) * quarter_wave() / beam / (pi / 2) * std::sin(angle(s)); },
         1e-9 + 1e-6 * low.z, "height");
     EXPECT_EQ(low.fate, "passed");
   }
@@ -194,8 +193,7 @@ TEST(MultipoleMagnet, OfSixPolesLosesTheOtherLevel) {
   b.source.tilt.x = 1e-3;  // cosh and sinh of a right angle
   const double v = beam * std::sin(1e-3);
   expect_agreement(
-      exit_of(b).vz, [&](double s) { return v * std::cosh(std::numbers::pi / 2 * std::sqrt(s)); }, 1e-5 * v,
-      "cosh");
+      exit_of(b).vz, [&](double s) { return v * std::cosh(pi / 2 * std::sqrt(s)); }, 1e-5 * v, "cosh");
 }
 
 TEST(MultipoleMagnet, OfFourPolesPullsWithAConstantForce) {
@@ -205,8 +203,8 @@ TEST(MultipoleMagnet, OfFourPolesPullsWithAConstantForce) {
   const double stay = 0.05 / beam, r = std::hypot(3e-3, 3e-3);
   expect_agreement(
       std::hypot(out.x, out.z),
-      [&](double s) { return r - s * bohr_magneton / 5e-3 / (caesium * unit) * stay * stay / 2; }, 1e-9,
-      "radius");
+      [&](double s) { return r - s * bohr_magneton / 5e-3 / (caesium * atomic_mass) * stay * stay / 2; },
+      1e-9, "radius");
   EXPECT_NEAR(out.x, out.z, 1e-15);
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 // The suggested experiment as a beamline built in code, and small helpers to run it.
-#include <numbers>
 #include <string>
 
+#include "constants.hpp"
 #include "plan/plan.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 
 namespace rabiline::test {
 
-inline Species neutron() { return {"neutron", 1.67492750056e-27, 0, {1}, -1.83247174e8, "CODATA 2022"}; }
+inline Species neutron() { return {"neutron", neutron_mass, 0, {1}, gamma_n, "CODATA 2022"}; }
 
 inline PlacedPart place(const std::string& name, double at, Part part) {
   return {{name, at, {}}, std::move(part)};

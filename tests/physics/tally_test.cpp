@@ -2,15 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
+#include "constants.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline {
 namespace {
 
+using test::pi;
 using test::place;
 using test::run_points;
+using test::two_pi;
 
 constexpr double speed = 1000, length = 0.2, field = 10e-3;
 
@@ -24,7 +26,7 @@ Beamline flipper(double detuning, double amplitude, bool aligned, std::vector<Ta
   drive.length = length;
   drive.amplitude = amplitude;
   drive.phase = {Phase::Kind::locked, 0};
-  drive.frequency = std::abs(test::neutron().gyromagnetic_ratio) * field / (2 * std::numbers::pi) + detuning;
+  drive.frequency = std::abs(test::neutron().gyromagnetic_ratio) * field / two_pi + detuning;
   b.parts[2] = place("H0", 0.3, drive);
   Monitor monitor{Disc{0.01}, {}};
   monitor.tallies = std::move(tallies);
@@ -39,7 +41,7 @@ double amplitude_for(double angle) {
 }
 double rabi(double detuning, double amplitude, double gamma_error = 1) {
   const double w1 = std::abs(test::neutron().gyromagnetic_ratio) * amplitude * gamma_error,
-               rate = std::hypot(w1, 2 * std::numbers::pi * detuning);
+               rate = std::hypot(w1, two_pi * detuning);
   return std::pow(w1 / rate * std::sin(rate * length / speed / 2), 2);
 }
 Tally spin_along(UnitVector along) { return {"s", {{Quantity::spin, AxisEnd{-1}, AxisEnd{1}, 2, along}}}; }
@@ -56,7 +58,7 @@ TEST(SpinTally, FlipsAsRabisFormulaSays) {
 
 TEST(SpinTally, FindsATransverseSpinWholeAcrossTheFieldAfterAQuarterTurn) {
   const auto expected = [](UnitVector along) {
-    const auto b = flipper(0, amplitude_for(std::numbers::pi / 2), true, {spin_along(along)});
+    const auto b = flipper(0, amplitude_for(pi / 2), true, {spin_along(along)});
     const auto counts = run_points({b}).tallies[0].counts;
     return (counts[1] - counts[0]) / 4000;
   };
@@ -68,11 +70,11 @@ TEST(SpinTally, FindsATransverseSpinWholeAcrossTheFieldAfterAQuarterTurn) {
 }
 
 TEST(SpinTally, IsTheProjectionItselfUnderAVectorLaw) {
-  Beamline b = flipper(0, amplitude_for(std::numbers::pi / 3), true,
+  Beamline b = flipper(0, amplitude_for(pi / 3), true,
                        {{"s", {{Quantity::spin, AxisEnd{-1}, AxisEnd{1}, 200, UnitVector{}}}}});
   b.law = ClassicalLaw{};
   const TallyResult t = run_points({b}).tallies[0];
-  EXPECT_NEAR(t.axes[0].mean[0], -std::cos(std::numbers::pi / 3), 1e-6);
+  EXPECT_NEAR(t.axes[0].mean[0], -std::cos(pi / 3), 1e-6);
   EXPECT_NEAR(t.axes[0].deviation[0], 0, 1e-6);
 }
 

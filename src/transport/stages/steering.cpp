@@ -13,30 +13,13 @@
 namespace rabiline {
 namespace {
 
-/// [J/T] along the field, where its size is B.
-double moment_of(const Steering& s, int level, double size) {
-  if (s.moments.coefficients == nullptr) return s.moment * (1 - 2.0 * level / (s.levels - 1));
-  const double place = size / (size + s.moments.scale) * s.moments.cells;
-  const int cell = std::min(static_cast<int>(place), s.moments.cells - 1);
-  const double* c = s.moments.coefficients + std::ptrdiff_t{4} * (level * s.moments.cells + cell);
-  const double t = place - cell;
-  return ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
-}
-
 /// The levels that meet the walls.
 void explain_stopped(const Steering& s, PlanReport& report) {
-  const double speed = report.speed, fastest = report.fastest();
-  double first = s.end, last = s.begin;
-  std::size_t stopped = 0, fast = 0;
-  for (const int level : report.on_axis) {
-    if (stopped_at(s, level, fastest)) ++fast;
-    const std::optional<double> y = stopped_at(s, level, speed);
-    if (!y) continue;
-    ++stopped;
-    first = std::min(first, *y);
-    last = std::max(last, *y);
-  }
+  const double speed = report.speed;
+  const std::vector<double> stops = stops_of(s, report.on_axis, speed);
+  const std::size_t stopped = stops.size(), fast = stops_of(s, report.on_axis, report.fastest()).size();
   if (stopped == 0) return;
+  const double first = stops.front(), last = stops.back();
   report.line("{:>16}at {:.4g} m/s on the axis {} of {} levels meet its walls, from {:.4f} to {:.4f} m", "",
               speed, stopped, report.on_axis.size(), first, last);
   if (stopped < report.on_axis.size()) return;
@@ -99,22 +82,25 @@ SteeringOutlook outlook_of(const Steering& s, double speed) {
   return out;
 }
 
-std::optional<double> stopped_at(const Steering& s, int level, double speed) {
-  constexpr int steps = 4000;
-  const double length = s.end - s.begin, h = length / speed / steps;
-  double x = s.sine * s.z0 - s.cosine * s.x0, z = s.shape.height - s.sine * s.x0 - s.cosine * s.z0;
-  double vx = 0, vz = 0;
-  for (int i = 0; i <= steps; ++i) {
-    if (!is_free<bool>(s.walls, x, z)) return s.begin + length * i / steps;
-    const auto field = field_size(s.shape, x, z, [](double q) { return std::sqrt(q); });
-    if (!std::isfinite(field.size)) return std::nullopt;
-    const double pull = moment_of(s, level, field.size) / s.mass;
-    vx += h * pull * field.along_x;
-    vz += h * pull * field.along_z;
-    x += h * vx;
-    z += h * vz;
+std::vector<double> stops_of(const Steering& s, const std::vector<int>& levels, double speed) {
+  constexpr int pieces = 4000;
+  Batch batch;
+  BatchView& beam = batch.view();
+  beam.count = static_cast<int>(levels.size());
+  beam.padded = (beam.count + 7) / 8 * 8;
+  beam.y = s.begin;
+  std::fill_n(beam.vy, beam.padded, speed);
+  for (int i = 0; i < beam.count; ++i) {
+    beam.level[i] = static_cast<std::uint64_t>(levels[static_cast<std::size_t>(i)]);
+    beam.weight[i] = 1;
+    beam.flying[i] = ~std::uint64_t{0};
   }
-  return std::nullopt;
+  std::vector<double> stops;
+  for (int piece = 0; piece <= pieces && stops.size() < levels.size(); ++piece) {
+    const double to = s.begin + (s.end - s.begin) * piece / pieces;
+    stops.insert(stops.end(), kernel::steer(best_isa())(s.piece(beam.y, to), beam), to);
+  }
+  return stops;
 }
 
 }  // namespace rabiline

@@ -1,6 +1,6 @@
 #pragma once
 // A deflecting magnet whose force depends on the place: stepped paths.
-#include <optional>
+#include <vector>
 
 #include "transport/kernels.hpp"
 #include "transport/stage_concept.hpp"
@@ -69,7 +69,8 @@ struct SteeringOutlook {
 };
 SteeringOutlook outlook_of(const Steering&, double speed);
 
-/// Where what enters along the beam's axis in a level meets a wall [m]; nothing where it comes through.
-std::optional<double> stopped_at(const Steering&, int level, double speed);
+/// Where what enters along the beam's axis in one of these levels meets a wall [m], in rising order, as the
+/// kernel flies it; less of them than levels where some come through.
+std::vector<double> stops_of(const Steering&, const std::vector<int>& levels, double speed);
 
 }  // namespace rabiline

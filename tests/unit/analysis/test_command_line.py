@@ -10,6 +10,8 @@ import pytest
 from rabiline.__main__ import main
 from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
 
+pytestmark = pytest.mark.slow
+
 PNG = b"\x89PNG"
 
 

@@ -14,6 +14,8 @@ from rabiline.fit import Fit, fit
 from scipy import stats
 from synthetic import binomial_errors, dip, fly_shared
 
+pytestmark = pytest.mark.slow
+
 SEEDS = 200
 X = np.linspace(0, 1, 61)
 CENTRE, WIDTH, MISSING, CAUGHT, PARTICLES = 0.5, 0.2, 0.5, 0.9, 4000

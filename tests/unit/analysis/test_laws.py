@@ -16,6 +16,8 @@ from rabiline.templates import LEAST, gather, models, spread_over_bins, template
 from rabiline.verdict import Fit, Pair, Verdict, verdict
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
+pytestmark = pytest.mark.slow
+
 POINTS = 11
 STRENGTHS = np.linspace(0, 2, 21)
 

@@ -8,6 +8,8 @@ from rabiline import likelihood
 from rabiline.likelihood import Model, agreement, deviance, fitted_scale, p_value, ratio_p, separation, tails, trials
 from scipy import optimize, stats
 
+pytestmark = pytest.mark.slow
+
 SEEDS = 1000
 X = np.linspace(-3, 3, 40)
 LINE = np.exp(-X**2 / 2) / np.exp(-X**2 / 2).sum()

@@ -12,6 +12,8 @@ from rabiline.curves import Curve, NoResonance, Resonance, curves, half_maxima
 from rabiline.fit import fit
 from synthetic import DORADO, Axis, binomial_errors, dip, frequencies, laws, write_results
 
+pytestmark = pytest.mark.slow
+
 CENTRE, WIDTH = 291.65e3, 7.3e3
 
 

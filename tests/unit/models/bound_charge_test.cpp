@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "constants.hpp"
 #include "core/constants.hpp"
 #include "models/measure.hpp"
 #include "physics/agreement.hpp"
@@ -30,13 +31,13 @@ BoundCharge electron(Binding binding, double ratio, double inclination, double o
   double omega = 0;
   if (const auto* harmonic = std::get_if<HarmonicBinding>(&binding)) omega = two_pi * harmonic->frequency;
   if (const auto* coulomb = std::get_if<CoulombBinding>(&binding))
-    omega =
-        std::sqrt(8.9875517862e9 * coulomb->charge * 1.602176634e-19 / s.mass / std::pow(coulomb->radius, 3));
+    omega = std::sqrt(8.9875517862e9 * coulomb->charge * test::elementary_charge / s.mass /
+                      std::pow(coulomb->radius, 3));
   model.field = ratio * 2 * s.mass * omega / std::abs(s.charge);
   return model;
 }
 const HarmonicBinding spring{1e12, 1e-9};
-const CoulombBinding nucleus{1.602176634e-19, 1e-9};
+const CoulombBinding nucleus{test::elementary_charge, 1e-9};
 
 TEST(BoundCharge, ConservesEnergyAndCanonicalAngularMomentumAlongTheField) {
   for (const Binding& binding : {Binding(spring), Binding(nucleus)})

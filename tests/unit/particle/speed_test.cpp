@@ -6,13 +6,14 @@
 #include <cmath>
 #include <functional>
 
+#include "constants.hpp"
 #include "core/constants.hpp"
 #include "particle/law_tables.hpp"
 
 namespace rabiline {
 namespace {
 
-constexpr double neutron = 1.67492750056e-27, helium = 4.002602 * constants::atomic_mass;
+constexpr double neutron = test::neutron_mass, helium = 4.002602 * constants::atomic_mass;
 
 double integral(const std::function<double(double)>& f, double low, double high) {
   gsl_integration_workspace* w = gsl_integration_workspace_alloc(2000);

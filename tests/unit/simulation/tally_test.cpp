@@ -6,10 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "constants.hpp"
 #include "physics/suggested.hpp"
 #include "plan/explain.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/trace.hpp"
+#include "slow.hpp"
 
 namespace rabiline {
 namespace {
@@ -49,7 +51,7 @@ double fate(const Result& r, const std::string& name, const std::string& where) 
 
 /// What a track's last record gives for a quantity.
 double last_of(const Track& t, Quantity quantity) {
-  constexpr double h = 6.62607015e-34, mass = 1.67492750056e-27;
+  constexpr double h = test::planck, mass = test::neutron_mass;
   const double vx = t.vx.back(), vy = t.vy.back(), vz = t.vz.back(), v = std::hypot(vx, vy, vz);
   switch (quantity) {
     case Quantity::x:
@@ -98,7 +100,7 @@ TEST(Tally, OfStartTimesIsThePulse) {
   EXPECT_NEAR(mean(pulsed, 1), mean(pulsed, 0) + mean(steady, 1), 2e-9);
 }
 
-TEST(Tally, AgreesWithAHistogramOfTracksMadeWithoutIt) {
+SLOW_TEST(Tally, AgreesWithAHistogramOfTracksMadeWithoutIt) {
   Beamline b = divergent();
   screen(b).face = Rectangle{1, 1};
   const std::vector<TallyAxis> all{axis(Quantity::x, -2e-3, 1e-3, 7),

@@ -11,6 +11,7 @@
 #include "laboratory.hpp"
 #include "spin/atoms.hpp"
 #include "spin/majorana.hpp"
+#include "unit/transport/readers.hpp"
 
 namespace rabiline {
 namespace {
@@ -43,13 +44,12 @@ TEST(DrivenLevels, OfASpinOneHalfFollowRabisFormulaInTheSenseThatItsPrecessionHa
 
 TEST(DrivenLevels, OfAFreeSpinFollowMajoranasFormula) {
   const CoupledSpins spins{.twice_i = 3, .zeeman_i = -1e7};
-  const MajoranaTable table = majorana_table(3);
   for (const double off : {0.0, 700.0}) {
     const DrivenLevels driven(spins, {{0, 0.2, 0.1, drive(negative, 1e-4, 1e6 + off)}}, slowest);
     const double s = 1.7e-3, p = rabi(two_pi * 1e3, two_pi * off, 0.2 * s);
+    const Eigen::MatrixXd expected = test::probabilities(majorana_table(3), p);
     for (int from = 0; from < 4; ++from)
-      for (int to = 0; to < 4; ++to)
-        EXPECT_NEAR(driven.probabilities(s)(from, to), table.probability(from, to, p), 1e-9);
+      for (int to = 0; to < 4; ++to) EXPECT_NEAR(driven.probabilities(s)(from, to), expected(from, to), 1e-9);
   }
 }
 
@@ -57,12 +57,12 @@ TEST(DrivenLevels, OfHydrogenFlopBetweenAllThreeOfTheTriplet) {
   const CoupledSpins spins = coupled_spins(*find_atom("H"));
   const double field = 2e-6, h1 = 4e-8, per_tesla = (spins.zeeman_j + spins.zeeman_i) / 2;
   const DrivenLevels driven(spins, {{0, 0.2, field, drive(positive, h1, per_tesla * field)}}, slowest);
-  const MajoranaTable table = majorana_table(2);
   for (const double s : {2e-3, 4.4e-3}) {
     const double p = rabi(two_pi * per_tesla * h1, 0, 0.2 * s);
+    const Eigen::MatrixXd expected = test::probabilities(majorana_table(2), p);
     const Eigen::MatrixXd got = driven.probabilities(s);
     for (int from = 0; from < 3; ++from)
-      for (int to = 0; to < 3; ++to) EXPECT_NEAR(got(from, to), table.probability(from, to, p), 2e-4);
+      for (int to = 0; to < 3; ++to) EXPECT_NEAR(got(from, to), expected(from, to), 2e-4);
     EXPECT_NEAR(got(3, 3), 1, 1e-9);
   }
 }
@@ -77,11 +77,11 @@ TEST(DrivenLevels, OfBothHyperfineManifoldsTurnInOppositeSenses) {
        {std::tuple{positive, 4, 0, upper}, std::tuple{negative, 2, 5, -lower}}) {
     const DrivenLevels driven(spins, {{0, 0.3, field, drive(kind, h1, per_tesla * field)}}, slowest);
     const Eigen::MatrixXd p = driven.probabilities(s);
-    const MajoranaTable table = majorana_table(twice_spin);
-    const double flip = rabi(two_pi * per_tesla * h1, 0, 0.3 * s);
+    const Eigen::MatrixXd expected =
+        test::probabilities(majorana_table(twice_spin), rabi(two_pi * per_tesla * h1, 0, 0.3 * s));
     for (int from = 0; from <= twice_spin; ++from)
       for (int to = 0; to <= twice_spin; ++to)
-        EXPECT_NEAR(p(first + from, first + to), table.probability(from, to, flip), 2e-3);
+        EXPECT_NEAR(p(first + from, first + to), expected(from, to), 2e-3);
     for (int other = 0; other < 8; ++other)
       if (other < first || other > first + twice_spin) {
         EXPECT_NEAR(p(other, other), 1, 2e-4);

@@ -8,6 +8,7 @@
 
 #include "spin/atoms.hpp"
 #include "spin/levels.hpp"
+#include "unit/transport/readers.hpp"
 
 namespace rabiline {
 namespace {
@@ -31,10 +32,9 @@ double worst_of(const TransitionTable& table, const DrivenLevels& driven, double
   for (int k = 0; k < 300; ++k) {
     // some close to the ends, where the polynomials are not centred
     const double s = k % 10 == 0 ? from + (to - from) / table.points * k / 300 : slowness(random);
-    const Eigen::MatrixXd p = driven.probabilities(s);
-    for (int i = 0; i < p.rows(); ++i)
-      for (int j = 0; j < p.cols(); ++j)
-        worst = std::max(worst, std::abs(p(i, j) - probability(table, i, j, s)));
+    const Eigen::MatrixXd exact = driven.probabilities(s);
+    for (const Isa isa : test::instruction_sets())
+      worst = std::max(worst, (test::probabilities(table, s, isa) - exact).cwiseAbs().maxCoeff());
   }
   return worst;
 }
@@ -62,9 +62,8 @@ TEST(TransitionTable, OfOneSlownessIsExactThereToSinglePrecision) {
   EXPECT_EQ(table.points, 1);
   EXPECT_EQ(table.step, 0);
   EXPECT_LT(table.error, 1e-7);
-  const Eigen::MatrixXd p = driven.probabilities(2e-3);
-  for (int from = 0; from < 8; ++from)
-    for (int to = 0; to < 8; ++to) EXPECT_NEAR(probability(table, from, to, 2e-3), p(from, to), table.error);
+  EXPECT_LT((test::probabilities(table, 2e-3) - driven.probabilities(2e-3)).cwiseAbs().maxCoeff(),
+            table.error);
 }
 
 TEST(TransitionTable, KeepsWhatALevelCanGoToAndHoldsItsEndsOutsideItsRange) {
@@ -85,8 +84,10 @@ TEST(TransitionTable, KeepsWhatALevelCanGoToAndHoldsItsEndsOutsideItsRange) {
         sum += table.at(point, t);
       EXPECT_NEAR(sum, 1, 1e-6);
     }
-  EXPECT_EQ(probability(table, 0, 1, 5e-4), probability(table, 0, 1, 1e-3));
-  EXPECT_EQ(probability(table, 0, 1, 9e-3), probability(table, 0, 1, 4e-3));
+  for (const Isa isa : test::instruction_sets()) {
+    EXPECT_EQ(test::probabilities(table, 5e-4, isa), test::probabilities(table, 1e-3, isa));
+    EXPECT_EQ(test::probabilities(table, 9e-3, isa), test::probabilities(table, 4e-3, isa));
+  }
   EXPECT_NEAR(table.first + table.step * (table.points - 1), 4e-3, 1e-15);
 }
 

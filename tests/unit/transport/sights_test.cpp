@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "constants.hpp"
 #include "physics/suggested.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/trace.hpp"
@@ -18,7 +19,7 @@ using test::run_points;
 using test::suggested;
 
 /// A neutron of 1000 m/s in 1 mT circles with R = 5.457 mm under closure larmor, towards -x.
-constexpr double radius = 1000 / (1.83247174e8 * 1e-3);
+constexpr double radius = 1000 / (-test::gamma_n * 1e-3);
 
 Beamline circle() {
   Beamline b = suggested(291e3);

@@ -1,189 +1,24 @@
-// Every law of a source as the plan hands it to the kernels, drawn and held against its distribution.
-#include <gsl/gsl_integration.h>
-
-#include <numbers>
+// Every law of places, directions, spins and times as the plan hands it to the kernels, drawn and held
+// against its distribution.
 #include <set>
 
-#include "core/constants.hpp"
-#include "physics/suggested.hpp"
-#include "unit/transport/emitted.hpp"
+#include "constants.hpp"
+#include "unit/plan/drawn.hpp"
 
 namespace rabiline {
 namespace {
 
+using test::beam;
+using test::Cdf;
+using test::Drawn;
 using test::emitted;
 using test::expect_law;
-using test::neutron;
+using test::expect_mean;
 using test::p_value;
 using test::particles;
+using test::pi;
 using test::speed_of;
-
-const double alpha = thermal_speed(300, neutron().mass);
-
-Beamline beam(SpeedLaw speed, DirectionLaw direction = ParallelDirection{}) {
-  Beamline b = test::suggested(291e3);
-  b.law = QuantumLaw{};
-  b.source = {std::move(speed), Rectangle{1e-3, 1e-3}, std::move(direction)};
-  return b;
-}
-
-/// Draws from the source of a beamline; holds its tables.
-struct Drawn {
-  SampledTables tables;
-  Emission emission;
-  explicit Drawn(const Beamline& b) : emission(emission_of(b, b.species.front(), {1938, 0}, tables)) {}
-  std::vector<double> operator()(const std::function<double(const BatchView&, int)>& value) const {
-    return emitted(emission, value);
-  }
-};
-std::vector<double> speeds_of(const SpeedLaw& law) { return Drawn(beam(law))(speed_of); }
-
-/// The distribution function of a density, by Gauss-Kronrod in 4000 cells and linear between them.
-class Cdf {
- public:
-  template <class Density>
-  Cdf(Density density, double low, double high) : low_(low), width_((high - low) / cells) {
-    gsl_function g{[](double x, void* p) { return (*static_cast<Density*>(p))(x); }, &density};
-    for (int i = 0; i < cells; ++i) {
-      double part = 0, error = 0;
-      std::size_t evaluations = 0;
-      gsl_integration_qng(&g, low + i * width_, low + (i + 1) * width_, 1e-6, 1e-6, &part, &error,
-                          &evaluations);
-      sum_.push_back(sum_.back() + part);
-    }
-  }
-  double operator()(double x) const {
-    const double at = std::clamp((x - low_) / width_, 0.0, cells - 1e-9);
-    const auto i = static_cast<std::size_t>(at);
-    return std::lerp(sum_[i], sum_[i + 1], at - static_cast<double>(i)) / sum_.back();
-  }
-
- private:
-  static constexpr int cells = 4000;
-  double low_, width_;
-  std::vector<double> sum_{0.0};
-};
-
-double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
-}
-/// The mean of f over what is drawn is `expected` within four standard errors, and not 2 % more.
-void expect_mean(const std::vector<double>& values, double expected) {
-  double square = 0;
-  const double m = mean(values), n = static_cast<double>(values.size());
-  for (const double v : values) square += (v - m) * (v - m);
-  const double error = std::sqrt(square) / n;
-  EXPECT_NEAR(m, expected, 4 * error);
-  EXPECT_GT(std::abs(m - 1.02 * expected), 4 * error);
-}
-
-// ---- speeds ----
-
-TEST(EffusiveSpeed, IsDrawnByItsLaw) {
-  // y^2 of the flux has the gamma distribution of order 2, that of the density order 3/2.
-  expect_law(speeds_of(EffusiveSpeed{300}),
-             [](double v, double s) { return gsl_cdf_gamma_P(std::pow(v / (s * alpha), 2), 2, 1); });
-}
-
-TEST(EffusiveSpeed, HasTheMomentsOfAFlux) {
-  std::vector<double> y = speeds_of(EffusiveSpeed{300}), square, inverse;
-  for (double& v : y) v /= alpha;
-  for (const double v : y) {
-    square.push_back(v * v);
-    inverse.push_back(1 / v);
-  }
-  expect_mean(y, 1.32934);
-  expect_mean(square, 2);
-  expect_mean(inverse, 0.88623);
-}
-
-TEST(MaxwellSpeed, IsDrawnByItsLaw) {
-  expect_law(speeds_of(MaxwellSpeed{300}),
-             [](double v, double s) { return gsl_cdf_gamma_P(std::pow(v / (s * alpha), 2), 1.5, 1); });
-}
-
-TEST(SupersonicSpeed, IsDrawnByItsLaw) {
-  for (const double ratio : {1.0, 5.0, 40.0}) {
-    const SupersonicSpeed law{300, 5.0 / 3, ratio};
-    const double u = std::sqrt(5) * std::sqrt(constants::boltzmann * 300 / neutron().mass);
-    const Cdf cdf([&](double y) { return y * y * y * std::exp(-std::pow(ratio * (y - 1), 2)); },
-                  std::max(0.0, 1 - 8 / ratio), 1 + 9 / ratio);
-    expect_law(speeds_of(law), [&](double v, double s) { return cdf(v / (s * u)); });
-  }
-}
-
-TEST(TabulatedSpeed, IsDrawnFromTheRowsOfEachQuantity) {
-  const auto cdf = [](double q) {  // of the density 0, 2, 1, 0 at 1, 2, 4, 5
-    if (q < 2) return (q - 1) * (q - 1) / 4.5;
-    if (q < 4) return (1 + 2 * (q - 2) - (q - 2) * (q - 2) / 4) / 4.5;
-    return 1 - (5 - q) * (5 - q) / 2 / 4.5;
-  };
-  const auto table = [](Dimension d, double unit) {
-    return TabulatedSpeed{
-        {std::make_shared<Spectrum>(Spectrum{"", d, {unit, 2 * unit, 4 * unit, 5 * unit}, {0, 2, 1, 0}})}};
-  };
-  const double m = neutron().mass;
-  expect_law(speeds_of(table(Dimension::speed, 200)),
-             [&](double v, double s) { return cdf(std::clamp(v / (s * 200), 1.0, 5.0)); });
-  expect_law(speeds_of(table(Dimension::length, 1e-10)), [&](double v, double s) {
-    return cdf(std::clamp(constants::planck / (m * v) / (s * 1e-10), 1.0, 5.0));
-  });
-  expect_law(speeds_of(table(Dimension::energy, 1e-21)),
-             [&](double v, double s) { return cdf(std::clamp(m * v * v / 2 / (s * 1e-21), 1.0, 5.0)); });
-}
-
-TEST(GaussianSpeed, IsNormalInTheQuantityThatIsWritten) {
-  const double m = neutron().mass;
-  expect_law(speeds_of(GaussianSpeed{{4e-10, Dimension::length}, {0.4e-10, Dimension::length}}),
-             [&](double v, double s) {
-               return gsl_cdf_gaussian_P(constants::planck / (m * v) - 4e-10, s * 0.4e-10);
-             });
-  expect_law(speeds_of(GaussianSpeed{{4e-21, Dimension::energy}, {1e-21, Dimension::energy}}),
-             [&](double v, double s) { return gsl_cdf_gaussian_P(m * v * v / 2 - 4e-21, s * 1e-21); });
-}
-
-TEST(GaussianSpeed, InWavelengthsLeavesOutWhatWouldBeTooFast) {
-  for (const double v : speeds_of(GaussianSpeed{{4e-10, Dimension::length}, {4e-10, Dimension::length}})) {
-    ASSERT_GT(v, 0);
-    ASSERT_LE(v, fastest_speed * (1 + 1e-12));
-  }
-}
-
-TEST(UniformSpeed, IsUniformInWhatIsWritten) {
-  const double up = 1.1, down = 0.9, h = constants::planck / neutron().mass;
-  expect_law(speeds_of(UniformSpeed{1000, 0.1}),
-             [&](double v, double s) { return std::clamp((v / s - 900) / 200, 0.0, 1.0); });
-  expect_law(speeds_of(UniformSpeed{{4e-10, Dimension::length}, 0.1}), [&](double v, double s) {
-    return 1 - std::clamp((s * h / v / 4e-10 - down) / (up - down), 0.0, 1.0);
-  });
-  expect_law(speeds_of(UniformSpeed{{4e-21, Dimension::energy}, 0.1}), [&](double v, double s) {
-    return std::clamp((neutron().mass * v * v / 2 * s / 4e-21 - down) / (up - down), 0.0, 1.0);
-  });
-}
-
-TEST(LineSpeeds, ComeInTheSharesOfTheirWeights) {
-  const std::vector<double> speeds =
-      speeds_of(LineSpeeds{{{500.0, 1}, {{4e-10, Dimension::length}, 2}, {2000.0, 5}}});
-  const double second = constants::planck / (neutron().mass * 4e-10);
-  double counts[3] = {};
-  for (const double v : speeds) {
-    ASSERT_TRUE(v == 500 || std::abs(v - second) < 1e-9 || v == 2000);
-    counts[v == 500 ? 0 : v == 2000 ? 2 : 1] += 1;
-  }
-  for (const auto& [count, share] : {std::pair{counts[0], 0.125}, {counts[1], 0.25}, {counts[2], 0.625}})
-    EXPECT_NEAR(count, share * particles, 4 * std::sqrt(particles * share * (1 - share)));
-}
-
-TEST(Emission, OfAWavelengthDependsOnTheMass) {
-  const Beamline b = beam(SingleSpeed{{4e-10, Dimension::length}});
-  Component heavy = b.species.front();
-  heavy.species.mass *= 2;
-  SampledTables tables;
-  EXPECT_DOUBLE_EQ(emission_of(b, heavy, {1, 0}, tables).speed.mean * 2,
-                   emission_of(b, b.species.front(), {1, 0}, tables).speed.mean);
-}
+using test::two_pi;
 
 // ---- places and directions ----
 
@@ -231,8 +66,7 @@ TEST(BoxDirection, HasUniformSlopesOfEachHalfWidth) {
 TEST(ChannelDirection, IsDrawnByClausingsLaw) {
   constexpr double length = 2;
   const auto law = [](const ChannelFlow& f) {
-    return Cdf([&](double theta) { return f.angular(std::tan(theta)) * std::sin(2 * theta); }, 0,
-               std::numbers::pi / 2);
+    return Cdf([&](double theta) { return f.angular(std::tan(theta)) * std::sin(2 * theta); }, 0, pi / 2);
   };
   const Cdf right = law(ChannelFlow(length)), wrong = law(ChannelFlow(1.02 * length));
   const Drawn drawn(beam(SingleSpeed{1000}, ChannelDirection{length * 1e-3, 1e-3}));
@@ -245,8 +79,7 @@ TEST(ChannelDirection, IsDrawnByClausingsLaw) {
 
 TEST(ChannelDirection, OfALongTubeIsDrawnByClausingsLaw) {
   const ChannelFlow flow(20);
-  const Cdf cdf([&](double theta) { return flow.angular(std::tan(theta)) * std::sin(2 * theta); }, 0,
-                std::numbers::pi / 2);
+  const Cdf cdf([&](double theta) { return flow.angular(std::tan(theta)) * std::sin(2 * theta); }, 0, pi / 2);
   EXPECT_GT(
       p_value(Drawn(beam(SingleSpeed{1000}, ChannelDirection{20e-3, 1e-3}))([](const BatchView& b, int i) {
                 return std::atan2(std::hypot(b.vx[i], b.vz[i]), b.vy[i]);
@@ -348,9 +181,8 @@ TEST(PopulatedSpin, HasItsSharesInLevelsAndAsComponents) {
     seen.insert(std::lround(3e6 * sz));
   EXPECT_EQ(seen, (std::set<long>{3000000, 1000000, -1000000, -3000000}));
   b.source.spin = PopulatedSpin{{0, 0, 1}, {0, 1, 0, 0}};
-  expect_law(
-      Drawn(b)([](const BatchView& v, int i) { return std::atan2(v.sy[i], v.sx[i]); }),
-      [](double phi, double s) { return std::clamp(phi / (s * 2 * std::numbers::pi) + 0.5, 0.0, 1.0); });
+  expect_law(Drawn(b)([](const BatchView& v, int i) { return std::atan2(v.sy[i], v.sx[i]); }),
+             [](double phi, double s) { return std::clamp(phi / (s * two_pi) + 0.5, 0.0, 1.0); });
 }
 
 TEST(Pulse, SpreadsTheStartingTimes) {

@@ -1,0 +1,338 @@
+#include "unit/transport/stage_samples.hpp"
+
+#include <limits>
+
+#include "constants.hpp"
+#include "particle/species.hpp"
+#include "spin/atoms.hpp"
+#include "spin/levels.hpp"
+#include "spin/majorana.hpp"
+#include "spin/moment_table.hpp"
+#include "spin/transition_table.hpp"
+
+namespace rabiline::test {
+namespace {
+
+constexpr int part = 3;
+
+Aperture rectangle(double half_x, double half_z, double angle = 0) {
+  Aperture a{.y = 0.4, .x0 = 0.2e-3, .z0 = -0.1e-3, .half_x = half_x, .half_z = half_z};
+  a.cosine = std::cos(angle);
+  a.sine = std::sin(angle);
+  return a;
+}
+Aperture disc(double radius) { return {.y = 0.4, .radius = radius}; }
+
+Screen screen() {
+  Screen s{.y = 0.4,
+           .x0 = 1e-4,
+           .z0 = 0,
+           .half_x = 2e-3,
+           .half_z = 1e-3,
+           .low_x = -1.9e-3,
+           .low_z = -1e-3,
+           .dead = {}};
+  s.bins_x = 7;
+  s.bins_z = 3;
+  s.bins_per_x = s.bins_x / 4e-3;
+  s.bins_per_z = s.bins_z / 2e-3;
+  s.part = part;
+  return s;
+}
+Screen poor_screen() {
+  Screen s = screen();
+  s.cosine = 0.8;
+  s.sine = 0.6;
+  s.efficiency = 0.7;
+  s.has_dead_area = true;
+  s.dead = {.half_x = 0.3e-3, .half_z = 0.4e-3};
+  return s;
+}
+
+DriveTerm drive(double spin_rate, double omega) {
+  DriveTerm d{.spin_rate = spin_rate, .turn_rate = spin_rate, .omega = omega, .phase = 0.3};
+  d.envelope = {Shape::rectangular, 0.1, 0.2, 0.05};
+  return d;
+}
+SpinZone zone(ZoneKind kind) {
+  SpinZone z{
+      .begin = 0.1, .end = 0.3, .spin_rate = 2e4, .turn_rate = 2e4, .kind = kind, .drive = {}, .step = 2e-5};
+  if (kind == ZoneKind::precession) return z;
+  z.drives = 1;
+  z.drive[0] = drive(8e3, 1.9e4);
+  if (kind == ZoneKind::profiled) z.drive[0].envelope.shape = Shape::half_sine;
+  if (kind != ZoneKind::general) return z;
+  z.drives = 2;
+  z.drive[1] = drive(3e3, -7e3);
+  z.drive[1].oscillator = 4;  // of random phase
+  z.drive[1].envelope.shape = Shape::gaussian;
+  z.drive[1].first[0] = 0;
+  z.drive[1].first[2] = 1;
+  z.drive[1].in_xy = false;
+  return z;
+}
+SpinZone turned(SpinZone z) {
+  z.turned = true;
+  const double frame[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+  std::copy_n(frame, 9, z.frame);
+  return z;
+}
+SpinZone twisted(SpinZone z) {
+  z.drive[0].twist = 20;
+  return z;
+}
+struct NamedZones {
+  const char* what;
+  std::vector<SpinZone> zones;
+};
+std::vector<NamedZones> all_zones() {
+  return {{"precession", {zone(ZoneKind::precession)}},
+          {"rotating", {zone(ZoneKind::rotating)}},
+          {"rotating, turned", {turned(zone(ZoneKind::rotating))}},
+          {"rotating, twisted", {twisted(zone(ZoneKind::rotating))}},
+          {"profiled", {zone(ZoneKind::profiled)}},
+          {"general", {zone(ZoneKind::general)}},
+          {"two", {zone(ZoneKind::rotating), zone(ZoneKind::precession)}}};
+}
+
+constexpr int most = 4;
+SpinPath spins(int levels, std::vector<SpinZone> zones) {
+  return {.levels = levels, .zones = std::move(zones), .polynomials = majorana_table(most - 1).coefficients};
+}
+SpinPath of_two(std::vector<SpinZone> zones, bool from_level) {
+  return {.levels = 2,
+          .from_level = from_level,
+          .zones = std::move(zones),
+          .polynomials = majorana_table(1).coefficients};
+}
+/// Hydrogen between 1/2000 and 1/150 s/m, driven between the upper levels.
+SpinPath of_atom() {
+  static const TransitionTable table = [] {
+    const CoupledSpins spins = coupled_spins(*find_atom("H"));
+    RotatingTerm drive;
+    drive.amplitude = 1e-7;
+    drive.oscillator.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
+    return tabulate(DrivenLevels(spins, {{0, 0.1, 1e-5, drive}}, 7e-3), 5e-4, 7e-3, 1e-4);
+  }();
+  return {.levels = 4, .of_atom = true, .transitions = &table};
+}
+
+}  // namespace
+
+template <>
+std::vector<StageSample> samples_of<Drift>() {
+  return {{"on", Drift{0.4}}, {"back", Drift{0.05}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Passage>() {
+  Aperture ring = disc(1.5e-3), stop = disc(1e-3);
+  ring.inner = 0.5e-3;
+  stop.stops_inside = true;
+  return {{"rectangle", Passage{rectangle(1e-3, 2e-3), part}},
+          {"turned", Passage{rectangle(1e-3, 2e-3, 0.3), part}},
+          {"ring", Passage{ring, part}},
+          {"stop", Passage{stop, part}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Alignment>() {
+  return {{"levels", Alignment{0.7, -1, {0, 0.6, 0.8}, 3, part, start}, 3},
+          {"vectors", Alignment{0.7, 1, {0.6, 0, 0.8}, 0, part, start}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Precession>() {
+  std::vector<StageSample> samples;
+  for (const NamedZones& named : all_zones()) samples.push_back({named.what, Precession{named.zones}});
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<Filter>() {
+  return {{"levels", Filter{{0, 0.6, 0.8}, 0.9, 0.2, true, part, start}, 2},
+          {"vectors", Filter{{0.6, 0, 0.8}, 0.9, 0, false, part, start}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<LevelProjection>() {
+  std::vector<StageSample> samples{
+      {"closed form", LevelProjection{part, start, false, of_two({zone(ZoneKind::rotating)}, true)}, 2},
+      {"atom", LevelProjection{part, start, false, of_atom()}, 4}};
+  for (const NamedZones& named : all_zones()) {
+    samples.push_back({named.what, LevelProjection{part, start, false, spins(most, named.zones)}, most});
+    samples.push_back({named.what, LevelProjection{part, start, false, of_two(named.zones, false)}, 2});
+  }
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<Deflection>() {
+  Deflection d{.begin = start, .end = 0.4, .acceleration = 3e4, .along_x = 0.6, .along_z = 0.8, .part = part};
+  Deflection gap = d;
+  gap.levels = 3;
+  gap.has_gap = true;
+  gap.half_x = 2e-3;
+  gap.half_z = 1.5e-3;
+  return {{"vectors", d}, {"levels in a gap", gap, 3}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Steering>() {
+  static const MomentTable table(coupled_spins(*find_atom("Na-23")));
+  std::vector<StageSample> samples;
+  for (const MagnetKind kind : {MagnetKind::gradient, MagnetKind::two_wire, MagnetKind::multipole})
+    for (const int power : {1, 2, 3}) {
+      Steering s;
+      s.begin = start;
+      s.end = 0.3;
+      s.mass = 23 * atomic_mass;
+      s.moment = -bohr_magneton;
+      s.part = part;
+      s.x0 = 1e-4;
+      s.cosine = 0.6;
+      s.sine = 0.8;
+      s.shape = {.kind = kind, .field = 0.3, .gradient = 60, .along_x = 0.6, .along_z = 0.8};
+      s.shape.half_distance = 2e-3;
+      s.shape.height = kind == MagnetKind::two_wire ? 2.4e-3 : 0;
+      s.shape.power = power;
+      s.shape.radius = 5e-3;
+      s.walls.circles[0] = {0, s.shape.height, 4e-3, -1};
+      const std::string what = std::to_string(static_cast<int>(kind)) + ", power " + std::to_string(power);
+      samples.push_back({"vectors in " + what, s});
+      s.levels = 8;
+      samples.push_back({"levels in " + what, s, 8});
+      s.moment = table.largest();
+      s.moments = {table.coefficients().data(), table.cells(), table.scale()};
+      s.walls = {.rectangle = true, .half_x = 3e-3, .half_z = 3e-3, .circles = {}};
+      s.walls.z = s.shape.height;
+      samples.push_back({"atoms in " + what, s, 8});
+      if (kind != MagnetKind::multipole) break;
+    }
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<TurningRegion>() {
+  // Fields in which the slowest go round in circles of a few cm, and leave through the walls or backwards.
+  const auto region = [](ZoneKind kind, EdgeKind edge_kind, bool take_off) {
+    TurningRegion r;
+    RegionZone first{
+        .field = zone(kind), .wall_radius = 5e-3, .wall_part = part, .step = 1e-5, .sights_passed = 1};
+    RegionZone second = first;
+    first.field.end = second.field.begin = 0.2;
+    second.field.end = 0.3;
+    second.wall_radius = std::numeric_limits<double>::infinity();
+    r.zones = {first, second};
+    RegionEdge edge{edge_kind, disc(2e-3), poor_screen(), {0.7, 1, {0, 0, 1}, 0, part, 0.2}, part};
+    edge.plate.y = edge.screen.y = 0.2;
+    r.edges = {edge};
+    Census census{disc(4e-3), part, 0};
+    census.face.y = 0.15;
+    Histogram tally{.part = part,
+                    .face = census.face,
+                    .axes = {{Quantity::angle_x, -1, 1, 9}},
+                    .mass = neutron_mass,
+                    .spins = {}};
+    r.sights = {{census, {tally}}};
+    r.take_off_spin_component = take_off;
+    r.most_way = 3;
+    return r;
+  };
+  std::vector<StageSample> samples;
+  for (const ZoneKind kind :
+       {ZoneKind::precession, ZoneKind::rotating, ZoneKind::profiled, ZoneKind::general})
+    for (const EdgeKind edge : {EdgeKind::open, EdgeKind::plate, EdgeKind::screen, EdgeKind::align})
+      samples.push_back({"zone " + std::to_string(static_cast<int>(kind)) + ", edge " +
+                             std::to_string(static_cast<int>(edge)),
+                         region(kind, edge, edge == EdgeKind::open || edge == EdgeKind::align)});
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<Score>() {
+  Screen round = screen();
+  round.radius = 2e-3;
+  return {{"plain", Score{screen()}}, {"poor", Score{poor_screen()}}, {"round", Score{round}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Exit>() {
+  return {{"exit", Exit{}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<SpinStretch>() {
+  std::vector<StageSample> samples{
+      {"closed form", SpinStretch{part, true, of_two({zone(ZoneKind::rotating)}, true)}, 2},
+      {"atom", SpinStretch{part, true, of_atom()}, 4}};
+  for (const NamedZones& named : all_zones()) {
+    samples.push_back({named.what, SpinStretch{part, true, spins(most, named.zones)}, most});
+    samples.push_back({named.what, SpinStretch{part, true, of_two(named.zones, false)}, 2});
+    samples.push_back({named.what, SpinStretch{part, false, of_two(named.zones, false)}});
+  }
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<Census>() {
+  return {{"disc", Census{disc(2e-3), part, 0}}, {"turned", Census{rectangle(1e-3, 2e-3, 0.3), part, 1}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Histogram>() {
+  std::vector<StageSample> samples;
+  const auto add = [&](const std::string& what, const HistogramAxis& axis, const SpinPath& path,
+                       bool caught) {
+    Histogram h{.part = part,
+                .caught = caught,
+                .face = disc(3e-3),
+                .axes = {axis},
+                .mass = neutron_mass,
+                .spins = path};
+    h.pulse = {PulseKind::gaussian, 1e-5};
+    samples.push_back({what, h, path.levels});
+  };
+  for (const QuantityRow& row : quantity_rows) {
+    HistogramAxis axis{
+        row.quantity, std::max(row.limits.low, -4.0), std::min(row.limits.high, 4.0), 11, {0.6, 0, 0.8}};
+    if (row.dimension == Dimension::length && row.quantity != Quantity::y) axis.low = -(axis.high = 4e-3);
+    if (row.quantity == Quantity::wavelength) axis.low = -(axis.high = 4e-9);
+    if (row.quantity == Quantity::time_of_flight || row.quantity == Quantity::start_time)
+      axis.low = -(axis.high = 1e-2);
+    if (row.quantity == Quantity::speed) axis.high = 1000;
+    if (row.quantity == Quantity::energy) axis.high = 1e-20;
+    if (row.categorical) axis = {row.quantity, 0, 1, most, {0, 0, 1}};
+    for (const NamedZones& named : all_zones()) {
+      const std::string what = std::string(row.word) + " behind " + named.what;
+      for (const bool caught : {false, true}) {
+        if (!row.categorical) add(what, axis, {.levels = 0, .zones = named.zones}, caught);
+        if (!row.of_vector_spin) add(what + ", levels", axis, spins(most, named.zones), caught);
+      }
+      if (!row.of_spin) break;
+    }
+    if (row.of_spin && !row.of_vector_spin) {
+      axis.direction[0] = 0;
+      axis.direction[2] = 1;
+      add(std::string(row.word) + " of an atom", axis, of_atom(), true);
+    }
+  }
+  return samples;
+}
+
+template <>
+std::vector<StageSample> samples_of<Attenuation>() {
+  return {{"gas", Attenuation{{part, start}, 0.7}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<Chopping>() {
+  return {{"shutter", Chopping{{part, start}, 0.4, 3e3, 0.1}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<VelocitySelection>() {
+  return {{"band", VelocitySelection{{part, start}, 500, 0.6, 0.8}}};
+}
+
+}  // namespace rabiline::test
