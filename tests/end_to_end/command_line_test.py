@@ -274,9 +274,9 @@ def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, lon
     said = stop(slow_run(output), signal.SIGTERM)
     assert f"rabiline resume {output}" in said
     assert list(tmp_path.iterdir()) == [checkpoint]
-    stop(start_and_wait_for_progress("resume", output, "--threads", 1), signal.SIGINT)
+    stop(start_and_wait_for_progress("resume", output), signal.SIGINT)
     assert list(tmp_path.iterdir()) == [checkpoint]
-    resumed = rabiline("resume", output, "--threads", 1)
+    resumed = rabiline("resume", output)
     assert resumed.returncode == DONE, resumed.stderr
     assert list(tmp_path.iterdir()) == [output]
     assert_same_bits(long_reference, output)
@@ -304,7 +304,7 @@ def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) 
     process = start_and_wait_for_progress("run", "mine.yaml", "-o", "out.h5", *LONG, "--threads", 1, "--batch", 8,
                                           "--progress", "json", cwd=work)
     stop(process, signal.SIGTERM)
-    resumed = rabiline("resume", "work/out.h5", "--threads", 1, cwd=tmp_path)
+    resumed = rabiline("resume", "work/out.h5", cwd=tmp_path)
     assert resumed.returncode == DONE, resumed.stderr
     assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
     assert_same_bits(long_reference, work / "out.h5")
