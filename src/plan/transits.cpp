@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/portable_math.hpp"
 #include "transport/cost.hpp"
 #include "transport/sum_sink.hpp"
 
@@ -76,7 +77,7 @@ std::optional<double> turning_of(const SpinPath& path) {
     if (!drive.in_xy || drive.twist != 0 || drive.omega != clock->omega ||
         drive.oscillator != clock->oscillator || drive.random_turn != clock->random_turn)
       return {};
-    angle += since_drive + std::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
+    angle += since_drive + portable::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
     since_drive = 0;
   }
   return angle;

@@ -9,7 +9,7 @@
 
 #include "core/portable_math.hpp"
 #include "plan/plan.hpp"
-#include "simulation/finish.hpp"
+#include "spin/level_names.hpp"
 
 namespace rabiline {
 
@@ -19,6 +19,13 @@ inline double particles(Sum q) { return static_cast<double>(q) / quanta; }
 /// What is counted of a particle that weighs one, as the screens' kernels do [quanta].
 inline std::uint64_t counted_of_one(double efficiency) {
   return static_cast<std::uint64_t>(std::floor(quanta * efficiency));
+}
+
+/// Half the width of Wilson's interval (1927) at one standard deviation, for k of n: never zero, never
+/// outside.
+inline double wilson_error(double k, double n) {
+  const double p = k / n;
+  return std::sqrt(p * (1 - p) / n + 1 / (4 * n * n)) / (1 + 1 / n);
 }
 
 /// Variance of what was counted of n particles of one species, in particles^2: Wilson's where everything that
@@ -81,8 +88,7 @@ inline double covariance_of(const std::vector<double>& a, const std::vector<doub
 inline double fraction_error(const Moments& counted, double variance, const Moments& emitted,
                              double scatter) {
   const bool alike = emitted.q2 == emitted.q * quanta_per_particle;
-  return alike || counted.q == 0 ? std::sqrt(variance) / particles(emitted.q)
-                                 : std::sqrt(scatter);
+  return alike || counted.q == 0 ? std::sqrt(variance) / particles(emitted.q) : std::sqrt(scatter);
 }
 
 /// Between points that fly the same particles: from how far each group is from what its size lets expect, and
@@ -99,6 +105,18 @@ std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviat
       covariance[a * points + b] = covariance[b * points + a] =
           covariance_of(deviations[a], deviations[b]) + known(a, b);
   return covariance;
+}
+
+/// n + 1 edges of equal bins.
+inline std::vector<double> edges_of(double low, double high, std::int64_t bins) {
+  std::vector<double> edges;
+  for (std::int64_t i = 0; i <= bins; ++i)
+    edges.push_back(std::lerp(low, high, static_cast<double>(i) / static_cast<double>(bins)));
+  return edges;
+}
+
+inline std::vector<std::string> names_of_levels(const Species& species, int levels) {
+  return species.structure ? names_of_levels(coupled_spins(*species.structure)) : names_of_levels(levels);
 }
 
 /// A part's number at a scan point: a scan over `at` may change the order.

@@ -16,7 +16,6 @@
 #include "simulation/counting.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
-#include "spin/level_names.hpp"
 
 namespace rabiline {
 namespace {
@@ -117,14 +116,8 @@ class Finisher {
   }
 
   static void add_axes(const ScreenGrid& grid, const Bins& bins, DetectorResult& detector) {
-    const auto edges = [](double low, double high, std::int64_t count) {
-      std::vector<double> e;
-      for (std::int64_t i = 0; i <= count; ++i)
-        e.push_back(std::lerp(low, high, static_cast<double>(i) / static_cast<double>(count)));
-      return e;
-    };
-    detector.x = {"x", edges(grid.low_x, grid.high_x, bins.x)};
-    detector.z = {"z", edges(grid.low_z, grid.high_z, bins.z)};
+    detector.x = {"x", edges_of(grid.low_x, grid.high_x, bins.x)};
+    detector.z = {"z", edges_of(grid.low_z, grid.high_z, bins.z)};
   }
 
   /// Of all that leave an aimed source, what is detected: the emitted weight per particle, which is below 1
@@ -194,8 +187,8 @@ class Finisher {
     detector.detected.push_back(fraction);
     for (double& d : deviations) d /= particles(emitted.q);
     const double by_moments = covariance_by_moments(detector.name, p, p);
-    detector.detected_errors.push_back(fraction_error(
-        all, total.variances[0], emitted, covariance_of(deviations, deviations) + by_moments));
+    detector.detected_errors.push_back(
+        fraction_error(all, total.variances[0], emitted, covariance_of(deviations, deviations) + by_moments));
     rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
     deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
@@ -206,7 +199,7 @@ class Finisher {
     double sum = 0;
     for (const ScreenCovariance& c : covariances_)
       if (experiment_.points.front().parts[static_cast<std::size_t>(c.part)].placement.name == detector)
-        sum += c.between_ways(static_cast<Eigen::Index>(c.way_of[a]), static_cast<Eigen::Index>(c.way_of[b]));
+        sum += c.between(a, b);
     return sum / (particles(emitted_[a].q) * particles(emitted_[b].q));
   }
 
@@ -220,9 +213,7 @@ class Finisher {
   }
   static std::string name_of_level(const Beamline& beamline, const Species& species, int levels, int level) {
     if (!law_traits(beamline.law).has_levels) return level == 0 ? "(1 + S_z)/2" : "(1 - S_z)/2";
-    if (species.structure)
-      return names_of_levels(coupled_spins(*species.structure))[static_cast<std::size_t>(level)];
-    return names_of_levels(levels)[static_cast<std::size_t>(level)];
+    return names_of_levels(species, levels)[static_cast<std::size_t>(level)];
   }
 
   /// What a level got of the weight w of each particle: sums of q, q^2 and q w.
@@ -396,11 +387,6 @@ class Finisher {
 };
 
 }  // namespace
-
-double wilson_error(double k, double n) {
-  const double p = k / n;
-  return std::sqrt(p * (1 - p) / n + 1 / (4 * n * n)) / (1 + 1 / n);
-}
 
 Result finish(const Experiment& experiment, const Plan& plan, const Sums& sums) {
   return Finisher(experiment, plan, sums).finish();

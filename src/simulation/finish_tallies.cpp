@@ -10,7 +10,6 @@
 #include "core/portable_math.hpp"
 #include "plan/tally_plan.hpp"
 #include "simulation/counting.hpp"
-#include "spin/level_names.hpp"
 
 namespace rabiline {
 namespace {
@@ -76,8 +75,8 @@ class TallyFinisher {
       monitor.passed_errors[p * planes + plane] =
           fraction_error(all, total.variances[0], emitted, covariance_of(deviations[p], deviations[p]));
     }
-    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles,
-                                                       [](std::size_t, std::size_t) { return 0.0; });
+    const std::vector<double> covariance =
+        covariance_of(deviations, run_.experiment.particles, [](std::size_t, std::size_t) { return 0.0; });
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
   }
 
@@ -89,15 +88,11 @@ class TallyFinisher {
     made.dimension = dimension_of(axis.quantity);
     if (axis.axis) made.direction = {axis.axis->x, axis.axis->y, axis.axis->z};
     if (is_categorical(axis.quantity)) {
-      made.labels =
-          species.structure ? names_of_levels(coupled_spins(*species.structure)) : names_of_levels(levels);
+      made.labels = names_of_levels(species, levels);
       for (int level = 0; level <= levels; ++level) made.edges.push_back(level - 0.5);
       return made;
     }
-    const auto bins = static_cast<std::int64_t>(*axis.bins);
-    for (std::int64_t i = 0; i <= bins; ++i)
-      made.edges.push_back(
-          std::lerp(axis.from->value, axis.to->value, static_cast<double>(i) / static_cast<double>(bins)));
+    made.edges = edges_of(axis.from->value, axis.to->value, static_cast<std::int64_t>(*axis.bins));
     return made;
   }
 

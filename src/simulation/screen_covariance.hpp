@@ -10,6 +10,7 @@ struct ScreenCovariance {
   int part = 0;                        // the screen's, at the first point
   std::vector<Eigen::Index> way_of{};  // [points]
   Eigen::MatrixXd between_ways{};      // particles^2
+  double between(std::size_t a, std::size_t b) const { return between_ways(way_of[a], way_of[b]); }
 };
 
 /// Of the screen that is that link behind the projection; `counted`: particles, of each way.

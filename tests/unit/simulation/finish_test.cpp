@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "physics/suggested.hpp"
+#include "simulation/counting.hpp"
 
 namespace rabiline {
 namespace {
