@@ -199,10 +199,10 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
   if (settings.planned) settings.planned(warnings);
 
-  const RunOutcome outcome = run(plan, options);
+  RunOutcome outcome = run(plan, options);
   Provenance provenance = record.finish();
   if (!outcome.finished) return std::nullopt;
-  Result result = finish(loaded.experiment, plan, outcome.sums);
+  Result result = finish(loaded.experiment, plan, std::move(outcome.sums));
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);

@@ -122,7 +122,7 @@ DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
 void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
   for (const PlanNode& node : nodes) {
     collect(node.stage, node.points);
-    for (const PlanNode::Way& way : node.ways) collect(way.projection, way.points);
+    for (const PlanNode::Way& way : node.ways) collect(way.stage, way.points);
     collect(node.next);
   }
 }

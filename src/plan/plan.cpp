@@ -123,7 +123,7 @@ double cost_of_branch(const PlanNode& node, double speed) {
   for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
   if (node.ways.empty()) return sum + behind;
   const double levels = path_of(node.stage)->levels;
-  if (node.transit) return levels * (behind + cost::moments);
+  if (node.transit) return levels * (behind + levels * cost::moment);
   return levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
          sum * static_cast<double>(node.ways.size());
 }
@@ -257,7 +257,7 @@ void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
 }
 
 void find_reach(PlanNode& node) {
-  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.projection), node.reach);
+  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.stage), node.reach);
   for (PlanNode& next : node.next) find_reach(next);
 }
 

@@ -23,9 +23,10 @@ struct PlanNode {
   std::size_t ledger =
       0;  // where the ledger by prepared level begins; 0: the stage ends nobody, or there is none
   /// Of a stage that splits weights: paths behind it are flown once in each level, and each way shares the
-  /// weights over them. `next` is one chain, its sums those of the first way.
+  /// weights over them. `next` is one chain, its sums those of the first way. Of a stage that only reads: the
+  /// points that it serves by moments.
   struct Way {
-    Stage projection;
+    Stage stage;
     std::vector<int> points;
     std::size_t shift = 0;  // of its sums behind those of the first way
   };

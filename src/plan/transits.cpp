@@ -15,7 +15,7 @@ namespace {
 /// off by (1/2)^8/(8! 2^7) = 7.6e-10 of its amplitude.
 constexpr double radians_per_cell = 1;
 /// Moments of one projection, at most.
-constexpr std::size_t most_moments = std::size_t{1} << 19;
+constexpr std::size_t most_moments = std::size_t{1} << 21;
 /// How far cells reach beyond the speeds of nearly all particles; what is still outside is shared point by
 /// point.
 constexpr double beyond = 2;
@@ -91,46 +91,105 @@ class TransitMaker {
         points_(static_cast<std::size_t>(points)),
         sums_(sums) {}
 
-  void visit(PlanNode& node) {
-    if (traits_of(node.stage).spins == SpinEffect::set && node.ways.empty()) return;  // and behind it
-    if (!node.ways.empty()) return lay_out(node);
-    for (PlanNode& next : node.next) visit(next);
+  void visit(std::vector<PlanNode>& nodes) {
+    gather_readers(nodes);
+    for (PlanNode& node : nodes)
+      if (!node.ways.empty() && !node.transit)
+        lay_out(node);
+      else if (traits_of(node.stage).spins != SpinEffect::set)
+        visit(node.next);
   }
 
  private:
+  /// Points that stand side by side because they read levels of one catch behind different fields become one
+  /// node where moments serve them all.
+  void gather_readers(std::vector<PlanNode>& nodes) {
+    std::vector<std::vector<std::size_t>> groups;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!traits_of(nodes[i].stage).counts_levels) continue;
+      const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& g) {
+        const Stage& first = nodes[g.front()].stage;
+        return with_path(nodes[i].stage, *path_of(first)) == first;
+      });
+      if (group == groups.end())
+        groups.push_back({i});
+      else
+        group->push_back(i);
+    }
+    std::vector<bool> gone(nodes.size());
+    for (const std::vector<std::size_t>& group : groups) {
+      PlanNode one = nodes[group.front()];
+      one.points.clear();
+      for (const std::size_t i : group) {
+        one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
+        one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
+      }
+      const auto cells = cells_of(one);
+      if (!cells) continue;
+      const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
+      const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
+                                                          std::vector<TransitLink>{{true, {1, 1}, 1}});
+      const double entries = 2 * particles_;
+      if (!is_shorter(*layout, group.size(), cost::closed_form * static_cast<double>(levels), entries))
+        continue;
+      keep(one, layout);
+      nodes[group.front()] = std::move(one);
+      for (std::size_t i = 1; i < group.size(); ++i) gone[group[i]] = true;
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (gone[i]) continue;
+      if (kept != i) nodes[kept] = std::move(nodes[i]);
+      ++kept;
+    }
+    nodes.resize(kept);
+  }
+
   void lay_out(PlanNode& node) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
-    double angle = 0;
-    for (const PlanNode::Way& way : node.ways) {
-      const SpinPath& path = *path_of(way.projection);
-      const std::optional<double> turning = turning_of(path);
-      if (!turning) return by_particle(node, "the fields before it are no closed form of the slowness alone");
-      angle = std::max(angle, *turning * (path.levels - 1));
-    }
-    const double first = 1 / (beyond * speeds_.fastest), last = beyond / speeds_.slowest;
-    const double cells = std::max(1.0, std::ceil((last - first) * angle / radians_per_cell));
-    if (cells > static_cast<double>(most_moments)) return by_particle(node, too_large);
-    const auto layout = std::make_shared<TransitLayout>(
-        SlownessCells{first, (last - first) / cells, static_cast<int>(cells)}, node.reach, *links);
-    if (layout->size() > most_moments) return by_particle(node, too_large);
-    if (!is_shorter(node, *layout)) return by_particle(node, "that is shorter here");
+    const auto cells = cells_of(node);
+    if (!cells) return by_particle(node, "the fields before it are no closed form of the slowness alone");
+    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links);
+    if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
+    const double levels = static_cast<double>(layout->levels());
+    if (!is_shorter(*layout, node.ways.size(), cost::share * levels, particles_ * levels * (levels + 1)))
+      return by_particle(node, "that is shorter here");
+    keep(node, layout);
+  }
+  static void by_particle(PlanNode& node, std::string_view why) { node.why_one_by_one = why; }
+
+  void keep(PlanNode& node, const std::shared_ptr<const TransitLayout>& layout) {
     node.transit = layout;
     node.moments = sums_;
     sums_ += layout->sums();
   }
-  static constexpr std::string_view too_large = "their moments would need much memory";
-  static void by_particle(PlanNode& node, std::string_view why) { node.why_one_by_one = why; }
 
-  /// Against sharing the weight of every particle for each way.
-  bool is_shorter(const PlanNode& node, const TransitLayout& layout) const {
-    const double ways = static_cast<double>(node.ways.size()), levels = static_cast<double>(layout.levels());
-    const double one_by_one = particles_ * ways * cost::share * levels;
-    const double booked = particles_ * cost::moments * levels,
-                 contracted = ways * static_cast<double>(layout.size()) * transit_powers * cost::multiply;
-    return one_by_one > booked + 2 * contracted;
+  /// Cells for the fastest cosine of all ways; nothing where these are no closed form of the slowness.
+  std::optional<SlownessCells> cells_of(const PlanNode& node) const {
+    double angle = 0;
+    for (const PlanNode::Way& way : node.ways) {
+      const SpinPath& path = *path_of(way.stage);
+      const std::optional<double> turning = turning_of(path);
+      if (!turning) return {};
+      angle = std::max(angle, *turning * (path.levels - 1));
+    }
+    const double first = 1 / (beyond * speeds_.fastest), last = beyond / speeds_.slowest;
+    const double count = std::clamp(std::ceil((last - first) * angle / radians_per_cell), 1.0,
+                                    static_cast<double>(most_moments) + 1);
+    return SlownessCells{first, (last - first) / count, static_cast<int>(count)};
+  }
+
+  /// Against asking every particle for each way, at a cost [s]. `entries`: what is booked at most.
+  bool is_shorter(const TransitLayout& layout, std::size_t ways, double one_by_one, double entries) const {
+    const double booked = entries * cost::moment,
+                 contracted = static_cast<double>(ways) *
+                              std::min(static_cast<double>(layout.size()), entries) * transit_powers *
+                              cost::multiply;
+    return layout.size() <= most_moments &&
+           particles_ * static_cast<double>(ways) * one_by_one > booked + contracted;
   }
 
   const double particles_;
@@ -143,7 +202,7 @@ class TransitMaker {
 
 void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums) {
   TransitMaker maker(tree, speeds, points, sums);
-  for (PlanNode& node : tree.next) maker.visit(node);
+  maker.visit(tree.next);
 }
 
 }  // namespace rabiline

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
 #include <stdexcept>
 
 namespace rabiline {
@@ -9,12 +11,20 @@ namespace {
 
 constexpr double quanta = static_cast<double>(quanta_per_particle);
 
-Sum whole(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
+Sum rounded(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
+
+/// What a screen catches in all, of each path and of each pair of paths.
+struct WholeScreen {
+  std::vector<std::vector<Eigen::VectorXd>> paths;               // [from][rank]
+  std::vector<std::vector<std::vector<Eigen::VectorXd>>> pairs;  // [from][rank][rank]
+};
 
 /// One stage behind the projection: where its sums begin.
 struct Link {
   std::size_t sums, ledger;
   int catches, reads;
+  std::size_t screen = 0;                // whose catch it reads
+  std::unique_ptr<WholeScreen> whole{};  // likewise
 };
 
 /// What ends at one place, and the sums that it goes to.
@@ -36,6 +46,11 @@ class Contraction {
       next = &next->next.front();
       links_.push_back({next->sums, next->ledger, catches(next->stage), reads_catch_of(next->stage)});
     }
+    for (Link& link : links_) {
+      if (link.reads == no_part) continue;
+      while (links_[link.screen].catches != link.reads) ++link.screen;
+      link.whole = std::make_unique<WholeScreen>(whole_screen(link.screen));
+    }
     for (std::size_t from = 0; from < layout_.levels(); ++from) inside_.push_back(inside(from));
   }
 
@@ -44,7 +59,7 @@ class Contraction {
       put_decided(way.shift);
       Shares shares;
       for (std::size_t from = 0; from < layout_.levels(); ++from)
-        shares.push_back(nodes_.shares(*path_of(way.projection), tree_.source.key, from));
+        shares.push_back(nodes_.shares(*path_of(way.stage), tree_.source.key, from));
       put(shares, way.shift);
     }
     for (std::size_t k = 0; k < links_.size(); ++k)
@@ -103,12 +118,12 @@ class Contraction {
     };
     double stopped = 0;
     for (std::size_t a = 0; a < ranks; ++a)
-      stopped += nodes_.weights(layout_.stop(k, from, a)).dot(of_rank(shares, a));
+      stopped += nodes_.weights(layout_.stop(k, from, a)).sum_of(of_rank(shares, a));
     const TransitLink& kind = layout_.link(k);
     for (std::size_t bin = 0; kind.is_screen && bin < kind.screen.bins(); ++bin) {
       double caught = 0;
       for (std::size_t a = 0; a < ranks; ++a)
-        caught += nodes_.weights(layout_.share(k, bin, from, a)).dot(of_rank(shares, a));
+        caught += nodes_.weights(layout_.share(k, bin, from, a)).sum_of(of_rank(shares, a));
       stopped += (1 - kind.counted) * caught;
       end_at(kind.counted * caught, {sums + ScreenSums::bin(bin), sums + kind.screen.total()},
              LedgerSums::caught(from));
@@ -148,51 +163,65 @@ class Contraction {
       for (std::size_t from = 0; from < layout_.levels(); ++from)
         for (std::size_t a = 0; a < layout_.outcomes(from).size(); ++a)
           for (std::size_t b = 0; b < a + (with_itself ? 1 : 0); ++b)
-            sum +=
-                (a == b ? 1 : 2) * nodes_.weights(row(from, a, b))
-                                       .dot(of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b)));
+            sum += (a == b ? 1 : 2) *
+                   nodes_.weights(row(from, a, b)).sum_of(of_rank(shares[from], a), of_rank(shares[from], b));
       return sum * kind.counted * kind.counted * quanta;
     };
     double all = 0;
     for (std::size_t bin = 0; bin < screen.bins(); ++bin) {
       const double squares = of_pairs(true, [&](auto... at) { return layout_.square(k, bin, at...); });
-      sums_[sums + ScreenSums::bin(bin) + 1] += whole(squares);
+      sums_[sums + ScreenSums::bin(bin) + 1] += rounded(squares);
       all += squares;
     }
     if (screen.bins() > 1) {
       for (std::size_t x = 0; x < screen.columns; ++x)
         sums_[sums + screen.across_column(x)] +=
-            whole(of_pairs(false, [&](auto... at) { return layout_.column(k, x, at...); }));
+            rounded(of_pairs(false, [&](auto... at) { return layout_.column(k, x, at...); }));
       for (std::size_t z = 0; z < screen.rows; ++z)
         sums_[sums + screen.across_row(z)] +=
-            whole(of_pairs(false, [&](auto... at) { return layout_.row(k, z, at...); }));
+            rounded(of_pairs(false, [&](auto... at) { return layout_.row(k, z, at...); }));
       all += of_pairs(false, [&](auto... at) { return layout_.screen(k, at...); });
     }
-    sums_[sums + screen.total() + 1] += whole(all);
+    sums_[sums + screen.total() + 1] += rounded(all);
+  }
+
+  WholeScreen whole_screen(std::size_t k) const {
+    WholeScreen whole;
+    for (std::size_t from = 0; from < layout_.levels(); ++from) {
+      const std::size_t ranks = layout_.outcomes(from).size();
+      whole.paths.emplace_back(ranks, Eigen::VectorXd::Zero(nodes_.size()));
+      whole.pairs.emplace_back(ranks);
+      for (std::size_t a = 0; a < ranks; ++a) {
+        for (std::size_t bin = 0; bin < layout_.link(k).screen.bins(); ++bin)
+          nodes_.weights(layout_.share(k, bin, from, a)).add_to(whole.paths[from][a]);
+        for (std::size_t b = 0; b < ranks; ++b)
+          whole.pairs[from][a].push_back(nodes_.pair_weights(k, from, a, b));
+      }
+    }
+    return whole;
   }
 
   /// The levels of what a screen counts: of each particle q, q^2, and q times all that is counted of it.
   void put_levels(const Shares& shares, std::size_t reader, std::size_t shift) {
-    std::size_t k = 0;
-    while (links_[k].catches != links_[reader].reads) ++k;
+    const std::size_t k = links_[reader].screen;
+    const WholeScreen& whole = *links_[reader].whole;
     const double counted = layout_.link(k).counted;
     const LevelLayout levels{layout_.levels()};
     const std::size_t sums = links_[reader].sums + shift;
     for (std::size_t from = 0; from < layout_.levels(); ++from)
       for (std::size_t a = 0; a < layout_.outcomes(from).size(); ++a) {
         const auto level = static_cast<std::size_t>(layout_.outcomes(from)[a]);
-        double q = 0, product = 0;
-        for (std::size_t bin = 0; bin < layout_.link(k).screen.bins(); ++bin)
-          q += nodes_.weights(layout_.share(k, bin, from, a)).dot(of_rank(shares[from], a));
-        sums_[sums + LevelLayout::q(level)] += whole(counted * q);
+        sums_[sums + LevelLayout::q(level)] +=
+            rounded(counted * whole.paths[from][a].dot(of_rank(shares[from], a)));
+        double product = 0;
         for (std::size_t b = 0; b < layout_.outcomes(from).size(); ++b) {
-          const double pair = counted * counted * quanta *
-                              nodes_.pair_weights(k, from, a, b)
-                                  .dot(of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b)));
-          if (a == b) sums_[sums + LevelLayout::squares(level)] += whole(pair);
+          const double pair =
+              counted * counted * quanta *
+              whole.pairs[from][a][b].dot(of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b)));
+          if (a == b) sums_[sums + LevelLayout::squares(level)] += rounded(pair);
           product += pair;
         }
-        if (levels.has_products()) sums_[sums + levels.products(level)] += whole(product);
+        if (levels.has_products()) sums_[sums + levels.products(level)] += rounded(product);
       }
   }
 
@@ -216,10 +245,36 @@ class Contraction {
   std::vector<Sum> inside_;  // [from] what was booked as moments
 };
 
+/// Levels of what a screen caught, for every point: its level before is that of the rows of rank 0.
+void contract_levels(const PlanTree& tree, const PlanNode& node, Sums& sums) {
+  const TransitLayout& layout = *node.transit;
+  const TransitNodes nodes(layout, sums.data() + node.moments);
+  const LevelLayout levels{layout.levels()};
+  std::vector<int> outcomes(levels.levels);
+  std::iota(outcomes.begin(), outcomes.end(), 0);
+  for (const PlanNode::Way& way : node.ways) {
+    Sum* to = sums.data() + node.sums + way.shift;
+    for (std::size_t from = 0; from < levels.levels; ++from) {
+      const NodeWeights &w = nodes.weights(layout.share(0, 0, from, 0)),
+                        &w2 = nodes.weights(layout.square(0, 0, from, 0, 0));
+      const Eigen::MatrixXd shares = nodes.shares(*path_of(way.stage), tree.source.key, from, outcomes);
+      for (std::size_t level = 0; level < levels.levels; ++level) {
+        const auto p = shares.col(static_cast<Eigen::Index>(level));
+        to[LevelLayout::q(level)] += rounded(w.sum_of(p));
+        to[LevelLayout::squares(level)] += rounded(quanta * w2.sum_of(p, p));
+        if (levels.has_products()) to[levels.products(level)] += rounded(quanta * w2.sum_of(p));
+      }
+    }
+  }
+}
+
 void contract(const PlanTree& tree, const std::vector<PlanNode>& nodes, Sums& sums,
               std::vector<ScreenCovariance>& covariances) {
   for (const PlanNode& node : nodes) {
-    if (node.transit) Contraction(tree, node, sums).run(covariances);
+    if (node.transit && node.next.empty())
+      contract_levels(tree, node, sums);
+    else if (node.transit)
+      Contraction(tree, node, sums).run(covariances);
     contract(tree, node.next, sums, covariances);
   }
 }

@@ -23,10 +23,10 @@ namespace {
 /// Turns the sums of one run into a Result.
 class Finisher {
  public:
-  Finisher(const Experiment& experiment, const Plan& plan, const Sums& sums)
+  Finisher(const Experiment& experiment, const Plan& plan, Sums sums)
       : experiment_(experiment),
         plan_(plan),
-        sums_(sums),
+        sums_(std::move(sums)),
         covariances_(contract_moments(plan, sums_)),
         tallies_(plan),
         points_(static_cast<std::size_t>(plan.points)),
@@ -225,9 +225,9 @@ class Finisher {
     const auto sum = [&](std::size_t at) { return sums_[tally.at + at]; };
     LevelMoments m{sum(LevelLayout::q(level)), sum(LevelLayout::squares(level)), 0};
     // Two levels share the weight: (q1 + q2)^2 = w^2 tells q1 q2.
-    m.qw = layout.has_products()
-               ? sum(layout.products(level))
-               : m.q2 + (weights.q2 - sum(LevelLayout::squares(0)) - sum(LevelLayout::squares(1))) / 2;
+    const Sum squares = sum(LevelLayout::squares(0)) + sum(LevelLayout::squares(1));
+    m.qw = layout.has_products() ? sum(layout.products(level))
+                                 : m.q2 + (std::max(weights.q2, squares) - squares) / 2;
     return m;
   }
   /// Error of a level's share f of all that was detected: sum (q - f w)^2 over the particles.
@@ -388,8 +388,8 @@ class Finisher {
 
 }  // namespace
 
-Result finish(const Experiment& experiment, const Plan& plan, const Sums& sums) {
-  return Finisher(experiment, plan, sums).finish();
+Result finish(const Experiment& experiment, const Plan& plan, Sums sums) {
+  return Finisher(experiment, plan, std::move(sums)).finish();
 }
 
 }  // namespace rabiline

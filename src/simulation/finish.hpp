@@ -7,6 +7,6 @@ namespace rabiline {
 
 /// Everything of a Result but its provenance. Throws std::logic_error if the fates do not add up to what was
 /// emitted, in quanta.
-Result finish(const Experiment&, const Plan&, const Sums&);
+Result finish(const Experiment&, const Plan&, Sums);
 
 }  // namespace rabiline

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <exception>
 #include <mutex>
+#include <utility>
 
 #include "simulation/blocks.hpp"
 #include "simulation/walk.hpp"
@@ -49,9 +50,7 @@ class Runner {
     for (Share& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) {
       before_ = Intervals(options.start->finished);
-      sums_before_ = sums_of(*options.start);
-    } else {
-      sums_before_.resize(plan.sums);
+      shares_.front().sums = sums_of(*options.start);
     }
     finished_blocks_ = before_.size();
   }
@@ -62,7 +61,9 @@ class Runner {
     if (error_) std::rethrow_exception(error_);
     const bool finished = finished_blocks_ == blocks_.count();
     if (!finished && options_.snapshot) options_.snapshot(snapshot());
-    return {std::move(collect().first), finished};
+    Sums sums = std::move(shares_.front().sums);
+    for (std::size_t i = 1; i < shares_.size(); ++i) add(sums, std::exchange(shares_[i].sums, {}));
+    return {std::move(sums), finished};
   }
 
  private:
@@ -110,7 +111,7 @@ class Runner {
 
   /// Sums and blocks of all threads and of the runs before.
   std::pair<Sums, Intervals> collect() {
-    std::pair<Sums, Intervals> all{sums_before_, before_};
+    std::pair<Sums, Intervals> all{Sums(plan_.sums), before_};
     for (Share& share : shares_) {
       const std::lock_guard guard(share.lock);
       add(all.first, share.sums);
@@ -136,7 +137,6 @@ class Runner {
   const Blocks blocks_;
   std::vector<Share> shares_;
   Intervals before_;
-  Sums sums_before_;
   std::atomic<std::uint64_t> next_{0}, finished_blocks_{0};
   std::atomic<bool> failed_{false};
   std::mutex error_lock_, report_lock_;

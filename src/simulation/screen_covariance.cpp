@@ -53,7 +53,7 @@ Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const
   Eigen::MatrixXd flips = Eigen::MatrixXd::Zero((ways + 7) / 8 * 8, nodes.size());
   for (Eigen::Index way = 0; way < ways; ++way)
     flips.row(way) =
-        nodes.flips(*path_of(projection.ways[static_cast<std::size_t>(way)].projection), tree.source.key);
+        nodes.flips(*path_of(projection.ways[static_cast<std::size_t>(way)].stage), tree.source.key);
   return flips;
 }
 

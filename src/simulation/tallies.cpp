@@ -10,6 +10,10 @@ Tallies::Tallies(const Plan& plan) {
 }
 
 void Tallies::visit(const PlanNode& node) {
+  if (!node.ways.empty() && node.next.empty()) {
+    for (const PlanNode::Way& way : node.ways) list(node.stage, node.sums + way.shift, 0, way.points);
+    return;
+  }
   list(node.stage, node.sums, node.ledger, node.points);
   by_moments_ = node.transit != nullptr;
   for (const PlanNode::Way& way : node.ways) visit_way(node.next.front(), way);

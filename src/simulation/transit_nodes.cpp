@@ -13,7 +13,7 @@ constexpr int powers = transit_powers;
 using Powers = Eigen::Matrix<double, powers, 1>;
 
 /// A sum of moments, which may be negative.
-double number(Sum sum) {
+double signed_number(Sum sum) {
   __extension__ typedef __int128 Signed;
   return static_cast<double>(static_cast<Signed>(sum));
 }
@@ -32,26 +32,29 @@ Eigen::Matrix<double, powers, powers> lagrange_polynomials() {
 
 }  // namespace
 
-TransitNodes::TransitNodes(const TransitLayout& layout, const Sum* sums) : layout_(layout), sums_(sums) {
+TransitNodes::TransitNodes(const TransitLayout& layout, const Sum* sums)
+    : layout_(layout), sums_(sums), weights_(layout.rows()) {
   const SlownessCells& cells = layout.cells();
-  for (std::size_t cell = 0; cell < static_cast<std::size_t>(cells.count); ++cell) {
-    bool holds = false;
-    for (std::size_t row = 0; !holds && row < layout.rows(); ++row)
-      holds = sums[layout.moment(row, cell, 0)] != 0;
-    if (!holds) continue;
+  std::vector<bool> holds(static_cast<std::size_t>(cells.count));
+  for (std::size_t row = 0; row < layout.rows(); ++row)
+    for (std::size_t cell = 0; cell < holds.size(); ++cell)
+      if (sums[layout.moment(row, cell, 0)] != 0) holds[cell] = true;
+  std::vector<Eigen::Index> number(holds.size());
+  for (std::size_t cell = 0; cell < holds.size(); ++cell) {
+    if (!holds[cell]) continue;
+    number[cell] = static_cast<Eigen::Index>(cells_.size());
     cells_.push_back(cell);
     for (int j = 0; j < powers; ++j)
       slowness_.push_back(cells.first +
                           cells.width * (static_cast<double>(cell) + 0.5 * (chebyshev_point(j) + 1)));
   }
   const Eigen::Matrix<double, powers, powers> lagrange = lagrange_polynomials();
-  weights_.resize(size(), static_cast<Eigen::Index>(layout.rows()));
   for (std::size_t row = 0; row < layout.rows(); ++row)
-    for (std::size_t c = 0; c < cells_.size(); ++c) {
+    for (const std::size_t cell : cells_) {
+      if (sums[layout.moment(row, cell, 0)] == 0) continue;
       Powers moments;
-      for (int k = 0; k < powers; ++k) moments[k] = number(sums[layout.moment(row, cells_[c], k)]);
-      weights_.col(static_cast<Eigen::Index>(row)).segment<powers>(static_cast<Eigen::Index>(c) * powers) =
-          lagrange * moments;
+      for (int k = 0; k < powers; ++k) moments[k] = signed_number(sums[layout.moment(row, cell, k)]);
+      weights_[row].add(number[cell], lagrange * moments);
     }
 }
 
@@ -66,8 +69,9 @@ Eigen::VectorXd TransitNodes::pair_weights(std::size_t link, std::size_t from, s
   if (a < b) std::swap(a, b);
   const ScreenSums& screen = layout_.link(link).screen;
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (std::size_t bin = 0; bin < screen.bins(); ++bin) sum += weights(layout_.square(link, bin, from, a, b));
-  if (a != b && screen.bins() > 1) sum += weights(layout_.screen(link, from, a, b));
+  for (std::size_t bin = 0; bin < screen.bins(); ++bin)
+    weights(layout_.square(link, bin, from, a, b)).add_to(sum);
+  if (a != b && screen.bins() > 1) weights(layout_.screen(link, from, a, b)).add_to(sum);
   return sum;
 }
 

@@ -8,8 +8,35 @@
 
 namespace rabiline {
 
+/// Weights at the nodes of those cells that hold anything.
+class NodeWeights {
+ public:
+  static constexpr Eigen::Index in_cell = transit_powers;
+  using OfCell = Eigen::Matrix<double, in_cell, 1>;
+  void add(Eigen::Index cell, const OfCell& weights) { cells_.emplace_back(cell, weights); }
+  /// The sum over nodes of weight times f, or times f and g.
+  double sum_of(const Eigen::Ref<const Eigen::VectorXd>& f) const {
+    double sum = 0;
+    for (const auto& [cell, weights] : cells_) sum += weights.dot(f.segment<in_cell>(cell * in_cell));
+    return sum;
+  }
+  double sum_of(const Eigen::Ref<const Eigen::VectorXd>& f,
+                const Eigen::Ref<const Eigen::VectorXd>& g) const {
+    double sum = 0;
+    for (const auto& [cell, weights] : cells_)
+      sum += weights.dot(f.segment<in_cell>(cell * in_cell).cwiseProduct(g.segment<in_cell>(cell * in_cell)));
+    return sum;
+  }
+  void add_to(Eigen::VectorXd& all) const {
+    for (const auto& [cell, weights] : cells_) all.segment<in_cell>(cell * in_cell) += weights;
+  }
+
+ private:
+  std::vector<std::pair<Eigen::Index, OfCell>> cells_;
+};
+
 /// Eight Chebyshev points in each cell that holds anything: a sum of w f(s) over the particles of a row is
-/// weights(row).dot(f at the nodes) for every f that is a polynomial of degree 7 across each cell.
+/// weights(row).sum_of(f at the nodes) for every f that is a polynomial of degree 7 across each cell.
 class TransitNodes {
  public:
   /// `sums`: those of the layout.
@@ -17,7 +44,7 @@ class TransitNodes {
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(slowness_.size()); }
   /// [quanta] of a row of w; of a row of w^2 in units of 2^-40 particle^2.
-  auto weights(std::size_t row) const { return weights_.col(static_cast<Eigen::Index>(row)); }
+  const NodeWeights& weights(std::size_t row) const { return weights_[row]; }
   /// All that was booked in a row of w, exactly.
   Sum booked(std::size_t row) const;
   /// w^2 of pairs of paths that a screen catches, whatever the bins.
@@ -32,16 +59,15 @@ class TransitNodes {
     path.levels = 2;
     return shares(path, key, 0, {1});
   }
-
- private:
   Eigen::MatrixXd shares(const SpinPath&, const RandomKey&, std::size_t from,
                          const std::vector<int>& outcomes) const;
 
+ private:
   const TransitLayout& layout_;
   const Sum* sums_;
-  std::vector<std::size_t> cells_;  // that hold anything
-  std::vector<double> slowness_;    // [s/m]
-  Eigen::MatrixXd weights_;         // [node][row]
+  std::vector<std::size_t> cells_;    // that hold anything
+  std::vector<double> slowness_;      // [s/m]
+  std::vector<NodeWeights> weights_;  // [row]
 };
 
 }  // namespace rabiline

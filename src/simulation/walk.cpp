@@ -79,12 +79,13 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
 }
 
 void Walker::flush_moments(Sums& sums) {
-  for (auto& [node, cells] : moments_) {
-    Sum* to = sums.data() + node->moments;
-    for (CellMoments& cell : cells)
-      for (std::int64_t& moment : cell.of) *to++ += static_cast<Sum>(std::exchange(moment, 0));
+  for (auto& [node, buffer] : moments_) {
+    for (const std::uint64_t cell : buffer.touched) {
+      Sum* to = sums.data() + node->moments + cell * transit_powers;
+      for (std::int64_t& moment : buffer.cells[cell].of) *to++ += static_cast<Sum>(std::exchange(moment, 0));
+    }
+    buffer.touched.clear();
   }
-  moments_.clear();
 }
 
 void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
@@ -94,18 +95,31 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
   branches_.fly(batch, chain, node.reach, isa_, key, node.transit.get());
-  if (node.transit) {
-    std::vector<CellMoments>& moments = moments_[&node];
-    moments.resize(node.transit->size());
-    if (branches_.book_moments(*node.transit, batch, moments.data(), sums.data() + node.moments)) return;
-  }
+  if (node.transit &&
+      branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments))
+    return;
   for (const PlanNode::Way& way : node.ways) {
-    branches_.book(*path_of(way.projection), sums.data(), way.shift);
+    branches_.book(*path_of(way.stage), sums.data(), way.shift);
     for (const ChainLink& link : chain) {
       if (!reads_earlier_catch(link, chain)) continue;
       StageContext context{isa_, key, batch, sums.data() + link.sums + way.shift};
       advance(*link.stage, context);
     }
+  }
+}
+
+/// Levels at a screen, of all points by moments; what flew too slowly or too fast for their cells is read for
+/// each point.
+void Walker::read_levels(const PlanNode& node, const Batch& batch, const RandomKey& key, Sums& sums) {
+  const int part = reads_catch_of(node.stage);
+  if (transits_.add_catch(*node.transit, batch.view(), part, isa_, moments_[&node])) return;
+  outside_.copy_from(batch);
+  BatchView& outside = outside_.view();
+  for (int i = 0; i < outside.count; ++i)
+    if (node.transit->cells().contains(outside.slowness[i])) outside.caught_by[i] = 0;
+  for (const PlanNode::Way& way : node.ways) {
+    StageContext context{isa_, key, outside_, sums.data() + node.sums + way.shift};
+    advance(way.stage, context);
   }
 }
 
@@ -128,15 +142,20 @@ void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const R
         own = depth + 1;
         batch(own).copy_from(batch(depth));
       }
-      if (!node.ways.empty()) {
+      if (splits(node.stage)) {
         follow_branches(node, batch(own), key, sums);
+        continue;
+      }
+      if (node.transit) {
+        read_levels(node, batch(own), key, sums);
         continue;
       }
       pass(node, batch(own), key, sums);
       walk(node.next, own, key, sums);
     }
     const PlanNode& last = here->back();
-    if (!last.ways.empty()) return follow_branches(last, batch(depth), key, sums);
+    if (splits(last.stage)) return follow_branches(last, batch(depth), key, sums);
+    if (last.transit) return read_levels(last, batch(depth), key, sums);
     pass(last, batch(depth), key, sums);
     here = &last.next;
   }

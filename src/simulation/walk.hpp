@@ -21,13 +21,16 @@ class Walker {
   /// Adds what was booked as moments to the sums, before it can overflow.
   void flush_moments(Sums&);
   void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
+  void read_levels(const PlanNode&, const Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
   const Isa isa_;
   int batch_size_;
   std::vector<std::unique_ptr<Batch>> batches_;
   Branches branches_;
-  std::map<const PlanNode*, std::vector<CellMoments>> moments_;
+  TransitBook transits_;
+  Batch outside_;  // what was caught outside the cells of moments
+  std::map<const PlanNode*, MomentBuffer> moments_;
 };
 
 }  // namespace rabiline

@@ -159,7 +159,7 @@ void Branches::find_stops() {
 
 // ---- all sets of weights ----
 
-bool Branches::book_moments(const TransitLayout& layout, const Batch& batch, CellMoments* moments,
+bool Branches::book_moments(const TransitLayout& layout, const Batch& batch, MomentBuffer& moments,
                             Sum* sums) {
   transits_.add(layout, paths_, batch.view(), in_cells_, isa_, moments);
   for (std::size_t k = 0; k < chain_.size(); ++k)

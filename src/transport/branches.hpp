@@ -27,7 +27,7 @@ class Branches {
            Isa isa, const RandomKey& key, const TransitLayout* layout = nullptr);
   /// Books them for all ways to share their weights at once, and what ends alike in every level, in the sums
   /// of the layout. Whether all were booked.
-  bool book_moments(const TransitLayout& layout, const Batch& batch, CellMoments* moments, Sum* sums);
+  bool book_moments(const TransitLayout& layout, const Batch& batch, MomentBuffer&, Sum* sums);
   /// Shares the weights by a projection, and adds what each share comes to, to the sums of the chain; those
   /// begin `shift` behind what the links say.
   void book(const SpinPath& projection, Sum* sums, std::size_t shift);

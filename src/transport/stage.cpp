@@ -37,6 +37,14 @@ const SpinPath* path_of(const Stage& stage) {
       },
       stage);
 }
+Stage with_path(Stage stage, const SpinPath& path) {
+  std::visit(
+      [&](auto& s) {
+        if constexpr (requires { s.spins = path; }) s.spins = path;
+      },
+      stage);
+  return stage;
+}
 int part_of(const Stage& stage) {
   return std::visit(
       [](const auto& s) {

@@ -45,7 +45,9 @@ bool follows_paths(const Stage&);
 
 // What some have.
 const SpinPath* path_of(const Stage&);  // null where it asks for no spins
-int part_of(const Stage&);              // that it belongs to, or no_part
+/// The same stage behind other fields.
+Stage with_path(Stage, const SpinPath&);
+int part_of(const Stage&);  // that it belongs to, or no_part
 bool splits(const Stage&);
 int catches(const Stage&);  // or no_part
 double counted_share(const Stage&);

@@ -41,6 +41,8 @@ struct StageTraits {
   /// Particles end here. Where it follows paths, the first of its sums counts the weight of what ends and is
   /// not detected.
   bool ends_particles = false;
+  /// All that it counts are the levels of what a screen caught.
+  bool counts_levels = false;
   SpinEffect spins = SpinEffect::none;
   LevelEffect levels = LevelEffect::none;
 };

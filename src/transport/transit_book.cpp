@@ -3,7 +3,7 @@
 namespace rabiline {
 
 void TransitBook::add(const TransitLayout& layout, const Paths& paths, const BatchView& batch,
-                      const std::vector<int>& particles, Isa isa, CellMoments* moments) {
+                      const std::vector<int>& particles, Isa isa, MomentBuffer& buffer) {
   path_of_.assign(most_levels, 0);
   for (std::size_t path = 0; path < paths.levels.size(); ++path)
     path_of_[static_cast<std::size_t>(paths.levels[path])] = path;
@@ -13,7 +13,30 @@ void TransitBook::add(const TransitLayout& layout, const Paths& paths, const Bat
     find_ends(layout, paths, from, static_cast<std::size_t>(i));
     enter(layout, from, batch.weight[i], 1 / batch.vy[i]);
   }
-  kernel::add_moments(isa)(entries_.data(), entries_.size(), moments);
+  add_entries(layout, isa, buffer);
+}
+
+void TransitBook::add_entries(const TransitLayout& layout, Isa isa, MomentBuffer& buffer) {
+  buffer.cells.resize(layout.size());
+  for (const TransitEntry& entry : entries_)
+    if (buffer.cells[entry.cell].of[0] == 0) buffer.touched.push_back(entry.cell);
+  kernel::add_moments(isa)(entries_.data(), entries_.size(), buffer.cells.data());
+}
+
+bool TransitBook::add_catch(const TransitLayout& layout, const BatchView& batch, int part, Isa isa,
+                            MomentBuffer& buffer) {
+  entries_.clear();
+  ends_.assign(1, {0, 0});
+  bool all = true;
+  for (int i = 0; i < batch.count; ++i) {
+    if (batch.caught_by[i] != static_cast<std::uint64_t>(part) + 1) continue;
+    if (layout.cells().contains(batch.slowness[i]))
+      enter(layout, batch.level[i], batch.weight[i], batch.slowness[i]);
+    else
+      all = false;
+  }
+  add_entries(layout, isa, buffer);
+  return all;
 }
 
 void TransitBook::find_ends(const TransitLayout& layout, const Paths& paths, std::size_t from,

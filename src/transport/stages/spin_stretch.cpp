@@ -101,6 +101,9 @@ void SpinStretch::explain(PlanReport& report) const {
                   ? "closed form"
                   : "coherent through the zones below",
               report.reuse);
+  if (report.slowness_cells > 0)
+    report.line("{:>16}{} scan points follow from moments of the slowness in {} cells", "",
+                report.reweightings, report.slowness_cells);
   for (const SpinZone& zone : spins.zones) explain_zone(zone, report);
   report.tell_driven(part);
 }

@@ -15,7 +15,7 @@ struct SpinStretch {
   SpinPath spins;
   bool operator==(const SpinStretch&) const = default;
 
-  static constexpr StageTraits traits{.only_reads = true};
+  static constexpr StageTraits traits{.only_reads = true, .counts_levels = true};
   std::size_t sums() const;
   void pass(StageContext&) const;
   void list_sums(SumSink&) const;

@@ -128,6 +128,37 @@ TEST(Moments, OfParticlesThatWeighDifferently) {
   expect_as_alone(apparatus, 7);
 }
 
+/// Without a magnet nothing depends on the level, and a detector counts levels behind the fields.
+TEST(Moments, OfWhatADetectorCaughtGiveItsLevels) {
+  for (const int twice : {1, 2, 3}) {
+    Apparatus apparatus;
+    apparatus.species = point_of_spin(twice);
+    apparatus.efficiency = 0.9;
+    std::vector<Beamline> scan = apparatus.scan(8);
+    for (Beamline& b : scan)
+      std::erase_if(b.parts, [](const PlacedPart& part) {
+        return part.placement.name.size() == 1 && part.placement.name != "C";
+      });
+    for (Beamline& b : scan) {
+      PopulatedSpin populated;
+      populated.values.assign(static_cast<std::size_t>(twice) + 1, 0.1);
+      populated.values[0] = 1 - 0.1 * twice;
+      b.source.spin = populated;
+    }
+    ASSERT_TRUE(has_moments(scan));
+    const DetectorResult all = run_points(scan).detectors[0];
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const DetectorResult alone = run_points({scan[i]}).detectors[0];
+      EXPECT_EQ(all.detected[i], alone.detected[0]);
+      for (std::size_t level = 0; level < alone.levels.size(); ++level) {
+        EXPECT_NEAR(all.levels[i * alone.levels.size() + level], alone.levels[level], 1e-9);
+        EXPECT_NEAR(all.levels_errors[i * alone.levels.size() + level], alone.levels_errors[level], 1e-8);
+      }
+    }
+    EXPECT_GT(std::abs(all.levels[4 * all.levels.size() / 8] - all.levels[0]), 0.05);
+  }
+}
+
 TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   Apparatus apparatus;
   apparatus.bins = {3, 4};
