@@ -91,13 +91,14 @@ class TransitMaker {
         points_(static_cast<std::size_t>(points)),
         sums_(sums) {}
 
-  void visit(std::vector<PlanNode>& nodes) {
+  /// `as_emitted`: particles still are in the level that the ledger has them in, or there is no ledger.
+  void visit(std::vector<PlanNode>& nodes, bool as_emitted) {
     gather_readers(nodes);
     for (PlanNode& node : nodes)
-      if (!node.ways.empty() && !node.transit)
+      if (node.ways.empty())
+        visit(node.next, as_emitted && traits_of(node.stage).spins != SpinEffect::set);
+      else if (as_emitted && !node.transit)
         lay_out(node);
-      else if (traits_of(node.stage).spins != SpinEffect::set)
-        visit(node.next);
   }
 
  private:
@@ -106,7 +107,7 @@ class TransitMaker {
   void gather_readers(std::vector<PlanNode>& nodes) {
     std::vector<std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (!traits_of(nodes[i].stage).counts_levels) continue;
+      if (!traits_of(nodes[i].stage).counts_levels || !nodes[i].next.empty()) continue;
       const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& g) {
         const Stage& first = nodes[g.front()].stage;
         return with_path(nodes[i].stage, *path_of(first)) == first;
@@ -118,6 +119,7 @@ class TransitMaker {
     }
     std::vector<bool> gone(nodes.size());
     for (const std::vector<std::size_t>& group : groups) {
+      if (group.size() < 2) continue;
       PlanNode one = nodes[group.front()];
       one.points.clear();
       for (const std::size_t i : group) {
@@ -202,7 +204,7 @@ class TransitMaker {
 
 void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums) {
   TransitMaker maker(tree, speeds, points, sums);
-  maker.visit(tree.next);
+  maker.visit(tree.next, true);
 }
 
 }  // namespace rabiline

@@ -159,6 +159,23 @@ TEST(Moments, OfWhatADetectorCaughtGiveItsLevels) {
   }
 }
 
+TEST(Moments, ServeSpinsThatAPolariserPrepared) {
+  std::vector<Beamline> scan;
+  for (int i = 0; i < 9; ++i) {
+    Beamline b = suggested(291.6e3 + 1e3 * (i - 4), 80e-6);
+    b.law = QuantumLaw{Outcomes::split};
+    b.particles = 20000;
+    scan.push_back(b);
+  }
+  ASSERT_TRUE(has_moments(scan));
+  const DetectorResult all = run_points(scan).detectors[0];
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const DetectorResult alone = run_points({scan[i]}).detectors[0];
+    EXPECT_NEAR(all.levels[2 * i], alone.levels[0], 1e-9);
+    EXPECT_NEAR(all.levels_errors[2 * i], alone.levels_errors[0], 1e-8);
+  }
+}
+
 TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   Apparatus apparatus;
   apparatus.bins = {3, 4};
