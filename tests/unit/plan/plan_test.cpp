@@ -89,8 +89,10 @@ TEST(MakePlan, SharesWhatAFrequencyScanHasInCommon) {
   ASSERT_EQ(hypothesis.trees.size(), 1U);
   EXPECT_EQ(nodes_of(hypothesis.trees[0].next), 2 + 7 * 5U);
   for (Beamline& b : points) b.law = QuantumLaw{};
-  const Plan standard = make_plan(scan(points));
-  EXPECT_EQ(nodes_of(standard.trees[0].next), 3 + 7U);  // only the spins differ
+  EXPECT_EQ(nodes_of(make_plan(scan(points)).trees[0].next),
+            3 + 1U);                            // only the spins differ: moments serve all
+  for (Beamline& b : points) b.particles = 10;  // for whom moments are the longer way
+  EXPECT_EQ(nodes_of(make_plan(scan(points)).trees[0].next), 3 + 7U);
 }
 
 TEST(MakePlan, SharesTheSourceAcrossLawsThatEmitAlike) {
