@@ -70,6 +70,7 @@ const LoadedExperiment& experiment_of(const Setup& setup) {
 
 std::vector<Diagnostic> located(const std::vector<Fault>& faults, const Places& places) {
   std::vector<Diagnostic> out;
+  out.reserve(faults.size());
   for (const Fault& fault : faults) out.push_back(places.locate(fault));
   return out;
 }

@@ -88,6 +88,7 @@ std::vector<std::string> schemas_of_part() {
   add_rows<Placement>(mappings);
   add_rows<A>(mappings);
   std::vector<std::string> out;
+  out.reserve(mappings.size());
   for (const Mapping& m : mappings) out.push_back(m.schema());
   return out;
 }
