@@ -52,6 +52,18 @@ class Levels:
 
 
 @dataclass(frozen=True)
+class Transit:
+    """By their slowness, the particles of one species that a detector catches if they are found on a path."""
+
+    title: str
+    paths: tuple[str, ...]  # "+1/2 to -1/2": levels before and behind the fields that turn spins
+    edges: np.ndarray  # [n + 1] s/m
+    caught: np.ndarray  # [paths, n] particles
+    errors: np.ndarray  # [paths, n]
+    distance: float  # m, from the source
+
+
+@dataclass(frozen=True)
 class Detector:
     """The histograms of one detector, in particles."""
 
@@ -67,6 +79,7 @@ class Detector:
     errors_z: np.ndarray  # [points, nz]
     levels: Levels
     background: float = 0.0  # 1/s, counts without a beam
+    transits: tuple[Transit, ...] = ()  # one for each species whose slowness the file has
 
 
 @dataclass(frozen=True)
@@ -243,7 +256,16 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         errors_z=along_z.numbers("counts_errors", (points, nz)),
         levels=_read_levels(levels, points),
         background=float(image.numbers("background").ravel()[0]) if "background" in image else 0.0,
+        transits=tuple(_read_transit(image.group(name)) for name in image.names() if "slowness_edges" in
+                       image.group(name)),
     )
+
+
+def _read_transit(group: Group) -> Transit:
+    paths, edges = group.texts("path_labels"), group.numbers("slowness_edges").ravel()
+    shape = (len(paths), edges.size - 1)
+    return Transit(group.text("title"), paths, edges, group.numbers("caught", shape),
+                   group.numbers("caught_errors", shape), float(group.numbers("distance").ravel()[0]))
 
 
 def _read_levels(group: Group, points: int) -> Levels:

@@ -19,10 +19,12 @@
 #include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 #include "simulation/trace.hpp"
 #include "storage/checkpoint_file.hpp"
 #include "storage/digest.hpp"
+#include "storage/flight_file.hpp"
 #include "storage/motion_file.hpp"
 #include "storage/results_file.hpp"
 #include "storage/tracks_file.hpp"
@@ -31,6 +33,7 @@ namespace rabiline {
 
 struct Setup::Contents {
   Loaded loaded;
+  Changes changes;
   std::string fingerprint;
 };
 
@@ -57,8 +60,8 @@ const std::vector<InputText>& inputs_of(const Loaded& loaded) {
 
 Setup setup_of(Loaded loaded, const Changes& changes) {
   std::string fingerprint = fingerprint_of(inputs_of(loaded), changes);
-  return Setup(
-      std::make_shared<const Setup::Contents>(Setup::Contents{std::move(loaded), std::move(fingerprint)}));
+  return Setup(std::make_shared<const Setup::Contents>(
+      Setup::Contents{std::move(loaded), changes, std::move(fingerprint)}));
 }
 
 const LoadedExperiment& experiment_of(const Setup& setup) {
@@ -193,7 +196,10 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   Record record(setup, settings.arguments);
   record->instruction_set = name_of(options.isa);
   record->threads = options.threads;
-  const Plan plan = make_plan(loaded.experiment, options.threads);
+  record->changes = options_of(setup.contents().changes);
+  MomentsWanted moments;
+  moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
+  const Plan plan = make_plan(loaded.experiment, options.threads, most_tree_cost, moments);
   require_memory(plan, options.threads);
   if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
@@ -203,7 +209,40 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   RunOutcome outcome = run(plan, options);
   Provenance provenance = record.finish();
   if (!outcome.finished) return std::nullopt;
+  std::optional<FlightRecord> flight;
+  std::string_view why_not_kept;
+  if (settings.transit != KeptTransit::none)
+    flight = record_of(loaded.experiment, plan, outcome.sums, outcome.stragglers,
+                       settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
+                       why_not_kept);
+  if (flight) flight->asked_for = moments.everywhere;
   Result result = finish(loaded.experiment, plan, std::move(outcome.sums));
+  result.flight = std::move(flight);
+  for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
+  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  if (moments.everywhere && !result.flight)
+    provenance.warnings.push_back(
+        fmt::format("nothing is kept for `rabiline rescan`: {}\n  help: omit --transit", why_not_kept));
+  result.provenance = std::move(provenance);
+  return result;
+}
+
+Result rescan(const std::filesystem::path& path, const Changes& changes, const RunSettings& settings) {
+  const KeptFlight kept = read_kept_flight(path);
+  if (changes.particles || changes.seed)
+    throw std::invalid_argument("a rescan has the particles and the seed of its flight");
+  const Isa isa = isa_called(settings.isa);
+  const Changes before = changes_of(kept.changes), now = joined(before, changes);
+  const LoadedExperiment flown = load_experiment(file_of_stored(kept.inputs), before),
+                         wanted = load_experiment(file_of_stored(kept.inputs), now);
+  Record record(setup_of(wanted, now), settings.arguments);
+  record->instruction_set = name_of(isa);
+  record->changes = options_of(now);
+  const std::vector<Diagnostic> warnings =
+      located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
+  if (settings.planned) settings.planned(warnings);
+  Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa);
+  Provenance provenance = record.finish();
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);

@@ -224,7 +224,6 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
-  tree.cost = cost_of_tree(tree);
   return tree;
 }
 
@@ -261,7 +260,7 @@ void find_reach(PlanNode& node) {
   for (PlanNode& next : node.next) find_reach(next);
 }
 
-Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
+Plan make_plan(const Experiment& experiment, int threads, double most_cost, const MomentsWanted& wanted) {
   Plan plan;
   plan.points = static_cast<int>(experiment.points.size());
   const auto tables = std::make_shared<SampledTables>();
@@ -269,22 +268,27 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
   Neighbours neighbours(experiment);
   const std::vector<Group> groups = group_by_source(experiment, neighbours, *tables);
   tables->tabulate_transitions(threads);
+  std::size_t place = 0;  // of those that keep moments
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
     const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(),
                                      [](const Chain& chain) { return chain.of_atom; });
-    std::size_t unused = 0;
-    const double cost = 64 * make_tree(group.root, chains, of_atom, neighbours, unused).cost;
+    const auto whole_tree = [&](const std::vector<const Chain*>& of, std::size_t& sums, std::size_t& at) {
+      PlanTree tree = make_tree(group.root, of, of_atom, neighbours, sums);
+      for (PlanNode& node : tree.next) find_reach(node);
+      lay_out_moments(tree, group.speeds, {plan.points, wanted, at}, sums);
+      tree.cost = cost_of_tree(tree);
+      return tree;
+    };
+    std::size_t no_sums = 0, no_place = place;
+    const double cost = 64 * whole_tree(chains, no_sums, no_place).cost;
     const auto parts =
         std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
-      plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, neighbours, plan.sums));
-      for (PlanNode& node : plan.trees.back().next) find_reach(node);
-      lay_out_moments(plan.trees.back(), group.speeds, plan.points, plan.sums);
-      plan.trees.back().cost = cost_of_tree(plan.trees.back());
+      plan.trees.push_back(whole_tree({begin, end}, plan.sums, place));
     }
   }
   return plan;

@@ -84,7 +84,7 @@ class Contraction {
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (layout_.link(k).is_screen)
         covariances.push_back(covariance_of(tree_, node_, nodes_, *links_[k].whole, layout_.link(k).counted,
-                                            links_[k].catches, counted(k), sums_));
+                                            links_[k].catches, counted(k), stragglers(k), sums_));
   }
 
  private:
@@ -211,6 +211,18 @@ class Contraction {
           static_cast<double>(
               sums_[links_[k].sums + node_.ways[way].shift + layout_.link(k).screen.total()]) /
           quanta;
+    return out;
+  }
+
+  /// [particles] of them that it counted from outside the cells, for each way in each group of particles.
+  Eigen::MatrixXd stragglers(std::size_t k) const {
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(node_.ways.size()), static_cast<Eigen::Index>(group_count));
+    for (Eigen::Index way = 0; way < out.rows(); ++way)
+      for (Eigen::Index group = 0; group < out.cols(); ++group)
+        out(way, group) =
+            static_cast<double>(sums_[links_[k].sums + node_.ways[static_cast<std::size_t>(way)].shift +
+                                      layout_.link(k).screen.group(static_cast<std::size_t>(group))]) /
+            quanta;
     return out;
   }
 

@@ -16,6 +16,7 @@
 #include "simulation/counting.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
+#include "simulation/transit_times.hpp"
 
 namespace rabiline {
 namespace {
@@ -95,7 +96,8 @@ class Finisher {
 
   void add_detectors() {
     const ScreenGrids grids = screen_grids(experiment_.points);
-    for (const PlacedPart& part : experiment_.points.front().parts) {
+    const Beamline& first = experiment_.points.front();
+    for (const PlacedPart& part : first.parts) {
       const Detector* screen = detector_in(part.part);
       if (!screen) continue;
       DetectorResult detector;
@@ -111,6 +113,7 @@ class Finisher {
       add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
+      detector.transits = transits_to(number_of(first, detector.name), first, plan_, sums_);
       result_.detectors.push_back(std::move(detector));
     }
   }

@@ -25,7 +25,13 @@ struct Share {
   std::mutex lock;
   Sums sums;
   Intervals finished;
+  std::vector<Straggler> stragglers;
 };
+
+void keep_each_once(std::vector<Straggler>& stragglers) {
+  std::sort(stragglers.begin(), stragglers.end());
+  stragglers.erase(std::unique(stragglers.begin(), stragglers.end()), stragglers.end());
+}
 
 Sums sums_of(const Snapshot& snapshot) {
   Sums sums(snapshot.sums_low.size());
@@ -51,6 +57,7 @@ class Runner {
     if (options.start != nullptr) {
       before_ = Intervals(options.start->finished);
       shares_.front().sums = sums_of(*options.start);
+      shares_.front().stragglers = options.start->stragglers;
     }
     finished_blocks_ = before_.size();
   }
@@ -61,9 +68,13 @@ class Runner {
     if (error_) std::rethrow_exception(error_);
     const bool finished = finished_blocks_ == blocks_.count();
     if (!finished && options_.snapshot) options_.snapshot(snapshot());
-    Sums sums = std::move(shares_.front().sums);
-    for (std::size_t i = 1; i < shares_.size(); ++i) add(sums, std::exchange(shares_[i].sums, {}));
-    return {std::move(sums), finished};
+    RunOutcome out{std::move(shares_.front().sums), std::move(shares_.front().stragglers), finished};
+    for (std::size_t i = 1; i < shares_.size(); ++i) {
+      add(out.sums, std::exchange(shares_[i].sums, {}));
+      out.stragglers.insert(out.stragglers.end(), shares_[i].stragglers.begin(), shares_[i].stragglers.end());
+    }
+    keep_each_once(out.stragglers);
+    return out;
   }
 
  private:
@@ -80,6 +91,8 @@ class Runner {
           const Block block = blocks_.block(number);
           walker.fly(plan_.trees[block.tree], block.first, block.last, share.sums);
           share.finished.insert(number);
+          for (const std::uint64_t particle : walker.stragglers())
+            share.stragglers.push_back({block.tree, particle});
         }
         ++finished_blocks_;
         report();
@@ -109,20 +122,28 @@ class Runner {
     }
   }
 
-  /// Sums and blocks of all threads and of the runs before.
-  std::pair<Sums, Intervals> collect() {
-    std::pair<Sums, Intervals> all{Sums(plan_.sums), before_};
+  /// Of all threads and of the runs before.
+  struct Collected {
+    Sums sums;
+    Intervals finished;
+    std::vector<Straggler> stragglers;
+  };
+  Collected collect() {
+    Collected all{Sums(plan_.sums), before_, {}};
     for (Share& share : shares_) {
       const std::lock_guard guard(share.lock);
-      add(all.first, share.sums);
-      all.second.insert(share.finished);
+      add(all.sums, share.sums);
+      all.finished.insert(share.finished);
+      all.stragglers.insert(all.stragglers.end(), share.stragglers.begin(), share.stragglers.end());
     }
+    keep_each_once(all.stragglers);
     return all;
   }
 
   Snapshot snapshot() {
-    const auto [sums, finished] = collect();
+    const auto [sums, finished, stragglers] = collect();
     Snapshot snapshot;
+    snapshot.stragglers = stragglers;
     snapshot.block_sizes = blocks_.sizes();
     snapshot.finished = finished.list();
     for (const Sum sum : sums) {
@@ -150,6 +171,8 @@ class Runner {
 bool fits(const Snapshot& snapshot, const Plan& plan) {
   if (snapshot.sums_low.size() != plan.sums || snapshot.block_sizes.size() != plan.trees.size()) return false;
   if (std::ranges::find(snapshot.block_sizes, 0U) != snapshot.block_sizes.end()) return false;
+  for (const Straggler& s : snapshot.stragglers)
+    if (!is_of(s, plan)) return false;
   return snapshot.finished.empty() ||
          snapshot.finished.back().second <= Blocks(plan, snapshot.block_sizes).count();
 }

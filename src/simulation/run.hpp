@@ -24,9 +24,14 @@ struct RunOptions {
 /// What a run leaves: its sums, and whether all blocks are in them.
 struct RunOutcome {
   Sums sums;
+  std::vector<Straggler> stragglers;  // ascending, each once
   bool finished = false;
 };
 
+inline bool is_of(const Straggler& s, const Plan& plan) {
+  return s.tree < plan.trees.size() && s.particle >= plan.trees[s.tree].first &&
+         s.particle < plan.trees[s.tree].last;
+}
 /// Whether a run of this plan can go on from the snapshot.
 bool fits(const Snapshot&, const Plan&);
 

@@ -58,13 +58,24 @@ Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const
   return flips;
 }
 
+/// How few they are in a group varies by Poisson's law, so their sums vary between groups as sum of w^2 P P'.
+/// In sum of w^2 P they weigh w as all particles do on average.
+void add_stragglers(const Eigen::MatrixXd& in_groups, double weight, Eigen::MatrixXd& together,
+                    Eigen::VectorXd& weighted) {
+  if (in_groups.isZero(0)) return;
+  const auto groups = static_cast<double>(in_groups.cols());
+  const Eigen::MatrixXd off = in_groups.colwise() - in_groups.rowwise().mean();
+  together.topLeftCorner(off.rows(), off.rows()) += off * off.transpose() * (groups / (groups - 1));
+  weighted.head(off.rows()) += in_groups.rowwise().sum() * weight;
+}
+
 }  // namespace
 
 /// Of counts C = sum of w P over N particles that were emitted with sum of w = W: the sum over all of them of
 /// (w P - r w)(w P' - r' w), r = C/W.
 ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
                                const TransitNodes::WholeScreen& screen, double share, int part,
-                               Eigen::VectorXd counted, const Sums& sums) {
+                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums& sums) {
   const TransitLayout& layout = *projection.transit;
   const SpinPath& path = *path_of(projection.stage);
   const auto products = products_of_powers(path, layout, screen);
@@ -92,6 +103,7 @@ ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection,
 
   const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / quanta,
                emitted2 = static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / quanta / quanta;
+  add_stragglers(stragglers, emitted2 / emitted, together, weighted);
   counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
   const Eigen::VectorXd rate = counted / emitted;
   ScreenCovariance out{part, {}, {}};

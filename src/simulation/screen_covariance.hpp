@@ -14,9 +14,9 @@ struct ScreenCovariance {
 };
 
 /// Of a screen behind the projection. `share`: what it counts of each weight that it catches; `counted`:
-/// particles, of each way.
+/// particles, of each way; `stragglers`: those among them that are in no cell, in each group of particles.
 ScreenCovariance covariance_of(const PlanTree&, const PlanNode& projection, const TransitNodes&,
                                const TransitNodes::WholeScreen&, double share, int part,
-                               Eigen::VectorXd counted, const Sums&);
+                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums&);
 
 }  // namespace rabiline

@@ -1,5 +1,6 @@
 #pragma once
 // Where a run stands between two blocks of work.
+#include <compare>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -16,6 +17,12 @@ struct Progress {
   double seconds_left = 0;  // estimate
 };
 
+/// A particle that was too slow or too fast for cells of moments.
+struct Straggler {
+  std::uint64_t tree, particle;  // of the plan; its number
+  auto operator<=>(const Straggler&) const = default;
+};
+
 /// Everything that a run needs to go on: which blocks are finished, and the exact sums over them.
 struct Snapshot {
   std::string fingerprint;                 // of the experiment; a snapshot of another one is refused
@@ -23,6 +30,7 @@ struct Snapshot {
   /// Half-open intervals of block numbers, ascending and disjoint.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> finished;
   std::vector<std::uint64_t> sums_high, sums_low;  // exact 128-bit sums: high * 2^64 + low
+  std::vector<Straggler> stragglers;               // among the finished particles
   std::vector<std::string> arguments;              // of the run
   std::vector<InputText> inputs;
 };
