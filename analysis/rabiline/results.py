@@ -69,8 +69,10 @@ class Detector:
 
     name: str
     title: str
-    x_edges: np.ndarray  # [nx + 1] m
+    x_edges: np.ndarray  # [nx + 1] m, from the beam's axis, or from the centre of a detector that the scan moves
     z_edges: np.ndarray  # [nz + 1] m
+    offset_x: np.ndarray  # [points] m, from the beam's axis to where the edges are counted from
+    offset_z: np.ndarray  # [points] m
     counts: np.ndarray  # [points, nx, nz]
     errors: np.ndarray  # [points, nx, nz]
     counts_x: np.ndarray  # [points, nx]
@@ -248,6 +250,8 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         title=image.text("title", name),
         x_edges=x_edges,
         z_edges=z_edges,
+        offset_x=image.numbers("offset_x", (points,)) if "offset_x" in image else np.zeros(points),
+        offset_z=image.numbers("offset_z", (points,)) if "offset_z" in image else np.zeros(points),
         counts=image.numbers("counts", (points, nx, nz)),
         errors=image.numbers("counts_errors", (points, nx, nz)),
         counts_x=along_x.numbers("counts", (points, nx)),

@@ -32,8 +32,10 @@ struct DetectorResult {
   std::string name, label;
   double y = 0;  // [m] where it stands
   BinAxis x, z;
-  std::vector<double> counts;                     // [points][nx][nz], in particles
-  std::vector<double> counts_errors;              // same shape
+  std::vector<double> offset_x, offset_z;  // [points] [m] of its centre where the scan moves it: the axes
+                                           // are counted from there; else empty, and they are from the beam
+  std::vector<double> counts;              // [points][nx][nz], in particles
+  std::vector<double> counts_errors;       // same shape
   std::vector<double> counts_x, counts_x_errors;  // [points][nx]
   std::vector<double> counts_z, counts_z_errors;  // [points][nz]
   std::vector<double> detected;                   // [points] fraction of emitted

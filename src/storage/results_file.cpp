@@ -42,6 +42,8 @@ std::vector<Axis> scan_axes(const Result& result) {
                       "level_index_labels",
                       "levels",
                       "levels_errors",
+                      "offset_x",
+                      "offset_z",
                       "transit"});
   std::vector<Axis> axes;
   for (const ScanAxis& scanned : result.axes) {
@@ -187,8 +189,9 @@ void write_scan(const GroupWriter& entry, const Result& result) {
   entry.attribute("default", "scan");
 }
 
-Axis centres_of(const BinAxis& bins) {
-  return {bins.name, "m", nexus::long_name(bins.name, "m"), nexus::centres_of(bins.edges), {}, ""};
+Axis centres_of(const BinAxis& bins, const DetectorResult& detector) {
+  const std::string name = detector.offset_x.empty() ? bins.name : bins.name + " from the detector's centre";
+  return {bins.name, "m", nexus::long_name(name, "m"), nexus::centres_of(bins.edges), {}, ""};
 }
 
 void write_edges(const GroupWriter& data, const BinAxis& bins) {
@@ -219,7 +222,7 @@ void write_transits(const GroupWriter& image, const std::string& title, const De
 void write_detector(const GroupWriter& entry, const std::string& name, const Result& result,
                     const DetectorResult& detector) {
   const std::vector<Axis> scan = scan_axes(result);
-  const Axis x = centres_of(detector.x), z = centres_of(detector.z);
+  const Axis x = centres_of(detector.x, detector), z = centres_of(detector.z, detector);
   const std::string title = fmt::format("{}: {}", result.title, label_of(detector));
 
   const GroupWriter image = nexus::write_data(
@@ -231,6 +234,12 @@ void write_detector(const GroupWriter& entry, const std::string& name, const Res
   image.number("background", detector.background,
                {{"units", "1/s"}, {"long_name", "counts per second without a beam (1/s)"}});
 
+  for (const auto& [axis, offsets] :
+       {std::pair{"offset_x", detector.offset_x}, {"offset_z", detector.offset_z}})
+    if (!offsets.empty())
+      image.dataset(
+          axis, {offsets.size()}, offsets,
+          {{"units", "m"}, {"long_name", "the detector's centre at each scan point (row-major) (m)"}});
   write_transits(image, title, detector);
   const auto write_histogram = [&](const BinAxis& bins, const Axis& axis, const std::vector<double>& counts,
                                    const std::vector<double>& errors) {
