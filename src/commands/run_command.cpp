@@ -40,23 +40,28 @@ class ProgressLine {
   void operator()(const Progress& p) {
     if (quiet_) return;
     if (terminal_) {
-      fmt::print(stderr, "\r{:5.1f} %  {} left      ", 100 * p.done, duration(p.seconds_left));
+      fmt::print(stderr, "\r{:5.1f} %  {} left{}      ", 100 * p.done, duration(p.seconds_left), reached(p));
       shown_ = true;
       return;
     }
     if (p.seconds < next_) return;
     next_ = p.seconds + 10;
     if (json_)
-      fmt::print(stderr, "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}}}\n", p.done,
-                 p.seconds, p.seconds_left);
+      fmt::print(stderr,
+                 "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}, \"error\": {:.6g}}}\n",
+                 p.done, p.seconds, p.seconds_left, p.error);
     else
-      fmt::print(stderr, "{:5.1f} %  {} left\n", 100 * p.done, duration(p.seconds_left));
+      fmt::print(stderr, "{:5.1f} %  {} left{}\n", 100 * p.done, duration(p.seconds_left), reached(p));
   }
   void clear() const {
     if (shown_) fmt::print(stderr, "\r{:40}\r", "");
   }
 
  private:
+  static std::string reached(const Progress& p) {
+    return p.error > 0 ? fmt::format(" of a part; error of `detected` so far {:.2g}", p.error) : "";
+  }
+
   bool terminal_, json_, quiet_, shown_ = false;
   double next_ = 0;
 };

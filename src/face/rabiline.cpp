@@ -17,8 +17,10 @@
 #include "face/models.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
+#include "simulation/blocks.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 #include "simulation/trace.hpp"
@@ -137,6 +139,17 @@ void require_memory(const Plan& plan, int threads) {
         plan.points, needed / 1073741824, threads, there / 1073741824));
 }
 
+/// All particles may have been too few.
+void warn_unless_precise(const Beamline& beamline, const Result& result, Provenance& provenance) {
+  const double largest = largest_error(result), wanted = beamline.until->detected_error;
+  if (largest <= wanted) return;
+  const double needed = static_cast<double>(beamline.particles) * (largest / wanted) * (largest / wanted);
+  provenance.warnings.push_back(
+      fmt::format("all {} particles have flown, and the largest error of `detected` is {:.2g}, not {:.2g} as "
+                  "`until` wants\n  help: `particles` of {:.2g} may be enough",
+                  beamline.particles, largest, wanted, needed));
+}
+
 void require_same_setup(const Snapshot* start, const Setup& setup) {
   if (start != nullptr && start->fingerprint != setup.fingerprint())
     throw std::invalid_argument("the checkpoint does not match: " + setup.inputs().front().path +
@@ -182,7 +195,6 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.threads = threads_of(settings);
   options.batch = batch_of(settings);
   options.stop = settings.stop;
-  options.progress = settings.progress;
   options.snapshot_seconds = settings.snapshot_seconds;
   options.start = settings.start;
   if (settings.snapshot)
@@ -200,8 +212,16 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   MomentsWanted moments;
   moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
   const Plan plan = make_plan(loaded.experiment, options.threads, most_tree_cost, moments);
+  Precision precision(loaded.experiment, plan);
+  options.halvings = precision.halvings();
+  options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
+  if (settings.progress)
+    options.progress = [&](Progress progress) {
+      progress.error = precision.error();
+      settings.progress(progress);
+    };
   require_memory(plan, options.threads);
-  if (settings.start != nullptr && !fits(*settings.start, plan))
+  if (settings.start != nullptr && !fits(*settings.start, plan, options.halvings))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
   if (settings.planned) settings.planned(warnings);
@@ -211,12 +231,16 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   if (!outcome.finished) return std::nullopt;
   std::optional<FlightRecord> flight;
   std::string_view why_not_kept;
+  const int halvings = outcome.halvings;
   if (settings.transit != KeptTransit::none)
-    flight = record_of(loaded.experiment, plan, outcome.sums, outcome.stragglers,
+    flight = record_of(loaded.experiment, plan, outcome,
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
   if (flight) flight->asked_for = moments.everywhere;
-  Result result = finish(loaded.experiment, plan, std::move(outcome.sums));
+  Result result =
+      finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
+  if (precision.is_wanted() && halvings == 0)
+    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);

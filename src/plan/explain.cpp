@@ -59,11 +59,15 @@ class Explainer {
       line("scan       {}: {} to {}, {} points", axis.parameter, value_at(axis, 0), value_at(axis, last),
            last + 1);
     }
+    const std::string_view at_most = beamline_.until ? "at most " : "";
     if (!experiment_.axes.empty())
-      line("particles  {} at each of {} points, {}", beamline_.particles, plan_.points,
+      line("particles  {}{} at each of {} points, {}", at_most, beamline_.particles, plan_.points,
            experiment_.particles == ScanParticles::shared ? "the same ones" : "each its own");
     else
-      line("particles  {}", beamline_.particles);
+      line("particles  {}{}", at_most, beamline_.particles);
+    if (beamline_.until)
+      line("until      the error of `detected` is {:.3g} everywhere, asked whenever twice as many have flown",
+           beamline_.until->detected_error);
     seen_component_.assign(beamline_.species.size(), false);
   }
 

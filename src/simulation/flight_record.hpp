@@ -17,6 +17,7 @@ struct FlightRecord {
   /// Those of the plan of one point with these cells and bins.
   Sums sums;
   std::vector<Straggler> stragglers;
+  int halvings = 0;        // left when its particles were enough
   bool asked_for = false;  // kept whatever room it takes
 };
 

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "simulation/blocks.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/precision.hpp"
 #include "simulation/run.hpp"
 #include "simulation/walk.hpp"
 
@@ -202,9 +204,8 @@ void require_one_flight(const Experiment& flown, const Experiment& wanted, const
 
 }  // namespace
 
-std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& plan, const Sums& sums,
-                                      const std::vector<Straggler>& stragglers, KeptBins bins,
-                                      std::string_view& why_not) {
+std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& plan,
+                                      const RunOutcome& outcome, KeptBins bins, std::string_view& why_not) {
   why_not = "the scan changes more than how spins turn between two places that ask for their level";
   FlightRecord record;
   for (const PlanTree& tree : plan.trees)
@@ -214,8 +215,9 @@ std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& 
   const Experiment one = with_totals(first_point_of(experiment), record.totals_of);
   const Plan alone = make_plan(one, 0, std::numeric_limits<double>::infinity(), {true, &record.cells});
   record.sums.resize(alone.sums);
-  SumsCopy(sums, record.sums).copy(plan, alone);
-  record.stragglers = stragglers;
+  SumsCopy(outcome.sums, record.sums).copy(plan, alone);
+  record.stragglers = outcome.stragglers;
+  record.halvings = outcome.halvings;
   return record;
 }
 
@@ -230,7 +232,8 @@ Result rescan(const Experiment& flown, const FlightRecord& record, const Experim
   Sums sums(plan.sums);
   SumsCopy(record.sums, sums).copy(alone, plan);
   add_stragglers(plan, record.stragglers, isa, sums);
-  Result result = finish(scan, plan, std::move(sums));
+  Result result =
+      finish(part_of(scan, plan, record.halvings), part_of(plan, record.halvings), std::move(sums));
   result.flight = record;
   return result;
 }

@@ -18,9 +18,11 @@ namespace rabiline {
 /// Bins behind projections are kept, or added up.
 enum class KeptBins { totals, images };
 
+struct RunOutcome;
+
 /// What is kept of a flight; nothing where moments do not serve all of its points, and then why not.
-std::optional<FlightRecord> record_of(const Experiment&, const Plan&, const Sums&,
-                                      const std::vector<Straggler>&, KeptBins, std::string_view& why_not);
+std::optional<FlightRecord> record_of(const Experiment&, const Plan&, const RunOutcome&, KeptBins,
+                                      std::string_view& why_not);
 
 /// The result of another scan. `flown`: the experiment of the record. Throws std::invalid_argument where the
 /// scan changes anything but how spins turn between two places that ask for their level, or turns them faster

@@ -34,6 +34,9 @@ FlightRecord read_record(const std::filesystem::path& path, const hdf5::FileRead
       refuse(path, "its cells of the slowness are damaged");
     record.cells.push_back({first[i], width[i], static_cast<int>(count[i])});
   }
+  const auto halvings = file.numbers(in_flight("halvings"), 1);
+  if (halvings.empty() || halvings[0] > 20) refuse(path, "its part of the particles is damaged");
+  record.halvings = static_cast<int>(halvings[0]);
   const auto size = file.numbers(in_flight("sums"), 1);
   const auto place = file.numbers(in_flight("place"), most_sums),
              high = file.numbers(in_flight("high"), most_sums),
@@ -83,7 +86,8 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
     trees.push_back(s.tree);
     particles.push_back(s.particle);
   }
-  const std::vector<std::uint64_t> size{record.sums.size()};
+  const std::vector<std::uint64_t> size{record.sums.size()},
+      halvings{static_cast<std::uint64_t>(record.halvings)};
   group.dataset("totals_of", {record.totals_of.size()}, record.totals_of,
                 {{"long_name", "detectors whose bins are added up"}});
   group.dataset("cells_first", {first.size()}, first,
@@ -92,6 +96,8 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
                 {{"units", "s/m"}, {"long_name", "width of a cell (s/m)"}});
   group.dataset("cells_count", {count.size()}, count, {{"long_name", "number of cells"}});
   group.dataset("sums", {1}, size, {{"long_name", "number of sums, those that are zero included"}});
+  group.dataset("halvings", {1}, halvings,
+                {{"long_name", "how often the particles were halved, as fewer were enough"}});
   group.dataset("place", {place.size()}, place, {{"long_name", "place among the sums"}});
   group.dataset("high", {high.size()}, high, {{"long_name", "upper 64 bits"}});
   group.dataset("low", {low.size()}, low, {{"long_name", "lower 64 bits"}});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "apparatus.hpp"
+#include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 
 namespace rabiline::test {
@@ -24,7 +25,7 @@ Flown fly(std::vector<Beamline> points, KeptBins bins, const RunOptions& options
   const Plan plan = make_plan(out.experiment, 0, most_tree_cost, moments);
   const RunOutcome outcome = run(plan, options);
   std::string_view why;
-  out.record = record_of(out.experiment, plan, outcome.sums, outcome.stragglers, bins, why);
+  out.record = record_of(out.experiment, plan, outcome, bins, why);
   out.result = finish(out.experiment, plan, outcome.sums);
   return out;
 }
