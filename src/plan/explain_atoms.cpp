@@ -129,7 +129,7 @@ void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
 void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
   if (path == nullptr || path->transitions == nullptr) return;
-    // Numbers of parts differ between the points where one is moved or not enabled.
+  // Numbers of parts differ between the points where one is moved or not enabled.
   const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
   std::vector<const Driven*>& at =
       parts_[beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name];
@@ -195,13 +195,13 @@ std::vector<std::string> DrivenParts::lines(int part, double speed) const {
   double neglected = 0;
   for (const Driven* d : at)
     if (d != nullptr) neglected = std::max(neglected, d->levels.neglected());
-  const bool profiled = std::ranges::any_of(zones, [](const LevelZone* zone) {
-    return zone->drive->envelope.shape != Shape::rectangular;
-  });
-  out.push_back(profiled ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
-                                       "down to {:.4g} m/s; all else exact",
-                                       1 / driven.largest_slowness)
-                         : "probabilities worked out for each particle, exact at every speed");
+  const bool profiled = std::ranges::any_of(
+      zones, [](const LevelZone* zone) { return zone->drive->envelope.shape != Shape::rectangular; });
+  out.push_back(profiled
+                    ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
+                                  "down to {:.4g} m/s; all else exact",
+                                  1 / driven.largest_slowness)
+                    : "probabilities worked out for each particle, exact at every speed");
   if (neglected > 0)
     out.push_back("rotating-wave approximation, with the shifts by the rest to third order: " +
                   left_out(neglected));

@@ -182,10 +182,7 @@ std::vector<Group> group_by_source(const Experiment& experiment, const Neighbour
       if (group == Neighbours::none) {
         group = groups.size();
         const double mass = component.species.mass;
-        groups.push_back(
-            {root,
-             speed_range(beamline.source.speed, mass),
-             {}});
+        groups.push_back({root, speed_range(beamline.source.speed, mass), {}});
       }
       of_component[k].put(p, group);
       groups[group].chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables),

@@ -277,7 +277,8 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
     if (stretch.is_driven())
       neglected_ = std::max(neglected_, neglected_amplitude(*stretch.frame, stretch.states));
   // What comes before the first drive and after the last one turns each level by itself.
-  const auto last = std::find_if(stretches.rbegin(), stretches.rend(), std::mem_fn(&Stretch::is_driven)).base();
+  const auto last =
+      std::find_if(stretches.rbegin(), stretches.rend(), std::mem_fn(&Stretch::is_driven)).base();
   stretches.erase(last, stretches.end());
 
   const std::vector<LevelLabel> labels = level_labels(spins);
@@ -288,6 +289,7 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
   for (const std::vector<int>& set : sets_of(spins.levels(), coupled)) {
     if (set.size() < 2) continue;
     const Evolution evolution = BlockBuilder(labels, set, clocks).evolution(stretches, largest_slowness);
+    if (!evolution.mixes()) continue;
     for (const int level : set) block_of_[static_cast<std::size_t>(level)] = static_cast<int>(blocks_.size());
     blocks_.push_back(evolution.lay_out(numbers_));
     blocks_.back().first_level = static_cast<int>(levels_.size());

@@ -20,10 +20,11 @@ class Evolution {
   /// a_k -> exp(-2 pi i sum_c n_ck x_c) a_k, with x_c the same in all calls and evenly spread over [0, 1).
   void turn_at_random(const Eigen::MatrixXi& n);
 
+  bool mixes() const { return !steps_.empty(); }
   /// Row: to, column: from. Random angles are zero.
   Eigen::MatrixXcd amplitudes(double slowness) const;
-  /// All of it as numbers, added behind those that are there. Probabilities are polynomials in
-  /// exp(2 pi i x_c), so that their mean over more equal steps of x_c than their degree is exact.
+  /// All of it as numbers, where it mixes, added behind those that are there. Probabilities are polynomials
+  /// in exp(2 pi i x_c), so that their mean over more equal steps of x_c than their degree is exact.
   LevelBlock lay_out(std::vector<double>& numbers) const;
 
  private:

@@ -42,8 +42,8 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
 
 /// What stands still in the frame, in hertz, at the share g of the full amplitude: g V + g^2 S + g^3 T.
 ///
-/// V is what the rotating-wave approximation keeps. S and T are what all the rest of an oscillating field does
-/// by leaving a set of levels and coming back, to third order in V/f: the Bloch-Siegert shift, shifts by
+/// V is what the rotating-wave approximation keeps. S and T are what all the rest of an oscillating field
+/// does by leaving a set of levels and coming back, to third order in V/f: the Bloch-Siegert shift, shifts by
 /// levels far away, transitions of two photons. The levels i with n_i photons of the field taken up are
 /// states of atom and field with the energies E_i - n_i f (J. Shirley, Phys. Rev. 138, B979 (1965)); their
 /// effective Hamiltonian is that of P.-O. Lowdin, J. Chem. Phys. 19, 1396 (1951), to third order as in
@@ -52,9 +52,7 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
 /// to their squares.
 struct StandingCoupling {
   Eigen::MatrixXd first{}, second{}, third{};  // V, S, T
-  Eigen::MatrixXd at(double share) const {
-    return share * (first + share * (second + share * third));
-  }
+  Eigen::MatrixXd at(double share) const { return share * (first + share * (second + share * third)); }
 };
 StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states);
 

@@ -149,7 +149,8 @@ struct Gauge {
 /// Transitions between the levels of an atom on a stretch of the beam, as DrivenLevels has them.
 struct Transitions {
   const LevelBlock* blocks = nullptr;
-  const int* block_of = nullptr;  // [level]; null: the levels are not those of an atom, or nothing drives them
+  const int* block_of =
+      nullptr;  // [level]; null: the levels are not those of an atom, or nothing drives them
   const int* levels = nullptr;
   const double* numbers = nullptr;
 };

@@ -127,8 +127,7 @@ void share_by_transitions(const SpinPathView& q, const BatchView& batch, const s
     const int* particles = ordered.particles + ordered.begin[level];
     const int count = ordered.begin[level + 1] - ordered.begin[level];
     if (t.block_of[level] < 0) {
-      for (int i = 0; i < count; ++i)
-        shares[level * batch.padded + particles[i]] = weights[particles[i]];
+      for (int i = 0; i < count; ++i) shares[level * batch.padded + particles[i]] = weights[particles[i]];
       continue;
     }
     const LevelBlock& block = t.blocks[t.block_of[level]];
