@@ -20,8 +20,10 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
 const DrivenLevels* LevelQuestions::transitions_before(const Plane& plane) const {
   const std::vector<LevelZone> zones = driven_zones(sections_.sections, spins_.known_before(plane), plane.y);
   if (zones.empty()) return nullptr;
-  return &tables_.transitions(*species_.structure, zones,
-                              1 / speed_range(beamline_.source.speed, species_.mass).slowest);
+  // What steps are chosen for; with the slowness their error grows as its fifth power.
+  const double slow = mean_speed(beamline_.source.speed, species_.mass) / 2;
+  const double slowest = speed_range(beamline_.source.speed, species_.mass).slowest;
+  return &tables_.transitions(*species_.structure, zones, 1 / std::max(slow, slowest));
 }
 
 std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) const {

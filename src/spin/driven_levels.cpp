@@ -158,6 +158,7 @@ class BlockBuilder {
       });
       if (mixes) enter(out, stretch);
       if (frame_ == nullptr) continue;
+      if (stretch.is_driven()) standing_ = stretch.standing.among(levels_);
       if (!stretch.is_driven() || stretch.drive->envelope.shape == Shape::rectangular)
         pass(out, hamiltonian(stretch, 1), stretch.end - stretch.begin);
       else
@@ -172,7 +173,7 @@ class BlockBuilder {
   /// [Hz] In the present frame at a share of the drive's amplitude, less the energy of the first level.
   Eigen::MatrixXd hamiltonian(const Stretch& stretch, double share) const {
     Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size(), size());
-    if (stretch.is_driven()) h = stretch.standing.at(share)(levels_, levels_);
+    if (stretch.is_driven()) h = standing_.at(share);
     for (int k = 0; k < size(); ++k) {
       const int photons = frame_->photons[levels_[k]] - frame_->photons[levels_[0]];
       h(k, k) += stretch.energy(levels_[k]) - stretch.energy(levels_[0]) - photons * frame_->frequency;
@@ -254,7 +255,8 @@ class BlockBuilder {
   const std::vector<int>& levels_;
   std::vector<int> random_clocks_;
   const RotatingFrame* frame_ = nullptr;
-  Eigen::VectorXd phase_;  // [cycles] n_i phase + m_i chi of the present frame
+  StandingCoupling standing_{};  // of the present stretch, where driven
+  Eigen::VectorXd phase_;        // [cycles] n_i phase + m_i chi of the present frame
 };
 
 /// Clocks of driven stretches whose start phase is random.

@@ -52,6 +52,9 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
 /// to their squares.
 struct StandingCoupling {
   Eigen::MatrixXd first{}, second{}, third{};  // V, S, T
+  StandingCoupling among(const std::vector<int>& levels) const {
+    return {first(levels, levels), second(levels, levels), third(levels, levels)};
+  }
   Eigen::MatrixXd at(double share) const { return share * (first + share * (second + share * third)); }
 };
 StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states);
