@@ -21,7 +21,6 @@ namespace {
 struct Transition {
   int upper = 0, lower = 0;
   double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
-  double shift = 0;                              // [Hz] by what does not stand still in the field's frame
 };
 
 /// Those that the direction of a field and its sense allow, the nearest first.
@@ -31,8 +30,6 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   const Levels levels = levels_at(spins, zone.field);
   const DrivenStates states = driven_states(spins, levels, drive);
   const bool swings = sense_of(drive) == 0;
-  const DrivenStates* const alone[] = {&states};
-  const StandingCoupling standing = standing_coupling(rotating_frame(levels.labels, drive, alone), states);
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
@@ -42,13 +39,21 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
       if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
       out.push_back({i, k, apart, drive.oscillator.frequency - apart,
-                     (swings ? 1 : 2) * std::abs(states.coupling(i, k)),
-                     standing.second(i, i) - standing.second(k, k)});
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
   });
   return out;
+}
+
+/// [Hz] Of each level, by what does not stand still in the field's frame.
+Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, *zone.drive);
+  const DrivenStates* const alone[] = {&states};
+  return standing_coupling(rotating_frame(levels.labels, *zone.drive, alone), states).second.diagonal();
 }
 
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
@@ -72,6 +77,7 @@ std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_fiel
 void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t most,
                       std::vector<std::string>& out) {
   const std::vector<Transition> near = transitions_near(structure, zone);
+  const Eigen::VectorXd shifts = shifts_of(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
   for (std::size_t i = 0; i < near.size() && i < most; ++i) {
     const Transition& t = near[i];
@@ -80,9 +86,10 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
         zone.drive->envelope.shape == Shape::rectangular && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
-    const std::string shift = t.shift == 0 ? ""
-                                           : fmt::format("; what turns otherwise shifts it by {}",
-                                                         pretty_quantity(t.shift, Dimension::frequency));
+    const double by = shifts(t.upper) - shifts(t.lower);
+    const std::string shift = by == 0 ? ""
+                                      : fmt::format("; what turns otherwise shifts it by {}",
+                                                    pretty_quantity(by, Dimension::frequency));
     out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
                               megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
                               pretty_quantity(t.rabi, Dimension::frequency), flips, shift));

@@ -69,6 +69,9 @@ TEST(DrivenLevels, WithoutAnythingToDriveThemStayWhereTheyAre) {
   EXPECT_EQ(p({{0, 1, 1e-5, drive(positive, 0, 1e5)}}), one);
   EXPECT_EQ(p({{0, 1, 1e-5, drive(oscillating, 0, 0)}}), one);
   EXPECT_EQ(p({{1, 1, 1e-5, drive(positive, 1e-6, 1e5)}}), one);
+  EXPECT_EQ(test::probabilities(
+                DrivenLevels(CoupledSpins{}, {{0, 1, 1e-5, drive(positive, 1e-6, 1e5)}}, slowest), 2e-3),
+            Eigen::MatrixXd::Identity(1, 1));
   const DrivenLevels standing(spins, {{0, 0.1, 1e-5, drive(positive, 1e-6, 1e5)}}, slowest);
   EXPECT_LT(difference(test::probabilities(standing, 0), one), 2e-11);
 }
