@@ -156,6 +156,25 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForOscillatingFieldsAsFarAsWhatIsNeglec
   }
 }
 
+TEST(DrivenLevels, UnderASmoothProfileAgreeWithTheWholeFieldAtAnyPhase) {
+  const CoupledSpins spins = small_atom(3, 1);
+  const double field = 8e-6, s = 5e-3, length = 0.06;
+  const std::vector<LevelLabel> labels = level_labels(spins);
+  const int upper = *find_weak_field_level(labels, 4, 2), lower = *find_weak_field_level(labels, 4, 0);
+  const double f = transition_frequency(levels_at(spins, field), lower, upper);
+  for (const double phase : {0.0, 1.3}) {
+    const auto zones = [&](double amplitude) -> std::vector<LevelZone> {
+      RotatingTerm swings = drive(oscillating, amplitude, f, phase);
+      swings.first = {0.8, 0, 0.6};
+      swings.envelope = {Shape::half_sine, 0, length, 0};
+      return {{0, length, field, swings}};
+    };
+    const Eigen::MatrixXd whole = in_the_laboratory(spins, zones(1.5e-6), s, 30000);
+    EXPECT_LT(difference(test::probabilities(DrivenLevels(spins, zones(1.5e-6), s), s), whole), 2e-3);
+    EXPECT_GT(difference(test::probabilities(DrivenLevels(spins, zones(1.01 * 1.5e-6), s), s), whole), 5e-3);
+  }
+}
+
 TEST(DrivenLevels, AgreeWithTheLaboratoryForOneClockInFieldsAlongAnyAxes) {
   // Transitions with dm = 0 and +-1 overlap: 7 kHz between neighbours of one F, 1 kHz of coupling.
   const CoupledSpins spins = small_atom(3, 1);
