@@ -26,7 +26,7 @@ class Explainer {
         driven_(experiment, plan),
         report_(beamline_) {
     report_.tell_driven = [this](int part) { tell_driven(part); };
-    report_.fastest = [this] { return 1 / slownesses_of(beamline_.source, report_.species->mass, 0).from; };
+    report_.fastest = [this] { return speed_range(beamline_.source.speed, report_.species->mass).fastest; };
   }
 
   std::string text() {

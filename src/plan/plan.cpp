@@ -182,10 +182,7 @@ std::vector<Group> group_by_source(const Experiment& experiment, const Neighbour
       if (group == Neighbours::none) {
         group = groups.size();
         const double mass = component.species.mass;
-        groups.push_back(
-            {root,
-             std::visit([&](const auto& law) { return law.speed_range(mass); }, beamline.source.speed),
-             {}});
+        groups.push_back({root, speed_range(beamline.source.speed, mass), {}});
       }
       of_component[k].put(p, group);
       groups[group].chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables),
@@ -248,10 +245,7 @@ void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
       reach[from] = (std::uint64_t{1} << projection.levels) - 1;
       continue;
     }
-    const TransitionTable& table = *projection.transitions;
-    for (int t = table.begin[from]; t < table.begin[from + 1]; ++t)
-      reach[from] |= std::uint64_t{1} << table.targets[static_cast<std::size_t>(t)];
-    if (table.begin[from] == table.begin[from + 1]) reach[from] |= std::uint64_t{1} << from;
+    reach[from] |= projection.transitions->reach(static_cast<int>(from));
   }
 }
 
@@ -267,7 +261,7 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost, cons
   plan.tables = tables;
   Neighbours neighbours(experiment);
   const std::vector<Group> groups = group_by_source(experiment, neighbours, *tables);
-  tables->tabulate_transitions(threads);
+  tables->work_out_transitions(threads);
   std::size_t place = 0;  // of those that keep moments
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;

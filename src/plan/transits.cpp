@@ -160,6 +160,8 @@ class TransitMaker {
   void lay_out(PlanNode& node) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
+    if (path_of(node.ways.front().stage)->transitions != nullptr)
+      return by_particle(node, "levels of atoms are mixed for each particle");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
     const auto turning = turning_of(node);

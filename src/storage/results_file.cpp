@@ -205,12 +205,18 @@ void write_transits(const GroupWriter& image, const std::string& title, const De
     const TransitResult& transit = detector.transits[k];
     const Axis slowness{
         "slowness", "s/m", nexus::long_name("slowness", "s/m"), nexus::centres_of(transit.edges), {}, ""};
-    const GroupWriter data = nexus::write_data(
-        image, k == 0 ? "transit" : fmt::format("transit_{}", k + 1),
-        transit.species.empty() ? title : fmt::format("{}, {}", title, transit.species),
-        {"caught", "1", "particles caught if their levels are those of the path", transit.caught,
-         transit.errors, "spectrum"},
-        {nexus::index_axis("path", "levels before and behind the fields", transit.paths), slowness});
+    std::vector<Axis> axes{nexus::index_axis("path", "levels before and behind the fields", transit.paths),
+                           slowness};
+    const bool one_path = transit.paths.size() == 1;  // viewers take an axis of length 1 for a mistake
+    if (one_path) axes.erase(axes.begin());
+    const GroupWriter data =
+        nexus::write_data(image, k == 0 ? "transit" : fmt::format("transit_{}", k + 1),
+                          transit.species.empty() ? title : fmt::format("{}, {}", title, transit.species),
+                          {"caught", "1", "particles caught if their levels are those of the path",
+                           transit.caught, transit.errors, "spectrum"},
+                          axes);
+    if (one_path)
+      data.dataset("path_labels", {1}, transit.paths, {{"long_name", "levels before and behind the fields"}});
     data.dataset("slowness_edges", {transit.edges.size()}, transit.edges,
                  {{"units", "s/m"}, {"long_name", "edges of the cells of the slowness 1/v (s/m)"}});
     data.number(
