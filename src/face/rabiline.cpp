@@ -126,10 +126,21 @@ int batch_of(const RunSettings& settings) {
   return settings.batch == 0 ? Batch::capacity : settings.batch;
 }
 
-/// Sums of every thread and of the whole, and what threads keep at planes, must fit into the machine.
-void require_memory(const Plan& plan, int threads) {
+/// Histograms of all points in a result, and what is packed of them when it is written [bytes].
+double bytes_of_histograms(const Experiment& experiment) {
+  double bins = 0;
+  for (const PlacedPart& part : experiment.points.front().parts)
+    if (const Detector* detector = detector_in(part.part))
+      bins += static_cast<double>(detector->bins.x) * static_cast<double>(detector->bins.z);
+  return 2.5 * sizeof(double) * bins * static_cast<double>(experiment.points.size());
+}
+
+/// Sums of every thread and of the whole, what threads keep at planes, and what follows from all that must
+/// fit into the machine.
+void require_memory(const Experiment& experiment, const Plan& plan, int threads) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
-                        static_cast<double>(bytes_of_stages(plan)) * threads;
+                        static_cast<double>(bytes_of_stages(plan)) * threads +
+                        bytes_of_histograms(experiment);
   const double there =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (needed > 0.7 * there)
@@ -220,7 +231,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.error = precision.error();
       settings.progress(progress);
     };
-  require_memory(plan, options.threads);
+  require_memory(loaded.experiment, plan, options.threads);
   if (settings.start != nullptr && !fits(*settings.start, plan, options.halvings))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
