@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/portable_math.hpp"
+#include "plan/courses.hpp"
 
 namespace rabiline {
 namespace {
@@ -88,6 +89,8 @@ RegionZone RegionMaker::zone_up_to(double end) {
   zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(spins_.tip, turns));
   if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
   zone.step *= std::sqrt(std::sqrt(turning_.path_error / usual_path_error));  // steps are of fourth order
+  choose_course(zone, {stay, zones_.rate_of(zone.field), spins_.tip, turning_.path_error,
+                       turning_.take_off_spin_component});
   return zone;
 }
 

@@ -3,6 +3,7 @@
 namespace rabiline::cost {
 
 inline constexpr double plane = 3e-9, emission = 1e-8, step = 4e-9, zone = 5e-9, closed_form = 2e-9,
-                        tally = 1e-8, share = 5e-9, multiply = 5e-10, moment = 3e-9;
+                        tally = 1e-8, share = 5e-9, multiply = 5e-10, moment = 3e-9, crossing = 5e-8,
+                        joint_span = 1.5e-8, slow_span = 4e-8;
 
 }  // namespace rabiline::cost

@@ -103,6 +103,26 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
   }
 }
 
+void explain_course(const RegionZone& zone, PlanReport& report) {
+  const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate)),
+               turns = rate * zone.table.span / (2 * std::numbers::pi);
+  if (rate == 0) return;
+  switch (zone.course) {
+    case ZoneCourse::constant:
+      return report.line("{:>16}flown in closed form", "");
+    case ZoneCourse::joint_turns:
+      return report.line("{:>16}velocity in closed form, its integral by {}, {:.2g} turns, at once", "",
+                         pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::slow_turns:
+      return report.line("{:>16}steps of {}, {:.4g} turns, that follow the slow angles", "",
+                         pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::steps:
+      return report.line("{:>16}steps of {}, {:.0f} per turn", "",
+                         pretty_quantity(zone.step, Dimension::time),
+                         2 * std::numbers::pi / (rate * zone.step));
+  }
+}
+
 /// Under `torque` tipped spins keep turning the path in every field until something aligns them again, and
 /// a large tip deflects nearly everything.
 void warn_of_tips(const TurningRegion& region, PlanReport& report) {
@@ -132,6 +152,21 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 }
 
 }  // namespace
+
+double cost_of(const RegionZone& zone, double speed) {
+  const double stay = (zone.field.end - zone.field.begin) / speed;
+  switch (zone.course) {
+    case ZoneCourse::constant:
+      return cost::crossing;
+    case ZoneCourse::joint_turns:
+      return cost::crossing + std::ceil(stay / zone.table.span) * cost::joint_span;
+    case ZoneCourse::slow_turns:
+      return cost::crossing + std::ceil(stay / zone.table.span) * cost::slow_span;
+    case ZoneCourse::steps:
+      break;
+  }
+  return stay / zone.step * cost::step;
+}
 
 std::size_t TurningRegion::sums() const {
   std::size_t sums = sums_before_sights(*this);
@@ -190,13 +225,13 @@ void TurningRegion::list_sums(SumSink& sink) const {
 double TurningRegion::y() const { return zones.front().field.begin; }
 
 double TurningRegion::cost(double speed) const {
-  double steps = 0, planes = 0;
-  for (const RegionZone& zone : zones) steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+  double flight = 0, planes = 0;
+  for (const RegionZone& zone : zones) flight += cost_of(zone, speed);
   for (const Sight& sight : sights) {
     planes += sight.census.cost(speed);
     for (const Histogram& tally : sight.tallies) planes += tally.cost(speed);
   }
-  return steps * cost::step + planes;
+  return flight + planes;
 }
 
 void TurningRegion::explain(PlanReport& report) const {
@@ -204,10 +239,7 @@ void TurningRegion::explain(PlanReport& report) const {
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
     explain_zone(zone.field, report);
-    const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate));
-    if (rate > 0)
-      report.line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
-                  2 * std::numbers::pi / (rate * zone.step));
+    explain_course(zone, report);
   }
   for (const Sight& sight : sights) {
     sight.census.explain(report);

@@ -1,0 +1,132 @@
+#include "plan/courses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/portable_math.hpp"
+#include "core/vector3.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+constexpr double gauss_points[span_points] = {
+    -0.932469514203152027812301554493994609, -0.661209386466264513661399595019905347,
+    -0.238619186083196908630501721680711935, 0.238619186083196908630501721680711935,
+    0.661209386466264513661399595019905347,  0.932469514203152027812301554493994609};
+constexpr double slower = 1.05;  // a span ends behind the zone for particles that are slower by this, too
+constexpr double most_spans = 4096;
+
+/// W is constant in the frame of the field, or in that of the precession.
+bool has_constant_turning(const SpinZone& zone, bool take_off) {
+  if (zone.kind == ZoneKind::precession) return true;
+  return zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0 && !take_off;
+}
+/// kappa = 1 in one rotating field, closure torque.
+bool turns_with_spin(const SpinZone& zone, bool take_off) {
+  return take_off && zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0 &&
+         zone.turn_rate == zone.spin_rate && zone.drive[0].turn_rate == zone.drive[0].spin_rate;
+}
+
+/// The rate at which the spin turns in the frame of the rotating field.
+double turning_in_frame(const SpinZone& zone) {
+  return portable::hypot(zone.drive[0].spin_rate, zone.spin_rate - zone.drive[0].omega);
+}
+
+SpanTable table_of(const SpinZone& zone, double span, ZoneCourse course) {
+  SpanTable t;
+  t.span = span;
+  const double w1 = zone.drive[0].spin_rate, omega = zone.drive[0].omega, rate = turning_in_frame(zone);
+  const Vector3 z{0, 0, 1}, n{w1, 0, zone.spin_rate - omega}, u = rate > 0 ? (1 / rate) * n : z;
+  for (int i = 0; i <= span_points; ++i) {
+    const double time = i == span_points ? span : span * (0.5 * (1 + gauss_points[i]));
+    t.time[i] = time;
+    const Vector3 columns[3] = {turned_about(u, rate * time, {1, 0, 0}),
+                                turned_about(u, rate * time, {0, 1, 0}), turned_about(u, rate * time, z)};
+    for (int k = 0; k < 3; ++k) {
+      t.turn[i][k] = columns[k].x;
+      t.turn[i][3 + k] = columns[k].y;
+      t.turn[i][6 + k] = columns[k].z;
+    }
+    // chi = n . S t + omega int z . R_u(rate t) S dt
+    Vector3 chi = time * n + (omega * time) * z;
+    if (rate > 0) {
+      const double half = portable::sin(rate * time / 2);
+      chi = time * n + (omega * time * u.z) * u +
+            (omega * portable::sin(rate * time) / rate) * (z - u.z * u) -
+            (2 * omega * half * half / rate) * cross(u, z);
+    }
+    t.phase[i][0] = chi.x;
+    t.phase[i][1] = chi.y;
+    t.phase[i][2] = chi.z;
+    const double angle =
+        (course == ZoneCourse::slow_turns && i < span_points ? omega - zone.spin_rate : omega) * time;
+    t.cosine[i] = portable::cos(angle);
+    t.sine[i] = portable::sin(angle);
+  }
+  t.tip = std::min({1.0, std::abs(w1) * span, rate > 0 ? 2 * std::abs(w1) / rate : 0.0});
+  t.bend = std::abs(zone.turn_rate);
+  t.drive_bend = std::abs(zone.drive[0].turn_rate);
+  return t;
+}
+
+/// Spans for the velocity's quadrature. Measured against an independent integration, the place inside of a
+/// span is off by 1e-4 tip (2 turns)^6.5 over the turns of the whole flight, and less at the end of each.
+double quadrature_spans(const ZoneOutlook& outlook) {
+  const double turns = std::max(outlook.rate * outlook.stay / two_pi, 1e-3);
+  const double of_a_turn = std::min(
+      0.7, 0.5 * portable::pow(1e4 * outlook.path_error * turns / std::max(outlook.tip, 1e-6), 1 / 6.5));
+  return std::ceil(slower * turns / of_a_turn);
+}
+
+/// Error of a place over the length of the flight, with slow spans of that number: measured likewise.
+double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
+  const double h = outlook.stay / spans, turned = turning_in_frame(zone) * h / 2,
+               chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4;
+  const auto sixth = [](double x) { return portable::pow(x, 6); };
+  const double at_ends = 1e-4 * std::sqrt(spans) * sixth(turned) + 2.5e-4 * sixth(chirp) +
+                         1.8e-3 * chirp * chirp / portable::pow(spans, 4);
+  return outlook.tip / (std::abs(zone.spin_rate) * outlook.stay) * at_ends +
+         1.5e-12 * portable::pow(chirp, 12);
+}
+std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
+  constexpr double safety = 4;
+  const double omega = zone.drive[0].omega,
+               slowest =
+                   std::min({std::abs(omega), std::abs(zone.spin_rate), std::abs(omega + zone.spin_rate)});
+  for (double spans = 1; spans < most_spans; spans = std::ceil(1.1 * spans)) {
+    if (slowest * outlook.stay / spans < two_pi) break;  // less than a turn: nothing is slow
+    if (safety * slow_error(zone, outlook, spans) < outlook.path_error) return spans;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
+  const SpinZone& field = zone.field;
+  if (has_constant_turning(field, outlook.take_off_spin_component)) {
+    zone.course = ZoneCourse::constant;
+    zone.table.span = 4 * outlook.stay;
+    return;
+  }
+  if (!turns_with_spin(field, outlook.take_off_spin_component)) return;
+  const double speed = (field.end - field.begin) / outlook.stay;
+  double least = cost_of(zone, speed);
+  const auto offer = [&](ZoneCourse course, double spans) {
+    RegionZone other = zone;
+    other.course = course;
+    other.table.span = slower * outlook.stay / spans;
+    const double cost = cost_of(other, speed);
+    if (cost >= least) return;
+    least = cost;
+    zone.course = course;
+    zone.table = table_of(field, other.table.span, course);
+  };
+  offer(ZoneCourse::joint_turns, quadrature_spans(outlook));
+  if (const auto spans = slow_spans(field, outlook)) offer(ZoneCourse::slow_turns, *spans);
+}
+
+}  // namespace rabiline

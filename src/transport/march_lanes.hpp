@@ -1,0 +1,153 @@
+#pragma once
+// A visit to one zone of a region along a closed form, for kernels only (transport/course_lanes.hpp).
+#include "transport/course_lanes.hpp"
+#include "transport/visit_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// How long something cannot come to a place `distance` away, if it moves there with `speed` (which may be
+/// negative) and is accelerated by at most `acceleration`.
+RABILINE_LANES real safe_time(real distance, real speed, real acceleration) {
+  const real least = broadcast(0x1p-500);
+  const real far = max(distance, broadcast(0));
+  const real root = sqrt(fma(speed, speed, 2.0 * acceleration * far));
+  const mask comes = speed > broadcast(0);
+  return select(comes, 2.0 * far, root - speed) / max(select(comes, speed + root, acceleration), least);
+}
+
+/// When a lane that is on one side of a plane at `low` and on the other at `high` crosses it: Newton's
+/// iteration between the two, from the secant.
+template <class Curve>
+RABILINE_LANES real time_of_crossing(const Curve& curve, real low, real high, real y_low, real y_high,
+                                     real plane) {
+  const mask rises = y_high > y_low;
+  const real way = y_high - y_low;
+  real tau = fma(high - low,
+                 select(way != broadcast(0), (plane - y_low) / select(way != broadcast(0), way, broadcast(1)),
+                        broadcast(0)),
+                 low);
+  for (int i = 0; i < 8; ++i) {
+    tau = max(low, min(high, tau));
+    const Motion m = curve.motion(tau);
+    const mask before = (m.place.y < plane) == rises;
+    low = select(before, tau, low);
+    high = select(before, high, tau);
+    const real newton = tau + (plane - m.place.y) / m.velocity.y;
+    const mask inside = (newton >= low) & (newton <= high);
+    const real better = select(inside, newton, 0.5 * (low + high));
+    if (all(better == tau)) break;
+    tau = better;
+  }
+  return tau;
+}
+
+/// Where the first lane is from `from` on, every `step`, before `to`.
+template <class Curve>
+void record_between(const StepRecorder& recorder, const Curve& curve, double from, double to, double step) {
+  for (double i = 0; from + i * step < to; ++i) {
+    const real tau = broadcast(from + i * step);
+    record(recorder, curve.state(tau, curve.motion(tau)));
+  }
+}
+
+/// Flies the chosen lanes through one zone along a curve, span by span, until each has left it, hit its wall
+/// or flown too long. Within a span it goes as far as no edge and no wall can be met on the way, and where
+/// one is near by `zone.step`.
+template <class Curve, bool looks>
+Visit visit_along(const Region& region, const RegionZone& zone, const real* phases, const State& start,
+                  mask chosen, Lookout& lookout, const StepRecorder* recorder) {
+  Curve curve(zone, region.take_off_spin_component, phases);
+  const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end),
+             finely = broadcast(zone.step), span = broadcast(zone.table.span);
+  const real speed = sqrt(dot(start.velocity, start.velocity));
+  const real deadline = start.t + region.most_way / speed;
+  const bool walled = zone.wall_radius < __builtin_inf();
+  const real wall = broadcast(zone.wall_radius), wall2 = wall * wall;
+  State now = start;
+  mask going = chosen;
+  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  while (any(going)) {
+    curve.begin(now);
+    const real ripple = curve.ripple() * speed, bend = curve.bend() * speed;
+    real tau = broadcast(0), low = tau, high = span, y_low = now.place.y, y_high = y_low;
+    Motion at{now.place, now.velocity};
+    mask on_way = going, leaves{};
+    while (any(on_way)) {
+      const real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
+      real safe = min(safe_time(ahead - at.place.y, at.velocity.y + ripple, bend),
+                      safe_time(at.place.y - begin, ripple - at.velocity.y, bend));
+      if (walled) {
+        const real x = at.place.x - zone.wall_x, z = at.place.z - zone.wall_z;
+        const real across = sqrt(fma(at.velocity.x, at.velocity.x, at.velocity.z * at.velocity.z));
+        safe = min(safe, safe_time(wall - sqrt(fma(x, x, z * z)), across + ripple, bend));
+      }
+      const mask through = tau + safe >= span;  // nothing is met in this span any more
+      const real next = min(span, tau + max(safe, finely));
+      if (recorder != nullptr && lane((words)on_way, 0) != 0)
+        record_between(*recorder, curve, lane(tau, 0), lane(next, 0), zone.step);
+      on_way = on_way & ~through;
+      if (!any(on_way)) break;
+      const Motion to = curve.motion(next);
+      const real x = to.place.x - zone.wall_x, z = to.place.z - zone.wall_z;
+      const real from_axis2 = fma(x, x, z * z), t = now.t + next;
+      if constexpr (looks)
+        lookout.look(to.place.y, on_way, zone.sights_passed, [&](real y, mask crosses) {
+          const real plane = select(crosses, y, to.place.y);
+          const real when = time_of_crossing(curve, tau, next, at.place.y, to.place.y, plane);
+          State seen = curve.state(when, curve.motion(when));
+          seen.place.y = plane;
+          return seen;
+        });
+      const mask goes_on = (to.place.y >= begin) & (from_axis2 <= wall2) & (t < deadline);
+      const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
+      const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;
+      const mask hit = (from_axis2 > wall2) & left & ~forward & ~backwards;
+      v.forward = v.forward | forward;
+      v.backwards = v.backwards | backwards;
+      v.wall = v.wall | hit;
+      v.gave_up = v.gave_up | (left & ~forward & ~backwards & ~hit);  // or is no number any more
+      leaves = leaves | left;
+      low = select(left, tau, low);
+      high = select(left, next, high);
+      y_low = select(left, at.place.y, y_low);
+      y_high = select(left, to.place.y, y_high);
+      on_way = on_way & ~left & (next < span);
+      tau = next;
+      at = to;
+    }
+    if (any(leaves)) {
+      const mask crossed = leaves & (v.forward | v.backwards);
+      real when = high;
+      const real plane = select(v.forward, end, begin);
+      if (any(crossed))
+        when = select(crossed, time_of_crossing(curve, low, high, y_low, y_high, plane), high);
+      State there = curve.state(when, curve.motion(when));
+      there.place.y = select(crossed, plane, there.place.y);
+      v.state = choose(leaves, there, v.state);
+      going = going & ~leaves;
+    }
+    if (!any(going)) break;
+    now = choose(going, curve.end(span), now);
+    const mask late = going & ~(now.t < deadline);
+    v.state = choose(late, now, v.state);
+    v.gave_up = v.gave_up | late;
+    going = going & ~late;
+  }
+  v.state = choose(chosen, v.state, start);
+  return v;
+}
+
+using VisitOfZone = Visit (*)(const Region&, const RegionZone&, const real*, const State&, mask, Lookout&,
+                              const StepRecorder*);
+template <bool looks>
+VisitOfZone visit_on(ZoneCourse course) {
+  if (course == ZoneCourse::constant) return visit_along<ConstantTurn, looks>;
+  if (course == ZoneCourse::joint_turns) return visit_along<JointTurns, looks>;
+  if (course == ZoneCourse::slow_turns) return visit_along<SlowTurns, looks>;
+  return visit<looks>;
+}
+inline VisitOfZone visit_of(ZoneCourse course, bool looks) {
+  return looks ? visit_on<true>(course) : visit_on<false>(course);
+}
+
+}  // namespace rabiline::RABILINE_ISA
