@@ -90,6 +90,19 @@ class ConstantTurn : public Span {
     square_ = cross(axis_, across_);
   }
   RABILINE_LANES Motion motion(real tau) const {
+    const mask bent = bend_ > broadcast(0);
+    const Motion straight =
+        in_laboratory({tau * velocity_.x, tau * velocity_.y, tau * velocity_.z}, velocity_);
+    if (!any(bent)) return straight;
+    const Motion round = around(tau);
+    return {select(bent, round.place, straight.place), select(bent, round.velocity, straight.velocity)};
+  }
+  RABILINE_LANES State end(real span) const { return state(span, motion(span)); }
+  RABILINE_LANES real bend() const { return bend_; }
+  RABILINE_LANES real ripple() const { return broadcast(0); }
+
+ private:
+  RABILINE_LANES Motion around(real tau) const {
     // v' = axis along + Re[(across - i square) e^{i rate t}]; v_+ = v_x + i v_y turns with the frame besides.
     const Turned frame = turned(broadcast(frame_rate_), tau), round = turned(rate_of_turn_, tau),
                  sum = turned(frame_rate_ + rate_of_turn_, tau),
@@ -104,11 +117,6 @@ class ConstantTurn : public Span {
         {way.re, way.im, fma(along_z, tau, fma(across_.z, round.way.re, square_.z * round.way.im))},
         {velocity.re, velocity.im, along_z + fma(across_.z, round.phase.re, square_.z * round.phase.im)});
   }
-  RABILINE_LANES State end(real span) const { return state(span, motion(span)); }
-  RABILINE_LANES real bend() const { return bend_; }
-  RABILINE_LANES real ripple() const { return broadcast(0); }
-
- private:
   /// e^{i rate t} and its integral.
   struct Turned {
     Complex phase, way;

@@ -11,32 +11,30 @@ RABILINE_LANES real safe_time(real distance, real speed, real acceleration) {
   const real least = broadcast(0x1p-500);
   const real far = max(distance, broadcast(0));
   const real root = sqrt(fma(speed, speed, 2.0 * acceleration * far));
-  const mask comes = speed > broadcast(0);
+  const mask comes = speed >= broadcast(0);
   return select(comes, 2.0 * far, root - speed) / max(select(comes, speed + root, acceleration), least);
 }
 
 /// When a lane that is on one side of a plane at `low` and on the other at `high` crosses it: Newton's
-/// iteration between the two, from the secant.
+/// iteration between the two, from the secant. It stops behind a correction below 1e-9 of the span, since the
+/// next one is of the order of its square.
 template <class Curve>
-RABILINE_LANES real time_of_crossing(const Curve& curve, real low, real high, real y_low, real y_high,
-                                     real plane) {
+RABILINE_LANES real time_of_crossing(const Curve& curve, real span, mask chosen, real low, real high,
+                                     real y_low, real y_high, real plane) {
   const mask rises = y_high > y_low;
-  const real way = y_high - y_low;
-  real tau = fma(high - low,
-                 select(way != broadcast(0), (plane - y_low) / select(way != broadcast(0), way, broadcast(1)),
-                        broadcast(0)),
-                 low);
-  for (int i = 0; i < 8; ++i) {
-    tau = max(low, min(high, tau));
+  const real way = select(y_high != y_low, y_high - y_low, broadcast(1));
+  real tau = max(low, min(high, fma(high - low, (plane - y_low) / way, low)));
+  mask seeking = chosen;
+  for (int i = 0; i < 8 && any(seeking); ++i) {
     const Motion m = curve.motion(tau);
     const mask before = (m.place.y < plane) == rises;
     low = select(before, tau, low);
     high = select(before, high, tau);
     const real newton = tau + (plane - m.place.y) / m.velocity.y;
     const mask inside = (newton >= low) & (newton <= high);
-    const real better = select(inside, newton, 0.5 * (low + high));
-    if (all(better == tau)) break;
-    tau = better;
+    const real better = select(inside, newton, 0.5 * (low + high)), step = abs(better - tau);
+    tau = select(seeking, better, tau);
+    seeking = seeking & ~(inside & (step <= span * 0x1p-30)) & (step > broadcast(0));
   }
   return tau;
 }
@@ -93,7 +91,7 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       if constexpr (looks)
         lookout.look(to.place.y, on_way, zone.sights_passed, [&](real y, mask crosses) {
           const real plane = select(crosses, y, to.place.y);
-          const real when = time_of_crossing(curve, tau, next, at.place.y, to.place.y, plane);
+          const real when = time_of_crossing(curve, span, crosses, tau, next, at.place.y, to.place.y, plane);
           State seen = curve.state(when, curve.motion(when));
           seen.place.y = plane;
           return seen;
@@ -120,7 +118,7 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       real when = high;
       const real plane = select(v.forward, end, begin);
       if (any(crossed))
-        when = select(crossed, time_of_crossing(curve, low, high, y_low, y_high, plane), high);
+        when = select(crossed, time_of_crossing(curve, span, crossed, low, high, y_low, y_high, plane), high);
       State there = curve.state(when, curve.motion(when));
       there.place.y = select(crossed, plane, there.place.y);
       v.state = choose(leaves, there, v.state);
