@@ -35,7 +35,46 @@ double turning_in_frame(const SpinZone& zone) {
   return portable::hypot(zone.drive[0].spin_rate, zone.spin_rate - zone.drive[0].omega);
 }
 
-SpanTable table_of(const SpinZone& zone, double span, ZoneCourse course) {
+/// Spans for the velocity's quadrature. Measured against an independent integration, the place inside of a
+/// span is off by K tip (2 turns)^8.5 over the turns of the flight, and less at the end of each. Where much
+/// turns the path, flights may be short: half a circle takes about 1/tip^2 turns.
+double quadrature_spans(const ZoneOutlook& outlook) {
+  constexpr double k = 4e-6;
+  const double turns = std::max(outlook.rate * outlook.stay / two_pi, 1e-3),
+               tip = std::max(outlook.tip, 1e-6), shortest = std::min(turns, 1 / (tip * tip));
+  const double of_a_turn =
+      std::min(0.6, 0.5 * portable::pow(outlook.path_error * shortest / (k * tip), 1 / 8.5));
+  return std::ceil(slower * turns / of_a_turn);
+}
+
+/// Error of a place over the length of the flight, with slow spans of that number. At the ends of a span it
+/// is what is beyond the sixth Legendre coefficient, 13 j_6(x) of e^{ix}; a phase that grows like a cube (the
+/// chirp on resonance) and the quadrature's own error as measured against an independent integration.
+double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
+  const double h = outlook.stay / spans, turned = turning_in_frame(zone) * h / 2,
+               chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4;
+  const double x = std::min(turned, 9.5);  // where 13 j_6 is largest
+  const double beyond = std::sqrt(spans) * 1e-4 * portable::pow(x, 6) * portable::exp(-x * x / 30) +
+                        2.5e-4 * portable::pow(chirp, 6) + 1.8e-3 * chirp * chirp / portable::pow(spans, 4);
+  const auto quadrature = [](double y) { return std::min(1.0, 1.5e-12 * portable::pow(y, 12)); };
+  return outlook.tip / (std::abs(zone.spin_rate) * outlook.stay) * beyond +
+         outlook.tip * outlook.tip * quadrature(turned) + quadrature(chirp);
+}
+std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
+  constexpr double safety = 3;
+  const double omega = zone.drive[0].omega,
+               slowest =
+                   std::min({std::abs(omega), std::abs(zone.spin_rate), std::abs(omega + zone.spin_rate)});
+  for (double spans = 1; spans < most_spans; spans = std::ceil(1.1 * spans)) {
+    if (slowest * outlook.stay / spans < two_pi) break;  // less than a turn: nothing is slow
+    if (safety * slow_error(zone, outlook, spans) < outlook.path_error) return spans;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+SpanTable span_table(const SpinZone& zone, double span, ZoneCourse course) {
   SpanTable t;
   t.span = span;
   const double w1 = zone.drive[0].spin_rate, omega = zone.drive[0].omega, rate = turning_in_frame(zone);
@@ -72,41 +111,6 @@ SpanTable table_of(const SpinZone& zone, double span, ZoneCourse course) {
   return t;
 }
 
-/// Spans for the velocity's quadrature. Measured against an independent integration, the place inside of a
-/// span is off by 1e-4 tip (2 turns)^6.5 over the turns of the whole flight, and less at the end of each.
-double quadrature_spans(const ZoneOutlook& outlook) {
-  const double turns = std::max(outlook.rate * outlook.stay / two_pi, 1e-3);
-  const double of_a_turn = std::min(
-      0.7, 0.5 * portable::pow(1e4 * outlook.path_error * turns / std::max(outlook.tip, 1e-6), 1 / 6.5));
-  return std::ceil(slower * turns / of_a_turn);
-}
-
-/// Error of a place over the length of the flight, with slow spans of that number. What is beyond the sixth
-/// Legendre coefficient: of e^{ix} it is 13 j_6(x), of a phase that grows like a cube (the chirp on
-/// resonance) and of the quadrature what was measured against an independent integration.
-double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
-  const double h = outlook.stay / spans, turned = turning_in_frame(zone) * h / 2,
-               chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4;
-  const double beyond =
-      std::sqrt(spans) * 1e-4 * portable::pow(turned, 6) * portable::exp(-turned * turned / 30) +
-      2.5e-4 * portable::pow(chirp, 6) + 1.8e-3 * chirp * chirp / portable::pow(spans, 4);
-  return outlook.tip / (std::abs(zone.spin_rate) * outlook.stay) * beyond +
-         1.5e-12 * portable::pow(chirp, 12);
-}
-std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
-  constexpr double safety = 3;
-  const double omega = zone.drive[0].omega,
-               slowest =
-                   std::min({std::abs(omega), std::abs(zone.spin_rate), std::abs(omega + zone.spin_rate)});
-  for (double spans = 1; spans < most_spans; spans = std::ceil(1.1 * spans)) {
-    if (slowest * outlook.stay / spans < two_pi) break;  // less than a turn: nothing is slow
-    if (safety * slow_error(zone, outlook, spans) < outlook.path_error) return spans;
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
 void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
   const SpinZone& field = zone.field;
   if (has_constant_turning(field, outlook.take_off_spin_component)) {
@@ -125,7 +129,7 @@ void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
     if (cost >= least) return;
     least = cost;
     zone.course = course;
-    zone.table = table_of(field, other.table.span, course);
+    zone.table = span_table(field, other.table.span, course);
   };
   offer(ZoneCourse::joint_turns, quadrature_spans(outlook));
   if (const auto spans = slow_spans(field, outlook)) offer(ZoneCourse::slow_turns, *spans);

@@ -14,6 +14,9 @@ struct ZoneOutlook {
   bool take_off_spin_component = false;  // closure torque
 };
 
+/// The constants of a course through one rotating field, in spans of that length [s].
+SpanTable span_table(const SpinZone&, double span, ZoneCourse);
+
 /// Sets course and table of a zone whose fields and steps stand; what has no closed form keeps the steps.
 void choose_course(RegionZone&, const ZoneOutlook&);
 

@@ -16,7 +16,7 @@ namespace {
 /// less than 1. The steps are chosen to keep it, and that of the direction at the end, below the usual error
 /// (tests/physics/dorado_test.cpp holds the path to it).
 double steps_per_turn_of_path(double tip, double turns, double strength) {
-  return std::clamp(32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58 * strength)), 8.0, 1000.0);
+  return std::clamp(32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58 * strength)), 10.0, 1000.0);
 }
 /// How fast fields turn the velocity, over the rate at which they turn the spin, at most 1. Where the
 /// velocity follows the field and not the spin, the tip has it already.

@@ -135,10 +135,11 @@ class ConstantTurn : public Span {
   Vector axis_, across_, square_;
 };
 
-/// Values at the six Gauss points of a span to coefficients of the polynomial through them, in x from -1
-/// to 1.
+/// Values at the six Gauss points of a span, and with eight terms also at its ends, to coefficients of the
+/// polynomial through them, in x from -1 to 1.
+template <int terms>
 struct Coefficients {
-  real of[span_points];
+  real of[terms];
 
   RABILINE_LANES void fit(const real (&f)[span_points]) {
     constexpr double half_inverse[3] = {2.0953889257910308, 0.75619011198884489, 0.53621055957768052};
@@ -156,13 +157,27 @@ struct Coefficients {
       of[2 * k + 1] = fma(odd[0], broadcast(row[0]), fma(odd[1], broadcast(row[1]), odd[2] * row[2]));
     }
   }
-  /// For `at`: the coefficients of the integral over x instead, but for its constant.
+  /// What is missing at the ends is added as P_6 and x P_6, of no integral over the span: that of Gauss
+  /// stays.
+  RABILINE_LANES void fit(const real (&f)[span_points], real begin,
+                          real end) requires(terms == span_points + 2) {
+    constexpr double p6[4] = {-5.0 / 16, 105.0 / 16, -315.0 / 16, 231.0 / 16};
+    fit(f);
+    of[6] = of[7] = broadcast(0);
+    const real first = begin - at(broadcast(-1)), last = end - at(broadcast(1));
+    const real even = 0.5 * (last + first), odd = 0.5 * (last - first);
+    for (int k = 0; k < 4; ++k) {
+      of[2 * k] = fma(even, broadcast(p6[k]), of[2 * k]);
+      of[2 * k + 1] = fma(odd, broadcast(p6[k]), of[2 * k + 1]);
+    }
+  }
+  /// For `from_begin`: the coefficients of the integral over x instead, but for its constant.
   RABILINE_LANES void integrate(double scale) {
-    for (int k = 0; k < span_points; ++k) of[k] = of[k] * (scale / (k + 1));
+    for (int k = 0; k < terms; ++k) of[k] = of[k] * (scale / (k + 1));
   }
   RABILINE_LANES real at(real x) const {
-    real p = of[span_points - 1];
-    for (int k = span_points - 2; k >= 0; --k) p = fma(p, x, of[k]);
+    real p = of[terms - 1];
+    for (int k = terms - 2; k >= 0; --k) p = fma(p, x, of[k]);
     return p;
   }
   /// Of an integrated one: from x = -1 on.
@@ -182,6 +197,8 @@ class JointTurn : public Span {
     square_ = cross(spin_, across_);
     const real sine2 = fma(spin_.x, spin_.x, spin_.y * spin_.y);
     tip_ = min(broadcast(1), sqrt(sine2) + broadcast(table_.tip));
+    end_velocity_ =
+        turn_about_z(turning_at(span_points), rotated(span_points, turned_by(chi_at(span_points))));
   }
   RABILINE_LANES Vector velocity(real tau) const {
     real s, c, half_s, half_c;
@@ -195,12 +212,8 @@ class JointTurn : public Span {
     return turn_about_z(phasor(tau * omega()), rotation_in_xz_axis(ux_, uz_, tau * rate_) * turned_by(chi));
   }
   RABILINE_LANES State end_at(real span, const Vector& way) const {
-    const Vector chi_of{broadcast(table_.phase[span_points][0]), broadcast(table_.phase[span_points][1]),
-                        broadcast(table_.phase[span_points][2])};
-    const Phasor turn{broadcast(table_.cosine[span_points]), broadcast(table_.sine[span_points])};
-    const Vector v = turn_about_z(turn, rotated(span_points, turned_by(dot(chi_of, spin_)))),
-                 spin = turn_about_z(turn, rotated(span_points, spin_));
-    const Motion m = in_laboratory(way, v);
+    const Motion m = in_laboratory(way, end_velocity_);
+    const Vector spin = turn_about_z(turning_at(span_points), rotated(span_points, spin_));
     return {start_.t + span, m.place, m.velocity, of_unit_length(from_axes(spin)), in_};
   }
 
@@ -222,9 +235,13 @@ class JointTurn : public Span {
     return fma(spin_.x, broadcast(x[0]), fma(spin_.y, broadcast(x[1]), spin_.z * x[2]));
   }
 
+  RABILINE_LANES Phasor turning_at(int point) const {
+    return {broadcast(table_.cosine[point]), broadcast(table_.sine[point])};
+  }
+
   const SpanTable& table_;
   real along_, tip_;
-  Vector across_, square_;
+  Vector across_, square_, end_velocity_;
 };
 
 /// Its place over less than a turn: six Gauss points of the velocity.
@@ -236,16 +253,15 @@ class JointTurns : public JointTurn {
     JointTurn::begin(start);
     real x[span_points], y[span_points], z[span_points];
     for (int i = 0; i < span_points; ++i) {
-      const Vector v = turn_about_z({broadcast(table_.cosine[i]), broadcast(table_.sine[i])},
-                                    rotated(i, turned_by(chi_at(i))));
+      const Vector v = turn_about_z(turning_at(i), rotated(i, turned_by(chi_at(i))));
       x[i] = v.x;
       y[i] = v.y;
       z[i] = v.z;
     }
-    x_.fit(x);
-    y_.fit(y);
-    z_.fit(z);
-    for (Coefficients* c : {&x_, &y_, &z_}) c->integrate(0.5 * table_.span);
+    x_.fit(x, velocity_.x, end_velocity_.x);
+    y_.fit(y, velocity_.y, end_velocity_.y);
+    z_.fit(z, velocity_.z, end_velocity_.z);
+    for (auto* c : {&x_, &y_, &z_}) c->integrate(0.5 * table_.span);
   }
   RABILINE_LANES Vector way(real tau) const {
     const real x = tau * (2 / table_.span) - 1.0;
@@ -257,7 +273,7 @@ class JointTurns : public JointTurn {
   RABILINE_LANES real ripple() const { return broadcast(0); }
 
  private:
-  Coefficients x_, y_, z_;
+  Coefficients<span_points + 2> x_, y_, z_;
 };
 
 /// Its place over many turns, for spins that stay near the field: with sigma the sign of S_z,
@@ -279,8 +295,7 @@ class SlowTurns : public JointTurn {
       const Vector q{sigma * sp.x, sigma * sp.y, sigma * sp.z};  // P - i Q turns with -(w0 t + psi)
       const Complex plus{half * (p.x + q.y), half * (p.y - q.x)},
           minus{half * (p.x - q.y), half * (p.y + q.x)};
-      const Complex slow =
-          plus * Phasor{psi.c, -psi.s} * Phasor{broadcast(table_.cosine[i]), broadcast(table_.sine[i])};
+      const Complex slow = plus * Phasor{psi.c, -psi.s} * turning_at(i);
       const Complex fast = minus * psi, rises = Complex{p.z, -q.z} * Phasor{psi.c, -psi.s};
       f[0][i] = slow.re;
       f[1][i] = slow.im;
@@ -309,7 +324,8 @@ class SlowTurns : public JointTurn {
   RABILINE_LANES real ripple() const { return 4.0 * tip_; }
 
  private:
-  RABILINE_LANES void by_parts(Coefficients& re, Coefficients& im, double rho) const {
+  RABILINE_LANES void by_parts(Coefficients<span_points>& re, Coefficients<span_points>& im,
+                               double rho) const {
     const double per = 1 / rho, derivative = 2 / table_.span;
     for (int k = span_points - 1; k >= 0; --k) {
       real a = re.of[k], b = im.of[k];
@@ -333,7 +349,7 @@ class SlowTurns : public JointTurn {
             c_[2].from_begin(x) + (o.z - begin_.z)};
   }
 
-  Coefficients c_[9];
+  Coefficients<span_points> c_[9];
   Vector begin_;
 };
 
