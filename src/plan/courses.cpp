@@ -39,7 +39,7 @@ double turning_in_frame(const SpinZone& zone) {
 /// span is off by K tip (2 turns)^8.5 over the turns of the flight, and less at the end of each. Where much
 /// turns the path, flights may be short: half a circle takes about 1/tip^2 turns.
 double quadrature_spans(const ZoneOutlook& outlook) {
-  constexpr double k = 4e-6;
+  constexpr double k = 5e-6;
   const double turns = std::max(outlook.rate * outlook.stay / two_pi, 1e-3),
                tip = std::max(outlook.tip, 1e-6), shortest = std::min(turns, 1 / (tip * tip));
   const double of_a_turn =
@@ -47,21 +47,23 @@ double quadrature_spans(const ZoneOutlook& outlook) {
   return std::ceil(slower * turns / of_a_turn);
 }
 
-/// Error of a place over the length of the flight, with slow spans of that number. At the ends of a span it
-/// is what is beyond the sixth Legendre coefficient, 13 j_6(x) of e^{ix}; a phase that grows like a cube (the
-/// chirp on resonance) and the quadrature's own error as measured against an independent integration.
+/// Error of a place over the length of the flight, with slow spans of that number: at the ends of a span what
+/// is beyond the sixth Legendre coefficient, 13 j_6(x) of e^{ix}, and that of the quadrature. Phases are
+/// those of the spin about the rotating field and, measured, of the chirp that its tip gives the velocity's
+/// turning.
 double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
-  const double h = outlook.stay / spans, turned = turning_in_frame(zone) * h / 2,
-               chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4;
-  const double x = std::min(turned, 9.5);  // where 13 j_6 is largest
-  const double beyond = std::sqrt(spans) * 1e-4 * portable::pow(x, 6) * portable::exp(-x * x / 30) +
-                        2.5e-4 * portable::pow(chirp, 6) + 1.8e-3 * chirp * chirp / portable::pow(spans, 4);
+  const double h = outlook.stay / spans, chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4,
+               x = turning_in_frame(zone) * h / 2 + 1.5 * chirp,
+               largest = std::min(x, 9.5);  // where 13 j_6 is
+  const double beyond =
+      std::sqrt(spans) * 1e-4 * portable::pow(largest, 6) * portable::exp(-largest * largest / 30) +
+      1.8e-3 * chirp * chirp / portable::pow(spans, 4);
   const auto quadrature = [](double y) { return std::min(1.0, 1.5e-12 * portable::pow(y, 12)); };
   return outlook.tip / (std::abs(zone.spin_rate) * outlook.stay) * beyond +
-         outlook.tip * outlook.tip * quadrature(turned) + quadrature(chirp);
+         outlook.tip * outlook.tip * quadrature(x) + quadrature(chirp);
 }
 std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
-  constexpr double safety = 3;
+  constexpr double safety = 2.5;
   const double omega = zone.drive[0].omega,
                slowest =
                    std::min({std::abs(omega), std::abs(zone.spin_rate), std::abs(omega + zone.spin_rate)});

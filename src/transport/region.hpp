@@ -44,6 +44,7 @@ struct RegionZone {
   int wall_part = 0;
   double step = 0;        // [s] and, on any course, how finely walls are looked at where they are near
   int sights_passed = 0;  // of the region, up to its end
+  double detour = 1;      // how many times longer than straight flight particles stay, about: for the cost
   ZoneCourse course = ZoneCourse::steps;
   SpanTable table;
   bool operator==(const RegionZone&) const = default;

@@ -182,6 +182,10 @@ constexpr int steps_between_lengths = 16;
 RABILINE_LANES Vector of_unit_length(const Vector& spin) {  // for lengths that are nearly 1
   return add(spin, 0.5 - 0.5 * dot(spin, spin), spin);
 }
+RABILINE_LANES Phasor of_unit_length(const Phasor& p) {
+  const real more = 0.5 - 0.5 * fma(p.c, p.c, p.s * p.s);
+  return {fma(p.c, more, p.c), fma(p.s, more, p.s)};
+}
 
 /// The kinds of stepping behind one face.
 struct Stepper {

@@ -86,7 +86,10 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
   for (int steps = 1; any(going); ++steps) {
     const State old = now;
     now = stepper.step(whole_step, old);
-    if (steps % steps_between_lengths == 0) now.spin = of_unit_length(now.spin);
+    if (steps % steps_between_lengths == 0) {
+      now.spin = of_unit_length(now.spin);
+      if (stepper.in_frame()) now.frame = of_unit_length(now.frame);
+    }
     const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
     const real from_axis2 = fma(from_x, from_x, from_z * from_z);
     const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);

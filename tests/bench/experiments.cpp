@@ -97,6 +97,7 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) 
 
 Experiment suggested_experiment(int points, std::uint64_t particles) {
   Beamline b = test::suggested(larmor);
+  b.law = DoradoLaw{Closure::torque, 0.9};  // which is flown by steps; kappa = 1 has a closed form
   b.particles = particles;
   return scan(b, points, 12e3);
 }

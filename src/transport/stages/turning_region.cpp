@@ -154,18 +154,22 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 }  // namespace
 
 double cost_of(const RegionZone& zone, double speed) {
-  const double stay = (zone.field.end - zone.field.begin) / speed;
+  const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
+  const auto spans = [&] { return std::ceil(stay / zone.table.span); };
   switch (zone.course) {
     case ZoneCourse::constant:
       return cost::crossing;
     case ZoneCourse::joint_turns:
-      return cost::crossing + std::ceil(stay / zone.table.span) * cost::joint_span;
+      return cost::crossing + spans() * cost::joint_span;
     case ZoneCourse::slow_turns:
-      return cost::crossing + std::ceil(stay / zone.table.span) * cost::slow_span;
+      return cost::crossing + spans() * cost::slow_span;
     case ZoneCourse::steps:
       break;
   }
-  return stay / zone.step * cost::step;
+  const bool one_rotates = zone.field.kind == ZoneKind::precession || zone.field.kind == ZoneKind::rotating;
+  if (!one_rotates || (zone.field.turned && zone.field.drive[0].twist == 0))
+    return stay / zone.step * cost::laboratory_step;
+  return stay / zone.step * (zone.field.drive[0].twist != 0 ? cost::twisted_step : cost::step);
 }
 
 std::size_t TurningRegion::sums() const {
