@@ -24,11 +24,11 @@ bool has_constant_turning(const SpinZone& zone, bool take_off) {
   if (zone.kind == ZoneKind::precession) return true;
   return zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0 && !take_off;
 }
-/// kappa = 1 in one rotating field, closure torque.
-bool turns_with_spin(const SpinZone& zone, bool take_off) {
-  return take_off && zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0 &&
-         zone.turn_rate == zone.spin_rate && zone.drive[0].turn_rate == zone.drive[0].spin_rate;
+/// One rotating field, closure torque.
+bool follows_one_drive(const SpinZone& zone, bool take_off) {
+  return take_off && zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0 && zone.spin_rate != 0;
 }
+bool turns_with_spin(const SpinZone& zone) { return zone.turn_rate == zone.spin_rate; }  // kappa = 1
 
 /// The rate at which the spin turns in the frame of the rotating field.
 double turning_in_frame(const SpinZone& zone) {
@@ -47,29 +47,42 @@ double quadrature_spans(const ZoneOutlook& outlook) {
   return std::ceil(slower * turns / of_a_turn);
 }
 
-/// Error of a place over the length of the flight, with slow spans of that number: at the ends of a span what
-/// is beyond the sixth Legendre coefficient, 13 j_6(x) of e^{ix}, and that of the quadrature. Phases are
-/// those of the spin about the rotating field and, measured, of the chirp that its tip gives the velocity's
-/// turning.
+/// What is beyond the sixth Legendre coefficient of e^{ix}, 13 j_6(x); its largest value from there on.
+double beyond_sixth(double x) {
+  const double y = std::min(x, 9.5);
+  return 1e-4 * portable::pow(y, 6) * portable::exp(-y * y / 30);
+}
+/// Error of a place over the length of the flight, and of the direction, with slow spans of that number. The
+/// place is off at the ends of a span, and by its quadrature; phases are those of the spin about the rotating
+/// field and, measured, of the chirp that its tip gives the velocity's turning. For kappa other than 1 the
+/// axis is off likewise, and by what two corrections leave of it. (At most, against an independent
+/// integration.)
 double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
-  const double h = outlook.stay / spans, chirp = std::abs(zone.spin_rate) * outlook.tip * outlook.tip * h / 4,
-               x = turning_in_frame(zone) * h / 2 + 1.5 * chirp,
-               largest = std::min(x, 9.5);  // where 13 j_6 is
-  const double beyond =
-      std::sqrt(spans) * 1e-4 * portable::pow(largest, 6) * portable::exp(-largest * largest / 30) +
-      1.8e-3 * chirp * chirp / portable::pow(spans, 4);
+  const double kappa = zone.turn_rate / zone.spin_rate, w0 = std::abs(zone.spin_rate), tip = outlook.tip,
+               rate = turning_in_frame(zone), h = outlook.stay / spans,
+               chirp = std::max(1.0, std::abs(kappa * (2 - kappa))) * w0 * tip * tip * h / 4,
+               x = rate * h / 2 + 1.5 * chirp;
+  const double at_ends =
+      std::sqrt(spans) * beyond_sixth(x) + 1.8e-3 * chirp * chirp / portable::pow(spans, 4);
   const auto quadrature = [](double y) { return std::min(1.0, 1.5e-12 * portable::pow(y, 12)); };
-  return outlook.tip / (std::abs(zone.spin_rate) * outlook.stay) * beyond +
-         outlook.tip * outlook.tip * quadrature(x) + quadrature(chirp);
+  const double of_place = tip * std::max(1.0, std::abs(kappa)) / (w0 * outlook.stay) * at_ends +
+                          tip * tip * quadrature(x) + quadrature(chirp);
+  const double left = std::abs(kappa * (kappa - 1)) * tip * rate / std::abs(zone.drive[0].omega),
+               correction = 2.2 * std::abs(kappa) * tip * tip;
+  const double of_axis = left * (0.4 * beyond_sixth(x) + w0 * outlook.stay * tip * correction * correction);
+  return 2.5 * of_place + of_axis;
 }
 std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
-  constexpr double safety = 2.5;
+  constexpr double largest_tip = 0.4;  // of the axis from the field, for kappa other than 1
+  if (!turns_with_spin(zone) &&
+      outlook.tip * std::max(1.0, std::abs(zone.turn_rate / zone.spin_rate)) > largest_tip)
+    return std::nullopt;
   const double omega = zone.drive[0].omega,
                slowest =
                    std::min({std::abs(omega), std::abs(zone.spin_rate), std::abs(omega + zone.spin_rate)});
   for (double spans = 1; spans < most_spans; spans = std::ceil(1.1 * spans)) {
     if (slowest * outlook.stay / spans < two_pi) break;  // less than a turn: nothing is slow
-    if (safety * slow_error(zone, outlook, spans) < outlook.path_error) return spans;
+    if (slow_error(zone, outlook, spans) < outlook.path_error) return spans;
   }
   return std::nullopt;
 }
@@ -120,7 +133,7 @@ void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
     zone.table.span = 4 * outlook.stay;
     return;
   }
-  if (!turns_with_spin(field, outlook.take_off_spin_component)) return;
+  if (!follows_one_drive(field, outlook.take_off_spin_component)) return;
   const double speed = (field.end - field.begin) / outlook.stay;
   double least = cost_of(zone, speed);
   const auto offer = [&](ZoneCourse course, double spans) {
@@ -133,7 +146,7 @@ void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
     zone.course = course;
     zone.table = span_table(field, other.table.span, course);
   };
-  offer(ZoneCourse::joint_turns, quadrature_spans(outlook));
+  if (turns_with_spin(field)) offer(ZoneCourse::joint_turns, quadrature_spans(outlook));
   if (const auto spans = slow_spans(field, outlook)) offer(ZoneCourse::slow_turns, *spans);
 }
 

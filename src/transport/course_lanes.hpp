@@ -184,6 +184,70 @@ struct Coefficients {
   RABILINE_LANES real from_begin(real x) const { return fma(x, at(x), at(broadcast(-1))); }
 };
 
+/// The points that values are given at, in x.
+inline constexpr double gauss_points[span_points] = {-0.932469514203152,  -0.6612093864662645,
+                                                     -0.2386191860831969, 0.2386191860831969,
+                                                     0.6612093864662645,  0.932469514203152};
+
+/// The polynomial g of int f e^{i rho t} dt = g e^{i rho t}, from that of f: sum_k (-1)^k f^(k) / (i
+/// rho)^(k+1), which is finite. It also solves dg/dt + i rho g = f.
+RABILINE_LANES void by_parts(Coefficients<span_points>& re, Coefficients<span_points>& im, double rho,
+                             double span) {
+  const double per = 1 / rho, derivative = 2 / span;
+  for (int k = span_points - 1; k >= 0; --k) {
+    real a = re.of[k], b = im.of[k];
+    if (k + 1 < span_points) {
+      a = fma(re.of[k + 1], broadcast(-derivative * (k + 1)), a);
+      b = fma(im.of[k + 1], broadcast(-derivative * (k + 1)), b);
+    }
+    re.of[k] = b * per;  // times -i/rho
+    im.of[k] = a * -per;
+  }
+}
+
+/// The integral of v_+ = v_x + i v_y = slow + along e^{i alpha t} + fast e^{i(alpha + beta) t} and of
+/// v_z = steady + Re[rises e^{-i beta t}], each factor a polynomial through the Gauss points.
+class SlowPlace {
+ public:
+  /// Of the factors slow (2), steady, along (2), fast (2), rises (2).
+  void fit(const real (&f)[9][span_points], double span, double alpha, double beta) {
+    span_ = span;
+    for (int k = 0; k < 9; ++k) c_[k].fit(f[k]);
+    for (int k = 0; k < 3; ++k) c_[k].integrate(0.5 * span);
+    by_parts(c_[3], c_[4], alpha, span);
+    by_parts(c_[5], c_[6], alpha + beta, span);
+    by_parts(c_[7], c_[8], -beta, span);
+    const Phasor none{broadcast(1), broadcast(0)};
+    begin_ = oscillating(broadcast(-1), none, none);
+  }
+  /// From the span's begin, with e^{i alpha tau} and e^{i beta tau}.
+  RABILINE_LANES Vector way(real tau, const Phasor& at_alpha, const Phasor& at_beta) const {
+    const real x = tau * (2 / span_) - 1.0;
+    const Vector o = oscillating(x, at_alpha, at_beta);
+    return {c_[0].from_begin(x) + (o.x - begin_.x), c_[1].from_begin(x) + (o.y - begin_.y),
+            c_[2].from_begin(x) + (o.z - begin_.z)};
+  }
+
+ private:
+  RABILINE_LANES Vector oscillating(real x, const Phasor& at_alpha, const Phasor& at_beta) const {
+    const Complex a = Complex{c_[3].at(x), c_[4].at(x)} * at_alpha,
+                  b = Complex{c_[5].at(x), c_[6].at(x)} * (at_alpha * at_beta);
+    return {a.re + b.re, a.im + b.im, fma(c_[7].at(x), at_beta.c, c_[8].at(x) * at_beta.s)};
+  }
+
+  double span_ = 0;
+  Coefficients<span_points> c_[9];
+  Vector begin_;
+};
+
+/// R_u at a point of the span.
+RABILINE_LANES Vector rotated_in(const SpanTable& table, int point, const Vector& v) {
+  const double* m = table.turn[point];
+  return {fma(v.x, broadcast(m[0]), fma(v.y, broadcast(m[1]), v.z * m[2])),
+          fma(v.x, broadcast(m[3]), fma(v.y, broadcast(m[4]), v.z * m[5])),
+          fma(v.x, broadcast(m[6]), fma(v.y, broadcast(m[7]), v.z * m[8]))};
+}
+
 /// Closure `torque` with kappa = 1: the velocity turns jointly with the spin, which is exact,
 /// v'(t) = R_u(Omega t) R_S(-chi) v'(0), chi = (n . S) t + omega int S'_z dt, S at the begin.
 class JointTurn : public Span {
@@ -223,13 +287,7 @@ class JointTurn : public Span {
     const Phasor p = phasor(chi);
     return add(add({along_ * spin_.x, along_ * spin_.y, along_ * spin_.z}, p.c, across_), -p.s, square_);
   }
-  /// R_u at a point of the span.
-  RABILINE_LANES Vector rotated(int point, const Vector& v) const {
-    const double* m = table_.turn[point];
-    return {fma(v.x, broadcast(m[0]), fma(v.y, broadcast(m[1]), v.z * m[2])),
-            fma(v.x, broadcast(m[3]), fma(v.y, broadcast(m[4]), v.z * m[5])),
-            fma(v.x, broadcast(m[6]), fma(v.y, broadcast(m[7]), v.z * m[8]))};
-  }
+  RABILINE_LANES Vector rotated(int point, const Vector& v) const { return rotated_in(table_, point, v); }
   RABILINE_LANES real chi_at(int point) const {
     const double* x = table_.phase[point];
     return fma(spin_.x, broadcast(x[0]), fma(spin_.y, broadcast(x[1]), spin_.z * x[2]));
@@ -307,15 +365,10 @@ class SlowTurns : public JointTurn {
       f[7][i] = rises.re;
       f[8][i] = rises.im;
     }
-    for (int k = 0; k < 9; ++k) c_[k].fit(f[k]);
-    for (int k = 0; k < 3; ++k) c_[k].integrate(0.5 * table_.span);
-    by_parts(c_[3], c_[4], omega());
-    by_parts(c_[5], c_[6], omega() + zone_.spin_rate);
-    by_parts(c_[7], c_[8], -zone_.spin_rate);
-    begin_ = oscillating(broadcast(-1), {broadcast(1), broadcast(0)}, {broadcast(1), broadcast(0)});
+    place_.fit(f, table_.span, omega(), zone_.spin_rate);
   }
   RABILINE_LANES Vector way(real tau) const {
-    return way_with(tau, phasor(tau * omega()), phasor(tau * zone_.spin_rate));
+    return place_.way(tau, phasor(tau * omega()), phasor(tau * zone_.spin_rate));
   }
   RABILINE_LANES Motion motion(real tau) const { return in_laboratory(way(tau), velocity(tau)); }
   RABILINE_LANES State end(real span) const { return end_at(span, way(span)); }
@@ -324,33 +377,7 @@ class SlowTurns : public JointTurn {
   RABILINE_LANES real ripple() const { return 4.0 * tip_; }
 
  private:
-  RABILINE_LANES void by_parts(Coefficients<span_points>& re, Coefficients<span_points>& im,
-                               double rho) const {
-    const double per = 1 / rho, derivative = 2 / table_.span;
-    for (int k = span_points - 1; k >= 0; --k) {
-      real a = re.of[k], b = im.of[k];
-      if (k + 1 < span_points) {
-        a = fma(re.of[k + 1], broadcast(-derivative * (k + 1)), a);
-        b = fma(im.of[k + 1], broadcast(-derivative * (k + 1)), b);
-      }
-      re.of[k] = b * per;  // times -i/rho
-      im.of[k] = a * -per;
-    }
-  }
-  RABILINE_LANES Vector oscillating(real x, const Phasor& at_omega, const Phasor& at_w0) const {
-    const Complex a = Complex{c_[3].at(x), c_[4].at(x)} * at_omega,
-                  b = Complex{c_[5].at(x), c_[6].at(x)} * (at_omega * at_w0);
-    return {a.re + b.re, a.im + b.im, fma(c_[7].at(x), at_w0.c, c_[8].at(x) * at_w0.s)};
-  }
-  RABILINE_LANES Vector way_with(real tau, const Phasor& at_omega, const Phasor& at_w0) const {
-    const real x = tau * (2 / table_.span) - 1.0;
-    const Vector o = oscillating(x, at_omega, at_w0);
-    return {c_[0].from_begin(x) + (o.x - begin_.x), c_[1].from_begin(x) + (o.y - begin_.y),
-            c_[2].from_begin(x) + (o.z - begin_.z)};
-  }
-
-  Coefficients<span_points> c_[9];
-  Vector begin_;
+  SlowPlace place_;
 };
 
 }  // namespace rabiline::RABILINE_ISA

@@ -1,5 +1,6 @@
 #pragma once
 // A visit to one zone of a region along a closed form, for kernels only (transport/course_lanes.hpp).
+#include "transport/axis_lanes.hpp"
 #include "transport/course_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
@@ -138,14 +139,16 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
 using VisitOfZone = Visit (*)(const Region&, const RegionZone&, const real*, const State&, mask, Lookout&,
                               const StepRecorder*);
 template <bool looks>
-VisitOfZone visit_on(ZoneCourse course) {
-  if (course == ZoneCourse::constant) return visit_along<ConstantTurn, looks>;
-  if (course == ZoneCourse::joint_turns) return visit_along<JointTurns, looks>;
-  if (course == ZoneCourse::slow_turns) return visit_along<SlowTurns, looks>;
+VisitOfZone visit_on(const RegionZone& zone) {
+  if (zone.course == ZoneCourse::constant) return visit_along<ConstantTurn, looks>;
+  if (zone.course == ZoneCourse::joint_turns) return visit_along<JointTurns, looks>;
+  if (zone.course == ZoneCourse::slow_turns)
+    return zone.field.turn_rate == zone.field.spin_rate ? visit_along<SlowTurns, looks>
+                                                        : visit_along<SlowAxis, looks>;
   return visit<looks>;
 }
-inline VisitOfZone visit_of(ZoneCourse course, bool looks) {
-  return looks ? visit_on<true>(course) : visit_on<false>(course);
+inline VisitOfZone visit_of(const RegionZone& zone, bool looks) {
+  return looks ? visit_on<true>(zone) : visit_on<false>(zone);
 }
 
 }  // namespace rabiline::RABILINE_ISA

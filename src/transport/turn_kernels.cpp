@@ -118,7 +118,7 @@ void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) 
         phases[k] = oscillator_phase(region.zones[zone].field.drive[k], region.key, particle);
       const StepRecorder* records = i == 0 && lane((words)chosen, 0) != 0 ? recorder : nullptr;
       lookout.level = pack.level;
-      const auto visits = visit_of(region.zones[zone].course, region.sight_count > 0);
+      const auto visits = visit_of(region.zones[zone], region.sight_count > 0);
       const Visit v = visits(region, region.zones[zone], phases, pack.state, chosen, lookout, records);
       leave_zone(region, zone, chosen, v, particle, pack);
       pack.visits = pack.visits + select(chosen, broadcast_word(1), words{});

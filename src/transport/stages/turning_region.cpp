@@ -76,10 +76,11 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
   return false;
 }
 
-/// Batches for what a region's sights see, one for each; nobody is in them yet.
-std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& batch) {
-  std::vector<Batch> seen(region.sights.size());
-  for (std::size_t k = 0; k < seen.size(); ++k) {
+/// Batches for what a region's sights see, one for each; nobody is in them yet. A thread keeps their memory.
+std::vector<Batch>& batches_for(const TurningRegion& region, const BatchView& batch) {
+  thread_local std::vector<Batch> seen;
+  if (seen.size() < region.sights.size()) seen.resize(region.sights.size());
+  for (std::size_t k = 0; k < region.sights.size(); ++k) {
     BatchView& view = seen[k].view();
     view.count = batch.count;
     view.padded = batch.padded;
@@ -91,7 +92,7 @@ std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& bat
 
 void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& context) {
   Sum* sums = context.sums + sums_before_sights(region);
-  for (std::size_t k = 0; k < seen.size(); ++k) {
+  for (std::size_t k = 0; k < region.sights.size(); ++k) {
     StageContext there{context.isa, context.key, seen[k], sums};
     region.sights[k].census.pass(there);
     there.sums += region.sights[k].census.sums();
@@ -111,8 +112,9 @@ void explain_course(const RegionZone& zone, PlanReport& report) {
     case ZoneCourse::constant:
       return report.line("{:>16}flown in closed form", "");
     case ZoneCourse::joint_turns:
-      return report.line("{:>16}velocity in closed form, its integral by {}, {:.2g} turns, at once", "",
-                         pretty_quantity(zone.table.span, Dimension::time), turns);
+      return report.line(
+          "{:>16}velocity in closed form, place by quadrature over {}, {:.2g} turns, at a time", "",
+          pretty_quantity(zone.table.span, Dimension::time), turns);
     case ZoneCourse::slow_turns:
       return report.line("{:>16}steps of {}, {:.4g} turns, that follow the slow angles", "",
                          pretty_quantity(zone.table.span, Dimension::time), turns);
@@ -162,7 +164,8 @@ double cost_of(const RegionZone& zone, double speed) {
     case ZoneCourse::joint_turns:
       return cost::crossing + spans() * cost::joint_span;
     case ZoneCourse::slow_turns:
-      return cost::crossing + spans() * cost::slow_span;
+      return cost::crossing +
+             spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
     case ZoneCourse::steps:
       break;
   }
@@ -183,10 +186,10 @@ std::size_t TurningRegion::sums() const {
 
 void TurningRegion::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
-  std::vector<Batch> seen = batches_for(*this, batch);
+  std::vector<Batch>& seen = batches_for(*this, batch);
   std::vector<BatchView> views;
-  views.reserve(seen.size());
-  for (Batch& there : seen) views.push_back(there.view());
+  views.reserve(sights.size());
+  for (std::size_t k = 0; k < sights.size(); ++k) views.push_back(seen[k].view());
   Region view = view_of(*this, context.key);
   view.seen = views.data();
   view.sight_count = static_cast<int>(views.size());
