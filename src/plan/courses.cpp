@@ -52,25 +52,24 @@ double beyond_sixth(double x) {
   const double y = std::min(x, 9.5);
   return 1e-4 * portable::pow(y, 6) * portable::exp(-y * y / 30);
 }
-/// Error of a place over the length of the flight, and of the direction, with slow spans of that number. The
-/// place is off at the ends of a span, and by its quadrature; phases are those of the spin about the rotating
-/// field and, measured, of the chirp that its tip gives the velocity's turning. For kappa other than 1 the
-/// axis is off likewise, and by what two corrections leave of it. (At most, against an independent
-/// integration.)
+/// Error of a place over the length of the flight, and of the direction, with slow spans of that number, at
+/// most as measured against an independent integration. The place is off by what is missing at the ends of a
+/// span and by the quadrature, inside of it also by the chirp that the spin's tip gives the velocity's
+/// turning. For kappa other than 1 the axis is off likewise, and by what two corrections leave of it.
 double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
   const double kappa = zone.turn_rate / zone.spin_rate, w0 = std::abs(zone.spin_rate), tip = outlook.tip,
-               rate = turning_in_frame(zone), h = outlook.stay / spans,
+               rate = turning_in_frame(zone), h = slower * outlook.stay / spans,
                chirp = std::max(1.0, std::abs(kappa * (2 - kappa))) * w0 * tip * tip * h / 4,
                x = rate * h / 2 + 1.5 * chirp;
-  const double at_ends =
-      std::sqrt(spans) * beyond_sixth(x) + 1.8e-3 * chirp * chirp / portable::pow(spans, 4);
   const auto quadrature = [](double y) { return std::min(1.0, 1.5e-12 * portable::pow(y, 12)); };
-  const double of_place = tip * std::max(1.0, std::abs(kappa)) / (w0 * outlook.stay) * at_ends +
-                          tip * tip * quadrature(x) + quadrature(chirp);
+  const double at_ends =
+      2.5 * tip * std::max(1.0, std::abs(kappa)) / (w0 * outlook.stay) * std::sqrt(spans) * beyond_sixth(x);
+  const double inside =
+      2.5e-5 * chirp * chirp / portable::pow(spans, 4) + tip * tip * quadrature(x) + quadrature(chirp);
   const double left = std::abs(kappa * (kappa - 1)) * tip * rate / std::abs(zone.drive[0].omega),
                correction = 2.2 * std::abs(kappa) * tip * tip;
-  const double of_axis = left * (0.4 * beyond_sixth(x) + w0 * outlook.stay * tip * correction * correction);
-  return 2.5 * of_place + of_axis;
+  return at_ends + inside +
+         left * (0.8 * beyond_sixth(x) + w0 * outlook.stay * tip * correction * correction);
 }
 std::optional<double> slow_spans(const SpinZone& zone, const ZoneOutlook& outlook) {
   constexpr double largest_tip = 0.4;  // of the axis from the field, for kappa other than 1

@@ -12,13 +12,13 @@ namespace {
 
 /// Steps per turn in a region. The path's error over the length of the flight was measured against an
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
-/// spin and field, or on a short flight as tip/(3000 turns) (2 pi/steps)^4; it is proportional to how fast
+/// spin and field, or on a short flight as tip/(2000 turns) (2 pi/steps)^4; it is proportional to how fast
 /// the velocity turns, over the spin's rate, where that is less than 1. The steps are chosen to keep it, and
 /// that of the direction at the end, below the usual error (tests/physics/dorado_test.cpp and
 /// courses_test.cpp hold the path to it).
 double steps_per_turn_of_path(double tip, double turns, double strength) {
   const double far = 32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58 * strength)),
-               near = 2 * std::numbers::pi * std::sqrt(std::sqrt(tip * strength / (3e-3 * turns)));
+               near = 2 * std::numbers::pi * std::sqrt(std::sqrt(tip * strength / (2e-3 * turns)));
   return std::clamp(std::max(far, near), 8.0, 1000.0);
 }
 /// How fast fields turn the velocity, over the rate at which they turn the spin, at most 1. Where the
