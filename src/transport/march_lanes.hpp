@@ -6,15 +6,20 @@
 
 namespace rabiline::RABILINE_ISA {
 
-/// How long something cannot come to a place `distance` away, if it moves there with `speed` (which may be
-/// negative) and is accelerated by at most `acceleration`.
-RABILINE_LANES real safe_time(real distance, real speed, real acceleration) {
-  const real least = broadcast(0x1p-500);
-  const real far = max(distance, broadcast(0));
-  const real root = sqrt(fma(speed, speed, 2.0 * acceleration * far));
-  const mask comes = speed >= broadcast(0);
-  return select(comes, 2.0 * far, root - speed) / max(select(comes, speed + root, acceleration), least);
-}
+/// How far a lane can come within a span: what its velocity swings by besides a steady bend [m/s], that bend
+/// [m/s^2], and how finely things are looked at that are near [s].
+struct Reach {
+  real ripple, bend, finely, span;
+
+  /// How long something `distance` away cannot be met by what now moves there with `speed` (which may be
+  /// negative).
+  RABILINE_LANES real time_to(real distance, real speed) const {
+    const real most = speed + ripple, far = max(distance, broadcast(0));
+    const real root = sqrt(fma(most, most, 2.0 * bend * far));
+    const mask comes = most >= broadcast(0);
+    return select(comes, 2.0 * far, root - most) / max(select(comes, most + root, bend), broadcast(0x1p-500));
+  }
+};
 
 /// When a lane that is on one side of a plane at `low` and on the other at `high` crosses it: Newton's
 /// iteration between the two, from the secant. It stops behind a correction below 1e-9 of the span, since the
@@ -49,6 +54,39 @@ void record_between(const StepRecorder& recorder, const Curve& curve, double fro
   }
 }
 
+/// Puts down what the chosen lanes are where they fly forward through planes for the first time between two
+/// moments of a span. The flight itself knows nothing of it.
+template <class Curve>
+void look_between(const Curve& curve, Lookout& lookout, int planes, mask chosen, const Reach& reach,
+                  real from, real to, Motion at) {
+  mask looking = chosen;
+  while (any(looking)) {
+    const real plane = lookout.places(planes);
+    looking = looking & (plane < broadcast(__builtin_inf()));
+    // Forward flight, for as long as it is certain, meets every plane once.
+    const real forward = (at.velocity.y - reach.ripple) / max(reach.bend, broadcast(0x1p-500));
+    const real safe = reach.time_to(plane - at.place.y, at.velocity.y);
+    looking = looking & ~(from + safe >= to);
+    if (!any(looking)) return;
+    const real next = min(to, from + max(max(safe, forward), reach.finely));
+    const Motion there = curve.motion(next);
+    real begin = from, y_begin = at.place.y;
+    lookout.look(there.place.y, looking, planes, [&](real y, mask crosses) {
+      const real target = select(crosses, y, there.place.y);
+      const real when =
+          time_of_crossing(curve, reach.span, crosses, begin, next, y_begin, there.place.y, target);
+      State seen = curve.state(when, curve.motion(when));
+      seen.place.y = target;
+      begin = select(crosses, when, begin);
+      y_begin = select(crosses, y, y_begin);
+      return seen;
+    });
+    looking = looking & (next < to);
+    at = {select(looking, there.place, at.place), select(looking, there.velocity, at.velocity)};
+    from = select(looking, next, from);
+  }
+}
+
 /// Flies the chosen lanes through one zone along a curve, span by span, until each has left it, hit its wall
 /// or flown too long. Within a span it goes as far as no edge and no wall can be met on the way, and where
 /// one is near by `zone.step`.
@@ -57,7 +95,7 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
                   mask chosen, Lookout& lookout, const StepRecorder* recorder) {
   Curve curve(zone, region.take_off_spin_component, phases);
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end),
-             finely = broadcast(zone.step), span = broadcast(zone.table.span);
+             span = broadcast(zone.table.span);
   const real speed = sqrt(dot(start.velocity, start.velocity));
   const real deadline = start.t + region.most_way / speed;
   const bool walled = zone.wall_radius < __builtin_inf();
@@ -67,36 +105,28 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {
     curve.begin(now);
-    const real ripple = curve.ripple() * speed, bend = curve.bend() * speed;
+    const Reach reach{curve.ripple() * speed, curve.bend() * speed, broadcast(zone.step), span};
     real tau = broadcast(0), low = tau, high = span, y_low = now.place.y, y_high = y_low;
     Motion at{now.place, now.velocity};
     mask on_way = going, leaves{};
     while (any(on_way)) {
-      const real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
-      real safe = min(safe_time(ahead - at.place.y, at.velocity.y + ripple, bend),
-                      safe_time(at.place.y - begin, ripple - at.velocity.y, bend));
+      real safe = min(reach.time_to(end - at.place.y, at.velocity.y),
+                      reach.time_to(at.place.y - begin, -at.velocity.y));
       if (walled) {
         const real x = at.place.x - zone.wall_x, z = at.place.z - zone.wall_z;
         const real across = sqrt(fma(at.velocity.x, at.velocity.x, at.velocity.z * at.velocity.z));
-        safe = min(safe, safe_time(wall - sqrt(fma(x, x, z * z)), across + ripple, bend));
+        safe = min(safe, reach.time_to(wall - sqrt(fma(x, x, z * z)), across));
       }
       const mask through = tau + safe >= span;  // nothing is met in this span any more
-      const real next = min(span, tau + max(safe, finely));
+      const real next = select(through, span, min(span, tau + max(safe, reach.finely)));
       if (recorder != nullptr && lane((words)on_way, 0) != 0)
         record_between(*recorder, curve, lane(tau, 0), lane(next, 0), zone.step);
+      if constexpr (looks) look_between(curve, lookout, zone.sights_passed, on_way, reach, tau, next, at);
       on_way = on_way & ~through;
       if (!any(on_way)) break;
       const Motion to = curve.motion(next);
       const real x = to.place.x - zone.wall_x, z = to.place.z - zone.wall_z;
       const real from_axis2 = fma(x, x, z * z), t = now.t + next;
-      if constexpr (looks)
-        lookout.look(to.place.y, on_way, zone.sights_passed, [&](real y, mask crosses) {
-          const real plane = select(crosses, y, to.place.y);
-          const real when = time_of_crossing(curve, span, crosses, tau, next, at.place.y, to.place.y, plane);
-          State seen = curve.state(when, curve.motion(when));
-          seen.place.y = plane;
-          return seen;
-        });
       const mask goes_on = (to.place.y >= begin) & (from_axis2 <= wall2) & (t < deadline);
       const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
       const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;

@@ -26,9 +26,15 @@ RegionZone zone_of(double w1, double detuned) {
   zone.field.drive[0].spin_rate = zone.field.drive[0].turn_rate = w1;
   zone.field.drive[0].omega = w0 + detuned;
   zone.field.drive[0].phase = 0.4;
-  zone.wall_radius = 0.05;
+  zone.wall_radius = 1;
   zone.step = turn / 500;
   return zone;
+}
+/// The static field alone.
+SpinZone uniform(SpinZone field) {
+  field.drives = 0;
+  field.kind = ZoneKind::precession;
+  return field;
 }
 RegionZone along(RegionZone zone, ZoneCourse course, double span) {
   zone.course = course;
@@ -48,8 +54,8 @@ Batch flown(const RegionZone& zone, bool take_off, double tilt = 0) {
   v.y = 0.1;
   for (int i = 0; i < 8; ++i) {
     v.x[i] = v.z[i] = 0;
-    v.vx[i] = 30 * i;
-    v.vz[i] = -20 * i;
+    v.vx[i] = 20 * i;
+    v.vz[i] = -10 * i;
     v.vy[i] = std::sqrt(1e6 - v.vx[i] * v.vx[i] - v.vz[i] * v.vz[i]);
     v.t[i] = 1e-4 * i;
     v.sx[i] = std::sin(tilt);
@@ -79,18 +85,18 @@ double difference(Batch& a, Batch& b) {
 }
 
 TEST(JointTurns, AgreeWithFineStepsAndFallWithTheSixthPowerOfTheirSpansOrFaster) {
-  const RegionZone zone = zone_of(900, 4000);
+  const RegionZone zone = zone_of(500, 8000);
   Batch fine = flown(along(zone, ZoneCourse::joint_turns, turn / 12), true), steps = flown(zone, true);
   EXPECT_LT(difference(fine, steps), 1e-9);
   double last = 1;
   for (const double spans_per_turn : {1.0, 2.0, 4.0}) {
     Batch now = flown(along(zone, ZoneCourse::joint_turns, turn / spans_per_turn), true);
     const double error = difference(now, fine);
-    EXPECT_LT(error, 1e-5 / std::pow(spans_per_turn, 6)) << spans_per_turn;
+    EXPECT_LT(error, 5e-5 / std::pow(spans_per_turn, 6)) << spans_per_turn;
     EXPECT_LT(error, last);
     last = error;
   }
-  Batch wrong = flown(along(zone_of(909, 4000), ZoneCourse::joint_turns, turn / 4), true);
+  Batch wrong = flown(along(zone_of(505, 8000), ZoneCourse::joint_turns, turn / 4), true);
   EXPECT_GT(difference(wrong, fine), 1e-5) << "1 % of the rotating field must show";
 }
 
@@ -110,17 +116,38 @@ TEST(SlowTurns, AgreeWithFineStepsAndFallWithTheFifthPowerOfTheirSpansOrFaster) 
   }
 }
 
+TEST(SlowTurns, AgreeWithFineStepsForOtherStrengths) {
+  for (const double kappa : {-1.2, 0.4, 1.7})
+    for (const double detuned : {0.0, 3e4}) {
+      RegionZone zone = zone_of(100, detuned);
+      zone.field.turn_rate *= kappa;
+      zone.field.drive[0].turn_rate *= kappa;
+      Batch steps = flown(zone, true);
+      double last = 1;
+      for (const double spans : {2.0, 4.0, 8.0}) {
+        Batch now = flown(along(zone, ZoneCourse::slow_turns, 1.05 * stay / spans), true);
+        const double error = difference(now, steps);
+        EXPECT_LT(error, std::max(0.2 * last, 2e-9)) << kappa << ", " << detuned << ", " << spans;
+        last = error;
+      }
+      EXPECT_LT(last, 1e-7) << kappa << ", " << detuned;
+      zone.field.turn_rate *= 1.01;
+      Batch wrong = flown(along(zone, ZoneCourse::slow_turns, stay / 8), true);
+      EXPECT_GT(difference(wrong, steps), 1e-7) << "1 % of kappa must show";
+    }
+}
+
 TEST(Courses, WithoutAFieldOrADriveFlyStraight) {
   for (const ZoneCourse course : {ZoneCourse::joint_turns, ZoneCourse::slow_turns, ZoneCourse::constant}) {
     RegionZone zone = zone_of(0, 0);  // on resonance: nothing turns in the frame of the field
-    if (course == ZoneCourse::constant) zone.field.drives = 0, zone.field.kind = ZoneKind::precession;
+    if (course == ZoneCourse::constant) zone.field = uniform(zone.field);
     Batch batch = flown(along(zone, course, course == ZoneCourse::joint_turns ? turn / 2 : stay), true);
     for (int i = 0; i < 8; ++i) {
       const BatchView& v = batch.view();
-      const double vy = std::sqrt(1e6 - 1300.0 * i * i);
-      EXPECT_NEAR(v.x[i], 0.2 * 30 * i / vy, 1e-12);
+      const double vy = std::sqrt(1e6 - 500.0 * i * i);
+      EXPECT_NEAR(v.x[i], 0.2 * 20 * i / vy, 1e-12);
       EXPECT_NEAR(v.t[i], 1e-4 * i + 0.2 / vy, 1e-15);
-      EXPECT_NEAR(v.vz[i], -20 * i, 1e-9);
+      EXPECT_NEAR(v.vz[i], -10 * i, 1e-9);
     }
   }
   RegionZone zone = zone_of(0, 0);
@@ -136,9 +163,9 @@ TEST(Courses, WithoutAFieldOrADriveFlyStraight) {
 TEST(ConstantTurn, AgreesWithFineStepsForBothClosuresInARotatingFieldAndWithout) {
   for (const bool take_off : {false, true}) {
     RegionZone zone = zone_of(900, 4000);
-    zone.field.turn_rate = 0.002 * w0;
-    zone.field.drive[0].turn_rate = 0.002 * 900;
-    if (take_off) zone.field.drives = 0, zone.field.kind = ZoneKind::precession;
+    zone.field.turn_rate = 5e-4 * w0;
+    zone.field.drive[0].turn_rate = 5e-4 * 900;
+    if (take_off) zone.field = uniform(zone.field);
     Batch steps = flown(zone, take_off, 0.5);
     Batch closed = flown(along(zone, ZoneCourse::constant, 4 * stay), take_off, 0.5);
     EXPECT_LT(difference(steps, closed), 1e-10) << take_off;
