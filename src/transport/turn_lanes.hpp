@@ -112,7 +112,9 @@ class TwistedStep {
     way_.sixth_jerk = select(dt1 != zero, gained / select(dt1 != zero, 6.0 * dt1, broadcast(1)), zero);
     const Vector s1 = turned(zero, dt1, s.spin), s2 = turned(dt1, dt2, s1);
     move(s, w_at(dt1, s1), w_at(dt2, s2), h);
-    s.spin = turned(dt2, h, s2);
+    // The frame at the end is that of the place there, which is known better than on the way.
+    const real behind = zone_.drive[0].twist * (way_.at(h) - s.place.y);
+    s.spin = turn_about_z(phasor(behind), turned(dt2, h, s2));
     s.t = t_ + h;
     return s;
   }

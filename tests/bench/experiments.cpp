@@ -96,8 +96,10 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) 
 }
 
 Experiment suggested_experiment(int points, std::uint64_t particles) {
-  Beamline b = test::suggested(larmor);
-  b.law = DoradoLaw{Closure::torque, 0.9};  // which is flown by steps; kappa = 1 has a closed form
+  // A large tip and a weak kappa are flown by steps that follow every turn, on a path that is nearly
+  // straight.
+  Beamline b = test::suggested(larmor, 85.73e-6);
+  b.law = DoradoLaw{Closure::torque, 1e-3};
   b.particles = particles;
   return scan(b, points, 12e3);
 }
@@ -119,7 +121,7 @@ const TurningRegion& region_of(const Plan& plan) { return *stages_of<TurningRegi
 double steps_through(const TurningRegion& region, double speed) {
   double steps = 0;
   for (const RegionZone& zone : region.zones)
-    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+    if (zone.course == ZoneCourse::steps) steps += (zone.field.end - zone.field.begin) / speed / zone.step;
   return steps;
 }
 
