@@ -21,6 +21,7 @@ RABILINE_LANES Complex operator*(const Complex& a, const Complex& b) {
 }
 RABILINE_LANES Complex operator*(const Complex& a, const Phasor& p) { return a * Complex{p.c, p.s}; }
 RABILINE_LANES Complex operator+(const Complex& a, const Complex& b) { return {a.re + b.re, a.im + b.im}; }
+RABILINE_LANES Complex operator-(const Complex& a, const Complex& b) { return {a.re - b.re, a.im - b.im}; }
 
 /// What every course knows of its span: the zone's axes and the spin, which is exact in all of them.
 class Span {
