@@ -127,6 +127,7 @@ SpanTable span_table(const SpinZone& zone, double span, ZoneCourse course) {
 
 void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
   const SpinZone& field = zone.field;
+  if (outlook.stay == 0) return;  // between two planes at one place
   if (has_constant_turning(field, outlook.take_off_spin_component)) {
     zone.course = ZoneCourse::constant;
     zone.table.span = 4 * outlook.stay;

@@ -18,6 +18,7 @@ constexpr double field_begin = 0.3;
 
 /// A uniform field with one that rotates in it, as drawn at random.
 struct Setting {
+  Sense sense = Sense::co;
   double gamma = gamma_n, b = 10e-3, h0 = 0.3e-6, frequency = 0, phase = 0, length = 0.1;
   DoradoLaw law;
   StartSpin spin = PolarisedSpin{{0, 0, 1}, 1};
@@ -36,6 +37,7 @@ Beamline beamline_of(const Setting& s) {
   b.source.tilt = s.tilt;
   RotatingField h0 = std::get<RotatingField>(b.parts.at(2).part);
   h0.length = s.length;
+  h0.sense = s.sense;
   h0.phase = {Phase::Kind::angle, s.phase};
   b.parts = {place("B", field_begin, UniformField{s.length, s.b, {}}), place("H0", field_begin, h0),
              place("screen", 1.2, Detector{Rectangle{4e-3, 4e-3}, {1, 1}, {}})};
@@ -53,7 +55,7 @@ struct Deviation {
   double place = 0, direction = 0, speed = 0, spin = 0;
 };
 Deviation deviation(const Setting& s, const Track& track, double gamma_scale = 1) {
-  const double sense = s.gamma > 0 ? -1 : 1;
+  const double sense = (s.gamma > 0) == (s.sense == Sense::co) ? -1 : 1;
   Integrator integrator({gamma_scale * s.gamma, s.b, s.h0, sense * two_pi * s.frequency, s.phase, s.law.kappa,
                          s.law.closure == Closure::torque},
                         1e-12);
@@ -96,6 +98,7 @@ class Settings {
     const double offsets[] = {0, 300, -1000, 5e3, -15e3, 50e3};
     s.frequency = std::max(1e3, larmor + offsets[static_cast<int>(even(0, 6))]);
     s.phase = even(0, two_pi);
+    if (even(0, 1) < 0.1) s.sense = Sense::counter;
     s.law.closure = even(0, 1) < 0.75 ? Closure::torque : Closure::larmor;
     s.law.kappa = even(-1.9, 1.9);
     if (s.law.closure == Closure::larmor) s.law.kappa *= in_ratio(1e-4, 1);
