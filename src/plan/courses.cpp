@@ -16,7 +16,7 @@ constexpr double gauss_points[span_points] = {
     -0.932469514203152027812301554493994609, -0.661209386466264513661399595019905347,
     -0.238619186083196908630501721680711935, 0.238619186083196908630501721680711935,
     0.661209386466264513661399595019905347,  0.932469514203152027812301554493994609};
-constexpr double slower = 1.05;  // a span ends behind the zone for particles that are slower by this, too
+constexpr double longer = 1.01;  // than the stay are all spans, since paths are bent
 constexpr double most_spans = 4096;
 
 /// W is constant in the frame of the field, or in that of the precession.
@@ -39,12 +39,12 @@ double turning_in_frame(const SpinZone& zone) {
 /// span is off by K tip (2 turns)^8.5 over the turns of the flight, and less at the end of each. Where much
 /// turns the path, flights may be short: half a circle takes about 1/tip^2 turns.
 double quadrature_spans(const ZoneOutlook& outlook) {
-  constexpr double k = 5e-6;
+  constexpr double k = 1e-5;
   const double turns = std::max(outlook.rate * outlook.stay / two_pi, 1e-3),
                tip = std::max(outlook.tip, 1e-6), shortest = std::min(turns, 1 / (tip * tip));
   const double of_a_turn =
       std::min(0.6, 0.5 * portable::pow(outlook.path_error * shortest / (k * tip), 1 / 8.5));
-  return std::ceil(slower * turns / of_a_turn);
+  return std::ceil(longer * turns / of_a_turn);
 }
 
 /// What is beyond the sixth Legendre coefficient of e^{ix}, 13 j_6(x); its largest value from there on.
@@ -54,16 +54,17 @@ double beyond_sixth(double x) {
 }
 /// Error of a place over the length of the flight, and of the direction, with slow spans of that number, at
 /// most as measured against an independent integration. The place is off by what is missing at the ends of a
-/// span and by the quadrature, inside of it also by the chirp that the spin's tip gives the velocity's
-/// turning. For kappa other than 1 the axis is off likewise, and by what two corrections leave of it.
+/// span, which counts for more on the shorter flight at the mean speed, and by the quadrature; inside of it
+/// also by the chirp that the spin's tip gives the velocity's turning. For kappa other than 1 the axis is off
+/// likewise, and by what two corrections leave of it.
 double slow_error(const SpinZone& zone, const ZoneOutlook& outlook, double spans) {
   const double kappa = zone.turn_rate / zone.spin_rate, w0 = std::abs(zone.spin_rate), tip = outlook.tip,
-               rate = turning_in_frame(zone), h = slower * outlook.stay / spans,
+               rate = turning_in_frame(zone), h = longer * outlook.stay / spans,
                chirp = std::max(1.0, std::abs(kappa * (2 - kappa))) * w0 * tip * tip * h / 4,
                x = rate * h / 2 + 1.5 * chirp;
   const auto quadrature = [](double y) { return std::min(1.0, 1.5e-12 * portable::pow(y, 12)); };
-  const double at_ends =
-      2.5 * tip * std::max(1.0, std::abs(kappa)) / (w0 * outlook.stay) * std::sqrt(spans) * beyond_sixth(x);
+  const double at_ends = 2.5 * tip * std::max(1.0, std::abs(kappa)) * outlook.slowness / (w0 * outlook.stay) *
+                         std::sqrt(spans) * beyond_sixth(x);
   const double inside =
       2.5e-5 * chirp * chirp / portable::pow(spans, 4) + tip * tip * quadrature(x) + quadrature(chirp);
   const double left = std::abs(kappa * (kappa - 1)) * tip * rate / std::abs(zone.drive[0].omega),
@@ -134,13 +135,13 @@ void choose_course(RegionZone& zone, const ZoneOutlook& outlook) {
     return;
   }
   if (!follows_one_drive(field, outlook.take_off_spin_component)) return;
-  const double speed = (field.end - field.begin) / outlook.stay;
-  double least = cost_of(zone, speed);
+  const double mean_speed = (field.end - field.begin) / outlook.stay * outlook.slowness;
+  double least = cost_of(zone, mean_speed);
   const auto offer = [&](ZoneCourse course, double spans) {
     RegionZone other = zone;
     other.course = course;
-    other.table.span = slower * outlook.stay / spans;
-    const double cost = cost_of(other, speed);
+    other.table.span = longer * outlook.stay / spans;
+    const double cost = cost_of(other, mean_speed);
     if (cost >= least) return;
     least = cost;
     zone.course = course;

@@ -5,12 +5,13 @@
 
 namespace rabiline {
 
-/// What is known of the flight through a zone before it.
+/// What is known before it of the flight of the slowest particles through a zone.
 struct ZoneOutlook {
-  double stay = 0;        // [s] at the mean speed
-  double rate = 0;        // [rad/s] of the fastest turning
-  double tip = 1;         // largest sine of the angle between spin and field, up to the zone's end
-  double path_error = 0;  // over the length of the flight
+  double stay = 0;                       // [s]
+  double slowness = 1;                   // how many times longer than at the mean speed
+  double rate = 0;                       // [rad/s] of the fastest turning
+  double tip = 1;                        // largest sine of the angle between spin and field, up to its end
+  double path_error = 0;                 // over the length of the flight
   bool take_off_spin_component = false;  // closure torque
 };
 

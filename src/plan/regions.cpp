@@ -100,6 +100,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
     spins_.tip = 1;
   const double stay = (section.end - section.begin) / speed_,
                turns = zones_.rate_of(zone.field) * stay / (2 * std::numbers::pi);
+  const double slowest_tip = std::min(1.0, slowness_ * spins_.tip + tip_in(zone.field, slowness_ * stay));
   spins_.tip = std::min(1.0, spins_.tip + tip_in(zone.field, stay));
   zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(
                                                spins_.tip, turns,
@@ -110,8 +111,8 @@ RegionZone RegionMaker::zone_up_to(double end) {
   const bool circles = turning_.take_off_spin_component && zone.field.drives > 0 &&
                        std::abs(zone.field.turn_rate) * stay * spins_.tip * spins_.tip / 4 > 1;
   if (circles) zone.detour = 2;
-  choose_course(zone, {stay, zones_.rate_of(zone.field), spins_.tip, turning_.path_error,
-                       turning_.take_off_spin_component});
+  choose_course(zone, {slowness_ * stay, slowness_, zones_.rate_of(zone.field), slowest_tip,
+                       turning_.path_error, turning_.take_off_spin_component});
   return zone;
 }
 

@@ -146,5 +146,20 @@ TEST(Courses, KeepTheErrorThatIsAskedFor) {
   }
 }
 
+TEST(Courses, KeepTheErrorForSlowParticlesOfAWideBeamToo) {
+  Settings settings(12);
+  for (int i = 0; i < 30; ++i) {
+    Setting s = settings.draw();
+    s.law = {};
+    s.spin = PolarisedSpin{{0, 0, -1}, 1};
+    s.tilt = {};
+    Beamline b = beamline_of(s);
+    b.source.speed = GaussianSpeed{1000, 220};
+    for (std::uint64_t particle = 0; particle < 20; ++particle)
+      EXPECT_LT(deviation(s, trace(b, particle, best_isa())).place, s.law.path_error)
+          << i << ", " << particle;
+  }
+}
+
 }  // namespace
 }  // namespace rabiline::test
