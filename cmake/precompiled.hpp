@@ -1,6 +1,6 @@
 #pragma once
-// What nearly every source of the program reads, parsed once for all of them. Nothing relies on it: each file includes
-// what it uses.
+// What nearly every source of the program reads, parsed once for all of them. Nothing relies on it: each file
+// includes what it uses.
 #include <fmt/format.h>
 
 #include <Eigen/Core>

@@ -61,6 +61,10 @@ struct Report {
 };
 Report check(const Setup&);
 
+/// Moments of the slowness that a result keeps, from which other scans follow without another flight: where
+/// they are a fifth of the file at most; none; of each detector as a whole; of each of its bins.
+enum class KeptTransit { if_small, none, totals, images };
+
 /// How to compute, which never changes a bit of the result, and what is told meanwhile.
 struct RunSettings {
   int threads = 0;                          // 0: as many as the process may use; at most 1024
@@ -74,11 +78,18 @@ struct RunSettings {
   double snapshot_seconds = 60;                     // [s]
   const Snapshot* start = nullptr;                  // goes on from here
   std::vector<std::string> arguments{};             // noted in the result as the command line
+  KeptTransit transit = KeptTransit::if_small;
 };
 
 /// Flies an experiment; nothing where it was stopped. Throws std::invalid_argument where the settings or the
 /// snapshot do not fit, the machine has not the memory, or it is a model.
 std::optional<Result> run(const Setup&, const RunSettings& = {});
+
+/// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
+/// level. `changes` come on top of those of the flight; particles and seed are its own. Of the settings,
+/// `isa`, `planned` and `arguments` apply. Throws StorageError where nothing was kept, InputError, and
+/// std::invalid_argument where the scan does not follow from the flight.
+Result rescan(const std::filesystem::path& result, const Changes& changes, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the
 /// file without its scan. Of the settings, `isa` and `planned` apply. Throws as run does.

@@ -1,5 +1,5 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
-plot-angles | plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
+plot-angles | plot-transit | plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -14,7 +14,7 @@ from typing import NoReturn, Sequence
 from matplotlib.figure import Figure
 
 from . import (angle_plots, image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results,
-               scan_plots, space_plots, style, tally_plots, track_plots, tracks)
+               scan_plots, space_plots, style, tally_plots, track_plots, tracks, transit_plots)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
 from .hdf5 import FileError
@@ -164,6 +164,20 @@ def plot_angles(options: argparse.Namespace) -> None:
     _save(angle_plots.draw_angles(file, angles, expected, options.point), options.output)
 
 
+def plot_transit(options: argparse.Namespace) -> None:
+    """Times of flight to a detector, by the levels before and behind the fields that turn spins."""
+    file = results.read(options.file)
+    name = _detector(file, options.detector)
+    transits = file.detectors[name].transits
+    if not transits:
+        raise InputError(f"{file.path}: has no times of flight to `{name}`: they are kept where a scan follows from "
+                         "moments of the slowness, or with `rabiline run --transit totals`")
+    if not 1 <= options.species <= len(transits):
+        raise InputError(f"--species {options.species}: there are 1 to {len(transits)}")
+    transit = transits[options.species - 1]
+    _save(transit_plots.draw_transit(transit, file.emitted[0], options.title or transit.title), options.output)
+
+
 def plot_tracks(options: argparse.Namespace) -> None:
     """Paths of single particles."""
     files = [tracks.read(path) for path in options.files]
@@ -247,6 +261,8 @@ def _parser() -> Parser:
     spins.add_argument("--polar-rate", metavar="RATE",
                        help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
     spins.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
+    transit = command("plot-transit", plot_transit, many=False)
+    transit.add_argument("--species", metavar="I", type=int, default=1, help="which of the beam; 1 by default")
     flights = command("plot-tracks", plot_tracks, many=True)
     flights.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                          help='shades a field: "B=0.30:0.55" (m)')
@@ -257,11 +273,11 @@ def _parser() -> Parser:
     pair = command("compare-scans", compare_scans, many=False, draws=False)
     pair.add_argument("other", metavar="OTHER", type=Path)
     laws_commands.add(commands)
-    for one in (levels, image, profiles):
+    for one in (levels, image, profiles, transit):
         one.add_argument("--detector", metavar="NAME", help="the first one by default")
     for each in (scan, report, pair):
         each.add_argument("--detector", metavar="NAME", help="all by default")
-    for plot in (scan, levels, profiles, flights, motion):
+    for plot in (scan, levels, profiles, transit, flights, motion):
         plot.add_argument("--title", help="instead of the file's own")
     return parser
 

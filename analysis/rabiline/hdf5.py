@@ -12,7 +12,7 @@ from typing import Iterator
 import h5py
 import numpy as np
 
-FORMAT_VERSION = 1  # the newest layout of files that is understood here; files without a version are older
+FORMAT_VERSION = 2  # the newest layout of files that is understood here; files without a version are older
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 
 

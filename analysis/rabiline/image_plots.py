@@ -63,7 +63,8 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
     norm = Normalize(0, max(detector.counts[[shot.point for shot in shots]].max(), 1))
     for shot, (image, above, beside) in zip(shots, rows):
         point = shot.point
-        mesh = image.pcolormesh(detector.x_edges * MILLI, detector.z_edges * MILLI, detector.counts[point].T,
+        x, z = detector.x_edges + detector.offset_x[point], detector.z_edges + detector.offset_z[point]
+        mesh = image.pcolormesh(x * MILLI, z * MILLI, detector.counts[point].T,
                                 cmap=COUNTS, norm=norm, rasterized=True)
         if not detector.counts[point].any():
             image.text(0.5, 0.5, "nothing detected", transform=image.transAxes, ha="center", color=GREY)
@@ -72,8 +73,8 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
         image.set_xlabel("x (mm)")
         image.spines[["top", "right"]].set_visible(True)
         _draw_heading(above, results, detector, shot)
-        _draw_projection(above, detector.x_edges, detector.counts_x[point], detector.errors_x[point])
-        _draw_projection(beside, detector.z_edges, detector.counts_z[point], detector.errors_z[point], along_z=True)
+        _draw_projection(above, x, detector.counts_x[point], detector.errors_x[point])
+        _draw_projection(beside, z, detector.counts_z[point], detector.errors_z[point], along_z=True)
     for i, limits in ((1, Axes.set_ylim), (2, Axes.set_xlim)):
         limits(rows[0][i], 0, max(row[i].dataLim.get_points()[1, i % 2] for row in rows) * 1.05 or 1)
     rows[0][0].set_ylabel("z (mm)")

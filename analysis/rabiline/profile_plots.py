@@ -27,8 +27,8 @@ class Profile:
 def profile_of(results: Results, detector: str, point: int, along: str, label: str) -> Profile:
     """The profile of a detector along "x" or "z", summed over the other axis."""
     seen = results.detectors[detector]
-    edges, counts, errors = (seen.x_edges, seen.counts_x, seen.errors_x) if along == "x" else \
-        (seen.z_edges, seen.counts_z, seen.errors_z)
+    edges, counts, errors = (seen.x_edges + seen.offset_x[point], seen.counts_x, seen.errors_x) if along == "x" else \
+        (seen.z_edges + seen.offset_z[point], seen.counts_z, seen.errors_z)
     each = results.emitted[point] * np.diff(edges)
     return Profile(label, results.laws[point], edges, counts[point] / each, errors[point] / each)
 

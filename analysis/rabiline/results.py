@@ -52,13 +52,27 @@ class Levels:
 
 
 @dataclass(frozen=True)
+class Transit:
+    """By their slowness, the particles of one species that a detector catches if they are found on a path."""
+
+    title: str
+    paths: tuple[str, ...]  # "+1/2 to -1/2": levels before and behind the fields that turn spins
+    edges: np.ndarray  # [n + 1] s/m
+    caught: np.ndarray  # [paths, n] particles
+    errors: np.ndarray  # [paths, n]
+    distance: float  # m, from the source
+
+
+@dataclass(frozen=True)
 class Detector:
     """The histograms of one detector, in particles."""
 
     name: str
     title: str
-    x_edges: np.ndarray  # [nx + 1] m
+    x_edges: np.ndarray  # [nx + 1] m, from the beam's axis, or from the centre of a detector that the scan moves
     z_edges: np.ndarray  # [nz + 1] m
+    offset_x: np.ndarray  # [points] m, from the beam's axis to where the edges are counted from
+    offset_z: np.ndarray  # [points] m
     counts: np.ndarray  # [points, nx, nz]
     errors: np.ndarray  # [points, nx, nz]
     counts_x: np.ndarray  # [points, nx]
@@ -67,6 +81,7 @@ class Detector:
     errors_z: np.ndarray  # [points, nz]
     levels: Levels
     background: float = 0.0  # 1/s, counts without a beam
+    transits: tuple[Transit, ...] = ()  # one for each species whose slowness the file has
 
 
 @dataclass(frozen=True)
@@ -235,6 +250,8 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         title=image.text("title", name),
         x_edges=x_edges,
         z_edges=z_edges,
+        offset_x=image.numbers("offset_x", (points,)) if "offset_x" in image else np.zeros(points),
+        offset_z=image.numbers("offset_z", (points,)) if "offset_z" in image else np.zeros(points),
         counts=image.numbers("counts", (points, nx, nz)),
         errors=image.numbers("counts_errors", (points, nx, nz)),
         counts_x=along_x.numbers("counts", (points, nx)),
@@ -243,7 +260,16 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         errors_z=along_z.numbers("counts_errors", (points, nz)),
         levels=_read_levels(levels, points),
         background=float(image.numbers("background").ravel()[0]) if "background" in image else 0.0,
+        transits=tuple(_read_transit(image.group(name)) for name in image.names() if "slowness_edges" in
+                       image.group(name)),
     )
+
+
+def _read_transit(group: Group) -> Transit:
+    paths, edges = group.texts("path_labels"), group.numbers("slowness_edges").ravel()
+    shape = (len(paths), edges.size - 1)
+    return Transit(group.text("title"), paths, edges, group.numbers("caught", shape),
+                   group.numbers("caught_errors", shape), float(group.numbers("distance").ravel()[0]))
 
 
 def _read_levels(group: Group, points: int) -> Levels:

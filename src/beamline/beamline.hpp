@@ -23,6 +23,18 @@ inline constexpr auto parameters<Chamber> = std::tuple{
           "radius of the wall around the axis"),
 };
 
+/// A precision that is enough, whatever the number of particles.
+struct Until {
+  double detected_error = 0;  // [1] of each detector at each scan point
+  bool operator==(const Until&) const = default;
+};
+template <>
+inline constexpr auto parameters<Until> = std::tuple{
+    param("detected_error", &Until::detected_error, Dimension::number,
+          {0, 1, false, false, "greater than 0 and less than 1"},
+          "standard error of `detected`, a part of the emitted particles, at every detector and scan point"),
+};
+
 struct Beamline {
   std::string title;
   std::vector<Component> species;  // fractions add up to 1
@@ -30,7 +42,8 @@ struct Beamline {
   Source source;
   std::optional<Chamber> chamber;  // no wall where it is missing
   std::vector<PlacedPart> parts;   // in order of `at`
-  std::uint64_t particles = 0;     // per scan point
+  std::uint64_t particles = 0;     // per scan point, at most where there is an `until`
+  std::optional<Until> until;
   std::uint64_t seed = 0;
   bool operator==(const Beamline&) const = default;
 };

@@ -71,6 +71,10 @@ void ExperimentOptions::add_to(CLI::App& app) {
   add_without_scan_to(app);
   app.get_option("FILE")->description("an experiment or a model, a YAML file");
   changes.without_scan = false;
+  add_scan_to(app, changes);
+}
+
+void add_scan_to(CLI::App& app, Changes& changes) {
   app.add_option(
          "--scan", changes.scan,
          "scan a parameter, e.g. --scan 'H0.frequency=290 kHz:293 kHz:61'; `:log` behind it spreads the "
@@ -80,12 +84,16 @@ void ExperimentOptions::add_to(CLI::App& app) {
   app.add_flag("--no-scan", changes.without_scan, "omit the file's scan");
 }
 
-void ExperimentOptions::add_without_scan_to(CLI::App& app) {
-  changes.without_scan = true;
-  app.add_option("FILE", file, "the experiment, a YAML file")->required();
+void add_changes_to(CLI::App& app, Changes& changes) {
   app.add_option("--set", changes.set, "change a parameter for this time, e.g. --set 'B.field=9 mT'")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
+}
+
+void ExperimentOptions::add_without_scan_to(CLI::App& app) {
+  changes.without_scan = true;
+  app.add_option("FILE", file, "the experiment, a YAML file")->required();
+  add_changes_to(app, changes);
   app.add_option("--particles", changes.particles, "particles per scan point, such as 1e6")->type_name("N");
   app.add_option("--seed", changes.seed, "seed of all random numbers")->type_name("S");
   app.add_flag("--strict", strict, "take warnings for errors: exit code 2");
@@ -119,6 +127,21 @@ void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
   fmt::print(to, "{}", render(warnings));
 }
 
+void print_summary(const Result& result, const std::filesystem::path& output) {
+  const std::size_t points = result.emitted.size();
+  fmt::print("{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
+             points == 1 ? "" : "s", result.particles, result.provenance.seconds);
+  for (const DetectorResult& d : result.detectors) {
+    const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
+    if (points == 1)
+      fmt::print("  {}: {:.4g} +- {:.2g} of the emitted particles\n", d.name, d.detected[0],
+                 d.detected_errors[0]);
+    else
+      fmt::print("  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
+  }
+  fmt::print("wrote {}\n", output.string());
+}
+
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
   for (const InputText& input : inputs) {
     std::error_code none;  // of a file that is not there yet
@@ -146,6 +169,7 @@ int run_program(const std::vector<std::string>& arguments, const Snapshot* start
   add_describe(app);
   add_trace(app);
   add_resume(app, exit);
+  add_rescan(app, arguments, exit);
   const int parsed = parse_and_run(app, arguments);
   return parsed == exit_code::done ? exit : parsed;
 }

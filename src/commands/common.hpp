@@ -32,6 +32,10 @@ struct ExperimentOptions {
   void add_without_scan_to(CLI::App&);  // for one point: the file's own values
 };
 
+/// --set; --scan and --no-scan.
+void add_changes_to(CLI::App&, Changes&);
+void add_scan_to(CLI::App&, Changes&);
+
 /// How to compute, which never changes a result.
 struct MachineOptions {
   std::string threads;  // empty: as many as the process may use
@@ -59,6 +63,8 @@ auto blaming(const char* option, Call call) {
   }
 }
 
+void print_summary(const Result&, const std::filesystem::path& output);
+
 /// Before anything is computed: results never replace what they are computed from, and must find their place.
 /// Throws ArgumentError and StorageError.
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs);
@@ -69,6 +75,7 @@ void add_check(CLI::App&);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_resume(CLI::App&, int& exit);
+void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 
 /// What `run` does for a model.
 void run_model(const Setup&, const std::filesystem::path& output, const std::vector<std::string>& arguments);

@@ -19,6 +19,7 @@ struct RunArguments {
   std::string output;
   std::string progress = "auto";
   std::string batch;  // empty: the largest
+  std::string transit = "auto";
 };
 
 std::string duration(double seconds) {
@@ -39,60 +40,47 @@ class ProgressLine {
   void operator()(const Progress& p) {
     if (quiet_) return;
     if (terminal_) {
-      fmt::print(stderr, "\r{:5.1f} %  {} left      ", 100 * p.done, duration(p.seconds_left));
+      fmt::print(stderr, "\r{:5.1f} %  {} left{}      ", 100 * p.done, duration(p.seconds_left), reached(p));
       shown_ = true;
       return;
     }
     if (p.seconds < next_) return;
     next_ = p.seconds + 10;
     if (json_)
-      fmt::print(stderr, "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}}}\n", p.done,
-                 p.seconds, p.seconds_left);
+      fmt::print(stderr,
+                 "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}, \"error\": {:.6g}}}\n",
+                 p.done, p.seconds, p.seconds_left, p.error);
     else
-      fmt::print(stderr, "{:5.1f} %  {} left\n", 100 * p.done, duration(p.seconds_left));
+      fmt::print(stderr, "{:5.1f} %  {} left{}\n", 100 * p.done, duration(p.seconds_left), reached(p));
   }
   void clear() const {
     if (shown_) fmt::print(stderr, "\r{:40}\r", "");
   }
 
  private:
+  static std::string reached(const Progress& p) {
+    return p.error > 0 ? fmt::format(" of a part; error of `detected` so far {:.2g}", p.error) : "";
+  }
+
   bool terminal_, json_, quiet_, shown_ = false;
   double next_ = 0;
 };
 
-void print_summary(const Result& result, const std::filesystem::path& output) {
-  const std::size_t points = result.emitted.size();
-  fmt::print("{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
-             points == 1 ? "" : "s", result.particles, result.provenance.seconds);
-  for (const DetectorResult& d : result.detectors) {
-    const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
-    if (points == 1)
-      fmt::print("  {}: {:.4g} +- {:.2g} of the emitted particles\n", d.name, d.detected[0],
-                 d.detected_errors[0]);
-    else
-      fmt::print("  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
-  }
-  fmt::print("wrote {}\n", output.string());
-}
-
 /// The command that goes on with this run from any folder.
 std::vector<std::string> arguments_to_resume(const RunArguments& a, const std::filesystem::path& output) {
-  const Changes& changes = a.experiment.changes;
   std::vector<std::string> arguments{"run", std::filesystem::absolute(a.experiment.file).string(), "-o",
                                      std::filesystem::absolute(output).string()};
   const auto add = [&](const char* option, const std::string& value) {
     arguments.insert(arguments.end(), {option, value});
   };
   if (a.experiment.strict) arguments.push_back("--strict");
-  for (const std::string& change : changes.set) add("--set", change);
-  for (const std::string& scan : changes.scan) add("--scan", scan);
-  if (changes.without_scan) arguments.emplace_back("--no-scan");
-  if (changes.particles) add("--particles", *changes.particles);
-  if (changes.seed) add("--seed", *changes.seed);
+  const std::vector<std::string> changes = options_of(a.experiment.changes);
+  arguments.insert(arguments.end(), changes.begin(), changes.end());
   if (!a.machine.threads.empty()) add("--threads", a.machine.threads);
   if (!a.machine.isa.empty()) add("--isa", a.machine.isa);
   if (!a.batch.empty()) add("--batch", a.batch);
   add("--progress", a.progress);
+  add("--transit", a.transit);
   return arguments;
 }
 
@@ -123,7 +111,7 @@ class Checkpoints {
 
 /// What has a meaning for particles alone.
 void refuse_for_a_model(const CLI::App& verb) {
-  for (const char* option : {"--threads", "--isa", "--batch", "--progress"})
+  for (const char* option : {"--threads", "--isa", "--batch", "--progress", "--transit"})
     if (verb.count(option) > 0)
       throw ArgumentError(
           fmt::format("{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
@@ -131,6 +119,10 @@ void refuse_for_a_model(const CLI::App& verb) {
 
 RunSettings settings_of(const RunArguments& a) {
   RunSettings settings = a.machine.settings();
+  settings.transit = a.transit == "none"     ? KeptTransit::none
+                     : a.transit == "totals" ? KeptTransit::totals
+                     : a.transit == "images" ? KeptTransit::images
+                                             : KeptTransit::if_small;
   if (a.batch.empty()) return settings;
   settings.batch = static_cast<int>(
       read_argument("--batch", a.batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
@@ -198,6 +190,10 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, const Sna
       ->type_name("N");
   verb->add_option("--progress", a->progress, "auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
+  verb->add_option("--transit", a->transit,
+                   "what is kept for `rabiline rescan`: totals, images too, none, or auto: totals where they "
+                   "are a fifth of the file at most")
+      ->check(CLI::IsMember({"auto", "none", "totals", "images"}));
   verb->callback([a, verb, &arguments, start, &exit] { exit = run_command(*a, *verb, arguments, start); });
 }
 

@@ -74,6 +74,7 @@ struct UnitRow {
   int exponent = 0;
 };
 constexpr std::array unit_rows{
+    UnitRow{Dimension::number, "%", "-", 1, -2},
     UnitRow{Dimension::length, "m", "-kdcmunp"},
     UnitRow{Dimension::length, "angstrom", "-", 1, -10},
     UnitRow{Dimension::length, "\u00c5", "-", 1, -10},  // the letter

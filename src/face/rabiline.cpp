@@ -17,12 +17,16 @@
 #include "face/models.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
+#include "simulation/blocks.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/precision.hpp"
+#include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 #include "simulation/trace.hpp"
 #include "storage/checkpoint_file.hpp"
 #include "storage/digest.hpp"
+#include "storage/flight_file.hpp"
 #include "storage/motion_file.hpp"
 #include "storage/results_file.hpp"
 #include "storage/tracks_file.hpp"
@@ -31,6 +35,7 @@ namespace rabiline {
 
 struct Setup::Contents {
   Loaded loaded;
+  Changes changes;
   std::string fingerprint;
 };
 
@@ -57,8 +62,8 @@ const std::vector<InputText>& inputs_of(const Loaded& loaded) {
 
 Setup setup_of(Loaded loaded, const Changes& changes) {
   std::string fingerprint = fingerprint_of(inputs_of(loaded), changes);
-  return Setup(
-      std::make_shared<const Setup::Contents>(Setup::Contents{std::move(loaded), std::move(fingerprint)}));
+  return Setup(std::make_shared<const Setup::Contents>(
+      Setup::Contents{std::move(loaded), changes, std::move(fingerprint)}));
 }
 
 const LoadedExperiment& experiment_of(const Setup& setup) {
@@ -134,6 +139,17 @@ void require_memory(const Plan& plan, int threads) {
         plan.points, needed / 1073741824, threads, there / 1073741824));
 }
 
+/// All particles may have been too few.
+void warn_unless_precise(const Beamline& beamline, const Result& result, Provenance& provenance) {
+  const double largest = largest_error(result), wanted = beamline.until->detected_error;
+  if (largest <= wanted) return;
+  const double needed = static_cast<double>(beamline.particles) * (largest / wanted) * (largest / wanted);
+  provenance.warnings.push_back(
+      fmt::format("all {} particles have flown, and the largest error of `detected` is {:.2g}, not {:.2g} as "
+                  "`until` wants\n  help: `particles` of {:.2g} may be enough",
+                  beamline.particles, largest, wanted, needed));
+}
+
 void require_same_setup(const Snapshot* start, const Setup& setup) {
   if (start != nullptr && start->fingerprint != setup.fingerprint())
     throw std::invalid_argument("the checkpoint does not match: " + setup.inputs().front().path +
@@ -179,7 +195,6 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.threads = threads_of(settings);
   options.batch = batch_of(settings);
   options.stop = settings.stop;
-  options.progress = settings.progress;
   options.snapshot_seconds = settings.snapshot_seconds;
   options.start = settings.start;
   if (settings.snapshot)
@@ -193,9 +208,20 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   Record record(setup, settings.arguments);
   record->instruction_set = name_of(options.isa);
   record->threads = options.threads;
-  const Plan plan = make_plan(loaded.experiment, options.threads);
+  record->changes = options_of(setup.contents().changes);
+  MomentsWanted moments;
+  moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
+  const Plan plan = make_plan(loaded.experiment, options.threads, most_tree_cost, moments);
+  Precision precision(loaded.experiment, plan);
+  options.halvings = precision.halvings();
+  options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
+  if (settings.progress)
+    options.progress = [&](Progress progress) {
+      progress.error = precision.error();
+      settings.progress(progress);
+    };
   require_memory(plan, options.threads);
-  if (settings.start != nullptr && !fits(*settings.start, plan))
+  if (settings.start != nullptr && !fits(*settings.start, plan, options.halvings))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
   if (settings.planned) settings.planned(warnings);
@@ -203,7 +229,44 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   RunOutcome outcome = run(plan, options);
   Provenance provenance = record.finish();
   if (!outcome.finished) return std::nullopt;
-  Result result = finish(loaded.experiment, plan, std::move(outcome.sums));
+  std::optional<FlightRecord> flight;
+  std::string_view why_not_kept;
+  const int halvings = outcome.halvings;
+  if (settings.transit != KeptTransit::none)
+    flight = record_of(loaded.experiment, plan, outcome,
+                       settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
+                       why_not_kept);
+  if (flight) flight->asked_for = moments.everywhere;
+  Result result =
+      finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
+  if (precision.is_wanted() && halvings == 0)
+    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
+  result.flight = std::move(flight);
+  for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
+  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  if (moments.everywhere && !result.flight)
+    provenance.warnings.push_back(
+        fmt::format("nothing is kept for `rabiline rescan`: {}\n  help: omit --transit", why_not_kept));
+  result.provenance = std::move(provenance);
+  return result;
+}
+
+Result rescan(const std::filesystem::path& path, const Changes& changes, const RunSettings& settings) {
+  const KeptFlight kept = read_kept_flight(path);
+  if (changes.particles || changes.seed)
+    throw std::invalid_argument("a rescan has the particles and the seed of its flight");
+  const Isa isa = isa_called(settings.isa);
+  const Changes before = changes_of(kept.changes), now = joined(before, changes);
+  const LoadedExperiment flown = load_experiment(file_of_stored(kept.inputs), before),
+                         wanted = load_experiment(file_of_stored(kept.inputs), now);
+  Record record(setup_of(wanted, now), settings.arguments);
+  record->instruction_set = name_of(isa);
+  record->changes = options_of(now);
+  const std::vector<Diagnostic> warnings =
+      located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
+  if (settings.planned) settings.planned(warnings);
+  Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa);
+  Provenance provenance = record.finish();
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);

@@ -22,7 +22,8 @@ inline constexpr auto parameters<Beamline> = std::tuple{
     param("chamber", &Beamline::chamber, "round wall along the whole beam; none where it is missing"),
     param("parts", &Beamline::parts, "what stands on the beam"),
     param("particles", &Beamline::particles, Dimension::number, particle_numbers,
-          "how many fly, per scan point"),
+          "how many fly, per scan point; at most, where there is an `until`"),
+    param("until", &Beamline::until, "the precision at which fewer are enough; all fly where it is missing"),
     param("seed", &Beamline::seed, Dimension::number, whole, "key of the random numbers"),
 };
 

@@ -13,4 +13,10 @@ struct Changes {
   bool without_scan = false;                       // the file's scan is omitted
 };
 
+/// As options of the command line, "--set", "B.field=9 mT", and back. Throws std::invalid_argument.
+std::vector<std::string> options_of(const Changes&);
+Changes changes_of(const std::vector<std::string>& options);
+/// What was changed before, and then `later`; a scan in it replaces every other, that of the file too.
+Changes joined(Changes earlier, const Changes& later);
+
 }  // namespace rabiline

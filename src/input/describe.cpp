@@ -104,6 +104,12 @@ std::string describe_chamber() {
   page.line("\nExample\n  chamber: {radius: 50 mm}");
   return page.finish();
 }
+std::string describe_until() {
+  Page page("until: the precision at which fewer particles than `particles` are enough");
+  add_rows<Until>(page);
+  page.line("\nExample\n  until: {detected_error: 0.1 %}");
+  return page.finish();
+}
 
 std::string describe_tallies() {
   Page page("tallies: histograms of what a monitor lets pass or a detector counts, one to three axes each");
@@ -167,6 +173,7 @@ const std::vector<Topic>& topics() {
                          "profile", "how the size of an alternating field runs along it");
                    }});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
+    out.push_back({"until", "when fewer particles are enough", describe_until});
     out.push_back({"scan", "which parameter takes which values", describe_scan});
     out.push_back({"tallies", "histograms at a monitor or a detector", describe_tallies});
     out.push_back({"units", "how quantities are written", describe_units});
@@ -231,7 +238,7 @@ std::string describe_overview() {
   std::string others;
   for (const std::string_view topic :
        {"source", "speed", "direction", "opening", "spin", "pulse", "profile", "species", "structure",
-        "chamber", "scan", "tallies", "model", "units"})
+        "chamber", "until", "scan", "tallies", "model", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

@@ -51,6 +51,7 @@ std::string example_for(const Row& row) {
       {"species", "neutron"},
       {"parts", "[...]"},
       {"seed", "1"},
+      {"detected_error", "0.1 %"},
       {"particles", "10000"},
       {"points", "21"},
       {"duration", "10 s"},

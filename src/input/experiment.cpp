@@ -33,6 +33,7 @@ LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
   out.inputs = std::move(file.inputs);
   Reading reading;
   reading.folder = file.folder;
+  reading.stored = file.stored;
   Sources& sources = file.sources;
 
   // The file with what the command line sets, without its scan.

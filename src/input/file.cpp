@@ -45,7 +45,7 @@ class Loader {
   Node load(const fs::path& path, const Place& named_at) {
     if (out_.inputs.size() >= max_files)
       refuse(named_at, path, fmt::format("more than {} files are included", max_files));
-    return parse(path, path.string(), read_text(path, named_at));
+    return parse(path, path.string(), text_at(path, named_at));
   }
 
   /// A text that stands at `path`, or would.
@@ -63,6 +63,12 @@ class Loader {
   }
 
  private:
+  std::string text_at(const fs::path& path, const Place& named_at) const {
+    if (!out_.stored) return read_text(path, named_at);
+    const auto text = stored_text(*out_.stored, path.string());
+    if (!text) refuse(named_at, path, "this file was not read when the experiment was flown");
+    return *text;
+  }
   /// Puts the included parts before the file's own, and takes the chamber over.
   void include_geometry(Node& root, const fs::path& path) {
     Entry* geometry = root.find("geometry");
@@ -147,6 +153,21 @@ LoadedFile file_of_text(const std::string& text, const fs::path& folder) {
   out.folder = folder.string();
   out.root = Loader(out).parse(folder / "text", "text", text);
   return out;
+}
+
+LoadedFile file_of_stored(std::vector<InputText> texts) {
+  LoadedFile out;
+  const fs::path path = texts.at(0).path;
+  out.folder = path.parent_path().string();
+  out.stored = std::make_shared<const std::vector<InputText>>(std::move(texts));
+  out.root = Loader(out).load(path, {});
+  return out;
+}
+
+std::optional<std::string> stored_text(const std::vector<InputText>& texts, const std::string& path) {
+  for (const InputText& text : texts)
+    if (text.path == path) return text.text;
+  return {};
 }
 
 }  // namespace rabiline

@@ -221,8 +221,8 @@ class ParameterSpace {
     const Axis& axis = axes_[number];
     ScanAxis out;
     out.parameter = axis.name();
-    if (!reading.errors.empty() && alone.paths_.empty()) return out;
     alone.values_.resize(1);
+    if (!reading.errors.empty() && alone.paths_.empty()) return out;
     bool numeric = true;
     std::size_t failures = 0;
     for (std::size_t i = 0; i < axis.size() && failures < (axis.is_range() ? 1 : 10); ++i) {

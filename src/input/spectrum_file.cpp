@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "input/file.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -165,7 +167,12 @@ class SpectrumReader {
 };
 
 /// The text, or why there is none.
-std::string text_of(const fs::path& path, std::string& problem) {
+std::string text_of(const fs::path& path, const Reading& reading, std::string& problem) {
+  if (reading.stored) {
+    const auto text = stored_text(*reading.stored, path.string());
+    if (!text) problem = "this file was not read when the experiment was flown";
+    return text.value_or("");
+  }
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);
   if (!fs::exists(status)) return problem = "there is no such file", "";
@@ -190,7 +197,7 @@ std::shared_ptr<const Spectrum> read_spectrum(const Node& node, const Row& row, 
   const auto known = reading.files.find(path.string());
   if (known != reading.files.end()) return known->second.spectrum;
   std::string problem;
-  const std::string text = text_of(path, problem);
+  const std::string text = text_of(path, reading, problem);
   if (!problem.empty()) {
     reading.error(node.place, fmt::format("`{}`: {}", path.string(), problem),
                   "the path begins at the folder of the beamline file");

@@ -41,8 +41,9 @@ struct Reading {
   };
   std::vector<Diagnostic> errors;
   std::vector<Watched> watched;
-  std::string folder;                 // of the beamline file, where paths begin
-  std::map<std::string, File> files;  // by path, each read once
+  std::string folder;                                      // of the beamline file, where paths begin
+  std::shared_ptr<const std::vector<InputText>> stored{};  // texts that stand for files; null: these are read
+  std::map<std::string, File> files;                       // by path, each read once
 
   void error(const Place&, std::string message, std::string suggestion = {});
   void saw_number(const Node&, Dimension, double value);

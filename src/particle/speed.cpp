@@ -284,5 +284,8 @@ double terminal_speed(const SupersonicSpeed& law, double mass) {
 double mean_speed(const SpeedLaw& law, double mass) {
   return std::visit([&](const auto& l) { return l.mean_speed(mass); }, law);
 }
+SpeedRange speed_range(const SpeedLaw& law, double mass) {
+  return std::visit([&](const auto& l) { return l.speed_range(mass); }, law);
+}
 
 }  // namespace rabiline

@@ -246,5 +246,6 @@ double thermal_speed(double temperature, double mass);
 /// The speed that all heat of a nozzle's gas would give, u = sqrt(2g/(g-1) kT0/m) [m/s].
 double terminal_speed(const SupersonicSpeed&, double mass);
 double mean_speed(const SpeedLaw&, double mass);
+SpeedRange speed_range(const SpeedLaw&, double mass);
 
 }  // namespace rabiline

@@ -75,7 +75,7 @@ bool is_well_formed(std::string_view name) {
 bool is_reserved(std::string_view name) {
   static constexpr std::array words{// keys of the file
                                     "rabiline", "title", "geometry", "species", "law", "source", "chamber",
-                                    "parts", "particles", "seed", "scan", "variables",
+                                    "parts", "particles", "until", "seed", "scan", "variables",
                                     // names in the results
                                     "entry", "fates", "simulation", "instrument", "sample", "user", "data",
                                     "definition", "program_name", "start_time", "end_time", "duration",

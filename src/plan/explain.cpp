@@ -26,7 +26,7 @@ class Explainer {
         driven_(experiment, plan),
         report_(beamline_) {
     report_.tell_driven = [this](int part) { tell_driven(part); };
-    report_.fastest = [this] { return 1 / slownesses_of(beamline_.source, report_.species->mass, 0).from; };
+    report_.fastest = [this] { return speed_range(beamline_.source.speed, report_.species->mass).fastest; };
   }
 
   std::string text() {
@@ -59,11 +59,15 @@ class Explainer {
       line("scan       {}: {} to {}, {} points", axis.parameter, value_at(axis, 0), value_at(axis, last),
            last + 1);
     }
+    const std::string_view at_most = beamline_.until ? "at most " : "";
     if (!experiment_.axes.empty())
-      line("particles  {} at each of {} points, {}", beamline_.particles, plan_.points,
+      line("particles  {}{} at each of {} points, {}", at_most, beamline_.particles, plan_.points,
            experiment_.particles == ScanParticles::shared ? "the same ones" : "each its own");
     else
-      line("particles  {}", beamline_.particles);
+      line("particles  {}{}", at_most, beamline_.particles);
+    if (beamline_.until)
+      line("until      the error of `detected` is {:.3g} everywhere, asked whenever twice as many have flown",
+           beamline_.until->detected_error);
     seen_component_.assign(beamline_.species.size(), false);
   }
 

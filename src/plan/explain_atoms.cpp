@@ -21,7 +21,6 @@ namespace {
 struct Transition {
   int upper = 0, lower = 0;
   double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
-  double shift = 0;                              // [Hz] by the half of an oscillating field that is left out
 };
 
 /// Those that the direction of a field and its sense allow, the nearest first.
@@ -40,8 +39,7 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
       if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
       out.push_back({i, k, apart, drive.oscillator.frequency - apart,
-                     (swings ? 1 : 2) * std::abs(states.coupling(i, k)),
-                     swings ? counter_rotating_shift(states, drive.oscillator.frequency, i, k) : 0});
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
     }
   std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
     return std::abs(a.detuning) < std::abs(b.detuning);
@@ -49,8 +47,14 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   return out;
 }
 
-/// A shift that is left out is told from so many widths on.
-constexpr double tolerated_shift = 0.1;
+/// [Hz] Of each level, by what does not stand still in the field's frame.
+Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, *zone.drive);
+  const DrivenStates* const alone[] = {&states};
+  return standing_coupling(rotating_frame(levels.labels, *zone.drive, alone), states).second.diagonal();
+}
 
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
@@ -73,6 +77,7 @@ std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_fiel
 void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t most,
                       std::vector<std::string>& out) {
   const std::vector<Transition> near = transitions_near(structure, zone);
+  const Eigen::VectorXd shifts = shifts_of(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
   for (std::size_t i = 0; i < near.size() && i < most; ++i) {
     const Transition& t = near[i];
@@ -81,9 +86,10 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
         zone.drive->envelope.shape == Shape::rectangular && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
-    const std::string shift = t.shift == 0 ? ""
-                                           : fmt::format("; the half left out would shift it by {}",
-                                                         pretty_quantity(t.shift, Dimension::frequency));
+    const double by = shifts(t.upper) - shifts(t.lower);
+    const std::string shift = by == 0 ? ""
+                                      : fmt::format("; what turns otherwise shifts it by {}",
+                                                    pretty_quantity(by, Dimension::frequency));
     out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
                               megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
                               pretty_quantity(t.rabi, Dimension::frequency), flips, shift));
@@ -130,13 +136,12 @@ void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
 void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
   if (path == nullptr || path->transitions == nullptr) return;
-  const TransitionTable* table = path->transitions;
   // Numbers of parts differ between the points where one is moved or not enabled.
   const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
   std::vector<const Driven*>& at =
       parts_[beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name];
   at.resize(experiment_.points.size());
-  const Driven* driven = &plan_.tables->driven_by(table);
+  const Driven* driven = &plan_.tables->driven_by(path->transitions);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
 }
 
@@ -194,22 +199,19 @@ std::vector<std::string> DrivenParts::lines(int part, double speed) const {
     if (same == i)
       for (const std::string& line : told.back()) out.push_back("  " + line);
   }
-  double error = 0, neglected = 0;
-  int points = 0;
-  for (const Driven* d : at) {
-    if (d == nullptr) continue;
-    error = std::max(error, d->table.error);
-    neglected = std::max(neglected, d->neglected);
-    points = std::max(points, d->table.points);
-  }
-  if (points == 1)
-    out.emplace_back("probabilities at its one speed, exact");
-  else
-    out.push_back(fmt::format(
-        "probabilities from a table of {} points in 1/v, to {:.2g}; from {:.4g} to {:.4g} m/s, and at most "
-        "1e-4 of the particles are slower or faster and take those at its end",
-        points, error, 1 / driven.to, 1 / driven.from));
-  if (neglected > 0) out.push_back("rotating-wave approximation: " + left_out(neglected));
+  double neglected = 0;
+  for (const Driven* d : at)
+    if (d != nullptr) neglected = std::max(neglected, d->levels.neglected());
+  const bool profiled = std::ranges::any_of(
+      zones, [](const LevelZone* zone) { return zone->drive->envelope.shape != Shape::rectangular; });
+  out.push_back(profiled
+                    ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
+                                  "down to {:.4g} m/s; all else exact",
+                                  1 / driven.largest_slowness)
+                    : "probabilities worked out for each particle, exact at every speed");
+  if (neglected > 0)
+    out.push_back("rotating-wave approximation, with the shifts by the rest to third order: " +
+                  left_out(neglected));
   return out;
 }
 
@@ -225,38 +227,22 @@ std::vector<Fault> DrivenParts::warnings() const {
     const LevelZone* zone = nullptr;
     const Structure* structure = nullptr;
     bool useful = false;
-    double shift = 0;  // that is left out of what it drives, in widths, where it matters
-    std::string shifted{}, subject{};
   };
   for (const auto& [name, at] : parts_) {
     std::vector<Best> best;
     const Driven* before = nullptr;
-    double error = 0, neglected = 0;
+    double neglected = 0;
     for (std::size_t point = 0; point < at.size(); ++point) {
       const Driven* driven = at[point];
       if (driven == nullptr || driven == before) continue;
       before = driven;
-      error = std::max(error, driven->table.error);
-      neglected = std::max(neglected, driven->neglected);
+      neglected = std::max(neglected, driven->levels.neglected());
       const std::vector<const LevelZone*> zones = driven_zones_of(*driven);
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
         const double width = speed_at(point) / (zones[i]->end - zones[i]->begin);
         std::vector<Transition> near = transitions_near(driven->structure, *zones[i]);
-        for (const Transition& t : near)
-          if (!is_far(t, width)) {
-            best[i].useful = true;
-            if (std::abs(t.shift) > tolerated_shift * width && std::abs(t.shift) / width > best[i].shift) {
-              best[i].shift = std::abs(t.shift) / width;
-              best[i].subject = name_at(zones[i]->begin);
-              best[i].shifted = fmt::format(
-                  "the rotating-wave approximation of `{}` leaves out a shift of {} by {}, {:.2g} of the "
-                  "width {}",
-                  best[i].subject, name_of(driven->structure, t),
-                  pretty_quantity(t.shift, Dimension::frequency), best[i].shift,
-                  pretty_quantity(width, Dimension::frequency));
-            }
-          }
+        for (const Transition& t : near) best[i].useful = best[i].useful || !is_far(t, width);
         if (best[i].useful) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
@@ -264,9 +250,6 @@ std::vector<Fault> DrivenParts::warnings() const {
       }
     }
     for (const Best& b : best) {
-      if (!b.shifted.empty())
-        add(b.subject, "amplitude", b.shifted,
-            "a smaller field helps, or one that turns: a `rotating_field`");
       if (b.useful || b.zone == nullptr) continue;
       std::string list;
       for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
@@ -277,13 +260,6 @@ std::vector<Fault> DrivenParts::warnings() const {
                       experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
                       megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
     }
-    if (error > 10 * transition_tolerance)
-      add("source", "speed",
-          fmt::format(
-              "the probabilities of transitions before `{}` are known to {:.2g} only: they change too "
-              "often with the speed for a table",
-              name, error),
-          "a narrower speed distribution helps, or fields nearer to each other");
     if (neglected > 0.1)
       add(name, "",
           fmt::format("the rotating-wave approximation before `{}` is poor: {}", name, left_out(neglected)),

@@ -46,18 +46,28 @@ Rectangle extent_of(const Face& face) {
 }
 
 ScreenGrids screen_grids(const ScanPoints& points) {
-  ScreenGrids grids;
+  struct Seen {
+    Offset offset;
+    double width = 0, height = 0;
+    bool moves = false;
+  };
+  std::map<std::string, Seen> seen;
   for (const Beamline& beamline : points)
     for (const PlacedPart& part : beamline.parts) {
       const auto* d = detector_in(part.part);
       if (d == nullptr) continue;
       const Rectangle size = extent_of(d->face);
-      const ScreenGrid own{d->offset.x - size.width / 2, d->offset.x + size.width / 2,
-                           d->offset.z - size.height / 2, d->offset.z + size.height / 2};
-      ScreenGrid& grid = grids.try_emplace(part.placement.name, own).first->second;
-      grid = {std::min(grid.low_x, own.low_x), std::max(grid.high_x, own.high_x),
-              std::min(grid.low_z, own.low_z), std::max(grid.high_z, own.high_z)};
+      Seen& screen = seen.try_emplace(part.placement.name, Seen{d->offset}).first->second;
+      screen.width = std::max(screen.width, size.width);
+      screen.height = std::max(screen.height, size.height);
+      screen.moves = screen.moves || !(d->offset == screen.offset);
     }
+  ScreenGrids grids;
+  for (const auto& [name, screen] : seen) {
+    const Offset centre = screen.moves ? Offset{} : screen.offset;
+    grids[name] = {centre.x - screen.width / 2, centre.x + screen.width / 2, centre.z - screen.height / 2,
+                   centre.z + screen.height / 2, screen.moves};
+  }
   return grids;
 }
 
@@ -82,8 +92,8 @@ Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& g
   }
   s.bins_x = term.bins_x;
   s.bins_z = term.bins_z;
-  s.low_x = grid.low_x;
-  s.low_z = grid.low_z;
+  s.low_x = grid.low_x + (grid.moves ? term.offset.x : 0);
+  s.low_z = grid.low_z + (grid.moves ? term.offset.z : 0);
   s.bins_per_x = term.bins_x / (grid.high_x - grid.low_x);
   s.bins_per_z = term.bins_z / (grid.high_z - grid.low_z);
   return s;

@@ -21,9 +21,11 @@ double area_of(const Aperture&);
 /// The rectangle around a face, along its own axes.
 Rectangle extent_of(const Face&);
 
-/// The rectangle [m] that a detector's histogram covers: all places that its screen takes in a scan.
+/// The rectangle [m] that a detector's histogram covers at every point of a scan. Of a detector that the scan
+/// moves, it is counted from the detector's centre and moves with it.
 struct ScreenGrid {
   double low_x, high_x, low_z, high_z;
+  bool moves = false;
 };
 using ScreenGrids = std::map<std::string, ScreenGrid>;  // by the detector's name
 ScreenGrids screen_grids(const ScanPoints& points);

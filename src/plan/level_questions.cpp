@@ -17,12 +17,13 @@ LevelQuestions::LevelQuestions(const Beamline& beamline, const Species& species,
       quantum_(law_traits(beamline.law).has_levels),
       tables_(tables) {}
 
-const TransitionTable* LevelQuestions::transitions_before(const Plane& plane) const {
+const DrivenLevels* LevelQuestions::transitions_before(const Plane& plane) const {
   const std::vector<LevelZone> zones = driven_zones(sections_.sections, spins_.known_before(plane), plane.y);
   if (zones.empty()) return nullptr;
-  const SlownessRange range =
-      slownesses_of(beamline_.source, species_.mass, steepest_before(plane, beamline_, sections_));
-  return &tables_.transitions(*species_.structure, zones, range.from, range.to);
+  // What steps are chosen for; with the slowness their error grows as its fifth power.
+  const double slow = mean_speed(beamline_.source.speed, species_.mass) / 2;
+  const double slowest = speed_range(beamline_.source.speed, species_.mass).slowest;
+  return &tables_.transitions(*species_.structure, zones, 1 / std::max(slow, slowest));
 }
 
 std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) const {

@@ -21,7 +21,7 @@ class LevelQuestions {
   SpinStretch at_detector(const Plane&) const;
 
   /// Of an atom since its level was known last; null where nothing drives its levels before that plane.
-  const TransitionTable* transitions_before(const Plane&) const;
+  const DrivenLevels* transitions_before(const Plane&) const;
 
  private:
   const Beamline& beamline_;

@@ -182,10 +182,7 @@ std::vector<Group> group_by_source(const Experiment& experiment, const Neighbour
       if (group == Neighbours::none) {
         group = groups.size();
         const double mass = component.species.mass;
-        groups.push_back(
-            {root,
-             std::visit([&](const auto& law) { return law.speed_range(mass); }, beamline.source.speed),
-             {}});
+        groups.push_back({root, speed_range(beamline.source.speed, mass), {}});
       }
       of_component[k].put(p, group);
       groups[group].chains.push_back({static_cast<int>(p), compile(beamline, component, grids, tables),
@@ -224,7 +221,6 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
-  tree.cost = cost_of_tree(tree);
   return tree;
 }
 
@@ -249,10 +245,7 @@ void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
       reach[from] = (std::uint64_t{1} << projection.levels) - 1;
       continue;
     }
-    const TransitionTable& table = *projection.transitions;
-    for (int t = table.begin[from]; t < table.begin[from + 1]; ++t)
-      reach[from] |= std::uint64_t{1} << table.targets[static_cast<std::size_t>(t)];
-    if (table.begin[from] == table.begin[from + 1]) reach[from] |= std::uint64_t{1} << from;
+    reach[from] |= projection.transitions->reach(static_cast<int>(from));
   }
 }
 
@@ -261,30 +254,35 @@ void find_reach(PlanNode& node) {
   for (PlanNode& next : node.next) find_reach(next);
 }
 
-Plan make_plan(const Experiment& experiment, int threads, double most_cost) {
+Plan make_plan(const Experiment& experiment, int threads, double most_cost, const MomentsWanted& wanted) {
   Plan plan;
   plan.points = static_cast<int>(experiment.points.size());
   const auto tables = std::make_shared<SampledTables>();
   plan.tables = tables;
   Neighbours neighbours(experiment);
   const std::vector<Group> groups = group_by_source(experiment, neighbours, *tables);
-  tables->tabulate_transitions(threads);
+  tables->work_out_transitions(threads);
+  std::size_t place = 0;  // of those that keep moments
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
     const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(),
                                      [](const Chain& chain) { return chain.of_atom; });
-    std::size_t unused = 0;
-    const double cost = 64 * make_tree(group.root, chains, of_atom, neighbours, unused).cost;
+    const auto whole_tree = [&](const std::vector<const Chain*>& of, std::size_t& sums, std::size_t& at) {
+      PlanTree tree = make_tree(group.root, of, of_atom, neighbours, sums);
+      for (PlanNode& node : tree.next) find_reach(node);
+      lay_out_moments(tree, group.speeds, {plan.points, wanted, at}, sums);
+      tree.cost = cost_of_tree(tree);
+      return tree;
+    };
+    std::size_t no_sums = 0, no_place = place;
+    const double cost = 64 * whole_tree(chains, no_sums, no_place).cost;
     const auto parts =
         std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);
-      plan.trees.push_back(make_tree(group.root, {begin, end}, of_atom, neighbours, plan.sums));
-      for (PlanNode& node : plan.trees.back().next) find_reach(node);
-      lay_out_moments(plan.trees.back(), group.speeds, plan.points, plan.sums);
-      plan.trees.back().cost = cost_of_tree(plan.trees.back());
+      plan.trees.push_back(whole_tree({begin, end}, plan.sums, place));
     }
   }
   return plan;

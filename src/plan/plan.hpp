@@ -94,9 +94,32 @@ Emission emission_of(const Beamline&, const Component&, RandomKey, SampledTables
 /// aimed. The detected weight per particle times it is the detected share of all that leave.
 double aimed_fraction(const Beamline&, Transmissions&);
 
+/// Which places keep moments of the slowness.
+struct MomentsWanted {
+  bool everywhere = false;  // where they can be kept, also where asking each particle is the shorter way
+  /// Of each place, in the order of each_transit(), these cells; a place that they are too wide for keeps
+  /// none.
+  const std::vector<SlownessCells>* cells = nullptr;
+};
+
+inline constexpr double most_tree_cost = 0.025;  // [s]
 /// `most_cost`: no tree costs more than that [s] for one batch pack of 64 particles; larger scans get
 /// several.
 /// `threads` work out what is tabulated; 0: as many as there are cores.
-Plan make_plan(const Experiment&, int threads = 0, double most_cost = 0.025);
+Plan make_plan(const Experiment&, int threads = 0, double most_cost = most_tree_cost,
+               const MomentsWanted& = {});
+
+/// Calls f with each node that keeps moments.
+template <class F>
+void each_transit(const std::vector<PlanNode>& nodes, F f) {
+  for (const PlanNode& node : nodes)
+    if (node.transit && node.next.empty()) f(node);
+  for (const PlanNode& node : nodes) {
+    if (!node.transit)
+      each_transit(node.next, f);
+    else if (!node.next.empty())
+      f(node);
+  }
+}
 
 }  // namespace rabiline

@@ -10,37 +10,34 @@
 
 namespace rabiline {
 
-const TransitionTable& SampledTables::transitions(const Structure& structure,
-                                                  const std::vector<LevelZone>& zones, double from,
-                                                  double to) {
+const DrivenLevels& SampledTables::transitions(const Structure& structure,
+                                               const std::vector<LevelZone>& zones, double largest_slowness) {
   const auto found = std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) {
-    return d.from == from && d.to == to && d.structure == structure && d.zones == zones;
+    return d.largest_slowness == largest_slowness && d.structure == structure && d.zones == zones;
   });
-  if (found != driven_.end()) return found->table;
-  driven_.push_back({structure, zones, from, to, {}});
-  return driven_.back().table;
+  if (found != driven_.end()) return found->levels;
+  driven_.push_back({structure, zones, largest_slowness, {}});
+  return driven_.back().levels;
 }
 
-const SampledTables::Driven& SampledTables::driven_by(const TransitionTable* table) const {
+const SampledTables::Driven& SampledTables::driven_by(const DrivenLevels* levels) const {
   const auto found =
-      std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) { return &d.table == table; });
+      std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) { return &d.levels == levels; });
   assert(found != driven_.end());
   return *found;
 }
 
-void SampledTables::tabulate_transitions(int threads) {
+void SampledTables::work_out_transitions(int threads) {
   std::vector<Driven*> open;
   for (Driven& driven : driven_)
-    if (driven.table.points == 0) open.push_back(&driven);
+    if (driven.levels.levels() == 0) open.push_back(&driven);
   std::exception_ptr error;
   const int workers = threads > 0 ? threads : omp_get_max_threads();
 #pragma omp parallel for schedule(dynamic) num_threads(workers)
   for (std::size_t i = 0; i < open.size(); ++i) {
     try {
       Driven& d = *open[i];
-      const DrivenLevels driven(coupled_spins(d.structure), d.zones, d.to);
-      d.table = tabulate(driven, d.from, d.to, transition_tolerance);
-      d.neglected = driven.neglected();
+      d.levels = DrivenLevels(coupled_spins(d.structure), d.zones, d.largest_slowness);
     } catch (...) {
 #pragma omp critical
       error = std::current_exception();

@@ -20,6 +20,9 @@ constexpr std::size_t most_moments = std::size_t{1} << 21;
 /// point.
 constexpr double beyond = 2;
 
+constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
+                           turns_too_fast = "spins turn faster than the moments that were kept resolve";
+
 /// What a stage behind a projection keeps.
 class LinkSums : public SumSink {
  public:
@@ -85,10 +88,13 @@ std::optional<double> turning_of(const SpinPath& path) {
 
 class TransitMaker {
  public:
-  TransitMaker(const PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums)
+  TransitMaker(const PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums)
       : particles_(static_cast<double>(tree.last - tree.first)),
         speeds_(speeds),
-        points_(static_cast<std::size_t>(points)),
+        points_(static_cast<std::size_t>(of.points)),
+        everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
+        given_(of.wanted.cells),
+        place_(of.place),
         sums_(sums) {}
 
   /// `as_emitted`: particles still are in the level that the ledger has them in, or there is no ledger.
@@ -119,15 +125,19 @@ class TransitMaker {
     }
     std::vector<bool> gone(nodes.size());
     for (const std::vector<std::size_t>& group : groups) {
-      if (group.size() < 2) continue;
+      if (group.size() < 2 && !everywhere_) continue;
       PlanNode one = nodes[group.front()];
       one.points.clear();
       for (const std::size_t i : group) {
         one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
-      const auto cells = cells_of(one);
-      if (!cells) continue;
+      const auto turning = turning_of(one);
+      const auto cells = turning ? cells_for(*turning) : std::nullopt;
+      if (!cells) {
+        nodes[group.front()].why_one_by_one = turning ? turns_too_fast : no_closed_form;
+        continue;
+      }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
                                                           std::vector<TransitLink>{{true, {1, 1}, 1}});
@@ -150,10 +160,14 @@ class TransitMaker {
   void lay_out(PlanNode& node) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
+    if (path_of(node.ways.front().stage)->transitions != nullptr)
+      return by_particle(node, "levels of atoms are mixed for each particle");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
-    const auto cells = cells_of(node);
-    if (!cells) return by_particle(node, "the fields before it are no closed form of the slowness alone");
+    const auto turning = turning_of(node);
+    if (!turning) return by_particle(node, no_closed_form);
+    const auto cells = cells_for(*turning);
+    if (!cells) return by_particle(node, turns_too_fast);
     const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
@@ -167,16 +181,27 @@ class TransitMaker {
     node.transit = layout;
     node.moments = sums_;
     sums_ += layout->sums();
+    ++place_;
   }
 
-  /// Cells for the fastest cosine of all ways; nothing where these are no closed form of the slowness.
-  std::optional<SlownessCells> cells_of(const PlanNode& node) const {
+  /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
+  static std::optional<double> turning_of(const PlanNode& node) {
     double angle = 0;
     for (const PlanNode::Way& way : node.ways) {
       const SpinPath& path = *path_of(way.stage);
-      const std::optional<double> turning = turning_of(path);
+      const std::optional<double> turning = rabiline::turning_of(path);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
+    }
+    return angle;
+  }
+
+  /// Nothing where the given ones are too wide.
+  std::optional<SlownessCells> cells_for(double angle) const {
+    if (given_ != nullptr) {
+      if (place_ >= given_->size() || (*given_)[place_].width * angle > radians_per_cell * (1 + 1e-12))
+        return {};
+      return (*given_)[place_];
     }
     const double first = 1 / (beyond * speeds_.fastest), last = beyond / speeds_.slowest;
     const double count = std::clamp(std::ceil((last - first) * angle / radians_per_cell), 1.0,
@@ -191,19 +216,22 @@ class TransitMaker {
                               std::min(static_cast<double>(layout.size()), entries) * transit_powers *
                               cost::multiply;
     return layout.size() <= most_moments &&
-           particles_ * static_cast<double>(ways) * one_by_one > booked + contracted;
+           (everywhere_ || particles_ * static_cast<double>(ways) * one_by_one > booked + contracted);
   }
 
   const double particles_;
   const SpeedRange speeds_;
   const std::size_t points_;
+  const bool everywhere_;
+  const std::vector<SlownessCells>* const given_;
+  std::size_t& place_;
   std::size_t& sums_;
 };
 
 }  // namespace
 
-void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, int points, std::size_t& sums) {
-  TransitMaker maker(tree, speeds, points, sums);
+void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums) {
+  TransitMaker maker(tree, speeds, of, sums);
   maker.visit(tree.next, true);
 }
 

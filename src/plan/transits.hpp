@@ -5,8 +5,14 @@
 
 namespace rabiline {
 
+struct MomentsOf {
+  int points;  // of the whole scan
+  const MomentsWanted& wanted;
+  std::size_t& place;  // number of the next place among the wanted cells
+};
+
 /// Lays out the moments of every projection of a tree where all scan points follow from them and that is the
 /// shorter way; they stand at the end of `sums`. `speeds`: of nearly all particles of the tree.
-void lay_out_moments(PlanTree&, const SpeedRange& speeds, int points, std::size_t& sums);
+void lay_out_moments(PlanTree&, const SpeedRange& speeds, const MomentsOf&, std::size_t& sums);
 
 }  // namespace rabiline

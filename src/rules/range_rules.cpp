@@ -78,6 +78,13 @@ void check_ranges(const Beamline& beamline, Faults& out) {
       },
       beamline.law);
   if (beamline.chamber) Ranges("chamber", out).check(*beamline.chamber, "");
+  if (beamline.until) {
+    Ranges("until", out).check(*beamline.until, "");
+    if (std::none_of(beamline.parts.begin(), beamline.parts.end(),
+                     [](const PlacedPart& part) { return detector_in(part.part) != nullptr; }))
+      out.push_back({"until", "", "`until` asks for the error of what is detected, and there is no detector",
+                     "add a detector, or omit `until`"});
+  }
   for (const PlacedPart& part : beamline.parts) {
     Ranges of_part(part.placement.name, out);
     of_part.check(part.placement, "");

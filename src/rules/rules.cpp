@@ -90,6 +90,10 @@ std::optional<Fault> fault_of_axis(std::string_view parameter, const ScanPoints&
           "make one run with it and one without"};
   if (std::optional<Fault> fault = fault_of_scanned_tallies(parameter, points)) return fault;
   for (const Beamline& point : points) {
+    if (point.until != points.front().until)
+      return Fault{"", "",
+                   fmt::format("`{}` cannot be scanned: a run ends for all its points together", parameter),
+                   "keep it in the file"};
     if (point.source.rate != points.front().source.rate)
       return Fault{
           "", "",

@@ -17,18 +17,31 @@ struct Block {
 /// point, so a run that goes on elsewhere takes those that it began with (Snapshot).
 std::vector<std::uint64_t> block_sizes(const Plan&, double most_cost);
 
-/// All blocks of a plan in order; the same for every number of threads.
+/// A run may stop when so many halvings are left: a part of its particles has then flown, of every tree
+/// alike.
+std::uint64_t last_of_part(const PlanTree&, int halvings);
+Plan part_of(const Plan&, int halvings);
+/// How often a run with so many particles may be halved, so that errors still are errors: at least 1000 fly.
+int most_halvings(std::uint64_t particles);
+
+/// All blocks of a plan in order, one part after the other; the same for every number of threads.
 class Blocks {
  public:
-  Blocks(const Plan&, std::vector<std::uint64_t> sizes);
+  Blocks(const Plan&, std::vector<std::uint64_t> sizes, int halvings = 0);
   std::uint64_t count() const { return begin_.back(); }
+  /// Of the blocks in a part.
+  std::uint64_t end_of_part(int halvings) const;
   const std::vector<std::uint64_t>& sizes() const { return sizes_; }
   Block block(std::uint64_t number) const;
 
  private:
+  /// Particles of a tree that this part adds to those before it.
+  std::pair<std::uint64_t, std::uint64_t> added(std::size_t part, std::size_t tree) const;
+
   const Plan& plan_;
   std::vector<std::uint64_t> sizes_;
-  std::vector<std::uint64_t> begin_;  // first block of each tree, and the number of all
+  int halvings_;
+  std::vector<std::uint64_t> begin_;  // first block of each tree in each part, and the number of all
 };
 
 /// A set of block numbers as half-open intervals, ascending and disjoint.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 namespace rabiline {
@@ -13,19 +13,41 @@ constexpr double quanta = static_cast<double>(quanta_per_particle);
 
 Sum rounded(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
 
-/// What a screen catches in all, of each path and of each pair of paths.
-struct WholeScreen {
-  std::vector<std::vector<Eigen::VectorXd>> paths;               // [from][rank]
-  std::vector<std::vector<std::vector<Eigen::VectorXd>>> pairs;  // [from][rank][rank]
-};
-
 /// One stage behind the projection: where its sums begin.
 struct Link {
   std::size_t sums, ledger;
   int catches, reads;
-  std::size_t screen = 0;                // whose catch it reads
-  std::unique_ptr<WholeScreen> whole{};  // likewise
+  std::optional<TransitNodes::WholeScreen> whole{};  // of a screen
 };
+
+/// For each level before: of each level behind, a column over the nodes.
+using Shares = std::vector<Eigen::MatrixXd>;
+auto of_rank(const Eigen::MatrixXd& shares, std::size_t rank) {
+  return shares.col(static_cast<Eigen::Index>(rank));
+}
+
+/// Adds the levels of what a screen counts of each weight: of each particle q, q^2, and q times all that is
+/// counted of it. `outcomes`: levels of the columns; where only rank 0 was booked, it stands for all of them.
+void put_levels(const TransitNodes::WholeScreen& whole, const Shares& shares,
+                const std::vector<std::vector<int>>& outcomes, double counted, Sum* sums) {
+  const LevelLayout levels{outcomes.size()};
+  for (std::size_t from = 0; from < levels.levels; ++from) {
+    const bool alike = whole.paths[from].size() == 1;
+    for (std::size_t a = 0; a < outcomes[from].size(); ++a) {
+      const auto level = static_cast<std::size_t>(outcomes[from][a]);
+      const std::size_t row = alike ? 0 : a;
+      sums[LevelLayout::q(level)] += rounded(counted * whole.paths[from][row].dot(of_rank(shares[from], a)));
+      double product = 0;
+      for (std::size_t b = 0; b < outcomes[from].size(); ++b) {
+        const auto both = of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b));
+        const double pair = counted * counted * quanta * whole.pairs[from][row][alike ? 0 : b].dot(both);
+        if (a == b) sums[LevelLayout::squares(level)] += rounded(pair);
+        product += pair;
+      }
+      if (levels.has_products()) sums[levels.products(level)] += rounded(product);
+    }
+  }
+}
 
 /// What ends at one place, and the sums that it goes to.
 struct End {
@@ -46,11 +68,8 @@ class Contraction {
       next = &next->next.front();
       links_.push_back({next->sums, next->ledger, catches(next->stage), reads_catch_of(next->stage)});
     }
-    for (Link& link : links_) {
-      if (link.reads == no_part) continue;
-      while (links_[link.screen].catches != link.reads) ++link.screen;
-      link.whole = std::make_unique<WholeScreen>(whole_screen(link.screen));
-    }
+    for (std::size_t k = 0; k < links_.size(); ++k)
+      if (layout_.link(k).is_screen) links_[k].whole = nodes_.whole_screen(k);
     for (std::size_t from = 0; from < layout_.levels(); ++from) inside_.push_back(inside(from));
   }
 
@@ -64,16 +83,11 @@ class Contraction {
     }
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (layout_.link(k).is_screen)
-        covariances.push_back(covariance_of(tree_, node_, nodes_, k, links_[k].catches, counted(k), sums_));
+        covariances.push_back(covariance_of(tree_, node_, nodes_, *links_[k].whole, layout_.link(k).counted,
+                                            links_[k].catches, counted(k), stragglers(k), sums_));
   }
 
  private:
-  /// [from]: [node][rank of the outcome].
-  using Shares = std::vector<Eigen::MatrixXd>;
-  static auto of_rank(const Eigen::MatrixXd& shares, std::size_t rank) {
-    return shares.col(static_cast<Eigen::Index>(rank));
-  }
-
   /// All that was booked of a level: its path of rank 0 ends somewhere.
   Sum inside(std::size_t from) const {
     Sum sum = 0;
@@ -104,7 +118,11 @@ class Contraction {
     }
     for (std::size_t k = 0; k < links_.size(); ++k) {
       if (layout_.link(k).is_screen) put_squares(shares, k, shift);
-      if (links_[k].reads != no_part) put_levels(shares, k, shift);
+      if (links_[k].reads == no_part) continue;
+      std::size_t screen = 0;
+      while (links_[screen].catches != links_[k].reads) ++screen;
+      put_levels(*links_[screen].whole, shares, layout_.all_outcomes(), layout_.link(screen).counted,
+                 &sums_[links_[k].sums + shift]);
     }
   }
 
@@ -185,46 +203,6 @@ class Contraction {
     sums_[sums + screen.total() + 1] += rounded(all);
   }
 
-  WholeScreen whole_screen(std::size_t k) const {
-    WholeScreen whole;
-    for (std::size_t from = 0; from < layout_.levels(); ++from) {
-      const std::size_t ranks = layout_.outcomes(from).size();
-      whole.paths.emplace_back(ranks, Eigen::VectorXd::Zero(nodes_.size()));
-      whole.pairs.emplace_back(ranks);
-      for (std::size_t a = 0; a < ranks; ++a) {
-        for (std::size_t bin = 0; bin < layout_.link(k).screen.bins(); ++bin)
-          nodes_.weights(layout_.share(k, bin, from, a)).add_to(whole.paths[from][a]);
-        for (std::size_t b = 0; b < ranks; ++b)
-          whole.pairs[from][a].push_back(nodes_.pair_weights(k, from, a, b));
-      }
-    }
-    return whole;
-  }
-
-  /// The levels of what a screen counts: of each particle q, q^2, and q times all that is counted of it.
-  void put_levels(const Shares& shares, std::size_t reader, std::size_t shift) {
-    const std::size_t k = links_[reader].screen;
-    const WholeScreen& whole = *links_[reader].whole;
-    const double counted = layout_.link(k).counted;
-    const LevelLayout levels{layout_.levels()};
-    const std::size_t sums = links_[reader].sums + shift;
-    for (std::size_t from = 0; from < layout_.levels(); ++from)
-      for (std::size_t a = 0; a < layout_.outcomes(from).size(); ++a) {
-        const auto level = static_cast<std::size_t>(layout_.outcomes(from)[a]);
-        sums_[sums + LevelLayout::q(level)] +=
-            rounded(counted * whole.paths[from][a].dot(of_rank(shares[from], a)));
-        double product = 0;
-        for (std::size_t b = 0; b < layout_.outcomes(from).size(); ++b) {
-          const double pair =
-              counted * counted * quanta *
-              whole.pairs[from][a][b].dot(of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b)));
-          if (a == b) sums_[sums + LevelLayout::squares(level)] += rounded(pair);
-          product += pair;
-        }
-        if (levels.has_products()) sums_[sums + levels.products(level)] += rounded(product);
-      }
-  }
-
   /// [particles] that a screen counted, of each way.
   Eigen::VectorXd counted(std::size_t k) const {
     Eigen::VectorXd out(static_cast<Eigen::Index>(node_.ways.size()));
@@ -233,6 +211,18 @@ class Contraction {
           static_cast<double>(
               sums_[links_[k].sums + node_.ways[way].shift + layout_.link(k).screen.total()]) /
           quanta;
+    return out;
+  }
+
+  /// [particles] of them that it counted from outside the cells, for each way in each group of particles.
+  Eigen::MatrixXd stragglers(std::size_t k) const {
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(node_.ways.size()), static_cast<Eigen::Index>(group_count));
+    for (Eigen::Index way = 0; way < out.rows(); ++way)
+      for (Eigen::Index group = 0; group < out.cols(); ++group)
+        out(way, group) =
+            static_cast<double>(sums_[links_[k].sums + node_.ways[static_cast<std::size_t>(way)].shift +
+                                      layout_.link(k).screen.group(static_cast<std::size_t>(group))]) /
+            quanta;
     return out;
   }
 
@@ -249,22 +239,14 @@ class Contraction {
 void contract_levels(const PlanTree& tree, const PlanNode& node, Sums& sums) {
   const TransitLayout& layout = *node.transit;
   const TransitNodes nodes(layout, sums.data() + node.moments);
-  const LevelLayout levels{layout.levels()};
-  std::vector<int> outcomes(levels.levels);
-  std::iota(outcomes.begin(), outcomes.end(), 0);
+  const TransitNodes::WholeScreen whole = nodes.whole_screen(0);
+  std::vector<int> all(layout.levels());
+  std::iota(all.begin(), all.end(), 0);
   for (const PlanNode::Way& way : node.ways) {
-    Sum* to = sums.data() + node.sums + way.shift;
-    for (std::size_t from = 0; from < levels.levels; ++from) {
-      const NodeWeights &w = nodes.weights(layout.share(0, 0, from, 0)),
-                        &w2 = nodes.weights(layout.square(0, 0, from, 0, 0));
-      const Eigen::MatrixXd shares = nodes.shares(*path_of(way.stage), tree.source.key, from, outcomes);
-      for (std::size_t level = 0; level < levels.levels; ++level) {
-        const auto p = shares.col(static_cast<Eigen::Index>(level));
-        to[LevelLayout::q(level)] += rounded(w.sum_of(p));
-        to[LevelLayout::squares(level)] += rounded(quanta * w2.sum_of(p, p));
-        if (levels.has_products()) to[levels.products(level)] += rounded(quanta * w2.sum_of(p));
-      }
-    }
+    Shares shares;
+    for (std::size_t from = 0; from < layout.levels(); ++from)
+      shares.push_back(nodes.shares(*path_of(way.stage), tree.source.key, from, all));
+    put_levels(whole, shares, {layout.levels(), all}, 1, sums.data() + node.sums + way.shift);
   }
 }
 

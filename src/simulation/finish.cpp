@@ -16,6 +16,7 @@
 #include "simulation/counting.hpp"
 #include "simulation/finish_tallies.hpp"
 #include "simulation/tallies.hpp"
+#include "simulation/transit_times.hpp"
 
 namespace rabiline {
 namespace {
@@ -95,7 +96,8 @@ class Finisher {
 
   void add_detectors() {
     const ScreenGrids grids = screen_grids(experiment_.points);
-    for (const PlacedPart& part : experiment_.points.front().parts) {
+    const Beamline& first = experiment_.points.front();
+    for (const PlacedPart& part : first.parts) {
       const Detector* screen = detector_in(part.part);
       if (!screen) continue;
       DetectorResult detector;
@@ -103,21 +105,19 @@ class Finisher {
       detector.label = part.placement.label.value_or(detector.name);
       detector.y = part.placement.at;
       detector.background = screen->background;
-      add_axes(grids.at(detector.name), screen->bins, detector);
-      for (std::size_t p = 0; p < points_; ++p) add_counts(p, detector);
+      const ScreenGrid& grid = grids.at(detector.name);
+      detector.x = {"x", edges_of(grid.low_x, grid.high_x, screen->bins.x)};
+      detector.z = {"z", edges_of(grid.low_z, grid.high_z, screen->bins.z)};
+      for (std::size_t p = 0; p < points_; ++p) add_counts(p, grid, detector);
       detector.detected_covariance = covariance_of(
           deviations_[detector.name], experiment_.particles,
           [&](std::size_t a, std::size_t b) { return covariance_by_moments(detector.name, a, b); });
       add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
+      detector.transits = transits_to(number_of(first, detector.name), first, plan_, sums_);
       result_.detectors.push_back(std::move(detector));
     }
-  }
-
-  static void add_axes(const ScreenGrid& grid, const Bins& bins, DetectorResult& detector) {
-    detector.x = {"x", edges_of(grid.low_x, grid.high_x, bins.x)};
-    detector.z = {"z", edges_of(grid.low_z, grid.high_z, bins.z)};
   }
 
   /// Of all that leave an aimed source, what is detected: the emitted weight per particle, which is below 1
@@ -146,11 +146,15 @@ class Finisher {
     }
   }
 
-  void add_counts(std::size_t p, DetectorResult& detector) {
+  void add_counts(std::size_t p, const ScreenGrid& grid, DetectorResult& detector) {
     const Beamline& beamline = experiment_.points[p];
     const int part = number_of(beamline, detector.name);
-    const std::uint64_t each =
-        counted_of_one(std::get<Detector>(beamline.parts[static_cast<std::size_t>(part)].part).efficiency);
+    const auto& screen_part = std::get<Detector>(beamline.parts[static_cast<std::size_t>(part)].part);
+    const std::uint64_t each = counted_of_one(screen_part.efficiency);
+    if (grid.moves) {
+      detector.offset_x.push_back(screen_part.offset.x);
+      detector.offset_z.push_back(screen_part.offset.z);
+    }
     const std::size_t nx = detector.x.edges.size() - 1, nz = detector.z.edges.size() - 1;
     Counts bins(nx * nz), along_x(nx), along_z(nz), total(1);
     Moments all;

@@ -2,11 +2,13 @@
 // What a run hands to storage: exact sums turned into numbers with errors, as plain values.
 // Index order everywhere: scan point first, row-major: the last axis changes fastest.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "beamline/scan.hpp"
 #include "core/diagnostics.hpp"
+#include "simulation/flight_record.hpp"
 
 namespace rabiline {
 
@@ -16,13 +18,24 @@ struct BinAxis {
   std::vector<double> edges;  // [m] n + 1 of them
 };
 
+/// By their slowness, the particles of one species that a detector catches on some path: that they fly if
+/// found in one level in front of the fields that turn spins, and in another one behind them.
+struct TransitResult {
+  std::string species;                 // empty where one flies alone
+  std::vector<double> edges;           // [s/m] of equal cells, n + 1 of them
+  std::vector<std::string> paths;      // "+1/2 to -1/2", or "+1/2" where what follows is alike for all levels
+  std::vector<double> caught, errors;  // [paths][n] particles
+};
+
 /// One detector's histograms over the scan.
 struct DetectorResult {
   std::string name, label;
   double y = 0;  // [m] where it stands
   BinAxis x, z;
-  std::vector<double> counts;                     // [points][nx][nz], in particles
-  std::vector<double> counts_errors;              // same shape
+  std::vector<double> offset_x, offset_z;  // [points] [m] of its centre where the scan moves it: the axes
+                                           // are counted from there; else empty, and they are from the beam
+  std::vector<double> counts;              // [points][nx][nz], in particles
+  std::vector<double> counts_errors;       // same shape
   std::vector<double> counts_x, counts_x_errors;  // [points][nx]
   std::vector<double> counts_z, counts_z_errors;  // [points][nz]
   std::vector<double> detected;                   // [points] fraction of emitted
@@ -37,7 +50,8 @@ struct DetectorResult {
   std::vector<double> levels, levels_errors;  // [points][levels]; NaN where nothing was detected
   double background = 0;                      // [1/s] counts without a beam
   std::vector<double> count_rate,
-      count_rate_errors;  // [points] [1/s] with the background; empty without a rate
+      count_rate_errors;                // [points] [1/s] with the background; empty without a rate
+  std::vector<TransitResult> transits;  // where moments of the slowness are kept
 };
 
 /// One monitor over the scan.
@@ -88,6 +102,7 @@ struct FateResult {
 struct Provenance {
   std::vector<std::string> arguments;
   std::vector<InputText> inputs;
+  std::vector<std::string> changes;  // of them, as options: "--set", "B.field=9 mT"
   std::string start_time, end_time;  // ISO 8601 with offset
   std::string version, compiler, instruction_set, host;
   std::vector<std::string> warnings;  // one text each, its help in a further line
@@ -115,6 +130,7 @@ struct Result {
   std::vector<FateResult> fates;
   std::vector<std::string> ledger_levels;  // of the ledger by prepared level; empty where there is none
   std::vector<double> emitted_by_level;    // [points][levels] in particles; NaN where a point has no ledger
+  std::optional<FlightRecord> flight;      // for other scans of it, where moments serve all points
   Provenance provenance;
 };
 

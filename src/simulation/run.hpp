@@ -19,16 +19,26 @@ struct RunOptions {
   std::function<void(const Snapshot&)> snapshot;  // likewise, every snapshot_seconds and when stopped
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here; must fit
+  /// How often the particles may be halved (part_of), and whether the sums of a part are enough: asked about
+  /// one part after the other until they are.
+  int halvings = 0;
+  std::function<bool(const Sums&, int halvings)> enough;
 };
 
 /// What a run leaves: its sums, and whether all blocks are in them.
 struct RunOutcome {
   Sums sums;
+  std::vector<Straggler> stragglers;  // ascending, each once
   bool finished = false;
+  int halvings = 0;  // of the part that was enough
 };
 
+inline bool is_of(const Straggler& s, const Plan& plan) {
+  return s.tree < plan.trees.size() && s.particle >= plan.trees[s.tree].first &&
+         s.particle < plan.trees[s.tree].last;
+}
 /// Whether a run of this plan can go on from the snapshot.
-bool fits(const Snapshot&, const Plan&);
+bool fits(const Snapshot&, const Plan&, int halvings = 0);
 
 /// Flies every particle of the plan through its tree. The sums are the same bits for any number of threads,
 /// any batch size, any instruction set, and however often the run was stopped and went on.

@@ -19,14 +19,14 @@ double coefficient(const SpinPath& path, std::size_t from, int to, int power) {
 /// Products of powers of p in what the screen counts of pairs of paths: [i][j], each over the nodes.
 std::vector<std::vector<Eigen::VectorXd>> products_of_powers(const SpinPath& path,
                                                              const TransitLayout& layout,
-                                                             const TransitNodes& nodes, std::size_t link) {
+                                                             const TransitNodes::WholeScreen& screen) {
   const auto levels = static_cast<std::size_t>(path.levels);
-  std::vector<std::vector<Eigen::VectorXd>> of(
-      levels, std::vector<Eigen::VectorXd>(levels, Eigen::VectorXd::Zero(nodes.size())));
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
+  std::vector<std::vector<Eigen::VectorXd>> of(levels, std::vector<Eigen::VectorXd>(levels, none));
   for (std::size_t from = 0; from < layout.levels(); ++from)
     for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
       for (std::size_t b = 0; b < layout.outcomes(from).size(); ++b) {
-        const Eigen::VectorXd pair = nodes.pair_weights(link, from, a, b);
+        const Eigen::VectorXd& pair = screen.pairs[from][a][b];
         for (std::size_t i = 0; i < levels; ++i)
           for (std::size_t j = 0; j < levels; ++j)
             of[i][j] += pair * (coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i)) *
@@ -37,13 +37,14 @@ std::vector<std::vector<Eigen::VectorXd>> products_of_powers(const SpinPath& pat
 
 /// Sum of w^2 P, as powers of p.
 std::vector<Eigen::VectorXd> powers_in_counts(const SpinPath& path, const TransitLayout& layout,
-                                              const TransitNodes& nodes, std::size_t link) {
-  std::vector<Eigen::VectorXd> of(static_cast<std::size_t>(path.levels), Eigen::VectorXd::Zero(nodes.size()));
+                                              const TransitNodes::WholeScreen& screen) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
+  std::vector<Eigen::VectorXd> of(static_cast<std::size_t>(path.levels), none);
   for (std::size_t from = 0; from < layout.levels(); ++from)
     for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
       for (std::size_t i = 0; i < of.size(); ++i)
-        of[i] += nodes.pair_weights(link, from, a, a) *
-                 coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i));
+        of[i] +=
+            screen.pairs[from][a][a] * coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i));
   return of;
 }
 
@@ -57,19 +58,30 @@ Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const
   return flips;
 }
 
+/// How few they are in a group varies by Poisson's law, so their sums vary between groups as sum of w^2 P P'.
+/// In sum of w^2 P they weigh w as all particles do on average.
+void add_stragglers(const Eigen::MatrixXd& in_groups, double weight, Eigen::MatrixXd& together,
+                    Eigen::VectorXd& weighted) {
+  if (in_groups.isZero(0)) return;
+  const auto groups = static_cast<double>(in_groups.cols());
+  const Eigen::MatrixXd off = in_groups.colwise() - in_groups.rowwise().mean();
+  together.topLeftCorner(off.rows(), off.rows()) += off * off.transpose() * (groups / (groups - 1));
+  weighted.head(off.rows()) += in_groups.rowwise().sum() * weight;
+}
+
 }  // namespace
 
 /// Of counts C = sum of w P over N particles that were emitted with sum of w = W: the sum over all of them of
 /// (w P - r w)(w P' - r' w), r = C/W.
 ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
-                               std::size_t link, int part, Eigen::VectorXd counted, const Sums& sums) {
+                               const TransitNodes::WholeScreen& screen, double share, int part,
+                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums& sums) {
   const TransitLayout& layout = *projection.transit;
   const SpinPath& path = *path_of(projection.stage);
-  const auto products = products_of_powers(path, layout, nodes, link);
-  const auto singles = powers_in_counts(path, layout, nodes, link);
+  const auto products = products_of_powers(path, layout, screen);
+  const auto singles = powers_in_counts(path, layout, screen);
   const Eigen::MatrixXd flips = flips_of(tree, projection, nodes);
   const Eigen::Index ways = flips.rows();
-  const double share = layout.link(link).counted;
 
   std::vector<Eigen::MatrixXd> power(products.size());  // of the flips, the 0th left out
   power[1] = flips;
@@ -91,6 +103,7 @@ ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection,
 
   const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / quanta,
                emitted2 = static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / quanta / quanta;
+  add_stragglers(stragglers, emitted2 / emitted, together, weighted);
   counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
   const Eigen::VectorXd rate = counted / emitted;
   ScreenCovariance out{part, {}, {}};

@@ -13,8 +13,10 @@ struct ScreenCovariance {
   double between(std::size_t a, std::size_t b) const { return between_ways(way_of[a], way_of[b]); }
 };
 
-/// Of the screen that is that link behind the projection; `counted`: particles, of each way.
+/// Of a screen behind the projection. `share`: what it counts of each weight that it catches; `counted`:
+/// particles, of each way; `stragglers`: those among them that are in no cell, in each group of particles.
 ScreenCovariance covariance_of(const PlanTree&, const PlanNode& projection, const TransitNodes&,
-                               std::size_t link, int part, Eigen::VectorXd counted, const Sums&);
+                               const TransitNodes::WholeScreen&, double share, int part,
+                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums&);
 
 }  // namespace rabiline

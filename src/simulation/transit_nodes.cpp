@@ -64,6 +64,21 @@ Sum TransitNodes::booked(std::size_t row) const {
   return sum;
 }
 
+TransitNodes::WholeScreen TransitNodes::whole_screen(std::size_t link) const {
+  WholeScreen whole;
+  for (std::size_t from = 0; from < layout_.levels(); ++from) {
+    const std::size_t ranks = layout_.outcomes(from).size();
+    whole.paths.emplace_back(ranks, Eigen::VectorXd::Zero(size()));
+    whole.pairs.emplace_back(ranks);
+    for (std::size_t a = 0; a < ranks; ++a) {
+      for (std::size_t bin = 0; bin < layout_.link(link).screen.bins(); ++bin)
+        weights(layout_.share(link, bin, from, a)).add_to(whole.paths[from][a]);
+      for (std::size_t b = 0; b < ranks; ++b) whole.pairs[from][a].push_back(pair_weights(link, from, a, b));
+    }
+  }
+  return whole;
+}
+
 Eigen::VectorXd TransitNodes::pair_weights(std::size_t link, std::size_t from, std::size_t a,
                                            std::size_t b) const {
   if (a < b) std::swap(a, b);

@@ -47,8 +47,12 @@ class TransitNodes {
   const NodeWeights& weights(std::size_t row) const { return weights_[row]; }
   /// All that was booked in a row of w, exactly.
   Sum booked(std::size_t row) const;
-  /// w^2 of pairs of paths that a screen catches, whatever the bins.
-  Eigen::VectorXd pair_weights(std::size_t link, std::size_t from, std::size_t a, std::size_t b) const;
+  /// What a screen catches of each outcome, and of each pair of them, whatever the bins.
+  struct WholeScreen {
+    std::vector<std::vector<Eigen::VectorXd>> paths;               // [from][rank]: weights of w
+    std::vector<std::vector<std::vector<Eigen::VectorXd>>> pairs;  // [from][rank][rank]: weights of w^2
+  };
+  WholeScreen whole_screen(std::size_t link) const;
 
   /// What the kernel that shares out weights gives to each outcome of a level: [node][rank].
   Eigen::MatrixXd shares(const SpinPath& path, const RandomKey& key, std::size_t from) const {
@@ -63,6 +67,8 @@ class TransitNodes {
                          const std::vector<int>& outcomes) const;
 
  private:
+  Eigen::VectorXd pair_weights(std::size_t link, std::size_t from, std::size_t a, std::size_t b) const;
+
   const TransitLayout& layout_;
   const Sum* sums_;
   std::vector<std::size_t> cells_;    // that hold anything

@@ -66,6 +66,7 @@ Batch& Walker::batch(std::size_t depth) {
 }
 
 void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, Sums& sums) {
+  stragglers_.clear();
   for (std::uint64_t begin = first; begin < last; begin += static_cast<std::uint64_t>(batch_size_)) {
     Batch& start = batch(0);
     start.view().count =
@@ -95,9 +96,13 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
   branches_.fly(batch, chain, node.reach, isa_, key, node.transit.get());
-  if (node.transit &&
-      branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments))
-    return;
+  if (node.transit) {
+    if (branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
+    const BatchView& b = batch.view();
+    for (int i = 0; i < b.count; ++i)
+      if (b.flying[i] != 0 && !node.transit->cells().contains(1 / b.vy[i]))
+        stragglers_.push_back(b.particle[i]);
+  }
   for (const PlanNode::Way& way : node.ways) {
     branches_.book(*path_of(way.stage), sums.data(), way.shift);
     for (const ChainLink& link : chain) {
@@ -116,7 +121,10 @@ void Walker::read_levels(const PlanNode& node, const Batch& batch, const RandomK
   outside_.copy_from(batch);
   BatchView& outside = outside_.view();
   for (int i = 0; i < outside.count; ++i)
-    if (node.transit->cells().contains(outside.slowness[i])) outside.caught_by[i] = 0;
+    if (node.transit->cells().contains(outside.slowness[i]))
+      outside.caught_by[i] = 0;
+    else if (outside.caught_by[i] == static_cast<std::uint64_t>(part) + 1)
+      stragglers_.push_back(outside.particle[i]);
   for (const PlanNode::Way& way : node.ways) {
     StageContext context{isa_, key, outside_, sums.data() + node.sums + way.shift};
     advance(way.stage, context);

@@ -14,6 +14,8 @@ class Walker {
 
   /// Particles [first, last) of the tree, summed into `sums` (the plan's).
   void fly(const PlanTree&, std::uint64_t first, std::uint64_t last, Sums& sums);
+  /// Particles of the last flight that were too slow or too fast for cells of moments, once or more often.
+  const std::vector<std::uint64_t>& stragglers() const { return stragglers_; }
 
  private:
   void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
@@ -31,6 +33,7 @@ class Walker {
   TransitBook transits_;
   Batch outside_;  // what was caught outside the cells of moments
   std::map<const PlanNode*, MomentBuffer> moments_;
+  std::vector<std::uint64_t> stragglers_;
 };
 
 }  // namespace rabiline

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <map>
-#include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
 #include "core/constants.hpp"
+#include "spin/evolution.hpp"
 #include "spin/levels.hpp"
 #include "spin/rotating_frame.hpp"
 
@@ -40,7 +42,14 @@ struct Stretch {
   std::optional<RotatingTerm> drive{};
   DrivenStates states{};                 // where driven
   const RotatingFrame* frame = nullptr;  // where driven
-  Eigen::MatrixXd kept{};                // [Hz] coupling at full amplitude, where driven
+  StandingCoupling standing{};           // where driven
+
+  bool is_driven() const { return frame != nullptr; }
+  /// Whether it takes one of these levels to another.
+  bool mixes(int i, int j) const {
+    return is_driven() &&
+           (standing.first(i, j) != 0 || standing.second(i, j) != 0 || standing.third(i, j) != 0);
+  }
 };
 
 constexpr double rounding = 1e-9;  // [m] of where zones begin and end
@@ -105,16 +114,17 @@ std::deque<RotatingFrame> add_frames(const CoupledSpins& spins, std::vector<Stre
       frame = std::prev(frames.end());
     }
     stretch.frame = &*frame;
-    stretch.kept = kept_coupling(*frame, stretch.states);
+    stretch.standing = standing_coupling(*frame, stretch.states);
   }
   return frames;
 }
 
-/// Sets of levels that the given pairs connect, directly or through others.
+/// Sets of levels that are connected, directly or through others.
 template <typename Connected>
-std::vector<std::vector<int>> sets_of(const std::vector<int>& levels, Connected connected) {
+std::vector<std::vector<int>> sets_of(int levels, Connected connected) {
   std::vector<std::vector<int>> sets;
-  std::vector<int> waiting = levels;
+  std::vector<int> waiting(static_cast<std::size_t>(levels));
+  std::iota(waiting.begin(), waiting.end(), 0);
   while (!waiting.empty()) {
     std::vector<int> set{waiting.front()};
     waiting.erase(waiting.begin());
@@ -130,27 +140,6 @@ std::vector<std::vector<int>> sets_of(const std::vector<int>& levels, Connected 
   return sets;
 }
 
-struct Slice {
-  double length = 0;  // [m]
-  double share = 0;   // of the full amplitude
-};
-
-/// Each step's two exponentials are again slices of a constant amplitude: with the amplitudes g_1, g_2 at
-/// Gauss's points, (1/2 +- 1/sqrt 3) of them each.
-std::vector<Slice> magnus_slices(const Stretch& stretch, int steps) {
-  std::vector<Slice> slices;
-  const double step = (stretch.end - stretch.begin) / steps, gauss = std::sqrt(3.0) / 6;
-  const double near = 0.5 + 2 * gauss, far = 0.5 - 2 * gauss;
-  for (int k = 0; k < steps; ++k) {
-    const double middle = stretch.begin + (k + 0.5) * step;
-    const double first = share_of(stretch.drive->envelope, middle - gauss * step);
-    const double second = share_of(stretch.drive->envelope, middle + gauss * step);
-    slices.push_back({step / 2, near * first + far * second});
-    slices.push_back({step / 2, far * first + near * second});
-  }
-  return slices;
-}
-
 /// Builds the evolution of one block along the stretches.
 class BlockBuilder {
  public:
@@ -164,12 +153,16 @@ class BlockBuilder {
   Evolution evolution(const std::vector<Stretch>& stretches, double largest_slowness) {
     Evolution out(size(), static_cast<int>(random_clocks_.size()));
     for (const Stretch& stretch : stretches) {
-      const bool driven = stretch.drive && stretch.kept(levels_, levels_).any();
-      if (driven) enter(out, stretch);
-      if (driven)
-        drive(out, stretch, largest_slowness);
-      else if (frame_ != nullptr)
-        out.turn(Eigen::VectorXd::Zero(size()), energies(stretch) * (stretch.end - stretch.begin));
+      const bool mixes = std::ranges::any_of(levels_, [&](int i) {
+        return std::ranges::any_of(levels_, [&](int j) { return i != j && stretch.mixes(i, j); });
+      });
+      if (mixes) enter(out, stretch);
+      if (frame_ == nullptr) continue;
+      if (stretch.is_driven()) standing_ = stretch.standing.among(levels_);
+      if (!stretch.is_driven() || stretch.drive->envelope.shape == Shape::rectangular)
+        pass(out, hamiltonian(stretch, 1), stretch.end - stretch.begin);
+      else
+        pass_slices(out, stretch, slices_of(stretch, largest_slowness));
     }
     return out;
   }
@@ -177,14 +170,15 @@ class BlockBuilder {
  private:
   int size() const { return static_cast<int>(levels_.size()); }
 
-  /// E_i/h - n_i f less that of the first level, in the present frame.
-  Eigen::VectorXd energies(const Stretch& stretch) const {
-    Eigen::VectorXd energy(size());
+  /// [Hz] In the present frame at a share of the drive's amplitude, less the energy of the first level.
+  Eigen::MatrixXd hamiltonian(const Stretch& stretch, double share) const {
+    Eigen::MatrixXd h = Eigen::MatrixXd::Zero(size(), size());
+    if (stretch.is_driven()) h = standing_.at(share);
     for (int k = 0; k < size(); ++k) {
       const int photons = frame_->photons[levels_[k]] - frame_->photons[levels_[0]];
-      energy(k) = stretch.energy(levels_[k]) - stretch.energy(levels_[0]) - photons * frame_->frequency;
+      h(k, k) += stretch.energy(levels_[k]) - stretch.energy(levels_[0]) - photons * frame_->frequency;
     }
-    return energy;
+    return h;
   }
 
   /// From the present frame into that of a drive: a_i grows by the phase (n_i p + m_i chi) of the new one
@@ -211,32 +205,40 @@ class BlockBuilder {
     frame_ = &next;
   }
 
-  void pass(Evolution& out, const Stretch& stretch, const std::vector<Slice>& slices) const {
-    const Eigen::VectorXd energy = energies(stretch);
-    const Eigen::MatrixXd coupling = stretch.kept(levels_, levels_);
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-    for (const Slice& slice : slices) {
-      Eigen::MatrixXd h = slice.share * coupling;
-      h.diagonal() += energy;
-      solver.compute(h);
-      out.mix(solver.eigenvectors().transpose());
-      out.turn(Eigen::VectorXd::Zero(size()), solver.eigenvalues() * slice.length);
-      out.mix(solver.eigenvectors());
+  void pass(Evolution& out, const Eigen::MatrixXd& h, double length) const {
+    const Eigen::VectorXd no_angle = Eigen::VectorXd::Zero(size());
+    if (h.isDiagonal(0)) return out.turn(no_angle, h.diagonal() * length);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(h);
+    out.mix(own.eigenvectors().transpose());
+    out.turn(no_angle, own.eigenvalues() * length);
+    out.mix(own.eigenvectors());
+  }
+
+  /// Each step's two exponentials are of the mean Hamiltonian of half a step: with H_1, H_2 at Gauss's
+  /// points, (1/2 +- 1/sqrt 3) of them each.
+  void pass_slices(Evolution& out, const Stretch& stretch, int steps) const {
+    const double step = (stretch.end - stretch.begin) / steps, gauss = std::sqrt(3.0) / 6;
+    const double near = 0.5 + 2 * gauss, far = 0.5 - 2 * gauss;
+    for (int k = 0; k < steps; ++k) {
+      const double middle = stretch.begin + (k + 0.5) * step;
+      const auto at = [&](double y) { return hamiltonian(stretch, share_of(stretch.drive->envelope, y)); };
+      const Eigen::MatrixXd first = at(middle - gauss * step), second = at(middle + gauss * step);
+      pass(out, near * first + far * second, step / 2);
+      pass(out, far * first + near * second, step / 2);
     }
   }
 
-  void drive(Evolution& out, const Stretch& stretch, double largest_slowness) const {
-    if (stretch.drive->envelope.shape == Shape::rectangular)
-      return pass(out, stretch, {{stretch.end - stretch.begin, 1}});
+  /// Steps are doubled until the error falls with their fourth power, then as many as it takes are known.
+  int slices_of(const Stretch& stretch, double largest_slowness) const {
     const auto amplitudes = [&](int steps) {
       Evolution alone(size(), 0);
-      pass(alone, stretch, magnus_slices(stretch, steps));
+      alone.mix(Eigen::MatrixXd::Identity(size(), size()));
+      pass_slices(alone, stretch, steps);
       return alone.amplitudes(largest_slowness);
     };
-    // Steps are doubled until the error falls with their fourth power, then as many as it takes are known.
-    constexpr double aim = 3e-8, regular = 1e-5;
-    constexpr int most = 1 << 13;
-    int steps = 4;
+    constexpr double aim = 3e-9, regular = 1e-5;
+    constexpr int least = 8, most = 1 << 13;
+    int steps = least;
     Eigen::MatrixXcd coarse = amplitudes(steps);
     double error = 1;
     while (error > regular && steps < most) {
@@ -246,14 +248,15 @@ class BlockBuilder {
       coarse = fine;
     }
     const double factor = std::clamp(std::sqrt(std::sqrt(error / aim)), 0.5, 8.0);
-    pass(out, stretch, magnus_slices(stretch, std::max(4, static_cast<int>(std::ceil(factor * steps)))));
+    return std::max(least, static_cast<int>(std::ceil(factor * steps)));
   }
 
   const std::vector<LevelLabel>& labels_;
   const std::vector<int>& levels_;
   std::vector<int> random_clocks_;
   const RotatingFrame* frame_ = nullptr;
-  Eigen::VectorXd phase_;  // [cycles] n_i phase + m_i chi of the present frame
+  StandingCoupling standing_{};  // of the present stretch, where driven
+  Eigen::VectorXd phase_;        // [cycles] n_i phase + m_i chi of the present frame
 };
 
 /// Clocks of driven stretches whose start phase is random.
@@ -266,98 +269,51 @@ std::vector<int> random_clocks(const std::vector<Stretch>& stretches) {
   return clocks;
 }
 
-/// Cycles per s/m of the phases between levels that a drive mixes by more than 1e-3 somewhere, summed along
-/// the stretches.
-double fastest_of(const std::vector<Stretch>& stretches, const std::vector<int>& block) {
-  constexpr double least_mixing = 1e-3;
-  // E_i/h - n_i f of one block in a drive's frame; without one the last frame holds.
-  const auto energy = [](const Stretch& stretch, const RotatingFrame& frame, int i) {
-    return stretch.energy(i) - frame.photons[i] * frame.frequency;
-  };
-  const auto mixes = [&](int i, int j) {
-    return std::ranges::any_of(stretches, [&](const Stretch& stretch) {
-      if (stretch.frame == nullptr || stretch.kept(i, j) == 0) return false;
-      const double v = 2 * stretch.kept(i, j);
-      const double apart = energy(stretch, *stretch.frame, i) - energy(stretch, *stretch.frame, j);
-      return v * v > least_mixing * (v * v + apart * apart);
-    });
-  };
-  double fastest = 0;
-  for (const std::vector<int>& set : sets_of(block, mixes)) {
-    if (set.size() < 2) continue;
-    double sum = 0;
-    const RotatingFrame* frame = nullptr;
-    for (const Stretch& stretch : stretches) {
-      const auto spread = [&](auto value) {
-        const auto [least, most] = std::ranges::minmax(set, {}, value);
-        return value(most) - value(least);
-      };
-      if (stretch.frame != nullptr && frame != nullptr && frame != stretch.frame)
-        sum += std::abs(stretch.begin) * spread([&](int i) {
-                 return stretch.frame->photons[i] * stretch.frame->frequency -
-                        frame->photons[i] * frame->frequency;
-               });
-      if (stretch.frame != nullptr) frame = stretch.frame;
-      if (frame == nullptr) continue;
-      const double length = stretch.end - stretch.begin;
-      sum += length * spread([&](int i) { return energy(stretch, *frame, i); });
-      if (stretch.frame != nullptr)
-        sum += 2 * length * stretch.kept(set, set).cwiseAbs().rowwise().sum().maxCoeff();
-    }
-    fastest = std::max(fastest, sum);
-  }
-  return fastest;
-}
-
 }  // namespace
 
 DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zones, double largest_slowness)
-    : levels_(spins.levels()) {
+    : block_of_(static_cast<std::size_t>(spins.levels()), -1) {
   std::vector<Stretch> stretches = stretches_of(spins, std::move(zones));
   const std::deque<RotatingFrame> frames = add_frames(spins, stretches);
-  const auto is_driven = [](const Stretch& stretch) { return stretch.frame != nullptr; };
   for (const Stretch& stretch : stretches)
-    if (is_driven(stretch))
+    if (stretch.is_driven())
       neglected_ = std::max(neglected_, neglected_amplitude(*stretch.frame, stretch.states));
   // What comes before the first drive and after the last one turns each level by itself.
-  const auto last = std::find_if(stretches.rbegin(), stretches.rend(), is_driven).base();
+  const auto last =
+      std::find_if(stretches.rbegin(), stretches.rend(), std::mem_fn(&Stretch::is_driven)).base();
   stretches.erase(last, stretches.end());
 
-  std::vector<int> all(levels_);
-  for (int n = 0; n < levels_; ++n) all[n] = n;
   const std::vector<LevelLabel> labels = level_labels(spins);
   const std::vector<int> clocks = random_clocks(stretches);
   const auto coupled = [&](int i, int j) {
-    return std::ranges::any_of(stretches,
-                               [&](const Stretch& s) { return s.frame != nullptr && s.kept(i, j) != 0; });
+    return std::ranges::any_of(stretches, [&](const Stretch& s) { return s.mixes(i, j); });
   };
-  for (const std::vector<int>& set : sets_of(all, coupled)) {
-    blocks_.push_back({set, BlockBuilder(labels, set, clocks).evolution(stretches, largest_slowness)});
-    fastest_ = std::max(fastest_, fastest_of(stretches, set));
+  for (const std::vector<int>& set : sets_of(spins.levels(), coupled)) {
+    if (set.size() < 2) continue;
+    const Evolution evolution = BlockBuilder(labels, set, clocks).evolution(stretches, largest_slowness);
+    if (!evolution.mixes()) continue;
+    for (const int level : set) block_of_[static_cast<std::size_t>(level)] = static_cast<int>(blocks_.size());
+    blocks_.push_back(evolution.lay_out(numbers_));
+    blocks_.back().first_level = static_cast<int>(levels_.size());
+    levels_.insert(levels_.end(), set.begin(), set.end());
   }
 }
 
-std::vector<std::pair<int, int>> DrivenLevels::connected() const {
-  std::vector<std::pair<int, int>> pairs;
-  for (const Block& block : blocks_)
-    for (const int from : block.levels)
-      for (const int to : block.levels) pairs.emplace_back(from, to);
-  return pairs;
+std::uint64_t DrivenLevels::reach(int level) const {
+  const int block = block_of_[static_cast<std::size_t>(level)];
+  if (block < 0) return std::uint64_t{1} << level;
+  std::uint64_t bits = 0;
+  for (int to = 0; to < levels(); ++to)
+    if (block_of_[static_cast<std::size_t>(to)] == block) bits |= std::uint64_t{1} << to;
+  return bits;
 }
 
-void DrivenLevels::put_probabilities(double slowness, double* out) const {
-  for (const Block& block : blocks_) {
-    const Eigen::MatrixXd p = block.evolution.probabilities(slowness);
-    for (Eigen::Index from = 0; from < p.rows(); ++from)
-      for (Eigen::Index to = 0; to < p.cols(); ++to) *out++ = p(from, to);
-  }
-}
-
-Eigen::MatrixXd DrivenLevels::probabilities(double slowness) const {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(levels_, levels_);
-  for (const Block& block : blocks_)
-    all(block.levels, block.levels) = block.evolution.probabilities(slowness);
-  return all;
+double DrivenLevels::work() const {
+  constexpr double turn = 30;  // of one level
+  double sum = levels();
+  for (const LevelBlock& b : blocks_)
+    sum += b.levels * (b.samples * b.steps * b.levels * (turn + 4 * b.levels)) / levels();
+  return sum;
 }
 
 }  // namespace rabiline

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "spin/level_block.hpp"
+
 namespace rabiline {
 
 /// A product of mixings and turns, the earliest on the right. Everything that does not depend on the slowness
@@ -15,34 +17,27 @@ class Evolution {
   /// a_k -> exp(-2 pi i (angle_k + rate_k s)) a_k; rates in cycles per s/m. Turns of the levels before the
   /// first mixing are left out: a start in one level knows nothing of them.
   void turn(const Eigen::VectorXd& angle, const Eigen::VectorXd& rate);
-  /// a_k -> exp(2 pi i sum_c n_ck x_c) a_k, with x_c the same in all calls and evenly spread over [0, 1).
+  /// a_k -> exp(-2 pi i sum_c n_ck x_c) a_k, with x_c the same in all calls and evenly spread over [0, 1).
   void turn_at_random(const Eigen::MatrixXi& n);
 
+  bool mixes() const { return !steps_.empty(); }
   /// Row: to, column: from. Random angles are zero.
   Eigen::MatrixXcd amplitudes(double slowness) const;
-  /// Row: from, column: to; the mean over the random angles. The probabilities are polynomials in
-  /// exp(2 pi i x_c), so the mean over more equal steps than their degree is exact.
-  Eigen::MatrixXd probabilities(double slowness) const;
+  /// All of it as numbers, where it mixes, added behind those that are there. Probabilities are polynomials
+  /// in exp(2 pi i x_c), so that their mean over more equal steps of x_c than their degree is exact.
+  LevelBlock lay_out(std::vector<double>& numbers) const;
 
  private:
-  /// The amplitudes' real parts and beside them the imaginary ones: a real matrix mixes both in one product.
-  using Pairs = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   struct Step {
-    Pairs mixing{};  // first this, then the turn
+    Eigen::MatrixXd mixing{};  // first this, then the turn
     Eigen::VectorXd angle{}, rate{};
+    Eigen::MatrixXi random{};  // n_ck
     bool turns = false;
   };
-  struct Segment {
-    Eigen::MatrixXi random{};  // how the random angles turn the levels before it
-    std::vector<Step> steps{};
-  };
-  void begin_step(const Eigen::MatrixXd& matrix);
-  Pairs product_of(const Segment& segment, double slowness) const;
   std::vector<int> samples() const;
 
   int levels_, random_angles_;
-  bool mixed_ = false;
-  std::vector<Segment> segments_;
+  std::vector<Step> steps_{};  // empty until something mixes
 };
 
 }  // namespace rabiline

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
@@ -10,30 +13,63 @@
 namespace rabiline {
 namespace {
 
+/// Levels that a field couples.
 struct Pair {
   int upper = 0, lower = 0;
-  double detuning = 0;  // [Hz] | |E_i - E_j|/h - f |
+  double coupling = 0, apart = 0;  // [Hz] of half the field; E_upper/h - E_lower/h
+  double strength(double frequency) const { return ratio(coupling, std::abs(apart - frequency)); }
+
+  static double ratio(double coupling, double detuning) {
+    if (coupling == 0) return 0;
+    return detuning > 0 ? std::abs(coupling) / detuning : std::numeric_limits<double>::infinity();
+  }
 };
 
-/// Levels that a field couples, the higher one first.
-std::vector<Pair> coupled_pairs(const DrivenStates& states, double frequency) {
+std::vector<Pair> coupled_pairs(const DrivenStates& states) {
   std::vector<Pair> pairs;
   for (int i = 0; i < states.energy.size(); ++i)
     for (int j = i + 1; j < states.energy.size(); ++j) {
       if (states.coupling(i, j) == 0) continue;
       const double apart = states.energy(i) - states.energy(j);
-      pairs.push_back({apart >= 0 ? i : j, apart >= 0 ? j : i, std::abs(std::abs(apart) - frequency)});
+      pairs.push_back({apart >= 0 ? i : j, apart >= 0 ? j : i, states.coupling(i, j) / 2, std::abs(apart)});
     }
   return pairs;
 }
 
-bool keeps(const RotatingFrame& frame, const Pair& pair) {
-  return frame.photons[pair.upper] - frame.photons[pair.lower] == 1;
+/// A level and so many photons that the field has more: a state of both.
+struct Dressed {
+  int level = 0, photons = 0;
+  bool operator==(const Dressed&) const = default;
+};
+
+/// The set's own states, and all that half an oscillating field takes them to.
+std::vector<Dressed> states_of(const RotatingFrame& frame, int set) {
+  std::vector<Dressed> own;
+  for (std::size_t i = 0; i < frame.set.size(); ++i)
+    if (frame.set[i] == set) own.push_back({static_cast<int>(i), -frame.photons[i]});
+  return own;
+}
+std::vector<Dressed> neighbours_of(const std::vector<Dressed>& own, const Eigen::MatrixXd& coupling) {
+  std::vector<Dressed> outside;
+  for (const Dressed& state : own)
+    for (int k = 0; k < coupling.cols(); ++k)
+      for (const int change : {-1, 1}) {
+        const Dressed next{k, state.photons + change};
+        if (coupling(state.level, k) != 0 && std::ranges::find(own, next) == own.end() &&
+            std::ranges::find(outside, next) == outside.end())
+          outside.push_back(next);
+      }
+  return outside;
 }
 
-double ratio(double coupling, double detuning) {
-  if (coupling == 0) return 0;
-  return detuning > 0 ? std::abs(coupling) / detuning : std::numeric_limits<double>::infinity();
+Eigen::MatrixXd between(const std::vector<Dressed>& rows, const std::vector<Dressed>& columns,
+                        const Eigen::MatrixXd& coupling) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(std::ssize(rows), std::ssize(columns));
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    for (Eigen::Index j = 0; j < out.cols(); ++j)
+      if (std::abs(rows[i].photons - columns[j].photons) == 1)
+        out(i, j) = coupling(rows[i].level, columns[j].level) / 2;
+  return out;
 }
 
 }  // namespace
@@ -59,68 +95,85 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
 RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones) {
   RotatingFrame frame{drive.oscillator.part, sense_of(drive), drive.oscillator.frequency,
-                      std::vector<int>(labels.size())};
+                      std::vector<int>(labels.size()), std::vector<int>(labels.size())};
   if (frame.sense != 0) {
     for (std::size_t i = 0; i < labels.size(); ++i)
       frame.photons[i] = frame.sense * (labels[i].twice_m - labels[0].twice_m) / 2;
     return frame;
   }
+  std::iota(frame.set.begin(), frame.set.end(), 0);
   std::vector<Pair> pairs;
-  for (const DrivenStates* zone : zones)
-    std::ranges::copy(coupled_pairs(*zone, frame.frequency), std::back_inserter(pairs));
-  std::ranges::stable_sort(pairs, {}, &Pair::detuning);
-  std::vector<int> tree(labels.size());
-  for (std::size_t i = 0; i < tree.size(); ++i) tree[i] = static_cast<int>(i);
+  for (const DrivenStates* zone : zones) std::ranges::copy(coupled_pairs(*zone), std::back_inserter(pairs));
+  const auto strength = [&](const Pair& pair) { return pair.strength(frame.frequency); };
+  std::ranges::stable_sort(pairs, std::greater(), strength);
   for (const Pair& pair : pairs) {
-    const int joined = tree[pair.lower], other = tree[pair.upper];
+    const int joined = frame.set[pair.lower], other = frame.set[pair.upper];
     if (joined == other) continue;
-    const int shift = frame.photons[pair.lower] + 1 - frame.photons[pair.upper];
-    for (std::size_t i = 0; i < tree.size(); ++i)
-      if (tree[i] == other) {
-        tree[i] = joined;
-        frame.photons[i] += shift;
+    const int ahead = frame.photons[pair.upper] - frame.photons[pair.lower];  // must be 1 for all
+    const bool drops_another = std::ranges::any_of(pairs, [&](const Pair& p) {
+      const bool along = frame.set[p.lower] == joined && frame.set[p.upper] == other;
+      const bool against = frame.set[p.lower] == other && frame.set[p.upper] == joined;
+      const int shift = along ? 1 - ahead : ahead - 1;
+      return (along || against) && frame.photons[p.upper] - frame.photons[p.lower] + shift != 1 &&
+             2 * strength(p) > strength(pair);
+    });
+    if (drops_another) continue;
+    for (std::size_t i = 0; i < frame.set.size(); ++i)
+      if (frame.set[i] == other) {
+        frame.set[i] = joined;
+        frame.photons[i] += 1 - ahead;
       }
   }
   return frame;
 }
 
-Eigen::MatrixXd kept_coupling(const RotatingFrame& frame, const DrivenStates& states) {
-  if (frame.sense != 0) return states.coupling;
-  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(states.coupling.rows(), states.coupling.cols());
-  for (const Pair& pair : coupled_pairs(states, frame.frequency))
-    if (keeps(frame, pair))
-      kept(pair.upper, pair.lower) = kept(pair.lower, pair.upper) =
-          states.coupling(pair.upper, pair.lower) / 2;
-  return kept;
+StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states) {
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(states.coupling.rows(), states.coupling.cols());
+  if (frame.sense != 0) return {states.coupling, zero, zero};
+  StandingCoupling out{zero, zero, zero};
+  // 1/d, but for what is nearer than the coupling: there a shift is bounded by it.
+  const double nearest = states.coupling.cwiseAbs().maxCoeff() / 2;
+  const auto energy = [&](const Dressed& s) { return states.energy(s.level) + s.photons * frame.frequency; };
+  for (int set = 0; set < std::ssize(frame.set); ++set) {
+    const std::vector<Dressed> own = states_of(frame, set), outside = neighbours_of(own, states.coupling);
+    if (outside.empty()) continue;
+    std::vector<int> levels;
+    for (const Dressed& state : own) levels.push_back(state.level);
+    Eigen::ArrayXXd inverse(std::ssize(own), std::ssize(outside));
+    for (Eigen::Index i = 0; i < inverse.rows(); ++i)
+      for (Eigen::Index k = 0; k < inverse.cols(); ++k) {
+        const double apart = energy(own[i]) - energy(outside[k]);
+        inverse(i, k) = apart / (apart * apart + nearest * nearest);
+      }
+    const Eigen::MatrixXd kept = between(own, own, states.coupling);
+    const Eigen::MatrixXd there = between(own, outside, states.coupling);
+    const Eigen::MatrixXd first = (there.array() * inverse).matrix();
+    const Eigen::MatrixXd among = first * between(outside, outside, states.coupling) - kept * first;
+    const auto there_and_back = [&](const Eigen::MatrixXd& amplitude) -> Eigen::MatrixXd {
+      const Eigen::MatrixXd half = amplitude * there.transpose() / 2;
+      return half + half.transpose();
+    };
+    out.first(levels, levels) = kept;
+    out.second(levels, levels) = there_and_back(first);
+    out.third(levels, levels) = there_and_back((among.array() * inverse).matrix());
+  }
+  return out;
 }
 
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states) {
   if (frame.sense != 0) return 0;
   double largest = 0;
-  for (const Pair& pair : coupled_pairs(states, frame.frequency)) {
-    const double apart = std::abs(states.energy(pair.upper) - states.energy(pair.lower));
-    const double half = states.coupling(pair.upper, pair.lower) / 2;
-    largest = std::max(largest, ratio(half, keeps(frame, pair) ? apart + frame.frequency : pair.detuning));
-    if (!keeps(frame, pair)) continue;
+  for (const Pair& pair : coupled_pairs(states)) {
+    const bool kept = frame.set[pair.upper] == frame.set[pair.lower] &&
+                      frame.photons[pair.upper] - frame.photons[pair.lower] == 1;
+    largest = std::max(largest, kept ? Pair::ratio(pair.coupling, pair.apart + frame.frequency)
+                                     : pair.strength(frame.frequency));
+    if (!kept) continue;
     const double modulation =
         states.coupling(pair.upper, pair.upper) - states.coupling(pair.lower, pair.lower);
-    largest = std::max(largest, ratio(modulation / 2, frame.frequency));
+    largest = std::max(largest, Pair::ratio(modulation / 2, frame.frequency));
   }
   return largest;
-}
-
-double counter_rotating_shift(const DrivenStates& states, double frequency, int upper, int lower) {
-  const auto shift_of = [&](int level) {
-    double shift = 0;
-    for (int other = 0; other < states.energy.size(); ++other) {
-      const double apart = states.energy(level) - states.energy(other),
-                   half = states.coupling(level, other) / 2;
-      if (other == level || half == 0) continue;
-      shift += (apart < 0 ? -1 : 1) * half * half / (std::abs(apart) + frequency);
-    }
-    return shift;
-  };
-  return shift_of(upper) - shift_of(lower);
 }
 
 }  // namespace rabiline

@@ -24,31 +24,43 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
 /// Amplitudes c_i in the laboratory are a_i exp(-i (n_i p + m_i chi)) with the drive's angle p = 2 pi f t +
 /// phase. With mu_+ = mu_x + i mu_y raising m, a field that turns by +-p about +z has
 /// mu.B = (A/2) (mu_+ exp(-+i p) + mu_- exp(+-i p)): with n_i = +-m_i, H in the frame is
-/// E_i - n_i f + coupling, exactly. Of an oscillating field exp(-+i p)/2 each is kept where it makes
-/// n_i - n_j = +-1 with i the upper level: the rotating-wave approximation.
+/// E_i - n_i f + coupling, exactly. An oscillating field has exp(-i p)/2 and exp(+i p)/2 of each coupling;
+/// what makes n_i - n_j = +-1 stands still: the rotating-wave approximation.
 struct RotatingFrame {
   int clock = 0;
   int sense = 1;               // +1 or -1; 0 of fields that swing
   double frequency = 0;        // [Hz] f
-  std::vector<int> photons{};  // n_i, up to a constant of each set of connected levels
+  std::vector<int> photons{};  // n_i, up to a constant of each set
+  std::vector<int> set{};      // levels of one number are joined by couplings that stand still
 };
 
-/// n_i of all fields of one sense and one clock. For an oscillating field the couplings are joined from the
-/// smallest detuning | |E_i - E_j|/h - f | up, wherever they are in accord (Kruskal's forest): the nearest
-/// resonances are never left out.
+/// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, from
+/// the strongest |V_ij| / | |E_i - E_j|/h - f | on (Kruskal's forest), wherever all between two sets that
+/// are at least half as strong will stand still: those far from resonance all do, or none does.
 RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones);
 
-/// V_ij [Hz] that stands still in the frame.
-Eigen::MatrixXd kept_coupling(const RotatingFrame& frame, const DrivenStates& states);
+/// What stands still in the frame, in hertz, at the share g of the full amplitude: g V + g^2 S + g^3 T.
+///
+/// V is what the rotating-wave approximation keeps. S and T are what all the rest of an oscillating field
+/// does by leaving a set of levels and coming back, to third order in V/f: the Bloch-Siegert shift, shifts by
+/// levels far away, transitions of two photons. The levels i with n_i photons of the field taken up are
+/// states of atom and field with the energies E_i - n_i f (J. Shirley, Phys. Rev. 138, B979 (1965)); their
+/// effective Hamiltonian is that of P.-O. Lowdin, J. Chem. Phys. 19, 1396 (1951), to third order as in
+/// R. Winkler, Spin-Orbit Coupling Effects (Springer, 2003), app. B. Left out is what the first order makes
+/// of the states themselves: amplitudes V/f where a field begins and ends, which a random start phase takes
+/// to their squares.
+struct StandingCoupling {
+  Eigen::MatrixXd first{}, second{}, third{};  // V, S, T
+  StandingCoupling among(const std::vector<int>& levels) const {
+    return {first(levels, levels), second(levels, levels), third(levels, levels)};
+  }
+  Eigen::MatrixXd at(double share) const { return share * (first + share * (second + share * third)); }
+};
+StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states);
 
-/// Largest amplitude |V_ij| / |detuning| of what the frame leaves out; a modulation of the difference of two
-/// coupled levels counts with the detuning f. Infinite where something left out is resonant.
+/// Largest amplitude |V_ij| / |detuning| of what does not stand still in the frame; a modulation of the
+/// difference of two coupled levels counts with the detuning f. Infinite where something of it is resonant.
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states);
-
-/// [Hz] By how much the half of an oscillating field that the frame leaves out shifts a transition, to second
-/// order (Bloch and Siegert 1940): each pair of levels is pushed apart by (C/2)^2/(|E_i - E_j|/h + f), C
-/// their coupling; C^2/(4f) where there are two levels.
-double counter_rotating_shift(const DrivenStates& states, double frequency, int upper, int lower);
 
 }  // namespace rabiline

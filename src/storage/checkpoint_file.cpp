@@ -29,7 +29,7 @@ constexpr std::uintmax_t most_bytes_on_disk = std::uintmax_t{1} << 34;
 }
 
 std::string header_for(std::uint64_t size, std::uint64_t checksum) {
-  std::string header = fmt::format("rabiline checkpoint 2\nHDF5 of {} bytes from byte {}\nFNV-1a {:016x}\n",
+  std::string header = fmt::format("rabiline checkpoint 3\nHDF5 of {} bytes from byte {}\nFNV-1a {:016x}\n",
                                    size, header_size, checksum);
   header.resize(header_size, '\n');
   return header;
@@ -97,6 +97,11 @@ hdf5::FileWriter build(const Snapshot& snapshot, const Path& path) {
     begins.push_back(begin);
     ends.push_back(end);
   }
+  std::vector<std::uint64_t> straggler_trees, straggler_particles;
+  for (const Straggler& straggler : snapshot.stragglers) {
+    straggler_trees.push_back(straggler.tree);
+    straggler_particles.push_back(straggler.particle);
+  }
   const InputColumns inputs = columns_of(snapshot.inputs);
   hdf5::FileWriter file(path);
   const hdf5::GroupWriter root = file.root();
@@ -109,6 +114,8 @@ hdf5::FileWriter build(const Snapshot& snapshot, const Path& path) {
   root.dataset("finished_end", {ends.size()}, ends);
   root.dataset("sums_high", {snapshot.sums_high.size()}, snapshot.sums_high);
   root.dataset("sums_low", {snapshot.sums_low.size()}, snapshot.sums_low);
+  root.dataset("straggler_trees", {straggler_trees.size()}, straggler_trees);
+  root.dataset("straggler_particles", {straggler_particles.size()}, straggler_particles);
   write_texts("fingerprint", {snapshot.fingerprint});
   write_texts("arguments", snapshot.arguments);
   write_texts("input_paths", inputs.paths);
@@ -130,6 +137,10 @@ Snapshot read_contents(const Path& path) {
   for (std::size_t i = 0; i < begins.size(); ++i) snapshot.finished.emplace_back(begins[i], ends[i]);
   snapshot.sums_high = file.numbers("sums_high", most_sums);
   snapshot.sums_low = file.numbers("sums_low", most_sums);
+  const auto trees = file.numbers("straggler_trees", most_intervals),
+             particles = file.numbers("straggler_particles", most_intervals);
+  if (trees.size() != particles.size()) refuse(path, "its list of stragglers is incomplete");
+  for (std::size_t i = 0; i < trees.size(); ++i) snapshot.stragglers.push_back({trees[i], particles[i]});
   snapshot.arguments = file.texts("arguments", most_text);
   for (std::size_t i = 0; i < paths.size(); ++i) snapshot.inputs.push_back({paths[i], texts[i]});
   require_valid(snapshot, path);

@@ -75,23 +75,60 @@ std::string FileReader::where(const std::string& name) const {
 
 Handle FileReader::open_dataset(const std::string& name) const {
   const std::string place = where(name);
-  H5L_info_t link;
-  check(H5Lget_info(file_.id(), name.c_str(), &link, H5P_DEFAULT), place);
-  if (link.type != H5L_TYPE_HARD) refuse(place, "it is a link to somewhere else");
+  for (std::size_t end = 0; end != name.npos;) {
+    end = name.find('/', end + 1);
+    H5L_info_t link;
+    check(H5Lget_info(file_.id(), name.substr(0, end).c_str(), &link, H5P_DEFAULT), place);
+    if (link.type != H5L_TYPE_HARD) refuse(place, "it is a link to somewhere else");
+  }
   return {H5Dopen2(file_.id(), name.c_str(), H5P_DEFAULT), H5Dclose, place};
 }
 
-std::vector<std::uint64_t> FileReader::numbers(const std::string& name, std::size_t most_numbers) const {
+bool FileReader::contains(const std::string& name) const {
+  for (std::size_t end = 0; end != name.npos;) {
+    end = name.find('/', end + 1);
+    if (check(H5Lexists(file_.id(), name.substr(0, end).c_str(), H5P_DEFAULT), where(name)) == 0)
+      return false;
+  }
+  return true;
+}
+
+template <class Number>
+std::vector<Number> FileReader::numbers_of(const std::string& name, std::size_t most, hid_t file_type,
+                                           hid_t memory_type, std::string_view kind) const {
   const std::string place = where(name);
   const Handle dataset = open_dataset(name), type(H5Dget_type(dataset.id()), H5Tclose, place);
-  if (check(H5Tequal(type.id(), H5T_STD_U64LE), place) == 0)
-    refuse(place, "it does not hold 64-bit unsigned integers");
-  require_own_storage(dataset.id(), sizeof(std::uint64_t), place);
-  const std::size_t length = length_within(dataset.id(), most_numbers, place);
-  require_stored(dataset.id(), length * sizeof(std::uint64_t), place);
-  std::vector<std::uint64_t> values(length);
-  check(H5Dread(dataset.id(), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
+  if (check(H5Tequal(type.id(), file_type), place) == 0)
+    refuse(place, fmt::format("it does not hold {}", kind));
+  require_own_storage(dataset.id(), sizeof(Number), place);
+  const std::size_t length = length_within(dataset.id(), most, place);
+  require_stored(dataset.id(), length * sizeof(Number), place);
+  std::vector<Number> values(length);
+  check(H5Dread(dataset.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
   return values;
+}
+
+std::vector<std::uint64_t> FileReader::numbers(const std::string& name, std::size_t most_numbers) const {
+  return numbers_of<std::uint64_t>(name, most_numbers, H5T_STD_U64LE, H5T_NATIVE_UINT64,
+                                   "64-bit unsigned integers");
+}
+std::vector<double> FileReader::reals(const std::string& name, std::size_t most_numbers) const {
+  return numbers_of<double>(name, most_numbers, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, "64-bit real numbers");
+}
+
+std::string FileReader::text(const std::string& name, std::size_t most_bytes) const {
+  const std::string place = where(name);
+  const Handle dataset = open_dataset(name), type(H5Dget_type(dataset.id()), H5Tclose, place),
+               space(H5Dget_space(dataset.id()), H5Sclose, place);
+  const std::size_t size = H5Tget_size(type.id());
+  if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), place) != 0 ||
+      H5Sget_simple_extent_type(space.id()) != H5S_SCALAR || size == 0 || size > most_bytes)
+    refuse(place, "it is no single text of a reasonable length");
+  require_own_storage(dataset.id(), size, place);
+  std::string bytes(size, '\0');
+  const Handle memory = fixed_text(size, place);
+  check(H5Dread(dataset.id(), memory.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), place);
+  return bytes.substr(0, bytes.find_last_not_of('\0') + 1);
 }
 
 std::vector<std::string> FileReader::texts(const std::string& name, std::size_t most_bytes) const {

@@ -14,12 +14,19 @@ class FileReader {
  public:
   explicit FileReader(const std::filesystem::path&);
 
-  /// One-dimensional datasets in the root group, written by GroupWriter. Throws StorageError where the
+  /// One-dimensional datasets by their paths, written by GroupWriter. Throws StorageError where the
   /// dataset is missing, is of another kind, is larger than the limit, or lies outside the file in any way.
   std::vector<std::uint64_t> numbers(const std::string& name, std::size_t most_numbers) const;
+  std::vector<double> reals(const std::string& name, std::size_t most_numbers) const;
   std::vector<std::string> texts(const std::string& name, std::size_t most_bytes) const;
+  /// One text.
+  std::string text(const std::string& name, std::size_t most_bytes) const;
+  bool contains(const std::string& name) const;
 
  private:
+  template <class Number>
+  std::vector<Number> numbers_of(const std::string& name, std::size_t most, hid_t file_type,
+                                 hid_t memory_type, std::string_view kind) const;
   Handle open_dataset(const std::string& name) const;
   std::string where(const std::string& name) const;
 

@@ -221,6 +221,14 @@ GroupWriter FileWriter::root() {
           *written_};
 }
 
+std::size_t FileWriter::size() const {
+  const std::string name = target_.string();
+  check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name);
+  hsize_t size = 0;
+  check(H5Fget_filesize(file_.id(), &size), name);
+  return static_cast<std::size_t>(size);
+}
+
 std::vector<std::byte> FileWriter::image(std::size_t room) const {
   const std::string name = target_.string();
   check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name);

@@ -67,6 +67,8 @@ class FileWriter {
 
   /// The group "/". Groups must be gone before the file is saved.
   GroupWriter root();
+  /// What it takes so far [bytes].
+  std::size_t size() const;
   /// The file's bytes, behind `room` zero bytes.
   std::vector<std::byte> image(std::size_t room) const;
   /// Reads every dataset of the file at `path` and throws StorageError unless it holds what was written.

@@ -19,6 +19,9 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("date", provenance.end_time);
   simulation.dataset("arguments", {provenance.arguments.size()}, provenance.arguments,
                      {{"long_name", "the command line"}});
+  if (!provenance.changes.empty())
+    simulation.dataset("changes", {provenance.changes.size()}, provenance.changes,
+                       {{"long_name", "what the command line changed in the input"}});
   if (!provenance.warnings.empty())
     simulation.dataset("warnings", {provenance.warnings.size()}, provenance.warnings,
                        {{"long_name", "what the run warned of"}});

@@ -8,6 +8,7 @@
 
 #include "core/units.hpp"
 #include "particle/batch.hpp"
+#include "storage/flight_file.hpp"
 #include "storage/nexus.hpp"
 #include "storage/provenance.hpp"
 #include "storage/tally_groups.hpp"
@@ -40,7 +41,10 @@ std::vector<Axis> scan_axes(const Result& result) {
                       "level_index",
                       "level_index_labels",
                       "levels",
-                      "levels_errors"});
+                      "levels_errors",
+                      "offset_x",
+                      "offset_z",
+                      "transit"});
   std::vector<Axis> axes;
   for (const ScanAxis& scanned : result.axes) {
     std::string name = scanned.parameter.substr(0, scanned.parameter.find(','));  // of several, the first
@@ -73,7 +77,7 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 /// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
 nexus::Names names_of_entry() {
   return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle",
-                       "aimed_fraction", "rate", "scan", "instrument", "fates", "simulation"});
+                       "aimed_fraction", "rate", "scan", "instrument", "fates", "flight", "simulation"});
 }
 std::vector<std::string> group_names(const Result& result, nexus::Names& names) {
   std::vector<std::string> claimed;
@@ -185,8 +189,9 @@ void write_scan(const GroupWriter& entry, const Result& result) {
   entry.attribute("default", "scan");
 }
 
-Axis centres_of(const BinAxis& bins) {
-  return {bins.name, "m", nexus::long_name(bins.name, "m"), nexus::centres_of(bins.edges), {}, ""};
+Axis centres_of(const BinAxis& bins, const DetectorResult& detector) {
+  const std::string name = detector.offset_x.empty() ? bins.name : bins.name + " from the detector's centre";
+  return {bins.name, "m", nexus::long_name(name, "m"), nexus::centres_of(bins.edges), {}, ""};
 }
 
 void write_edges(const GroupWriter& data, const BinAxis& bins) {
@@ -194,10 +199,36 @@ void write_edges(const GroupWriter& data, const BinAxis& bins) {
                {{"units", "m"}, {"long_name", fmt::format("edges of the bins along {} (m)", bins.name)}});
 }
 
+/// The slowness of what it catches, one group for each species.
+void write_transits(const GroupWriter& image, const std::string& title, const DetectorResult& detector) {
+  for (std::size_t k = 0; k < detector.transits.size(); ++k) {
+    const TransitResult& transit = detector.transits[k];
+    const Axis slowness{
+        "slowness", "s/m", nexus::long_name("slowness", "s/m"), nexus::centres_of(transit.edges), {}, ""};
+    std::vector<Axis> axes{nexus::index_axis("path", "levels before and behind the fields", transit.paths),
+                           slowness};
+    const bool one_path = transit.paths.size() == 1;  // viewers take an axis of length 1 for a mistake
+    if (one_path) axes.erase(axes.begin());
+    const GroupWriter data =
+        nexus::write_data(image, k == 0 ? "transit" : fmt::format("transit_{}", k + 1),
+                          transit.species.empty() ? title : fmt::format("{}, {}", title, transit.species),
+                          {"caught", "1", "particles caught if their levels are those of the path",
+                           transit.caught, transit.errors, "spectrum"},
+                          axes);
+    if (one_path)
+      data.dataset("path_labels", {1}, transit.paths, {{"long_name", "levels before and behind the fields"}});
+    data.dataset("slowness_edges", {transit.edges.size()}, transit.edges,
+                 {{"units", "s/m"}, {"long_name", "edges of the cells of the slowness 1/v (s/m)"}});
+    data.number(
+        "distance", detector.y,
+        {{"units", "m"}, {"long_name", "distance from the source (m): times slowness, the time of flight"}});
+  }
+}
+
 void write_detector(const GroupWriter& entry, const std::string& name, const Result& result,
                     const DetectorResult& detector) {
   const std::vector<Axis> scan = scan_axes(result);
-  const Axis x = centres_of(detector.x), z = centres_of(detector.z);
+  const Axis x = centres_of(detector.x, detector), z = centres_of(detector.z, detector);
   const std::string title = fmt::format("{}: {}", result.title, label_of(detector));
 
   const GroupWriter image = nexus::write_data(
@@ -209,6 +240,13 @@ void write_detector(const GroupWriter& entry, const std::string& name, const Res
   image.number("background", detector.background,
                {{"units", "1/s"}, {"long_name", "counts per second without a beam (1/s)"}});
 
+  for (const auto& [axis, offsets] :
+       {std::pair{"offset_x", detector.offset_x}, {"offset_z", detector.offset_z}})
+    if (!offsets.empty())
+      image.dataset(
+          axis, {offsets.size()}, offsets,
+          {{"units", "m"}, {"long_name", "the detector's centre at each scan point (row-major) (m)"}});
+  write_transits(image, title, detector);
   const auto write_histogram = [&](const BinAxis& bins, const Axis& axis, const std::vector<double>& counts,
                                    const std::vector<double>& errors) {
     const GroupWriter histogram =
@@ -288,6 +326,12 @@ void write_simulation(const GroupWriter& entry, const Result& result) {
   }
 }
 
+/// What nobody asked for is kept where it is a fifth of the file at most, or small anyway.
+bool is_worth_its_room(const FlightRecord& flight, std::size_t file) {
+  constexpr std::size_t small = 512 << 10;
+  return flight.asked_for || size_in_file(flight) <= std::max(file / 4, small);
+}
+
 }  // namespace
 
 void write_results(const Result& result, const std::filesystem::path& path) {
@@ -305,6 +349,8 @@ void write_results(const Result& result, const std::filesystem::path& path) {
     write_instrument(entry, names, result);
     write_fates(entry, result);
     write_simulation(entry, result);
+    if (result.flight && is_worth_its_room(*result.flight, file.size()))
+      nexus::write_flight(entry, *result.flight);
   }
   file.save();
 }

@@ -8,6 +8,7 @@
 #include "field/magnet_shape.hpp"
 #include "particle/batch.hpp"
 #include "particle/draw.hpp"
+#include "spin/level_block.hpp"
 #include "tally/quantity.hpp"
 #include "transport/kernel.hpp"
 
@@ -145,17 +146,13 @@ struct Gauge {
   RandomKey key{};
   PulseDraw pulse{};
 };
-/// P(from -> to) between the levels of an atom on a stretch of the beam, as TransitionTable has them: at
-/// slownesses of equal distance, cubic between them, and beyond the ends as at the ends.
+/// Transitions between the levels of an atom on a stretch of the beam, as DrivenLevels has them.
 struct Transitions {
-  const float* values =
-      nullptr;  // [point][row]; null: the levels are not those of an atom, or nothing drives them
-  const int* begin = nullptr;  // [levels + 1] where the targets of each level begin in a row
-  const int* targets = nullptr;
-  double first = 0;                // [s/m]
-  double points_per_slowness = 0;  // [m/s]
-  int points = 1;                  // 1, or at least 4
-  int row = 0;
+  const LevelBlock* blocks = nullptr;
+  const int* block_of =
+      nullptr;  // [level]; null: the levels are not those of an atom, or nothing drives them
+  const int* levels = nullptr;
+  const double* numbers = nullptr;
 };
 
 /// How spins are carried on a straight flight, and in which level along the field they are then found: the

@@ -57,53 +57,101 @@ void share_by_flip(const SpinPathView& q, const BatchView& batch, const std::uin
   }
 }
 
-/// Four neighbouring points of a table and their weights (Lagrange).
-struct Stencil {
-  int point;
-  double weight[4];
-};
-Stencil stencil_at(const Transitions& t, double slowness) {
-  if (t.points == 1) return {0, {1, 0, 0, 0}};
-  const double last = t.points - 1;
-  double at = (slowness - t.first) * t.points_per_slowness;
-  at = at < 0 ? 0 : at > last ? last : at;
-  int point = static_cast<int>(at) - 1;
-  point = point < 0 ? 0 : point > t.points - 4 ? t.points - 4 : point;
-  const double u = at - point, a = u - 1, b = u - 2, c = u - 3;
-  return {point, {-a * b * c / 6, u * b * c / 2, -u * a * c / 2, u * a * b / 6}};
-}
+/// Particles of a batch that count, in the order of their levels: from begin[level] to begin[level + 1].
+struct ByLevel {
+  int particles[Batch::capacity];
+  int begin[most_levels + 1] = {};
 
-/// One particle after the other, all levels it may go to at once.
-void share_by_table(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
-                    std::uint64_t* shares) {
-  const Transitions& t = q.transitions;
-  for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
-  for (int i = 0; i < batch.padded; ++i) {
-    if (weights[i] == 0) continue;
-    const Stencil s = stencil_at(t, 1 / batch.vy[i]);
-    const int begin = t.begin[batch.level[i]], end = t.begin[batch.level[i] + 1];
-    const float* base = t.values + static_cast<std::int64_t>(s.point) * t.row;
-    const double weight = static_cast<double>(weights[i]);
-    std::uint64_t rest = weights[i], largest = 0;
-    int largest_level = static_cast<int>(batch.level[i]);
-    for (int target = begin; target < end; target += lane_count) {
-      real p = broadcast(s.weight[0]) * load(base + target);
-      if (t.points > 1)
-        for (int k = 1; k < 4; ++k) p = fma(broadcast(s.weight[k]), load(base + k * t.row + target), p);
-      const words part = weight_of(floor(weight * max(broadcast(0), min(broadcast(1), p))));
-      for (int k = 0; k < lane_count && target + k < end; ++k) {
-        // Interpolated shares may add up to more than all by rounding.
-        const std::uint64_t share = lane(part, k) < rest ? lane(part, k) : rest;
-        const int to = t.targets[target + k];
-        shares[to * batch.padded + i] = share;
-        rest -= share;
-        if (share > largest) {
-          largest = share;
-          largest_level = to;
+  ByLevel(const BatchView& batch, const std::uint64_t* weights, int levels) {
+    for (int i = 0; i < batch.padded; ++i)
+      if (weights[i] != 0) ++begin[batch.level[i] + 1];
+    for (int level = 0; level < levels; ++level) begin[level + 1] += begin[level];
+    int next[most_levels];
+    for (int level = 0; level < levels; ++level) next[level] = begin[level];
+    for (int i = 0; i < batch.padded; ++i)
+      if (weights[i] != 0) particles[next[batch.level[i]]++] = i;
+  }
+};
+
+/// From the level at one place of a block to all of it: LevelBlock tells how.
+RABILINE_LANES void mix_levels(const LevelBlock& block, const double* numbers, int from, real slowness,
+                               real* p) {
+  constexpr double two_pi = 6.283185307179586;
+  const int n = block.levels;
+  real re[most_levels], im[most_levels], next_re[most_levels], next_im[most_levels];
+  for (int to = 0; to < n; ++to) p[to] = broadcast(0);
+  for (int sample = 0; sample < block.samples; ++sample) {
+    const double* at = numbers;
+    for (int k = 0; k < n; ++k) {
+      re[k] = broadcast(at[k * n + from]);
+      im[k] = broadcast(0);
+    }
+    at += n * n;
+    for (int step = 0; step < block.steps; ++step) {
+      const double* angles = at + n * (1 + sample);
+      for (int k = 1; k < n; ++k) {
+        const real cycles = fma(broadcast(at[k]), slowness, broadcast(angles[k]));
+        real sine, cosine;
+        sincos((cycles - round_to_nearest(cycles)) * two_pi, sine, cosine);
+        const real turned = fma(re[k], cosine, im[k] * sine);
+        im[k] = fnma(re[k], sine, im[k] * cosine);
+        re[k] = turned;
+      }
+      at += n * (1 + block.samples);
+      for (int to = 0; to < n; ++to, at += n) {
+        real sum_re = re[0] * at[0], sum_im = im[0] * at[0];
+        for (int k = 1; k < n; ++k) {
+          sum_re = fma(re[k], broadcast(at[k]), sum_re);
+          sum_im = fma(im[k], broadcast(at[k]), sum_im);
         }
+        next_re[to] = sum_re;
+        next_im[to] = sum_im;
+      }
+      for (int k = 0; k < n; ++k) {
+        re[k] = next_re[k];
+        im[k] = next_im[k];
       }
     }
-    shares[largest_level * batch.padded + i] += rest;
+    for (int to = 0; to < n; ++to) p[to] = fma(re[to], re[to], fma(im[to], im[to], p[to]));
+  }
+  for (int to = 0; to < n; ++to) p[to] = min(broadcast(1), p[to] * (1.0 / block.samples));
+}
+
+/// Particles that begin in one level, a vector of them at a time.
+void share_by_transitions(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
+                          std::uint64_t* shares) {
+  const Transitions& t = q.transitions;
+  for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
+  const ByLevel ordered(batch, weights, q.levels);
+  for (int level = 0; level < q.levels; ++level) {
+    const int* particles = ordered.particles + ordered.begin[level];
+    const int count = ordered.begin[level + 1] - ordered.begin[level];
+    if (t.block_of[level] < 0) {
+      for (int i = 0; i < count; ++i) shares[level * batch.padded + particles[i]] = weights[particles[i]];
+      continue;
+    }
+    const LevelBlock& block = t.blocks[t.block_of[level]];
+    const int* levels = t.levels + block.first_level;
+    int from = 0;
+    while (levels[from] != level) ++from;
+    for (int begin = 0; begin < count; begin += lane_count) {
+      const int lanes = count - begin < lane_count ? count - begin : lane_count;
+      words weight_words{};
+      real speed = broadcast(1), parts[most_levels];
+      for (int k = 0; k < lanes; ++k) {
+        set_lane(weight_words, k, weights[particles[begin + k]]);
+        set_lane(speed, k, batch.vy[particles[begin + k]]);
+      }
+      const real weight = number_of(weight_words);
+      mix_levels(block, t.numbers + block.first_number, from, 1.0 / speed, parts);
+      for (int to = 0; to < block.levels; ++to) parts[to] = floor(weight * parts[to]);
+      give_rest_to_largest(parts, block.levels, weight);
+      for (int to = 0; to < block.levels; ++to) {
+        const words part = weight_of(parts[to]);
+        for (int k = 0; k < lanes; ++k)
+          shares[levels[to] * batch.padded + particles[begin + k]] = lane(part, k);
+      }
+    }
   }
 }
 
@@ -111,8 +159,8 @@ void share_by_table(const SpinPathView& q, const BatchView& batch, const std::ui
 
 void outcomes(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
               std::uint64_t* shares) {
-  if (q.transitions.values != nullptr)
-    share_by_table(q, batch, weights, shares);
+  if (q.transitions.block_of != nullptr)
+    share_by_transitions(q, batch, weights, shares);
   else
     share_by_flip(q, batch, weights, shares);
 }

@@ -7,15 +7,10 @@
 namespace rabiline {
 namespace {
 
-Transitions view_of(const TransitionTable* table) {
-  if (table == nullptr) return {};
-  return {table->values.data(),
-          table->begin.data(),
-          table->targets.data(),
-          table->first,
-          table->step > 0 ? 1 / table->step : 0,
-          table->points,
-          table->row()};
+Transitions view_of(const DrivenLevels* driven) {
+  if (driven == nullptr) return {};
+  return {driven->blocks().data(), driven->block_of().data(), driven->levels_of_blocks().data(),
+          driven->numbers().data()};
 }
 
 }  // namespace
@@ -38,7 +33,8 @@ double cost_of(const std::vector<SpinZone>& zones, double speed) {
 }
 
 double SpinPath::cost(double speed) const {
-  return cost::closed_form * std::max(2, levels) + cost_of(zones, speed);
+  const double levels_mixed = transitions != nullptr ? cost::operation * transitions->work() : 0;
+  return cost::closed_form * std::max(2, levels) + cost_of(zones, speed) + levels_mixed;
 }
 
 void share_levels(const SpinPath& path, Isa isa, const BatchView& batch, const std::uint64_t* weights,

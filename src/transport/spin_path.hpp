@@ -2,7 +2,7 @@
 // How the spins of a straight flight are carried from where they were last known to where they are asked for.
 #include <vector>
 
-#include "spin/transition_table.hpp"
+#include "spin/driven_levels.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -11,9 +11,9 @@ struct SpinPath {
   int levels = 0;           // that are told apart at its end; 0: a vector law, whose spin has a projection
   bool from_level = false;  // quantum, and nothing has turned the spin before: one zone has a closed form
   std::vector<SpinZone> zones{};
-  std::vector<double> polynomials{};             // MajoranaTable::coefficients
-  bool of_atom = false;                          // whose levels no field turns
-  const TransitionTable* transitions = nullptr;  // of an atom that fields drive; a plan makes each table once
+  std::vector<double> polynomials{};          // MajoranaTable::coefficients
+  bool of_atom = false;                       // whose levels no field turns
+  const DrivenLevels* transitions = nullptr;  // of an atom that fields drive; a plan makes each once
   bool operator==(const SpinPath&) const = default;
 
   /// Nothing on the way acts on spins.

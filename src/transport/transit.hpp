@@ -46,6 +46,7 @@ class TransitLayout {
   const SlownessCells& cells() const { return cells_; }
   std::size_t levels() const { return outcomes_.size(); }  // before the projection
   const std::vector<int>& outcomes(std::size_t from) const { return outcomes_[from]; }
+  const std::vector<std::vector<int>>& all_outcomes() const { return outcomes_; }
   const TransitLink& link(std::size_t number) const { return links_[number]; }
   std::size_t links() const { return links_.size(); }
   std::size_t rows() const { return rows_; }

@@ -19,7 +19,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("RABILINE_PROGRAM", str(ROOT / "build" / "release" / "rabiline"))
 EXPERIMENT = ROOT / "beamline" / "suggested-experiment.yaml"
-VERBS = ("run", "check", "describe", "trace", "resume")
+VERBS = ("run", "check", "describe", "trace", "resume", "rescan")
 DONE, BAD_INPUT, NOT_WRITTEN, STOPPED = 0, 2, 3, 4
 QUANTA = 2**40  # of one particle
 LAWS = ("--scan", "law=quantum,classical,dorado")

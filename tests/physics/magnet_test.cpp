@@ -14,13 +14,6 @@ Species atom(double mass_in_u, int twice_spin, double moment) {
   // mu = gamma hbar I along its spin.
   return {"test", mass_in_u * atomic_mass, 0, {twice_spin}, moment / (hbar * twice_spin / 2.0), ""};
 }
-GradientMagnet magnet(double length, double gradient) {
-  GradientMagnet part;
-  part.length = length;
-  part.field = 1;
-  part.gradient = gradient;
-  return part;
-}
 /// Atoms from a point along +y through these parts, onto a screen of one bin along x and many along z.
 Beamline line(const Species& species, std::vector<PlacedPart> parts, double y, double height, int bins) {
   Beamline b = suggested(0);

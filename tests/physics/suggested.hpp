@@ -15,6 +15,15 @@ inline PlacedPart place(const std::string& name, double at, Part part) {
   return {{name, at, {}}, std::move(part)};
 }
 
+inline GradientMagnet magnet(double length, double gradient, decltype(GradientMagnet::gap) gap = {}) {
+  GradientMagnet part;
+  part.length = length;
+  part.field = 1;
+  part.gradient = gradient;
+  part.gap = gap;
+  return part;
+}
+
 /// An axis of a tally.
 inline TallyAxis axis(Quantity quantity, double from, double to, std::uint64_t bins) {
   return {quantity, AxisEnd{from}, AxisEnd{to}, bins, {}};

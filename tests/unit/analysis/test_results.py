@@ -35,11 +35,19 @@ def test_a_file_of_format_version_1_reads_as_it_was_written(tmp_path: Path) -> N
     assert read.fates
 
 
+def test_a_file_of_format_version_2_has_moving_detectors_in_their_own_frame(tmp_path: Path) -> None:
+    written = tmp_path / "format_version_2.h5"
+    written.write_bytes(gzip.decompress((Path(__file__).parent / "format_version_2.h5.gz").read_bytes()))
+    screen = results.read(written).detectors["screen"]
+    assert screen.counts.shape == (9, 2, 2) and screen.z_edges == pytest.approx([-0.3e-3, 0, 0.3e-3])
+    assert screen.offset_z == pytest.approx(np.repeat([-0.1e-3, 0, 0.1e-3], 3)) and not screen.offset_x.any()
+
+
 def test_a_file_of_a_later_format_version_is_refused(tmp_path: Path) -> None:
     path = write_results(tmp_path / "a.h5", [], np.array([0.5]), law=["quantum"], bins=8)
     with h5py.File(path, "r+") as file:
-        file.attrs["format_version"] = 2
-    with pytest.raises(FileError, match="has format version 2; this program reads versions up to 1"):
+        file.attrs["format_version"] = 3
+    with pytest.raises(FileError, match="has format version 3; this program reads versions up to 2"):
         results.read(path)
 
 

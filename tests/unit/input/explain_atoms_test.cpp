@@ -70,7 +70,7 @@ TEST_F(ExplainAtoms, NamesTheNearestTransitions) {
   // 9192.63177 MHz + 427.45 Hz/G^2 (0.1 G)^2; (g_J - g_I') mu_B B/2h = 14.02 kHz each way for 1 uT.
   EXPECT_THAT(
       text, HasSubstr("F=4 m=0 - F=3 m=0 at 9192.631774 MHz, detuned by 225.7 Hz, Rabi frequency 14.02 kHz"));
-  EXPECT_THAT(text, HasSubstr("probabilities at its one speed, exact"));
+  EXPECT_THAT(text, HasSubstr("probabilities worked out for each particle, exact at every speed"));
   EXPECT_THAT(text, HasSubstr("no field from 0.2 to 0.3 m: levels keep their names"));
   EXPECT_THAT(text, Not(HasSubstr("warning")));
 }
@@ -88,9 +88,14 @@ TEST_F(ExplainAtoms, WarnsOfAScanOnlyWhereNoPointDrivesAnything) {
   EXPECT_THAT(check({}, {"R.frequency=9 GHz:9192.632 MHz:5"}), Not(HasSubstr("drives no transition")));
 }
 
-TEST_F(ExplainAtoms, TellsHowWellATableHoldsTheProbabilities) {
-  EXPECT_THAT(check({"source.speed={kind: gaussian, mean: 250 m/s, sigma: 20 m/s}"}),
-              HasSubstr("points in 1/v, to "));
+TEST_F(ExplainAtoms, TellsHowFarDownStepsThroughAProfileAreRight) {
+  EXPECT_THAT(check({"source.speed={kind: effusive, temperature: 370 K}", "R.profile=half_sine"}),
+              HasSubstr("profiles in steps, to 1e-8 down to 143 m/s; all else exact"));
+}
+
+TEST_F(ExplainAtoms, TellsTheShiftByWhatDoesNotTurnWithATransition) {
+  // Pairs of levels are pushed apart by (C/2)^2/(E + f): 2 (7.008 kHz)^2/18.385 GHz for 1 uT.
+  EXPECT_THAT(check(), HasSubstr("; what turns otherwise shifts it by 5.343 mHz"));
 }
 
 TEST_F(ExplainAtoms, WarnsWhereEveryLevelMeetsTheWalls) {

@@ -6,14 +6,7 @@
 namespace rabiline::test {
 namespace {
 
-GradientMagnet magnet(double length, double gradient) {
-  GradientMagnet part;
-  part.length = length;
-  part.field = 1;
-  part.gradient = gradient;
-  part.gap = Rectangle{6e-3, 0.5e-3};
-  return part;
-}
+constexpr Rectangle gap{6e-3, 0.5e-3};
 TallyAxis over(Quantity quantity) {
   TallyAxis axis;
   axis.quantity = quantity;
@@ -41,9 +34,9 @@ Beamline apparatus(const Species& species, Outcomes outcomes, double amplitude) 
   detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};
   detector.tallies = {{"matrix", {over(Quantity::prepared_level), over(Quantity::level)}},
                       {"speeds", {test::axis(Quantity::speed, 700, 900, 5)}}};
-  b.parts = {place("A", 0.1, magnet(0.1, 8)), place("C", 0.25, UniformField{0.2, 1e-3, {}}),
-             place("drive", 0.3, drive),      place("B", 0.5, magnet(0.1, 20)),
-             place("look", 0.7, monitor),     place("screen", 0.8, detector)};
+  b.parts = {place("A", 0.1, magnet(0.1, 8, gap)), place("C", 0.25, UniformField{0.2, 1e-3, {}}),
+             place("drive", 0.3, drive),           place("B", 0.5, magnet(0.1, 20, gap)),
+             place("look", 0.7, monitor),          place("screen", 0.8, detector)};
   b.particles = 3000;
   return b;
 }

@@ -240,16 +240,24 @@ TEST(Finish, WeighsAnAimedSourceLikeAnIsotropicOne) {
   EXPECT_LT(4 * error, 0.03 * rate_a);
 }
 
-TEST(Finish, CoversWithOneHistogramEveryPlaceThatAScannedScreenTakes) {
-  Beamline left = divergent(1), right = left;
-  std::get<Detector>(left.parts.back().part) = {Rectangle{2e-3, 4e-3}, {4, 1}, {-1e-3, 0}};
-  std::get<Detector>(right.parts.back().part) = {Rectangle{2e-3, 4e-3}, {4, 1}, {1e-3, 0}};
-  const DetectorResult d = run_points({left, right}).detectors[0];
-  EXPECT_EQ(d.x.edges, (std::vector<double>{-2e-3, -1e-3, 0, 1e-3, 2e-3}));
-  for (std::size_t bin = 0; bin < 4; ++bin) {
-    EXPECT_EQ(d.counts_x[bin] > 0, bin < 2) << "the screen on the left, bin " << bin;
-    EXPECT_EQ(d.counts_x[4 + bin] > 0, bin >= 2) << "the screen on the right, bin " << bin;
+TEST(Finish, CountsInTheFrameOfAScreenThatAScanMoves) {
+  Beamline left = divergent(1), right = left, middle = left;
+  const auto screen_at = [](double x) { return Detector{Rectangle{2e-3, 4e-3}, {4, 1}, {x, 0}}; };
+  left.parts.back().part = screen_at(-1e-3);
+  middle.parts.back().part = screen_at(0);
+  right.parts.back().part = screen_at(1e-3);
+  const DetectorResult d = run_points({left, middle, right}).detectors[0];
+  EXPECT_EQ(d.x.edges, (std::vector<double>{-1e-3, -0.5e-3, 0, 0.5e-3, 1e-3}));
+  EXPECT_EQ(d.offset_x, (std::vector<double>{-1e-3, 0, 1e-3}));
+  // The right half of the left screen is the left half of the middle one, and so on.
+  for (const std::size_t bin : {0, 1}) {
+    EXPECT_EQ(d.counts_x[2 + bin], d.counts_x[4 + bin]);
+    EXPECT_EQ(d.counts_x[4 + 2 + bin], d.counts_x[8 + bin]);
+    EXPECT_GT(d.counts_x[4 + bin], 0);
   }
+  const DetectorResult fixed = run_points({right, right}).detectors[0];
+  EXPECT_TRUE(fixed.offset_x.empty());
+  EXPECT_EQ(fixed.x.edges.front(), 0);
 }
 
 TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {

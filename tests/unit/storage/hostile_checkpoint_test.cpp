@@ -20,7 +20,7 @@ using samples::Folder;
 /// Puts back the user block with the checksum of what follows, as anybody could.
 void seal(const std::filesystem::path& from, const std::filesystem::path& to) {
   const std::string contents = samples::bytes_of(from);
-  std::string header = fmt::format("rabiline checkpoint 2\nHDF5 of {} bytes from byte 512\nFNV-1a {:016x}\n",
+  std::string header = fmt::format("rabiline checkpoint 3\nHDF5 of {} bytes from byte 512\nFNV-1a {:016x}\n",
                                    contents.size(), digest(std::as_bytes(std::span(contents))));
   header.resize(512, '\n');
   samples::put_bytes(to, header + contents);

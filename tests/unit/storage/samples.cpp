@@ -61,6 +61,7 @@ FateResult fate(const std::string& name, const std::string& where, std::size_t p
 Provenance provenance() {
   return {{"rabiline", "run", "bench.yaml"},
           {{"bench.yaml", "rabiline: 1\ntitle: B′ and B\n"}, {"../geometries/empty.yaml", ""}},
+          {"--set", "B.field=9 mT"},
           "2026-03-01T10:00:00+01:00",
           "2026-03-01T10:00:05+01:00",
           "0.1.0",

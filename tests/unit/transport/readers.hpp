@@ -46,11 +46,11 @@ inline Eigen::MatrixXd shared_out(const SpinPath& path, const BatchView& v, Isa 
           static_cast<double>(shares[to * v.padded + from]) / static_cast<double>(quanta_per_particle);
   return p;
 }
-/// P(from -> to) in row `from`.
-inline Eigen::MatrixXd probabilities(const TransitionTable& table, double slowness, Isa isa = best_isa()) {
+/// P(from -> to) in row `from`, to 1e-11.
+inline Eigen::MatrixXd probabilities(const DrivenLevels& driven, double slowness, Isa isa = best_isa()) {
   Batch batch;
-  fill_levels(batch, table.levels, 1 / slowness);
-  return shared_out({.levels = table.levels, .of_atom = true, .transitions = &table}, batch.view(), isa);
+  fill_levels(batch, driven.levels(), 1 / slowness);
+  return shared_out({.levels = driven.levels(), .of_atom = true, .transitions = &driven}, batch.view(), isa);
 }
 
 /// A spin whose image of z flips with that probability: P(m -> m') as weights are shared out by it ...

@@ -8,10 +8,10 @@
 #include "particle/species.hpp"
 #include "plan/courses.hpp"
 #include "spin/atoms.hpp"
+#include "spin/driven_levels.hpp"
 #include "spin/levels.hpp"
 #include "spin/majorana.hpp"
 #include "spin/moment_table.hpp"
-#include "spin/transition_table.hpp"
 
 namespace rabiline::test {
 namespace {
@@ -110,14 +110,14 @@ SpinPath of_two(std::vector<SpinZone> zones, bool from_level) {
 }
 /// Hydrogen between 1/2000 and 1/150 s/m, driven between the upper levels.
 SpinPath of_atom() {
-  static const TransitionTable table = [] {
+  static const DrivenLevels driven = [] {
     const CoupledSpins spins = coupled_spins(*find_atom("H"));
     RotatingTerm drive;
     drive.amplitude = 1e-7;
     drive.oscillator.frequency = transition_frequency(levels_at(spins, 1e-5), 1, 0);
-    return tabulate(DrivenLevels(spins, {{0, 0.1, 1e-5, drive}}, 7e-3), 5e-4, 7e-3, 1e-4);
+    return DrivenLevels(spins, {{0, 0.1, 1e-5, drive}}, 7e-3);
   }();
-  return {.levels = 4, .of_atom = true, .transitions = &table};
+  return {.levels = 4, .of_atom = true, .transitions = &driven};
 }
 
 }  // namespace
