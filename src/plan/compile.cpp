@@ -59,6 +59,10 @@ class Compiler {
   // ---- fields as the species sees them ----
 
   double speed() const { return mean_speed(beamline_.source.speed, species_.mass); }
+  double slowest_speed() const {
+    return std::visit([&](const auto& law) { return law.speed_range(species_.mass).slowest; },
+                      beamline_.source.speed);
+  }
   Alignment alignment_of(const AlignTerm& term, const Plane& plane) const {
     assert(!quantum_ || !species_.structure);
     const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
@@ -279,7 +283,7 @@ class Compiler {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), outlook_);
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_);
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish());
     may_reach_chamber_ = true;

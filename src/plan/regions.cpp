@@ -5,16 +5,32 @@
 #include <numbers>
 
 #include "core/portable_math.hpp"
+#include "plan/courses.hpp"
 
 namespace rabiline {
 namespace {
 
 /// Steps per turn in a region. The path's error over the length of the flight was measured against an
 /// independent integration as 1e-4 tip^2 (turns/58) (24/steps)^4, tip the largest sine of the angle between
-/// spin and field; the steps are chosen to keep it, and that of the direction at the end, below the usual
-/// error (tests/physics/dorado_test.cpp holds the path to it).
-double steps_per_turn_of_path(double tip, double turns) {
-  return std::clamp(32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58)), 8.0, 1000.0);
+/// spin and field, or on a short flight as tip/(2000 turns) (2 pi/steps)^4; it is proportional to how fast
+/// the velocity turns, over the spin's rate, where that is less than 1. The steps are chosen to keep it, and
+/// that of the direction at the end, below the usual error (tests/physics/dorado_test.cpp and
+/// courses_test.cpp hold the path to it).
+double steps_per_turn_of_path(double tip, double turns, double strength) {
+  const double far = 32 * std::sqrt(std::sqrt(500 * tip * tip * turns / 58 * strength)),
+               near = 2 * std::numbers::pi * std::sqrt(std::sqrt(tip * strength / (2e-3 * turns)));
+  return std::clamp(std::max(far, near), 8.0, 1000.0);
+}
+/// How fast fields turn the velocity, over the rate at which they turn the spin, at most 1. Where the
+/// velocity follows the field and not the spin, the tip has it already.
+double strength_of(const SpinZone& zone, bool take_off) {
+  if (!take_off) return 1;
+  double spin = std::abs(zone.spin_rate), turn = std::abs(zone.turn_rate);
+  for (int i = 0; i < zone.drives; ++i) {
+    spin += std::abs(zone.drive[i].spin_rate);
+    turn += std::abs(zone.drive[i].turn_rate);
+  }
+  return spin > 0 ? std::min(1.0, turn / spin) : 1;
 }
 
 }  // namespace
@@ -84,10 +100,19 @@ RegionZone RegionMaker::zone_up_to(double end) {
     spins_.tip = 1;
   const double stay = (section.end - section.begin) / speed_,
                turns = zones_.rate_of(zone.field) * stay / (2 * std::numbers::pi);
+  const double slowest_tip = std::min(1.0, slowness_ * spins_.tip + tip_in(zone.field, slowness_ * stay));
   spins_.tip = std::min(1.0, spins_.tip + tip_in(zone.field, stay));
-  zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(spins_.tip, turns));
+  zone.step = stay / std::max(4.0, turns * steps_per_turn_of_path(
+                                               spins_.tip, turns,
+                                               strength_of(zone.field, turning_.take_off_spin_component)));
   if (zone.field.step > 0) zone.step = std::min(zone.step, zone.field.step);
   zone.step *= std::sqrt(std::sqrt(turning_.path_error / usual_path_error));  // steps are of fourth order
+  // Where the path turns by more than a radian for good, particles go round in circles and come back.
+  const bool circles = turning_.take_off_spin_component && zone.field.drives > 0 &&
+                       std::abs(zone.field.turn_rate) * stay * spins_.tip * spins_.tip / 4 > 1;
+  if (circles) zone.detour = 2;
+  choose_course(zone, {slowness_ * stay, slowness_, zones_.rate_of(zone.field), slowest_tip,
+                       turning_.path_error, turning_.take_off_spin_component});
   return zone;
 }
 

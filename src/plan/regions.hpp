@@ -14,9 +14,11 @@ struct SpinOutlook {
 /// A region under construction, from its begin to its end: sections, cut at the planes that stand inside.
 class RegionMaker {
  public:
-  /// All must outlive it; `speed` [m/s] is what steps are reckoned with.
-  RegionMaker(const Turning& turning, const ZoneMaker& zones, double speed, SpinOutlook& spins)
-      : turning_(turning), zones_(zones), speed_(speed), spins_(spins) {}
+  /// All must outlive it; `speed` [m/s] is what steps are reckoned with, `slowness` how many times slower the
+  /// slowest particles are.
+  RegionMaker(const Turning& turning, const ZoneMaker& zones, double speed, double slowness,
+              SpinOutlook& spins)
+      : turning_(turning), zones_(zones), speed_(speed), slowness_(slowness), spins_(spins) {}
 
   void begin(const Section&);
   /// Something stands there that may stop, catch or align; several at one place get zones of no length
@@ -35,7 +37,7 @@ class RegionMaker {
 
   const Turning& turning_;
   const ZoneMaker& zones_;
-  const double speed_;
+  const double speed_, slowness_;
   SpinOutlook& spins_;
   const Section* section_ = nullptr;
   double begin_ = 0;

@@ -15,16 +15,43 @@ struct RegionEdge {
   int part = 0;
   bool operator==(const RegionEdge&) const = default;
 };
-/// One zone of a region with its wall and step.
+/// How particles are flown through a zone of a region.
+enum class ZoneCourse {
+  steps,        // short ones that follow every turn of spin and velocity: any fields
+  constant,     // W is constant in a frame that turns at a constant rate: closed form
+  joint_turns,  // kappa = 1: the velocity in closed form, the place by quadrature over less than a turn
+  slow_turns    // kappa = 1, spins near the field: over many turns, what varies slowly by quadrature
+};
+inline constexpr int span_points = 6;  // of Gauss and Legendre
+/// Constants of a course that goes from span to span, at the Gauss points of each and, last, at its end.
+struct SpanTable {
+  double span = 0;                       // [s]
+  double time[span_points + 1] = {};     // [s] from its begin
+  double turn[span_points + 1][9] = {};  // the spin's turning, row by row, in the frame of the rotating field
+  double phase[span_points + 1][3] = {};  // [rad] times S at the begin: the velocity's turning about S
+  // [rad] of the field's turning; between the ends of a slow course less that of the precession.
+  double cosine[span_points + 1] = {}, sine[span_points + 1] = {};
+  double tip = 0;  // by how much the sine of the angle between spin and field may grow
+  double bend = 0,
+         drive_bend = 0;  // [rad/s] the turning of the velocity by the static and the rotating field
+  bool operator==(const SpanTable&) const = default;
+};
+/// One zone of a region with its wall and course.
 struct RegionZone {
   SpinZone field;
   double wall_radius = 0;         // [m]
   double wall_x = 0, wall_z = 0;  // [m] its centre
   int wall_part = 0;
-  double step = 0;        // [s]
+  double step = 0;        // [s] and, on any course, how finely walls are looked at where they are near
   int sights_passed = 0;  // of the region, up to its end
+  double detour = 1;      // how many times longer than straight flight particles stay, about: for the cost
+  ZoneCourse course = ZoneCourse::steps;
+  SpanTable table;
   bool operator==(const RegionZone&) const = default;
 };
+/// Seconds that one particle takes through a zone, on one core.
+double cost_of(const RegionZone&, double speed);
+
 /// Touching fields that turn the velocity: dv/dt = W x v, W = turn - (turn . S) S where `along_spin` is taken
 /// off.
 struct Region {

@@ -91,6 +91,61 @@ RABILINE_LANES State step_in_frame(const SpinZone& zone, bool take_off, const Pr
   return s;
 }
 
+/// A field that turns along the beam, too: the frame turns at omega + twist v_y, and where the particle is
+/// must be known to third order within the step, from the acceleration at its begin and at its first Gauss
+/// point.
+class TwistedStep {
+ public:
+  TwistedStep(const SpinZone& zone, bool take_off, real phase, const State& begin)
+      : zone_(zone),
+        take_off_(take_off),
+        phase_(phase),
+        t_(begin.t),
+        way_{begin.place.y, begin.velocity.y, broadcast(0), broadcast(0)} {}
+
+  inline State of(real h, State s) {
+    const real dt1 = broadcast(gauss_first) * h, dt2 = broadcast(gauss_second) * h, zero = broadcast(0);
+    const Vector a0 = cross(w_at(zero, s.spin), s.velocity);
+    way_.half_a = 0.5 * a0.y;
+    const Vector w1 = w_at(dt1, turned(zero, dt1, s.spin));
+    const real gained = cross(w1, add(s.velocity, dt1, a0)).y - a0.y;
+    way_.sixth_jerk = select(dt1 != zero, gained / select(dt1 != zero, 6.0 * dt1, broadcast(1)), zero);
+    const Vector s1 = turned(zero, dt1, s.spin), s2 = turned(dt1, dt2, s1);
+    move(s, w_at(dt1, s1), w_at(dt2, s2), h);
+    // The frame at the end is that of the place there, which is known better than on the way.
+    const real behind = zone_.drive[0].twist * (way_.at(h) - s.place.y);
+    s.spin = turn_about_z(phasor(behind), turned(dt2, h, s2));
+    s.t = t_ + h;
+    return s;
+  }
+
+ private:
+  /// In the laboratory, for a spin in the frame.
+  RABILINE_LANES Vector w_at(real dt, const Vector& spin) const {
+    const DriveTerm& drive = zone_.drive[0];
+    const Vector turn{broadcast(drive.turn_rate), broadcast(0), broadcast(zone_.turn_rate)};
+    const Phasor frame = phasor(angle_at(drive, phase_, t_ + dt, way_.at(dt)));
+    return from_frame(zone_, turn_about_z(frame, turning(turn, spin, take_off_)));
+  }
+  RABILINE_LANES Vector rates_in_frame(real dt) const {
+    const DriveTerm& drive = zone_.drive[0];
+    const real speed = fma(fma(3.0 * way_.sixth_jerk, dt, 2.0 * way_.half_a), dt, way_.v);
+    return {broadcast(drive.spin_rate), broadcast(0),
+            fma(broadcast(-drive.twist), speed, broadcast(zone_.spin_rate - drive.omega))};
+  }
+  RABILINE_LANES Vector turned(real from, real to, const Vector& spin) const {
+    const real h = to - from;
+    return rotate(magnus(rates_in_frame(fma(broadcast(gauss_first), h, from)),
+                         rates_in_frame(fma(broadcast(gauss_second), h, from)), h),
+                  spin);
+  }
+
+  const SpinZone& zone_;
+  bool take_off_;
+  real phase_, t_;
+  Way way_;
+};
+
 /// Whether fields differ along the beam within the zone.
 RABILINE_LANES bool depends_on_place(const SpinZone& zone) {
   for (int i = 0; i < zone.drives; ++i)
@@ -129,31 +184,41 @@ constexpr int steps_between_lengths = 16;
 RABILINE_LANES Vector of_unit_length(const Vector& spin) {  // for lengths that are nearly 1
   return add(spin, 0.5 - 0.5 * dot(spin, spin), spin);
 }
+RABILINE_LANES Phasor of_unit_length(const Phasor& p) {
+  const real more = 0.5 - 0.5 * fma(p.c, p.c, p.s * p.s);
+  return {fma(p.c, more, p.c), fma(p.s, more, p.s)};
+}
 
-/// The two kinds of stepping behind one face.
+/// The kinds of stepping behind one face.
 struct Stepper {
   const SpinZone& zone;
   bool take_off;
   const real* phases;
 
-  bool in_frame() const {
-    return !zone.turned && (zone.kind == ZoneKind::precession ||
-                            (zone.kind == ZoneKind::rotating && zone.drive[0].twist == 0));
-  }
+  bool one_rotates() const { return zone.kind == ZoneKind::precession || zone.kind == ZoneKind::rotating; }
+  bool twisted() const { return zone.kind == ZoneKind::rotating && zone.drive[0].twist != 0; }
+  /// The spin is given in a frame that turns with the field, at a constant rate or along the beam.
+  bool in_frame() const { return one_rotates() && !zone.turned && !twisted(); }
   RABILINE_LANES Phasor frame_at(real t) const {
     return phasor(fma(broadcast(frame_rate(zone)), t, zone.drives == 1 ? phases[0] : broadcast(0)));
   }
+  RABILINE_LANES Phasor twisted_frame(const State& s) const {
+    return phasor(angle_at(zone.drive[0], phases[0], s.t, s.place.y));
+  }
   RABILINE_LANES State enter(State s) const {
+    if (twisted()) s.spin = turn_back_about_z(twisted_frame(s), to_frame(zone, s.spin));
     if (!in_frame()) return s;
     s.frame = frame_at(s.t);
     s.spin = turn_back_about_z(s.frame, s.spin);
     return s;
   }
   RABILINE_LANES State leave(State s) const {
+    if (twisted()) s.spin = from_frame(zone, turn_about_z(twisted_frame(s), s.spin));
     if (in_frame()) s.spin = turn_about_z(s.frame, s.spin);
     return s;
   }
   RABILINE_LANES State step(const Propagator& p, const State& s) const {
+    if (twisted()) return TwistedStep(zone, take_off, phases[0], s).of(p.h, s);
     return in_frame() ? step_in_frame(zone, take_off, p, s)
                       : step_in_laboratory(zone, take_off, phases, p.h, s);
   }

@@ -96,7 +96,10 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) 
 }
 
 Experiment suggested_experiment(int points, std::uint64_t particles) {
-  Beamline b = test::suggested(larmor);
+  // A large tip and a weak kappa are flown by steps that follow every turn, on a path that is nearly
+  // straight.
+  Beamline b = test::suggested(larmor, 85.73e-6);
+  b.law = DoradoLaw{Closure::torque, 1e-3};
   b.particles = particles;
   return scan(b, points, 12e3);
 }
@@ -104,7 +107,7 @@ Experiment suggested_experiment(int points, std::uint64_t particles) {
 std::vector<RabiLine> lines_of(const Plan& plan) {
   std::vector<RabiLine> lines;
   for (const SpinStretch* stretch : stages_of<SpinStretch>(plan)) {
-    const SpinZone& zone = stretch->zones.at(0);
+    const SpinZone& zone = stretch->spins.zones.at(0);
     const double w1 = zone.drive[0].spin_rate, rate = std::hypot(w1, zone.spin_rate - zone.drive[0].omega);
     lines.push_back({w1 * w1 / (rate * rate), 0.5 * rate * (zone.end - zone.begin)});
   }
@@ -118,7 +121,7 @@ const TurningRegion& region_of(const Plan& plan) { return *stages_of<TurningRegi
 double steps_through(const TurningRegion& region, double speed) {
   double steps = 0;
   for (const RegionZone& zone : region.zones)
-    steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+    if (zone.course == ZoneCourse::steps) steps += (zone.field.end - zone.field.begin) / speed / zone.step;
   return steps;
 }
 

@@ -238,7 +238,7 @@ def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Pa
 
 # ---- Stopped and resumed ----------------------------------------------------------------------------------------
 
-LONG = ("--particles", 600_001, *EDGES)
+LONG = ("--particles", 4_800_001, *EDGES)
 
 
 def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:

@@ -76,10 +76,11 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
   return false;
 }
 
-/// Batches for what a region's sights see, one for each; nobody is in them yet.
-std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& batch) {
-  std::vector<Batch> seen(region.sights.size());
-  for (std::size_t k = 0; k < seen.size(); ++k) {
+/// Batches for what a region's sights see, one for each; nobody is in them yet. A thread keeps their memory.
+std::vector<Batch>& batches_for(const TurningRegion& region, const BatchView& batch) {
+  thread_local std::vector<Batch> seen;
+  if (seen.size() < region.sights.size()) seen.resize(region.sights.size());
+  for (std::size_t k = 0; k < region.sights.size(); ++k) {
     BatchView& view = seen[k].view();
     view.count = batch.count;
     view.padded = batch.padded;
@@ -91,7 +92,7 @@ std::vector<Batch> batches_for(const TurningRegion& region, const BatchView& bat
 
 void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& context) {
   Sum* sums = context.sums + sums_before_sights(region);
-  for (std::size_t k = 0; k < seen.size(); ++k) {
+  for (std::size_t k = 0; k < region.sights.size(); ++k) {
     StageContext there{context.isa, context.key, seen[k], sums};
     region.sights[k].census.pass(there);
     there.sums += region.sights[k].census.sums();
@@ -100,6 +101,27 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
       there.sums += tally.sums();
     }
     sums = there.sums;
+  }
+}
+
+void explain_course(const RegionZone& zone, PlanReport& report) {
+  const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate)),
+               turns = rate * zone.table.span / (2 * std::numbers::pi);
+  if (rate == 0) return;
+  switch (zone.course) {
+    case ZoneCourse::constant:
+      return report.line("{:>16}flown in closed form", "");
+    case ZoneCourse::joint_turns:
+      return report.line(
+          "{:>16}velocity in closed form, place by quadrature over {}, {:.2g} turns, at a time", "",
+          pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::slow_turns:
+      return report.line("{:>16}steps of {}, {:.4g} turns, that follow the slow angles", "",
+                         pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::steps:
+      return report.line("{:>16}steps of {}, {:.0f} per turn", "",
+                         pretty_quantity(zone.step, Dimension::time),
+                         2 * std::numbers::pi / (rate * zone.step));
   }
 }
 
@@ -133,6 +155,26 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 
 }  // namespace
 
+double cost_of(const RegionZone& zone, double speed) {
+  const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
+  const auto spans = [&] { return std::ceil(stay / zone.table.span); };
+  switch (zone.course) {
+    case ZoneCourse::constant:
+      return cost::crossing;
+    case ZoneCourse::joint_turns:
+      return cost::crossing + spans() * cost::joint_span;
+    case ZoneCourse::slow_turns:
+      return cost::crossing +
+             spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
+    case ZoneCourse::steps:
+      break;
+  }
+  const bool one_rotates = zone.field.kind == ZoneKind::precession || zone.field.kind == ZoneKind::rotating;
+  if (!one_rotates || (zone.field.turned && zone.field.drive[0].twist == 0))
+    return stay / zone.step * cost::laboratory_step;
+  return stay / zone.step * (zone.field.drive[0].twist != 0 ? cost::twisted_step : cost::step);
+}
+
 std::size_t TurningRegion::sums() const {
   std::size_t sums = sums_before_sights(*this);
   for (const Sight& sight : sights) {
@@ -144,10 +186,10 @@ std::size_t TurningRegion::sums() const {
 
 void TurningRegion::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
-  std::vector<Batch> seen = batches_for(*this, batch);
+  std::vector<Batch>& seen = batches_for(*this, batch);
   std::vector<BatchView> views;
-  views.reserve(seen.size());
-  for (Batch& there : seen) views.push_back(there.view());
+  views.reserve(sights.size());
+  for (std::size_t k = 0; k < sights.size(); ++k) views.push_back(seen[k].view());
   Region view = view_of(*this, context.key);
   view.seen = views.data();
   view.sight_count = static_cast<int>(views.size());
@@ -190,13 +232,13 @@ void TurningRegion::list_sums(SumSink& sink) const {
 double TurningRegion::y() const { return zones.front().field.begin; }
 
 double TurningRegion::cost(double speed) const {
-  double steps = 0, planes = 0;
-  for (const RegionZone& zone : zones) steps += (zone.field.end - zone.field.begin) / speed / zone.step;
+  double flight = 0, planes = 0;
+  for (const RegionZone& zone : zones) flight += cost_of(zone, speed);
   for (const Sight& sight : sights) {
     planes += sight.census.cost(speed);
     for (const Histogram& tally : sight.tallies) planes += tally.cost(speed);
   }
-  return steps * cost::step + planes;
+  return flight + planes;
 }
 
 void TurningRegion::explain(PlanReport& report) const {
@@ -204,10 +246,7 @@ void TurningRegion::explain(PlanReport& report) const {
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
     explain_zone(zone.field, report);
-    const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate));
-    if (rate > 0)
-      report.line("{:>16}steps of {}, {:.0f} per turn", "", pretty_quantity(zone.step, Dimension::time),
-                  2 * std::numbers::pi / (rate * zone.step));
+    explain_course(zone, report);
   }
   for (const Sight& sight : sights) {
     sight.census.explain(report);

@@ -125,7 +125,7 @@ TEST(MakePlan, KeepsIndependentPointsApartAndLargeScansInSeveralTrees) {
   EXPECT_EQ(make_plan(e).trees.size(), 5U);
   points.clear();
   for (int i = 0; i < 40; ++i) points.push_back(suggested(290e3 + i));
-  EXPECT_GT(make_plan(scan(points), 1, 1e-3).trees.size(), 5U);
+  EXPECT_GT(make_plan(scan(points), 1, 5e-5).trees.size(), 5U);
 }
 
 TEST(MakePlan, SharesASourceThatIsScannedInsideOfAFrequency) {

@@ -71,6 +71,13 @@ TEST(Region, StopsAtASlitInsideItWhatMissesTheOpening) {
   EXPECT_EQ(particles_of(run_points({b}), "stopped", "S"), 16);  // through once, but not on the way back
 }
 
+TEST(Region, StopsAtTheNarrowerOfTwoSlitsAtOnePlaceInsideIt) {
+  Beamline b = circle(0.1);
+  b.parts.insert(b.parts.begin() + 1, place("wide", 0.1 + 0.5 * radius, Slit{Disc{4e-3}, {}}));
+  b.parts.insert(b.parts.begin() + 2, place("narrow", 0.1 + 0.5 * radius, Slit{Disc{0.1e-3}, {}}));
+  EXPECT_EQ(particles_of(run_points({b}), "stopped", "narrow"), 16);
+}
+
 TEST(Region, AlignsAtAPolarizerThatTouchesTheField) {
   // B' and B as one field: unaligned spins would turn the path under torque, aligned ones fly straight.
   Beamline b = suggested(291e3);

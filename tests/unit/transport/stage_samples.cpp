@@ -1,9 +1,12 @@
 #include "unit/transport/stage_samples.hpp"
 
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "constants.hpp"
 #include "particle/species.hpp"
+#include "plan/courses.hpp"
 #include "spin/atoms.hpp"
 #include "spin/driven_levels.hpp"
 #include "spin/levels.hpp"
@@ -217,8 +220,12 @@ std::vector<StageSample> samples_of<TurningRegion>() {
   // Fields in which the slowest go round in circles of a few cm, and leave through the walls or backwards.
   const auto region = [](ZoneKind kind, EdgeKind edge_kind, bool take_off) {
     TurningRegion r;
-    RegionZone first{
-        .field = zone(kind), .wall_radius = 5e-3, .wall_part = part, .step = 1e-5, .sights_passed = 1};
+    RegionZone first{.field = zone(kind),
+                     .wall_radius = 5e-3,
+                     .wall_part = part,
+                     .step = 1e-5,
+                     .sights_passed = 1,
+                     .table = {}};
     RegionZone second = first;
     first.field.end = second.field.begin = 0.2;
     second.field.end = 0.3;
@@ -246,6 +253,31 @@ std::vector<StageSample> samples_of<TurningRegion>() {
       samples.push_back({"zone " + std::to_string(static_cast<int>(kind)) + ", edge " +
                              std::to_string(static_cast<int>(edge)),
                          region(kind, edge, edge == EdgeKind::open || edge == EdgeKind::align)});
+  const struct {
+    const char* what;
+    ZoneCourse course;
+    ZoneKind kind;
+    double span;
+    bool take_off;
+    double kappa = 1;
+  } courses[] = {{"a charge", ZoneCourse::constant, ZoneKind::precession, 5e-4, false},
+                 {"torque in a uniform field", ZoneCourse::constant, ZoneKind::precession, 5e-4, true},
+                 {"larmor in a rotating field", ZoneCourse::constant, ZoneKind::rotating, 5e-4, false},
+                 {"joint turns", ZoneCourse::joint_turns, ZoneKind::rotating, 1e-4, true},
+                 {"slow turns", ZoneCourse::slow_turns, ZoneKind::rotating, 4e-4, true},
+                 {"slow axis", ZoneCourse::slow_turns, ZoneKind::rotating, 4e-4, true, 0.3}};
+  for (const auto& c : courses)
+    for (const bool along_z : {true, false}) {
+      TurningRegion r = region(c.kind, EdgeKind::align, c.take_off);
+      for (RegionZone& z : r.zones) {
+        if (!along_z) z.field = turned(z.field);
+        z.course = c.course;
+        z.field.turn_rate = c.kappa * z.field.spin_rate;
+        z.field.drive[0].turn_rate = c.kappa * z.field.drive[0].spin_rate;
+        z.table = span_table(z.field, c.span, c.course);
+      }
+      samples.push_back({fmt::format("{}{}", c.what, along_z ? "" : ", turned"), r});
+    }
   return samples;
 }
 

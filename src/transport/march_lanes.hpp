@@ -1,0 +1,184 @@
+#pragma once
+// A visit to one zone of a region along a closed form, for kernels only (transport/course_lanes.hpp).
+#include "transport/axis_lanes.hpp"
+#include "transport/course_lanes.hpp"
+#include "transport/visit_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// How far a lane can come within a span: what its velocity swings by besides a steady bend [m/s], that bend
+/// [m/s^2], and how finely things are looked at that are near [s].
+struct Reach {
+  real ripple, bend, finely, span;
+
+  /// How long something `distance` away cannot be met by what now moves there with `speed` (which may be
+  /// negative).
+  RABILINE_LANES real time_to(real distance, real speed) const {
+    const real most = speed + ripple, far = max(distance, broadcast(0));
+    const real root = sqrt(fma(most, most, 2.0 * bend * far));
+    const mask comes = most >= broadcast(0);
+    return select(comes, 2.0 * far, root - most) / max(select(comes, most + root, bend), broadcast(0x1p-500));
+  }
+};
+
+/// When a lane that is on one side of a plane at `low` and on the other at `high` crosses it: Newton's
+/// iteration between the two, from the secant. It stops behind a correction below 1e-9 of the span, since the
+/// next one is of the order of its square.
+template <class Curve>
+RABILINE_LANES real time_of_crossing(const Curve& curve, real span, mask chosen, real low, real high,
+                                     real y_low, real y_high, real plane) {
+  const mask rises = y_high > y_low;
+  const real way = select(y_high != y_low, y_high - y_low, broadcast(1));
+  real tau = max(low, min(high, fma(high - low, (plane - y_low) / way, low)));
+  mask seeking = chosen;
+  for (int i = 0; i < 8 && any(seeking); ++i) {
+    const Motion m = curve.motion(tau);
+    const mask before = (m.place.y < plane) == rises;
+    low = select(before, tau, low);
+    high = select(before, high, tau);
+    const real newton = tau + (plane - m.place.y) / m.velocity.y;
+    const mask inside = (newton >= low) & (newton <= high);
+    const real better = select(inside, newton, 0.5 * (low + high)), step = abs(better - tau);
+    tau = select(seeking, better, tau);
+    seeking = seeking & ~(inside & (step <= span * 0x1p-30)) & (step > broadcast(0));
+  }
+  return tau;
+}
+
+/// Where the first lane is from `from` on, every `step`, before `to`.
+template <class Curve>
+void record_between(const StepRecorder& recorder, const Curve& curve, double from, double to, double step) {
+  for (double i = 0; from + i * step < to; ++i) {
+    const real tau = broadcast(from + i * step);
+    record(recorder, curve.state(tau, curve.motion(tau)));
+  }
+}
+
+/// Puts down what the chosen lanes are where they fly forward through planes for the first time between two
+/// moments of a span. The flight itself knows nothing of it.
+template <class Curve>
+void look_between(const Curve& curve, Lookout& lookout, int planes, mask chosen, const Reach& reach,
+                  real from, real to, Motion at) {
+  mask looking = chosen;
+  while (any(looking)) {
+    const real plane = lookout.places(planes);
+    looking = looking & (plane < broadcast(__builtin_inf()));
+    // Forward flight, for as long as it is certain, meets every plane once.
+    const real forward = (at.velocity.y - reach.ripple) / max(reach.bend, broadcast(0x1p-500));
+    const real safe = reach.time_to(plane - at.place.y, at.velocity.y);
+    looking = looking & ~(from + safe >= to);
+    if (!any(looking)) return;
+    const real next = min(to, from + max(max(safe, forward), reach.finely));
+    const Motion there = curve.motion(next);
+    real begin = from, y_begin = at.place.y;
+    lookout.look(there.place.y, looking, planes, [&](real y, mask crosses) {
+      const real target = select(crosses, y, there.place.y);
+      const real when =
+          time_of_crossing(curve, reach.span, crosses, begin, next, y_begin, there.place.y, target);
+      State seen = curve.state(when, curve.motion(when));
+      seen.place.y = target;
+      begin = select(crosses, when, begin);
+      y_begin = select(crosses, y, y_begin);
+      return seen;
+    });
+    looking = looking & (next < to);
+    at = {select(looking, there.place, at.place), select(looking, there.velocity, at.velocity)};
+    from = select(looking, next, from);
+  }
+}
+
+/// Flies the chosen lanes through one zone along a curve, span by span, until each has left it, hit its wall
+/// or flown too long. Within a span it goes as far as no edge and no wall can be met on the way, and where
+/// one is near by `zone.step`.
+template <class Curve, bool looks>
+Visit visit_along(const Region& region, const RegionZone& zone, const real* phases, const State& start,
+                  mask chosen, Lookout& lookout, const StepRecorder* recorder) {
+  Curve curve(zone, region.take_off_spin_component, phases);
+  const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end),
+             span = broadcast(zone.table.span);
+  const real speed = sqrt(dot(start.velocity, start.velocity));
+  const real deadline = start.t + region.most_way / speed;
+  const bool walled = zone.wall_radius < __builtin_inf();
+  const real wall = broadcast(zone.wall_radius), wall2 = wall * wall;
+  State now = start;
+  mask going = chosen;
+  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  while (any(going)) {
+    curve.begin(now);
+    const Reach reach{curve.ripple() * speed, curve.bend() * speed, broadcast(zone.step), span};
+    real tau = broadcast(0), low = tau, high = span, y_low = now.place.y, y_high = y_low;
+    Motion at{now.place, now.velocity};
+    mask on_way = going, leaves{};
+    while (any(on_way)) {
+      real safe = min(reach.time_to(end - at.place.y, at.velocity.y),
+                      reach.time_to(at.place.y - begin, -at.velocity.y));
+      if (walled) {
+        const real x = at.place.x - zone.wall_x, z = at.place.z - zone.wall_z;
+        const real across = sqrt(fma(at.velocity.x, at.velocity.x, at.velocity.z * at.velocity.z));
+        safe = min(safe, reach.time_to(wall - sqrt(fma(x, x, z * z)), across));
+      }
+      const mask through = tau + safe >= span;  // nothing is met in this span any more
+      const real next = select(through, span, min(span, tau + max(safe, reach.finely)));
+      if (recorder != nullptr && lane((words)on_way, 0) != 0)
+        record_between(*recorder, curve, lane(tau, 0), lane(next, 0), zone.step);
+      if constexpr (looks) look_between(curve, lookout, zone.sights_passed, on_way, reach, tau, next, at);
+      on_way = on_way & ~through;
+      if (!any(on_way)) break;
+      const Motion to = curve.motion(next);
+      const real x = to.place.x - zone.wall_x, z = to.place.z - zone.wall_z;
+      const real from_axis2 = fma(x, x, z * z), t = now.t + next;
+      const mask goes_on = (to.place.y >= begin) & (from_axis2 <= wall2) & (t < deadline);
+      const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
+      const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;
+      const mask hit = (from_axis2 > wall2) & left & ~forward & ~backwards;
+      v.forward = v.forward | forward;
+      v.backwards = v.backwards | backwards;
+      v.wall = v.wall | hit;
+      v.gave_up = v.gave_up | (left & ~forward & ~backwards & ~hit);  // or is no number any more
+      leaves = leaves | left;
+      low = select(left, tau, low);
+      high = select(left, next, high);
+      y_low = select(left, at.place.y, y_low);
+      y_high = select(left, to.place.y, y_high);
+      on_way = on_way & ~left & (next < span);
+      tau = next;
+      at = to;
+    }
+    if (any(leaves)) {
+      const mask crossed = leaves & (v.forward | v.backwards);
+      real when = high;
+      const real plane = select(v.forward, end, begin);
+      if (any(crossed))
+        when = select(crossed, time_of_crossing(curve, span, crossed, low, high, y_low, y_high, plane), high);
+      State there = curve.state(when, curve.motion(when));
+      there.place.y = select(crossed, plane, there.place.y);
+      v.state = choose(leaves, there, v.state);
+      going = going & ~leaves;
+    }
+    if (!any(going)) break;
+    now = choose(going, curve.end(span), now);
+    const mask late = going & ~(now.t < deadline);
+    v.state = choose(late, now, v.state);
+    v.gave_up = v.gave_up | late;
+    going = going & ~late;
+  }
+  v.state = choose(chosen, v.state, start);
+  return v;
+}
+
+using VisitOfZone = Visit (*)(const Region&, const RegionZone&, const real*, const State&, mask, Lookout&,
+                              const StepRecorder*);
+template <bool looks>
+VisitOfZone visit_on(const RegionZone& zone) {
+  if (zone.course == ZoneCourse::constant) return visit_along<ConstantTurn, looks>;
+  if (zone.course == ZoneCourse::joint_turns) return visit_along<JointTurns, looks>;
+  if (zone.course == ZoneCourse::slow_turns)
+    return zone.field.turn_rate == zone.field.spin_rate ? visit_along<SlowTurns, looks>
+                                                        : visit_along<SlowAxis, looks>;
+  return visit<looks>;
+}
+inline VisitOfZone visit_of(const RegionZone& zone, bool looks) {
+  return looks ? visit_on<true>(zone) : visit_on<false>(zone);
+}
+
+}  // namespace rabiline::RABILINE_ISA
