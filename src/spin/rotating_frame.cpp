@@ -138,6 +138,7 @@ StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenState
     const std::vector<Dressed> own = states_of(frame, set), outside = neighbours_of(own, states.coupling);
     if (outside.empty()) continue;
     std::vector<int> levels;
+    levels.reserve(own.size());
     for (const Dressed& state : own) levels.push_back(state.level);
     Eigen::ArrayXXd inverse(std::ssize(own), std::ssize(outside));
     for (Eigen::Index i = 0; i < inverse.rows(); ++i)

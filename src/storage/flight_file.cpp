@@ -11,11 +11,11 @@
 namespace rabiline {
 namespace {
 
-constexpr std::size_t most_sums = std::size_t{1} << 29, most_cells = std::size_t{1} << 16,
-                      most_stragglers = std::size_t{1} << 24, most_text = std::size_t{1} << 26,
+constexpr std::size_t most_kept_sums = std::size_t{1} << 29, most_cells = std::size_t{1} << 16,
+                      most_stragglers = std::size_t{1} << 24, most_kept_text = std::size_t{1} << 26,
                       most_inputs = 16;
 
-[[noreturn]] void refuse(const std::filesystem::path& path, std::string_view why) {
+[[noreturn]] void refuse_result(const std::filesystem::path& path, std::string_view why) {
   throw StorageError(fmt::format("{}: {}", path.string(), why));
 }
 
@@ -23,34 +23,34 @@ FlightRecord read_record(const std::filesystem::path& path, const hdf5::FileRead
   const auto in_flight = [](const char* name) { return std::string("entry/flight/") + name; };
   FlightRecord record;
   record.asked_for = true;
-  record.totals_of = file.texts(in_flight("totals_of"), most_text);
+  record.totals_of = file.texts(in_flight("totals_of"), most_kept_text);
   const auto first = file.reals(in_flight("cells_first"), most_cells),
              width = file.reals(in_flight("cells_width"), most_cells);
   const auto count = file.numbers(in_flight("cells_count"), most_cells);
   if (first.size() != width.size() || first.size() != count.size())
-    refuse(path, "its cells of the slowness are incomplete");
+    refuse_result(path, "its cells of the slowness are incomplete");
   for (std::size_t i = 0; i < first.size(); ++i) {
-    if (!std::isfinite(first[i]) || !(width[i] > 0) || count[i] == 0 || count[i] > most_sums)
-      refuse(path, "its cells of the slowness are damaged");
+    if (!std::isfinite(first[i]) || !(width[i] > 0) || count[i] == 0 || count[i] > most_kept_sums)
+      refuse_result(path, "its cells of the slowness are damaged");
     record.cells.push_back({first[i], width[i], static_cast<int>(count[i])});
   }
   const auto halvings = file.numbers(in_flight("halvings"), 1);
-  if (halvings.empty() || halvings[0] > 20) refuse(path, "its part of the particles is damaged");
+  if (halvings.empty() || halvings[0] > 20) refuse_result(path, "its part of the particles is damaged");
   record.halvings = static_cast<int>(halvings[0]);
   const auto size = file.numbers(in_flight("sums"), 1);
-  const auto place = file.numbers(in_flight("place"), most_sums),
-             high = file.numbers(in_flight("high"), most_sums),
-             low = file.numbers(in_flight("low"), most_sums);
-  if (size.empty() || size[0] > most_sums || place.size() != high.size() || place.size() != low.size())
-    refuse(path, "its moments are incomplete");
+  const auto place = file.numbers(in_flight("place"), most_kept_sums),
+             high = file.numbers(in_flight("high"), most_kept_sums),
+             low = file.numbers(in_flight("low"), most_kept_sums);
+  if (size.empty() || size[0] > most_kept_sums || place.size() != high.size() || place.size() != low.size())
+    refuse_result(path, "its moments are incomplete");
   record.sums.resize(size[0]);
   for (std::size_t i = 0; i < place.size(); ++i) {
-    if (place[i] >= size[0]) refuse(path, "its moments are damaged");
+    if (place[i] >= size[0]) refuse_result(path, "its moments are damaged");
     record.sums[place[i]] = (static_cast<Sum>(high[i]) << 64) | low[i];
   }
   const auto trees = file.numbers(in_flight("straggler_trees"), most_stragglers),
              particles = file.numbers(in_flight("straggler_particles"), most_stragglers);
-  if (trees.size() != particles.size()) refuse(path, "its list of stragglers is incomplete");
+  if (trees.size() != particles.size()) refuse_result(path, "its list of stragglers is incomplete");
   for (std::size_t i = 0; i < trees.size(); ++i) record.stragglers.push_back({trees[i], particles[i]});
   return record;
 }
@@ -109,19 +109,20 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
 
 KeptFlight read_kept_flight(const std::filesystem::path& path) {
   const hdf5::FileReader file(path);
-  if (!file.contains("entry/simulation/input_0/data")) refuse(path, "is no result of `rabiline run`");
+  if (!file.contains("entry/simulation/input_0/data")) refuse_result(path, "is no result of `rabiline run`");
   if (!file.contains("entry/flight"))
-    refuse(path,
-           "keeps no moments of its flight, so other scans do not follow from it\n"
-           "  help: fly it again with `--transit totals`; `rabiline check` says where moments serve");
+    refuse_result(path,
+                  "keeps no moments of its flight, so other scans do not follow from it\n"
+                  "  help: fly it again with `--transit totals`; `rabiline check` says where moments serve");
   KeptFlight kept;
   for (std::size_t i = 0; i < most_inputs; ++i) {
     const std::string note = fmt::format("entry/simulation/input_{}", i);
     if (!file.contains(note)) break;
-    kept.inputs.push_back({file.text(note + "/file_name", most_text), file.text(note + "/data", most_text)});
+    kept.inputs.push_back(
+        {file.text(note + "/file_name", most_kept_text), file.text(note + "/data", most_kept_text)});
   }
   if (file.contains("entry/simulation/changes"))
-    kept.changes = file.texts("entry/simulation/changes", most_text);
+    kept.changes = file.texts("entry/simulation/changes", most_kept_text);
   kept.record = read_record(path, file);
   return kept;
 }
