@@ -53,6 +53,10 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
   } catch (const StorageError& error) {
     fmt::print(stderr, "error: {}\n", error.what());
     return exit_code::not_written;
+  } catch (const std::logic_error& error) {
+    fmt::print(stderr, "error: {}\n  help: this is a mistake of the program, or of a file that was damaged\n",
+               error.what());
+    return exit_code::not_written;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
     return exit_code::bad_input;

@@ -256,8 +256,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   if (moments.everywhere && !result.flight)
-    provenance.warnings.push_back(
-        fmt::format("nothing is kept for `rabiline rescan`: {}\n  help: omit --transit", why_not_kept));
+    provenance.warnings.push_back(fmt::format(
+        "nothing is kept for `rabiline rescan`: {}\n  help: omit --transit, or change that", why_not_kept));
   result.provenance = std::move(provenance);
   return result;
 }
@@ -270,6 +270,9 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
   const Changes before = changes_of(kept.changes), now = joined(before, changes);
   const LoadedExperiment flown = load_experiment(file_of_stored(kept.inputs), before),
                          wanted = load_experiment(file_of_stored(kept.inputs), now);
+  const Beamline &then = flown.experiment.points.front(), &later = wanted.experiment.points.front();
+  if (then.particles != later.particles || then.seed != later.seed || then.until != later.until)
+    throw std::invalid_argument("a rescan has the `particles`, the `seed` and the `until` of its flight");
   Record record(setup_of(wanted, now), settings.arguments);
   record->instruction_set = name_of(isa);
   record->changes = options_of(now);

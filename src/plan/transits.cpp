@@ -92,19 +92,22 @@ class TransitMaker {
       : particles_(static_cast<double>(tree.last - tree.first)),
         speeds_(speeds),
         points_(static_cast<std::size_t>(of.points)),
+        weights_differ_(sums_of(tree.source).weights_differ),
         everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
         given_(of.wanted.cells),
         place_(of.place),
         sums_(sums) {}
 
   /// `as_emitted`: particles still are in the level that the ledger has them in, or there is no ledger.
-  void visit(std::vector<PlanNode>& nodes, bool as_emitted) {
+  /// `full`: nothing has taken a part of their weights.
+  void visit(std::vector<PlanNode>& nodes, bool as_emitted, bool full) {
     gather_readers(nodes);
     for (PlanNode& node : nodes)
       if (node.ways.empty())
-        visit(node.next, as_emitted && traits_of(node.stage).spins != SpinEffect::set);
+        visit(node.next, as_emitted && traits_of(node.stage).spins != SpinEffect::set,
+              full && (follows_paths(node.stage) || traits_of(node.stage).only_reads));
       else if (as_emitted && !node.transit)
-        lay_out(node);
+        lay_out(node, full);
   }
 
  private:
@@ -157,11 +160,14 @@ class TransitMaker {
     nodes.resize(kept);
   }
 
-  void lay_out(PlanNode& node) {
+  void lay_out(PlanNode& node, bool full) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
     if (path_of(node.ways.front().stage)->transitions != nullptr)
       return by_particle(node, "levels of atoms are mixed for each particle");
+    // Their covariance would need products of the weights before and behind.
+    if (!full && weights_differ_)
+      return by_particle(node, "the weights of an aimed source are changed on the way");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
     const auto turning = turning_of(node);
@@ -222,7 +228,7 @@ class TransitMaker {
   const double particles_;
   const SpeedRange speeds_;
   const std::size_t points_;
-  const bool everywhere_;
+  const bool weights_differ_, everywhere_;
   const std::vector<SlownessCells>* const given_;
   std::size_t& place_;
   std::size_t& sums_;
@@ -232,7 +238,7 @@ class TransitMaker {
 
 void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums) {
   TransitMaker maker(tree, speeds, of, sums);
-  maker.visit(tree.next, true);
+  maker.visit(tree.next, true, true);
 }
 
 }  // namespace rabiline

@@ -229,6 +229,8 @@ Result rescan(const Experiment& flown, const FlightRecord& record, const Experim
   const double infinity = std::numeric_limits<double>::infinity();
   const Plan alone = make_plan(one, 0, infinity, moments), plan = make_plan(scan, 0, infinity, moments);
   if (alone.sums != record.sums.size()) throw std::invalid_argument("what was kept is of another beam");
+  if (record.halvings > Precision(flown, alone).halvings())
+    throw std::invalid_argument("what was kept is of another number of particles");
   Sums sums(plan.sums);
   SumsCopy(record.sums, sums).copy(alone, plan);
   add_stragglers(plan, record.stragglers, isa, sums);

@@ -71,8 +71,9 @@ void add_stragglers(const Eigen::MatrixXd& in_groups, double weight, Eigen::Matr
 
 }  // namespace
 
-/// Of counts C = sum of w P over N particles that were emitted with sum of w = W: the sum over all of them of
-/// (w P - r w)(w P' - r' w), r = C/W.
+/// Of counts C = sum of w P over particles that were emitted with sum of v = W: the sum over all of them of
+/// (w P - r v)(w P' - r' v), r = C/W. What is emitted weighs v = 1, and sum of v w P is the count; or, of an
+/// aimed source, nothing on the way has changed its weight, and w = v (plan/transits.cpp).
 ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
                                const TransitNodes::WholeScreen& screen, double share, int part,
                                Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums& sums) {
@@ -105,6 +106,7 @@ ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection,
                emitted2 = static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / quanta / quanta;
   add_stragglers(stragglers, emitted2 / emitted, together, weighted);
   counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
+  if (!sums_of(tree.source).weights_differ) weighted = counted;
   const Eigen::VectorXd rate = counted / emitted;
   ScreenCovariance out{part, {}, {}};
   for (std::size_t way = 0; way < projection.ways.size(); ++way)

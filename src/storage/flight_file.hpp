@@ -23,8 +23,9 @@ struct KeptFlight {
 std::size_t size_in_file(const FlightRecord&);
 
 namespace nexus {
-void write_flight(const hdf5::GroupWriter& entry, const FlightRecord&);
-}
+/// With a digest of it and of what it was made from.
+void write_flight(const hdf5::GroupWriter& entry, const KeptFlight&);
+}  // namespace nexus
 
 /// Reads it from a result. Throws StorageError where the file is no result, is damaged, or has no flight.
 KeptFlight read_kept_flight(const std::filesystem::path&);

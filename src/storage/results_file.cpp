@@ -350,7 +350,7 @@ void write_results(const Result& result, const std::filesystem::path& path) {
     write_fates(entry, result);
     write_simulation(entry, result);
     if (result.flight && is_worth_its_room(*result.flight, file.size()))
-      nexus::write_flight(entry, *result.flight);
+      nexus::write_flight(entry, {result.provenance.inputs, result.provenance.changes, *result.flight});
   }
   file.save();
 }

@@ -102,6 +102,9 @@ def test_a_rescan_is_a_result_that_can_be_scanned_again(folder: Path) -> None:
     ("plain.h5", (), "keeps no moments of its flight", 3),
     ("drawn.h5", (), "keeps no moments of its flight", 3),
     ("nothing.h5", (), "nothing.h5", 3),
+    (".", (), "cannot be read", 3),
+    ("rabi.h5", ("--set", "seed=3"), "the `seed`", 2),
+    ("rabi.h5", ("--set", "until.detected_error=1 %"), "the `until` of its flight", 2),
 ])
 def test_what_does_not_follow_from_the_flight_is_refused(folder: Path, result: str, arguments: tuple[str, ...],
                                                          reason: str, code: int) -> None:
@@ -115,15 +118,19 @@ def test_a_result_is_not_replaced_by_its_rescan(folder: Path) -> None:
     assert done.returncode == 2 and "rabi.h5" in done.stderr
 
 
-@pytest.mark.parametrize("name", ["place", "low", "cells_width", "sums", "straggler_trees"])
+@pytest.mark.parametrize("name", ["place", "low", "cells_width", "sums", "straggler_trees", "zero", "halvings", "input"])
 def test_a_damaged_flight_is_refused(folder: Path, name: str) -> None:
     damaged = folder / "damaged.h5"
     damaged.write_bytes((folder / "rabi.h5").read_bytes())
     with h5py.File(damaged, "a") as file:
-        values = file[f"entry/flight/{name}"][()]
-        del file[f"entry/flight/{name}"]
-        file[f"entry/flight/{name}"] = {"place": values + 10**9, "low": values[:-1], "cells_width": -values,
-                                        "sums": values + 1, "straggler_trees": np.arange(7, dtype=np.uint64)}[name]
+        where = {"zero": "entry/flight/low", "input": "entry/simulation/input_0/data"}.get(name, f"entry/flight/{name}")
+        values = file[where][()]
+        if name == "input":
+            file[where][...] = values.replace(b"900 K", b"901 K")
+        else:
+            del file[where]
+            file[where] = {"place": values + 10**9, "low": values[:-1], "cells_width": -values, "sums": values + 1, "zero": 0 * values,
+                           "halvings": values + 3, "straggler_trees": np.arange(7, dtype=np.uint64)}[name]
     done = rabiline("rescan", "damaged.h5", "-o", "refused.h5", cwd=folder)
     assert done.returncode in (2, 3) and done.stderr.startswith("error: "), done.stderr
 

@@ -147,6 +147,33 @@ TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   }
 }
 
+/// What gas takes of each particle's weight in front of the magnets leaves the counts of emitted particles
+/// that weigh 1.
+TEST(Moments, KnowTheErrorsOfABeamThatGasThins) {
+  const Apparatus apparatus;
+  std::vector<Beamline> scan = apparatus.scan(7);
+  GasCell gas;
+  gas.length = 0.02;
+  gas.gas = GasDensity{1e20};
+  gas.cross_section = 1e-18;  // transmits exp(-2)
+  for (Beamline& b : scan) b.parts.insert(b.parts.begin(), place("gas", 0.05, gas));
+  ASSERT_TRUE(has_moments(scan));
+  const DetectorResult screen = run_points(scan).detectors[0];
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    EXPECT_NEAR(screen.detected_covariance[i * 8], screen.detected_errors[i] * screen.detected_errors[i],
+                1e-6 * screen.detected_covariance[i * 8]);
+  const Beamline alone = [&] {
+    Beamline b = scan[3];
+    b.particles = 200000;
+    return b;
+  }();
+  const DetectorResult one = run_points({alone}).detectors[0];
+  EXPECT_NEAR(screen.detected_errors[3], one.detected_errors[0] * std::sqrt(200000.0 / 30000),
+              0.02 * screen.detected_errors[3]);
+  for (Beamline& b : scan) b.source.direction = AimedDirection{"screen", CosineEmission{}};
+  EXPECT_FALSE(has_moments(scan));
+}
+
 /// Two points that drive nothing but another power of their Larmor angle see the same particles: what both
 /// count varies as each alone.
 TEST(Moments, TellHowPointsVaryTogether) {
