@@ -264,8 +264,6 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
 
 Result rescan(const std::filesystem::path& path, const Changes& changes, const RunSettings& settings) {
   const KeptFlight kept = read_kept_flight(path);
-  if (changes.particles || changes.seed)
-    throw std::invalid_argument("a rescan has the particles and the seed of its flight");
   const Isa isa = isa_called(settings.isa);
   const Changes before = changes_of(kept.changes), now = joined(before, changes);
   const LoadedExperiment flown = load_experiment(file_of_stored(kept.inputs), before),

@@ -61,6 +61,8 @@ Changes joined(Changes earlier, const Changes& later) {
   });
   earlier.set.insert(earlier.set.end(), later.set.begin(), later.set.end());
   earlier.scan = later.scan;
+  if (later.particles) earlier.particles = later.particles;
+  if (later.seed) earlier.seed = later.seed;
   earlier.without_scan = later.without_scan || !later.scan.empty();
   return earlier;
 }

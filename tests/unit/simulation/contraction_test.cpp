@@ -147,6 +147,38 @@ TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   }
 }
 
+/// Those that keep their level are what is detected where no field turns spins.
+TEST(Moments, TellTheSlownessOfWhatADetectorCatches) {
+  for (const int twice : {1, 3}) {
+    Apparatus apparatus;
+    apparatus.species = point_of_spin(twice);
+    apparatus.bins = {3, 4};
+    const DetectorResult screen = run_points(apparatus.scan(9)).detectors[0];
+    ASSERT_EQ(screen.transits.size(), 1U);
+    const TransitResult& transit = screen.transits[0];
+    const std::size_t cells = transit.edges.size() - 1;
+    double kept = 0, squares = 0, slowness = 0;
+    for (std::size_t path = 0; path < transit.paths.size(); ++path) {
+      const std::string& name = transit.paths[path];
+      const std::size_t to = name.find(" to ");
+      if (name.substr(0, to) != name.substr(to + 4)) continue;
+      for (std::size_t cell = 0; cell < cells; ++cell) {
+        const double caught = transit.caught[path * cells + cell],
+                     error = transit.errors[path * cells + cell];
+        kept += caught;
+        squares += error * error;
+        slowness += caught * (transit.edges[cell] + transit.edges[cell + 1]) / 2;
+      }
+    }
+    Beamline still = apparatus.at(apparatus.resonance());
+    std::erase_if(still.parts, [](const PlacedPart& part) { return part.placement.name == "drive"; });
+    const double detected = run_points({still}).detectors[0].detected[0] * 30000;
+    EXPECT_NEAR(kept, detected, 1e-6 * detected);
+    EXPECT_NEAR(squares, detected, 1e-6 * detected);  // all weigh 1
+    EXPECT_NEAR(slowness / kept, 1 / 800.0, 0.008 / 800);
+  }
+}
+
 /// What gas takes of each particle's weight in front of the magnets leaves the counts of emitted particles
 /// that weigh 1.
 TEST(Moments, KnowTheErrorsOfABeamThatGasThins) {
