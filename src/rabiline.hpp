@@ -9,9 +9,11 @@
 // Numbers are in SI; texts have their units. What is wrong is thrown:
 //   InputError             everything that is wrong in a file, a text or a change, each with its place
 //   StorageError           a file that could not be written or read, with the reason
+//   Stopped                where there is nothing to be returned yet
 //   std::invalid_argument  settings that do not fit the machine or the setup
 #include <atomic>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -47,10 +49,13 @@ class Setup {
   std::shared_ptr<const Contents> contents_;
 };
 
-/// Reads a file. Throws InputError.
+/// Reads a file: a text, or a result, of which what it was made from is read. Throws InputError and
+/// StorageError.
 Setup load(const std::filesystem::path& file, const Changes& = {});
 /// The same where only a beamline will do: a model is refused before anything else in it is judged.
 Setup load_beamline(const std::filesystem::path& file, const Changes& = {});
+/// As `load`, of what a snapshot was made from.
+Setup load(const Snapshot&);
 /// As `load`, of a text, which messages call `text`; paths in it begin in `folder`.
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& = {});
 
@@ -61,28 +66,31 @@ struct Report {
 };
 Report check(const Setup&);
 
-/// Moments of the slowness that a result keeps, from which other scans follow without another flight: where
-/// they are a fifth of the file at most; none; of each detector as a whole; of each of its bins.
-enum class KeptTransit { if_small, none, totals, images };
+/// Thrown by `trace` and `solve` where they were asked to stop.
+struct Stopped : std::exception {
+  const char* what() const noexcept override { return "stopped"; }
+};
 
 /// How to compute, which never changes a bit of the result, and what is told meanwhile.
 struct RunSettings {
   int threads = 0;                          // 0: as many as the process may use; at most 1024
   std::string isa{};                        // "x86-64", "avx2" or "avx512"; empty: the best one here
   int batch = 0;                            // particles in the loops together, a multiple of 8; 0: the most
-  const std::atomic<bool>* stop = nullptr;  // looked at every few hundredths of a second
+  const std::atomic<bool>* stop = nullptr;  // looked at every few hundredths of a second of a flight
   /// Called before the flight with what deserves a word; what it throws ends the run.
   std::function<void(const std::vector<Diagnostic>& warnings)> planned{};
   std::function<void(const Progress&)> progress{};  // by one thread at a time, a few times a second
-  std::function<void(const Snapshot&)> snapshot{};  // likewise, every snapshot_seconds and when stopped
+  std::function<void(Snapshot)> snapshot{};         // likewise, every snapshot_seconds and at the end
   double snapshot_seconds = 60;                     // [s]
   const Snapshot* start = nullptr;                  // goes on from here
   std::vector<std::string> arguments{};             // noted in the result as the command line
   KeptTransit transit = KeptTransit::if_small;
+  Shard shard{};  // of the work; the last snapshot then holds its sums
 };
 
-/// Flies an experiment; nothing where it was stopped. Throws std::invalid_argument where the settings or the
-/// snapshot do not fit, the machine has not the memory, or it is a model.
+/// Flies an experiment; nothing where it was stopped, or where it is one shard of several. Throws
+/// std::invalid_argument where the settings or the snapshot do not fit, the machine has not the memory, or it
+/// is a model.
 std::optional<Result> run(const Setup&, const RunSettings& = {});
 
 /// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
@@ -92,12 +100,14 @@ std::optional<Result> run(const Setup&, const RunSettings& = {});
 Result rescan(const std::filesystem::path& result, const Changes& changes, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the
-/// file without its scan. Of the settings, `isa` and `planned` apply. Throws as run does.
+/// file without its scan. Of the settings, `isa`, `planned` and `stop` apply. Throws as run does.
 std::vector<Track> trace(const Setup&, std::uint64_t first, std::uint64_t count, const RunSettings& = {});
 
 /// Solves a model at each point of its scan. Throws std::runtime_error where a motion cannot be integrated,
 /// and std::invalid_argument for an experiment.
-SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {});
+/// Looks at `stop` between two points.
+SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {},
+                  const std::atomic<bool>* stop = nullptr);
 
 /// Writes one HDF5 file, whole and verified or not at all; an earlier one is then intact. Throws
 /// StorageError.
@@ -107,5 +117,15 @@ void write(const std::vector<Track>&, const std::string& title, const std::files
 /// Snapshots on disk, likewise.
 void write(const Snapshot&, const std::filesystem::path&);
 Snapshot read_snapshot(const std::filesystem::path&);
+
+/// The digest in the last line of a file that this program wrote. Throws StorageError where the file is
+/// damaged, was changed, or names other files.
+std::string verify(const std::filesystem::path&);
+/// Runs what a result was made from again. Throws StorageError where it is no result of a flight.
+struct Reproduced {
+  Result result;
+  bool same = false;  // whether all of it is as in the file to the bit, but for /entry/simulation
+};
+std::optional<Reproduced> reproduce(const std::filesystem::path& result, RunSettings = {});
 
 }  // namespace rabiline

@@ -1,7 +1,8 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
 plot-angles | plot-transit | plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
 
-Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
+Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written; 1 a mistake
+of the program.
 """
 from __future__ import annotations
 
@@ -49,6 +50,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 3
+    except Exception as problem:
+        print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
+        return 1
     return 0
 
 

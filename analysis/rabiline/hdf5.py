@@ -1,10 +1,13 @@
 """HDF5 groups read with care: every problem is a FileError that names the file and the place in it.
 
 A file may come from anybody, so nothing outside it is followed (external links, external storage, virtual
-datasets) and sizes are looked at before anything is read.
+datasets) and sizes are looked at before anything is read. Its last line is a digest of all before it: a file that was
+damaged or changed is refused.
 """
 from __future__ import annotations
 
+import hashlib
+import unicodedata
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Iterator
@@ -12,7 +15,10 @@ from typing import Iterator
 import h5py
 import numpy as np
 
-FORMAT_VERSION = 2  # the newest layout of files that is understood here; files without a version are older
+FORMAT_VERSION = 3  # the newest layout of files that is understood here; files without a version are older
+SEALED_SINCE = 3  # the format version
+SEAL = b"\nrabiline: SHA-256 of all before this line: "
+SEAL_SIZE = len(SEAL) + 64 + 1
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 
 
@@ -112,19 +118,50 @@ def open_entry(path: Path | str) -> Iterator[Group]:
         raise FileError(path, "no such file")
     if not path.is_file():
         raise FileError(path, "not a file")
+    sealed = _has_seal(path)
     try:
         file = h5py.File(path, "r")
-    except OSError:
+    except (OSError, RuntimeError):
         whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
         raise FileError(path, whole) from None
     with file:
         if "entry" not in file:
             raise FileError(path, "not written by rabiline (it has no group /entry)")
-        version = file.attrs.get("format_version", FORMAT_VERSION)
+        version = file.attrs.get("format_version", 1)
         if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
             raise FileError(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
-        yield Group(file, path).group("entry")
+        if version >= SEALED_SINCE and not sealed:
+            raise FileError(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
+        try:
+            yield Group(file, path).group("entry")
+        except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError) as problem:
+            raise FileError(path, f"cannot be used: {problem}") from problem
+
+
+def _has_seal(path: Path) -> bool:
+    """Whether the last line of a file is a digest; if so, of what stands before it."""
+    size = path.stat().st_size - SEAL_SIZE
+    if size < 0:
+        return False
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        file.seek(size)
+        seal = file.read()
+        if not seal.startswith(SEAL):
+            return False
+        file.seek(0)
+        while size > 0:
+            block = file.read(min(size, 1 << 22))
+            if not block:
+                break
+            digest.update(block)
+            size -= len(block)
+    if seal != SEAL + digest.hexdigest().encode() + b"\n":
+        raise FileError(path, "is damaged, or was changed since rabiline wrote it")
+    return True
 
 
 def _decoded(value: object) -> str:
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    """A text without control characters, which would steer a terminal."""
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") else "?" for c in text)

@@ -10,7 +10,7 @@ void add_check(CLI::App& app) {
   options->add_to(*verb);
   verb->callback([options] {
     const Report report = check(load(options->file, options->changes));
-    fmt::print("{}", report.text);
+    say(stdout, "{}", report.text);
     tell(report.warnings, options->strict, stdout);
   });
 }

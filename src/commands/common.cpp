@@ -1,11 +1,12 @@
 #include "commands/common.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
+#include <sstream>
 
 #include <fmt/ranges.h>
 
+#include "commands/stop.hpp"
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "input/settings.hpp"
@@ -13,13 +14,6 @@
 
 namespace rabiline {
 namespace {
-
-std::atomic<bool> stop{false};
-/// The first signal asks; a second one ends the program at once.
-extern "C" void on_signal(int signal) {
-  stop = true;
-  std::signal(signal, SIG_DFL);
-}
 
 /// CLI11 would only say that a subcommand is missing.
 void require_known_verb(const CLI::App& app, const std::vector<std::string>& arguments) {
@@ -40,36 +34,37 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
     app.parse(reversed);
     return exit_code::done;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_code::done : exit_code::bad_input;
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);
+    put(stdout, out.str());
+    put(stderr, err.str());
+    return code == 0 ? exit_code::done : exit_code::bad_input;
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}", render(error.diagnostics()));
+    say(stderr, "{}", render(error.diagnostics()));
     return exit_code::bad_input;
   } catch (const ArgumentError& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    say(stderr, "error: {}\n", error.what());
     return exit_code::bad_input;
   } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    say(stderr, "error: {}\n", error.what());
     return exit_code::bad_input;
   } catch (const StorageError& error) {
-    fmt::print(stderr, "error: {}\n", error.what());
+    say(stderr, "error: {}\n", error.what());
     return exit_code::not_written;
-  } catch (const std::logic_error& error) {
-    fmt::print(stderr, "error: {}\n  help: this is a mistake of the program, or of a file that was damaged\n",
-               error.what());
-    return exit_code::not_written;
+  } catch (const Stopped&) {
+    say(stderr, "stopped; nothing was written\n");
+    return exit_code::stopped;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
+    say(stderr, "error: not enough memory\n  help: use fewer bins or fewer scan points\n");
     return exit_code::bad_input;
+  } catch (const std::exception& error) {
+    say(stderr, "error: {}\n  help: this is a mistake of the program: please report it with the input file\n",
+        error.what());
+    return exit_code::mistake;
   }
 }
 
 }  // namespace
-
-const std::atomic<bool>& stop_requested() { return stop; }
-void watch_signals() {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file-size limit is then an error of the write
-}
 
 void ExperimentOptions::add_to(CLI::App& app) {
   add_without_scan_to(app);
@@ -128,27 +123,31 @@ void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
     for (Diagnostic& warning : warnings) warning.severity = Severity::error;
     throw InputError(std::move(warnings));
   }
-  fmt::print(to, "{}", render(warnings));
+  say(to, "{}", render(warnings));
 }
 
 void print_summary(const Result& result, const std::filesystem::path& output) {
   const std::size_t points = result.emitted.size();
-  fmt::print("{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
-             points == 1 ? "" : "s", result.particles, result.provenance.seconds);
+  say(stdout, "{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
+      points == 1 ? "" : "s", result.particles, result.provenance.seconds);
   for (const DetectorResult& d : result.detectors) {
     const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
     if (points == 1)
-      fmt::print("  {}: {:.4g} +- {:.2g} of the emitted particles\n", d.name, d.detected[0],
-                 d.detected_errors[0]);
+      say(stdout, "  {}: {:.4g} +- {:.2g} of the emitted particles\n", d.name, d.detected[0],
+          d.detected_errors[0]);
     else
-      fmt::print("  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
+      say(stdout, "  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
   }
-  fmt::print("wrote {}\n", output.string());
+  say(stdout, "wrote {}\n", output.string());
 }
 
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
   for (const InputText& input : inputs) {
     std::error_code none;  // of a file that is not there yet
+    if (std::filesystem::equivalent(output.string() + ".checkpoint", input.path, none))
+      throw ArgumentError(
+          fmt::format("{} is where checkpoints of -o {} go\n  help: write results to another file",
+                      input.path, output.string()));
     if (std::filesystem::equivalent(output, input.path, none))
       throw ArgumentError(
           fmt::format("-o {} is what the experiment is read from\n  help: write results to another file",
@@ -157,7 +156,8 @@ void require_place(const std::filesystem::path& output, const std::vector<InputT
   require_writable(output);
 }
 
-int run_program(const std::vector<std::string>& arguments, const Snapshot* start) {
+int run_program(const std::vector<std::string>& arguments) {
+  ignore_failed_writes();
   CLI::App app{"rabiline: particle beams with spin through magnetic fields, by Monte Carlo", "rabiline"};
   app.set_version_flag("--version", std::string("rabiline ") + version);
   app.require_subcommand(1);
@@ -165,17 +165,24 @@ int run_program(const std::vector<std::string>& arguments, const Snapshot* start
       "A first run:   rabiline run beamline/suggested-experiment.yaml -o results.h5\n"
       "What is in it: rabiline check beamline/suggested-experiment.yaml\n"
       "All keys:      rabiline describe\n"
-      "Exit codes: 0 done, 2 bad input or arguments, 3 output could not be written, 4 stopped with a "
-      "checkpoint.");
+      "Exit codes: 0 done, 2 bad input or arguments, 3 a file could not be written or read, 4 stopped with a "
+      "checkpoint, 1 a mistake of the program.");
   int exit = exit_code::done;
-  add_run(app, arguments, start, exit);
+  add_run(app, arguments, exit);
   add_check(app);
   add_describe(app);
   add_trace(app);
   add_resume(app, exit);
+  add_merge(app, exit);
+  add_verify(app);
+  add_reproduce(app, exit);
   add_rescan(app, arguments, exit);
   const int parsed = parse_and_run(app, arguments);
-  return parsed == exit_code::done ? exit : parsed;
+  const int code = parsed == exit_code::done ? exit : parsed;
+  const std::string lost = lost_text();
+  if (lost.empty() || code != exit_code::done) return code;
+  say(stderr, "error: what was to be printed could not be written ({})\n", lost);
+  return exit_code::not_written;
 }
 
 }  // namespace rabiline

@@ -1,6 +1,5 @@
 #pragma once
-// What the verbs of the command line share: options of an experiment, exit codes, signals.
-#include <atomic>
+// What the verbs of the command line share: options of an experiment, exit codes.
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -10,12 +9,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "commands/say.hpp"
 #include "rabiline.hpp"
 
 namespace rabiline {
 
 namespace exit_code {
-inline constexpr int done = 0, bad_input = 2, not_written = 3, stopped = 4;
+inline constexpr int done = 0, mistake = 1, bad_input = 2, not_written = 3, stopped = 4;
 }
 
 /// A mistake in the arguments: one line, exit code 2.
@@ -46,10 +46,6 @@ struct MachineOptions {
   RunSettings settings() const;
 };
 
-/// Set by SIGINT and SIGTERM after watch_signals().
-const std::atomic<bool>& stop_requested();
-void watch_signals();
-
 /// Prints what is warned of, each with its line. Where warnings are errors they are thrown as such.
 void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to);
 
@@ -70,18 +66,24 @@ void print_summary(const Result&, const std::filesystem::path& output);
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs);
 
 /// Each verb adds itself to the command line; `exit` gets its exit code when it has run.
-void add_run(CLI::App&, const std::vector<std::string>& arguments, const Snapshot* start, int& exit);
+void add_run(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 void add_check(CLI::App&);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_resume(CLI::App&, int& exit);
+void add_merge(CLI::App&, int& exit);
+void add_verify(CLI::App&);
+void add_reproduce(CLI::App&, int& exit);
 void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 
+struct FlightOptions;
+
 /// What `run` does for a model.
-void run_model(const Setup&, const std::filesystem::path& output, const std::vector<std::string>& arguments);
+void run_model(const Setup&, const std::filesystem::path& output, const FlightOptions&,
+               const std::vector<std::string>& arguments);
 
 /// The whole program: parses the arguments (without the program's name), runs the verb, explains what went
 /// wrong.
-int run_program(const std::vector<std::string>& arguments, const Snapshot* start = nullptr);
+int run_program(const std::vector<std::string>& arguments);
 
 }  // namespace rabiline

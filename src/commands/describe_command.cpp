@@ -16,8 +16,8 @@ void add_describe(CLI::App& app) {
   auto schema = std::make_shared<bool>(false);
   verb->add_flag("--schema", *schema, "print the JSON Schema of beamlines and models, for editors");
   verb->callback([topic, schema] {
-    if (*schema) return fmt::print("{}\n", json_schema());
-    fmt::print("{}", topic->empty() ? describe_overview() : describe(*topic));
+    if (*schema) return put(stdout, json_schema() + "\n");
+    say(stdout, "{}", topic->empty() ? describe_overview() : describe(*topic));
   });
 }
 

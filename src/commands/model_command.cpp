@@ -3,7 +3,11 @@
 #include <cmath>
 #include <vector>
 
-#include "commands/common.hpp"
+#include "commands/flight.hpp"
+#include "commands/stop.hpp"
+#include "input/settings.hpp"
+#include "storage/lock.hpp"
+#include "storage/safe_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -31,15 +35,15 @@ std::string told_of(const Finding& f) {
 /// The smallest and largest value of each finding.
 void print_ranges(const SolvedModel& solved) {
   const std::size_t points = solved.points.size();
-  fmt::print("  over {} points of {}, {} to {}\n", points, solved.axis->parameter, value_at(*solved.axis, 0),
-             value_at(*solved.axis, points - 1));
+  say(stdout, "  over {} points of {}, {} to {}\n", points, solved.axis->parameter, value_at(*solved.axis, 0),
+      value_at(*solved.axis, points - 1));
   for (const FoundAtPoints& found : findings_of(solved.points)) {
     std::vector<double> values = found.values;
     std::erase_if(values, [](double value) { return std::isnan(value); });
     if (values.empty()) continue;
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    fmt::print("  {:<30} from {:.9g} to {}{}\n", found.name, *least, with_unit(*most, found.unit),
-               values.size() == points ? "" : fmt::format(", at {} of the points", values.size()));
+    say(stdout, "  {:<30} from {:.9g} to {}{}\n", found.name, *least, with_unit(*most, found.unit),
+        values.size() == points ? "" : fmt::format(", at {} of the points", values.size()));
   }
 }
 
@@ -47,23 +51,27 @@ void print_ranges(const SolvedModel& solved) {
 void print_findings(const SolvedModel& solved) {
   if (solved.axis) return print_ranges(solved);
   for (const Finding& f : solved.points.front().findings)
-    fmt::print("  {:<30} {:>15.9g}, {}\n", f.name, f.value, told_of(f));
+    say(stdout, "  {:<30} {:>15.9g}, {}\n", f.name, f.value, told_of(f));
 }
 
 }  // namespace
 
-void run_model(const Setup& setup, const std::filesystem::path& output,
+void run_model(const Setup& setup, const std::filesystem::path& output, const FlightOptions& options,
                const std::vector<std::string>& arguments) {
+  const Lock lock(output);
+  watch_signals();
+  if (!options.max_time.empty()) stop_after(read_time_argument("--max-time", options.max_time, range::any));
   SolvedModel solved;
   try {
-    solved = solve(setup, arguments);
+    solved = solve(setup, arguments, &stop_requested());
   } catch (const std::runtime_error& error) {  // a motion that cannot be integrated
     throw ArgumentError(error.what());
   }
+  if (options.keep) back_up(output);
   write(solved, output);
-  fmt::print("{}: {}, {:.2f} s\n", solved.title, solved.kind, solved.provenance.seconds);
+  say(stdout, "{}: {}, {:.2f} s\n", solved.title, solved.kind, solved.provenance.seconds);
   print_findings(solved);
-  fmt::print("wrote {}\n", output.string());
+  say(stdout, "wrote {}\n", output.string());
 }
 
 }  // namespace rabiline

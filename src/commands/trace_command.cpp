@@ -1,5 +1,6 @@
 // rabiline trace: the paths of a few particles, by the same kernels as a run.
 #include "commands/common.hpp"
+#include "commands/stop.hpp"
 #include "input/settings.hpp"
 
 namespace rabiline {
@@ -20,16 +21,18 @@ void trace_command(const TraceArguments& a) {
   RunSettings settings = a.machine.settings();
   settings.planned = [&](const std::vector<Diagnostic>& warnings) {
     tell(warnings, a.experiment.strict, stderr);
+    watch_signals();
   };
+  settings.stop = &stop_requested();
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   require_place(a.output, setup.inputs());
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
   write(tracks, setup.title(), a.output);
   for (const Track& t : tracks)
-    fmt::print("particle {}: {}{}{}, {} places recorded\n", t.particle, t.fate, t.where.empty() ? "" : " at ",
-               t.where, t.t.size());
-  fmt::print("wrote {}\n", a.output);
+    say(stdout, "particle {}: {}{}{}, {} places recorded\n", t.particle, t.fate,
+        t.where.empty() ? "" : " at ", t.where, t.t.size());
+  say(stdout, "wrote {}\n", a.output);
 }
 
 }  // namespace

@@ -121,6 +121,30 @@ std::string render(const std::vector<Diagnostic>& diagnostics) {
 InputError::InputError(std::vector<Diagnostic> diagnostics)
     : std::runtime_error(render(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
+std::string printable(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t size = lead < 0x80   ? 1
+                             : lead < 0xc2 ? 0
+                             : lead < 0xe0 ? 2
+                             : lead < 0xf0 ? 3
+                             : lead < 0xf5 ? 4
+                                           : 0;
+    bool whole = size > 0 && i + size <= text.size();
+    for (std::size_t k = 1; whole && k < size; ++k)
+      whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
+    const bool control = (lead < 0x20 && lead != '\n') || lead == 0x7f ||
+                         (whole && lead == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0);
+    if (whole && !control)
+      out += text.substr(i, size);
+    else
+      out += '?';
+    i += whole ? size : 1;
+  }
+  return out;
+}
+
 std::string closest(std::string_view word, const std::vector<std::string>& known) {
   if (word.empty() || word.size() > 64) return {};
   const std::string wanted = lower(word);

@@ -52,6 +52,10 @@ class InputError : public std::runtime_error {
   std::vector<Diagnostic> diagnostics_;
 };
 
+/// The text without what would steer a terminal: a question mark for each control character but the end of a
+/// line, and for each byte that is not UTF-8.
+std::string printable(std::string_view text);
+
 /// The entry of `known` closest to `word` by edit distance, or empty when none is near.
 std::string closest(std::string_view word, const std::vector<std::string>& known);
 

@@ -42,10 +42,13 @@ std::string explain(const LoadedModel& loaded) {
   return out;
 }
 
-SolvedModel solve_all(const LoadedModel& loaded) {
+SolvedModel solve_all(const LoadedModel& loaded, const std::function<void()>& between) {
   SolvedModel solved{loaded.points.front().title, std::string(kind_of(loaded.points.front().model))};
   if (!loaded.axes.empty()) solved.axis = loaded.axes.front();
-  for (const ModelFile& point : loaded.points) solved.points.push_back(solve_point(solved, point.model));
+  for (const ModelFile& point : loaded.points) {
+    between();
+    solved.points.push_back(solve_point(solved, point.model));
+  }
   return solved;
 }
 

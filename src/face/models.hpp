@@ -12,6 +12,7 @@ std::string explain(const LoadedModel&);
 
 /// All but its provenance. Throws std::runtime_error where a motion cannot be integrated, with the scan
 /// point.
-SolvedModel solve_all(const LoadedModel&);
+/// Calls `between` before each point.
+SolvedModel solve_all(const LoadedModel&, const std::function<void()>& between);
 
 }  // namespace rabiline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <fstream>
 #include <span>
 #include <stdexcept>
 
@@ -17,17 +18,18 @@
 #include "face/models.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
-#include "simulation/blocks.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 #include "simulation/trace.hpp"
+#include "simulation/work.hpp"
 #include "storage/checkpoint_file.hpp"
 #include "storage/digest.hpp"
 #include "storage/flight_file.hpp"
 #include "storage/motion_file.hpp"
+#include "storage/origin.hpp"
 #include "storage/results_file.hpp"
 #include "storage/tracks_file.hpp"
 
@@ -93,6 +95,7 @@ class Record {
  public:
   Record(const Setup& setup, const std::vector<std::string>& arguments) {
     kept_.arguments = arguments;
+    kept_.changes = options_of(setup.contents().changes);
     kept_.inputs = setup.inputs();
     kept_.version = version;
     kept_.compiler = compiler;
@@ -100,9 +103,15 @@ class Record {
     if (uname(&machine) == 0) kept_.host = machine.nodename;
     kept_.start_time = now();
   }
+  /// Goes on with what was begun before.
+  void continue_from(const Snapshot& snapshot) {
+    kept_.start_time = snapshot.begun;
+    before_ = snapshot.seconds;
+  }
   Provenance* operator->() { return &kept_; }
+  double seconds() const { return before_ + std::chrono::duration<double>(Clock::now() - begin_).count(); }
   Provenance finish() {
-    kept_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    kept_.seconds = seconds();
     kept_.end_time = now();
     return std::move(kept_);
   }
@@ -110,6 +119,7 @@ class Record {
  private:
   using Clock = std::chrono::steady_clock;
   Provenance kept_;
+  double before_ = 0;  // [s]
   Clock::time_point begin_ = Clock::now();
 };
 
@@ -161,10 +171,36 @@ void warn_unless_precise(const Beamline& beamline, const Result& result, Provena
                   beamline.particles, largest, wanted, needed));
 }
 
-void require_same_setup(const Snapshot* start, const Setup& setup) {
-  if (start != nullptr && start->fingerprint != setup.fingerprint())
-    throw std::invalid_argument("the checkpoint does not match: " + setup.inputs().front().path +
-                                " or the program has changed since it was written");
+/// What a run goes on from is its own beginning.
+void require_same_run(const Snapshot& start, const Setup& setup, const RunSettings& settings) {
+  const auto refuse = [&](std::string_view why) {
+    throw std::invalid_argument(fmt::format("the checkpoint is of another run: {}", why));
+  };
+  if (start.fingerprint != setup.fingerprint())
+    refuse(setup.inputs().front().path + " or the program has changed since it was written");
+  if (!(start.shard == settings.shard)) refuse("of another shard");
+  if (start.transit != settings.transit) refuse("other moments of the slowness are kept");
+}
+
+/// Whether a file begins as HDF5 does (HDF5 File Format Specification, section II.A).
+bool is_hdf5(const std::filesystem::path& path) {
+  std::error_code error;
+  std::string begin(8, '\0');
+  return std::filesystem::is_regular_file(path, error) &&
+         std::ifstream(path, std::ios::binary).read(begin.data(), 8) && begin == "\x89HDF\r\n\x1a\n";
+}
+
+/// The changes of a result come first; its scan stays unless there is another.
+std::pair<LoadedFile, Changes> text_of(const std::filesystem::path& file, const Changes& changes) {
+  if (!is_hdf5(file)) return {load_file(file), changes};
+  Origin origin = read_origin(file);
+  const Changes before = changes_of(origin.changes);
+  Changes all = joined(before, changes);
+  if (changes.scan.empty() && !changes.without_scan) {
+    all.scan = before.scan;
+    all.without_scan = before.without_scan;
+  }
+  return {file_of_stored(std::move(origin.inputs)), all};
 }
 
 }  // namespace
@@ -182,10 +218,16 @@ const std::vector<InputText>& Setup::inputs() const { return inputs_of(contents_
 const std::string& Setup::fingerprint() const { return contents_->fingerprint; }
 
 Setup load(const std::filesystem::path& file, const Changes& changes) {
-  return setup_of(load_any(load_file(file), changes), changes);
+  auto [text, all] = text_of(file, changes);
+  return setup_of(load_any(std::move(text), all), all);
 }
 Setup load_beamline(const std::filesystem::path& file, const Changes& changes) {
-  return setup_of(load_experiment(load_file(file), changes), changes);
+  auto [text, all] = text_of(file, changes);
+  return setup_of(load_experiment(std::move(text), all), all);
+}
+Setup load(const Snapshot& snapshot) {
+  const Changes changes = changes_of(snapshot.changes);
+  return setup_of(load_any(file_of_stored(snapshot.inputs), changes), changes);
 }
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& changes) {
   return setup_of(load_any(file_of_text(text, folder), changes), changes);
@@ -200,26 +242,39 @@ Report check(const Setup& setup) {
 
 std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   const LoadedExperiment& loaded = experiment_of(setup);
-  require_same_setup(settings.start, setup);
+  if (settings.start != nullptr) require_same_run(*settings.start, setup, settings);
+  if (settings.shard.number < 1 || settings.shard.number > settings.shard.of)
+    throw std::invalid_argument(
+        fmt::format("there is no shard {} of {}", settings.shard.number, settings.shard.of));
+  if (settings.shard.of > 1 && loaded.base.until)
+    throw std::invalid_argument(
+        "a shard cannot know whether all of them are precise enough\n  help: fly without `until`, or in one "
+        "piece");
   RunOptions options;
+  options.shard = settings.shard;
   options.isa = isa_called(settings.isa);
   options.threads = threads_of(settings);
   options.batch = batch_of(settings);
   options.stop = settings.stop;
   options.snapshot_seconds = settings.snapshot_seconds;
   options.start = settings.start;
+  Record record(setup, settings.arguments);
+  if (settings.start != nullptr) record.continue_from(*settings.start);
   if (settings.snapshot)
     options.snapshot = [&](Snapshot snapshot) {
       snapshot.fingerprint = setup.fingerprint();
       snapshot.arguments = settings.arguments;
       snapshot.inputs = setup.inputs();
-      settings.snapshot(snapshot);
+      snapshot.changes = record->changes;
+      snapshot.transit = settings.transit;
+      snapshot.begun = record->start_time;
+      snapshot.seconds = record.seconds();
+      settings.snapshot(std::move(snapshot));
     };
 
-  Record record(setup, settings.arguments);
   record->instruction_set = name_of(options.isa);
   record->threads = options.threads;
-  record->changes = options_of(setup.contents().changes);
+  record->transit = settings.transit;
   MomentsWanted moments;
   moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
   const Plan plan = make_plan(loaded.experiment, options.threads, most_tree_cost, moments);
@@ -232,14 +287,14 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       settings.progress(progress);
     };
   require_memory(loaded.experiment, plan, options.threads);
-  if (settings.start != nullptr && !fits(*settings.start, plan, options.halvings))
+  if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
   if (settings.planned) settings.planned(warnings);
 
   RunOutcome outcome = run(plan, options);
   Provenance provenance = record.finish();
-  if (!outcome.finished) return std::nullopt;
+  if (!outcome.finished || settings.shard.of > 1) return std::nullopt;
   std::optional<FlightRecord> flight;
   std::string_view why_not_kept;
   const int halvings = outcome.halvings;
@@ -273,7 +328,6 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
     throw std::invalid_argument("a rescan has the `particles`, the `seed` and the `until` of its flight");
   Record record(setup_of(wanted, now), settings.arguments);
   record->instruction_set = name_of(isa);
-  record->changes = options_of(now);
   const std::vector<Diagnostic> warnings =
       located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
   if (settings.planned) settings.planned(warnings);
@@ -299,18 +353,23 @@ std::vector<Track> trace(const Setup& setup, std::uint64_t first, std::uint64_t 
     throw std::invalid_argument(
         fmt::format("there is no particle {}; the run has {}, counted from 0", first, all));
   std::vector<Track> tracks;
-  for (std::uint64_t particle = first; particle < all && tracks.size() < count; ++particle)
+  for (std::uint64_t particle = first; particle < all && tracks.size() < count; ++particle) {
+    if (settings.stop != nullptr && *settings.stop) throw Stopped();
     tracks.push_back(trace(loaded.base, particle, isa));
+  }
   return tracks;
 }
 
-SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments) {
+SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments,
+                  const std::atomic<bool>* stop) {
   const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded);
   if (model == nullptr)
     throw std::invalid_argument(
         fmt::format("{} is no model: it is flown, not solved", setup.inputs().front().path));
   Record record(setup, arguments);
-  SolvedModel solved = solve_all(*model);
+  SolvedModel solved = solve_all(*model, [stop] {
+    if (stop != nullptr && *stop) throw Stopped();
+  });
   solved.provenance = record.finish();
   return solved;
 }
@@ -322,5 +381,17 @@ void write(const std::vector<Track>& tracks, const std::string& title, const std
 }
 void write(const Snapshot& snapshot, const std::filesystem::path& path) { write_checkpoint(snapshot, path); }
 Snapshot read_snapshot(const std::filesystem::path& path) { return read_checkpoint(path); }
+
+std::string verify(const std::filesystem::path& path) { return verified_digest(path); }
+
+std::optional<Reproduced> reproduce(const std::filesystem::path& path, RunSettings settings) {
+  const Origin origin = read_origin(path);
+  if (!origin.content) throw StorageError(fmt::format("{}: is no result of a flight", path.string()));
+  settings.transit = origin.transit;
+  std::optional<Result> result = run(load(path), settings);
+  if (!result) return std::nullopt;
+  const bool same = content_of(*result) == *origin.content;
+  return Reproduced{std::move(*result), same};
+}
 
 }  // namespace rabiline

@@ -53,6 +53,16 @@ std::uint64_t read_argument(const std::string& option, const std::string& text, 
   return out;
 }
 
+double read_time_argument(const std::string& option, const std::string& text, const Range& range) {
+  Reading reading;
+  const auto source = make_source_text(option, text);
+  double out = 0;
+  if (!read_quantity(parse_value(source, 0, source->lines.front().size()),
+                     {option, Dimension::time, range, ""}, reading, out))
+    throw InputError(std::move(reading.errors));
+  return out;
+}
+
 Sources scan_arguments(const Changes& changes, Sources& sources) {
   Sources out;
   for (const std::string& text : changes.scan) out.push_back(make_source_text("--scan", text));

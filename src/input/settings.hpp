@@ -17,6 +17,9 @@ namespace rabiline {
 /// A whole number of the command line, read as the file reads one. Throws InputError.
 std::uint64_t read_argument(const std::string& option, const std::string& text, const Range&);
 
+/// A time of the command line, such as `10 h`, likewise [s].
+double read_time_argument(const std::string& option, const std::string& text, const Range&);
+
 using Sources = std::vector<std::shared_ptr<const SourceText>>;
 
 /// One NAME=VALUE of the command line; without a name where it could not be read.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "simulation/blocks.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/work.hpp"
 
 namespace rabiline {
 

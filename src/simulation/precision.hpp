@@ -7,7 +7,7 @@
 
 namespace rabiline {
 
-/// The experiment with the particles of a part alone (part_of, simulation/blocks.hpp).
+/// The experiment with the particles of a part alone (part_of, simulation/work.hpp).
 Experiment part_of(const Experiment&, const Plan&, int halvings);
 
 /// Of `detected`, over all detectors and scan points.

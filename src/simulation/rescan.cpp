@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "simulation/blocks.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/run.hpp"
 #include "simulation/walk.hpp"
+#include "simulation/work.hpp"
 
 namespace rabiline {
 namespace {

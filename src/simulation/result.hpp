@@ -9,6 +9,7 @@
 #include "beamline/scan.hpp"
 #include "core/diagnostics.hpp"
 #include "simulation/flight_record.hpp"
+#include "simulation/snapshot.hpp"
 
 namespace rabiline {
 
@@ -108,6 +109,7 @@ struct Provenance {
   std::vector<std::string> warnings;  // one text each, its help in a further line
   int threads = 1;
   double seconds = 0;
+  KeptTransit transit = KeptTransit::if_small;
 };
 
 struct Result {

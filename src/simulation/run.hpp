@@ -1,5 +1,5 @@
 #pragma once
-// The loop over blocks of particles, on all threads, with progress and snapshots. Knows no files.
+// The loop over all particles, on all threads, with progress and snapshots. Knows no files.
 #include <atomic>
 #include <functional>
 #include <string>
@@ -12,20 +12,21 @@ namespace rabiline {
 struct RunOptions {
   int threads = 1;
   Isa isa = Isa::baseline;
-  int batch = Batch::capacity;              // particles that go through the loops together; a multiple of 8
-  double most_block_cost = 0.025;           // [s] estimated; a block never is less than 8 particles
-  const std::atomic<bool>* stop = nullptr;  // looked at between blocks
+  int batch = Batch::capacity;  // particles that go through the loops together; a multiple of 8
+  double grain = 0.025;         // [s] of work that a thread takes at once, but never less than 8 particles
+  const std::atomic<bool>* stop = nullptr;        // looked at between them
   std::function<void(const Progress&)> progress;  // by one thread at a time, a few times a second
-  std::function<void(const Snapshot&)> snapshot;  // likewise, every snapshot_seconds and when stopped
+  std::function<void(Snapshot)> snapshot;         // likewise, every snapshot_seconds and at the end
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here; must fit
+  Shard shard;                      // of the work; only where there are no halvings
   /// How often the particles may be halved (part_of), and whether the sums of a part are enough: asked about
   /// one part after the other until they are.
   int halvings = 0;
   std::function<bool(const Sums&, int halvings)> enough;
 };
 
-/// What a run leaves: its sums, and whether all blocks are in them.
+/// What a run leaves: its sums, and whether all particles are in them.
 struct RunOutcome {
   Sums sums;
   std::vector<Straggler> stragglers;  // ascending, each once
@@ -38,7 +39,7 @@ inline bool is_of(const Straggler& s, const Plan& plan) {
          s.particle < plan.trees[s.tree].last;
 }
 /// Whether a run of this plan can go on from the snapshot.
-bool fits(const Snapshot&, const Plan&, int halvings = 0);
+bool fits(const Snapshot&, const Plan&);
 
 /// Flies every particle of the plan through its tree. The sums are the same bits for any number of threads,
 /// any batch size, any instruction set, and however often the run was stopped and went on.

@@ -1,5 +1,6 @@
 #pragma once
-// Where a run stands between two blocks of work.
+// Where a run stands: what has flown, and its sums.
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <string>
@@ -26,16 +27,59 @@ struct Straggler {
   auto operator<=>(const Straggler&) const = default;
 };
 
-/// Everything that a run needs to go on: which blocks are finished, and the exact sums over them.
+/// Moments of the slowness that a result keeps, from which other scans follow without another flight: where
+/// they are a fifth of the file at most; none; of each detector as a whole; of each of its bins.
+enum class KeptTransit { if_small, none, totals, images };
+
+/// A share of a run's work that is flown by itself, 1 to `of`.
+struct Shard {
+  std::uint64_t number = 1, of = 1;
+  bool operator==(const Shard&) const = default;
+  /// Of so many places, those that belong to it.
+  std::pair<std::uint64_t, std::uint64_t> places(std::uint64_t all) const {
+    const auto end_of = [&](std::uint64_t k) { return all / of * k + std::min(k, all % of); };
+    return {end_of(number - 1), end_of(number)};
+  }
+};
+
+/// Everything that a run needs to go on: which of its particles have flown, and the exact sums over them.
 struct Snapshot {
-  std::string fingerprint;                 // of the experiment; a snapshot of another one is refused
-  std::vector<std::uint64_t> block_sizes;  // particles in a block of each tree of the plan
-  /// Half-open intervals of block numbers, ascending and disjoint.
+  std::string fingerprint;      // of the experiment; a snapshot of another one is refused
+  std::uint64_t particles = 0;  // of the whole run, of all trees of its plan
+  Shard shard;
+  bool complete = false;  // whether this is all of the run, or of the shard; known when it is made
+  /// Half-open intervals of their places in the row of all particles, ascending and disjoint.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> finished;
   std::vector<std::uint64_t> sums_high, sums_low;  // exact 128-bit sums: high * 2^64 + low
   std::vector<Straggler> stragglers;               // among the finished particles
   std::vector<std::string> arguments;              // of the run
   std::vector<InputText> inputs;
+  std::vector<std::string> changes;  // of the inputs, as options
+  KeptTransit transit = KeptTransit::if_small;
+  std::string begun;   // ISO 8601, when the run began
+  double seconds = 0;  // [s] that it took so far
+
+  /// Of its work.
+  double done() const {
+    std::uint64_t flown = 0;
+    for (const auto& [begin, end] : finished) flown += end - begin;
+    const auto [begin, end] = shard.places(particles);
+    return end == begin ? 1 : static_cast<double>(flown) / static_cast<double>(end - begin);
+  }
+};
+
+/// The sums of all shards of a run, one after the other in any order.
+class Merger {
+ public:
+  /// `name` says in messages where the shard came from. Throws std::invalid_argument where it is of another
+  /// run, was added before, or is not finished.
+  void add(const std::string& name, Snapshot shard);
+  /// Throws std::invalid_argument where shards are missing, with their numbers.
+  Snapshot finish();
+
+ private:
+  Snapshot sum_;
+  std::vector<std::string> names_;  // of the shards that were added; empty where one is missing
 };
 
 }  // namespace rabiline

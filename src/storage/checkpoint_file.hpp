@@ -1,6 +1,6 @@
 #pragma once
 // Snapshots on disk, so that a run that was killed goes on with the same bits.
-// The file is HDF5 behind a user block of 512 bytes with the length and checksum of all that follows.
+// The same file holds the sums of a shard.
 #include <filesystem>
 
 #include "simulation/snapshot.hpp"

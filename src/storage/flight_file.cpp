@@ -3,20 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
 
-#include "storage/digest.hpp"
 #include "storage/hdf5_reader.hpp"
 #include "storage/hdf5_writer.hpp"
+#include "storage/origin.hpp"
 
 namespace rabiline {
 namespace {
 
 constexpr std::size_t most_kept_sums = std::size_t{1} << 29, most_cells = std::size_t{1} << 16,
-                      most_stragglers = std::size_t{1} << 24, most_kept_text = std::size_t{1} << 26,
-                      most_inputs = 16;
+                      most_stragglers = std::size_t{1} << 24, most_kept_text = std::size_t{1} << 26;
 
 [[noreturn]] void refuse_result(const std::filesystem::path& path, std::string_view why) {
   throw StorageError(fmt::format("{}: {}", path.string(), why));
@@ -58,29 +55,6 @@ FlightRecord read_record(const std::filesystem::path& path, const hdf5::FileRead
   return record;
 }
 
-/// Of all that a rescan follows from.
-std::uint64_t digest_of(const KeptFlight& kept) {
-  std::uint64_t sum = digest_of_nothing;
-  const auto mix = [&](const auto& values) { sum = digest(std::as_bytes(std::span(values)), sum); };
-  const auto mix_texts = [&](const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) {
-      mix(text);
-      mix(std::array<char, 1>{'\0'});
-    }
-  };
-  for (const InputText& input : kept.inputs) mix_texts({input.path, input.text});
-  mix_texts(kept.changes);
-  mix_texts(kept.record.totals_of);
-  for (const SlownessCells& cells : kept.record.cells) {
-    mix(std::array{cells.first, cells.width});
-    mix(std::array{cells.count});
-  }
-  mix(kept.record.sums);
-  for (const Straggler& s : kept.record.stragglers) mix(std::array{s.tree, s.particle});
-  mix(std::array{kept.record.halvings});
-  return sum;
-}
-
 }  // namespace
 
 std::size_t size_in_file(const FlightRecord& record) {
@@ -89,8 +63,7 @@ std::size_t size_in_file(const FlightRecord& record) {
   return 5 * kept + 16 * record.stragglers.size();  // packed; measured: 2 to 6
 }
 
-void nexus::write_flight(const hdf5::GroupWriter& entry, const KeptFlight& kept) {
-  const FlightRecord& record = kept.record;
+void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& record) {
   const hdf5::GroupWriter group = entry.group("flight", "NXcollection");
   group.attribute("meaning",
                   "what `rabiline rescan` computes other scans from: exact sums of the flight that depend on "
@@ -114,7 +87,7 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const KeptFlight& kept)
     particles.push_back(s.particle);
   }
   const std::vector<std::uint64_t> size{record.sums.size()},
-      halvings{static_cast<std::uint64_t>(record.halvings)}, checksum{digest_of(kept)};
+      halvings{static_cast<std::uint64_t>(record.halvings)};
   group.dataset("totals_of", {record.totals_of.size()}, record.totals_of,
                 {{"long_name", "detectors whose bins are added up"}});
   group.dataset("cells_first", {first.size()}, first,
@@ -125,8 +98,6 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const KeptFlight& kept)
   group.dataset("sums", {1}, size, {{"long_name", "number of sums, those that are zero included"}});
   group.dataset("halvings", {1}, halvings,
                 {{"long_name", "how often the particles were halved, as fewer were enough"}});
-  group.dataset("digest", {1}, checksum,
-                {{"long_name", "FNV-1a of all that a rescan follows from, inputs included"}});
   group.dataset("place", {place.size()}, place, {{"long_name", "place among the sums"}});
   group.dataset("high", {high.size()}, high, {{"long_name", "upper 64 bits"}});
   group.dataset("low", {low.size()}, low, {{"long_name", "lower 64 bits"}});
@@ -137,29 +108,13 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const KeptFlight& kept)
 }
 
 KeptFlight read_kept_flight(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    refuse_result(path, "cannot be read (there is no such file)");
   const hdf5::FileReader file(path);
-  if (!file.contains("entry/simulation/input_0/data")) refuse_result(path, "is no result of `rabiline run`");
+  Origin origin = read_origin(file, path);
   if (!file.contains("entry/flight"))
     refuse_result(path,
                   "keeps no moments of its flight, so other scans do not follow from it\n"
                   "  help: fly it again with `--transit totals`; `rabiline check` says where moments serve");
-  KeptFlight kept;
-  for (std::size_t i = 0; i < most_inputs; ++i) {
-    const std::string note = fmt::format("entry/simulation/input_{}", i);
-    if (!file.contains(note)) break;
-    kept.inputs.push_back(
-        {file.text(note + "/file_name", most_kept_text), file.text(note + "/data", most_kept_text)});
-  }
-  if (file.contains("entry/simulation/changes"))
-    kept.changes = file.texts("entry/simulation/changes", most_kept_text);
-  kept.record = read_record(path, file);
-  const auto checksum = file.numbers("entry/flight/digest", 1);
-  if (checksum.empty() || checksum[0] != digest_of(kept))
-    refuse_result(path, "what it keeps of its flight is damaged, or what it was made from was changed");
-  return kept;
+  return {std::move(origin.inputs), std::move(origin.changes), read_record(path, file)};
 }
 
 }  // namespace rabiline

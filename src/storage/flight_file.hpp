@@ -23,8 +23,7 @@ struct KeptFlight {
 std::size_t size_in_file(const FlightRecord&);
 
 namespace nexus {
-/// With a digest of it and of what it was made from.
-void write_flight(const hdf5::GroupWriter& entry, const KeptFlight&);
+void write_flight(const hdf5::GroupWriter& entry, const FlightRecord&);
 }  // namespace nexus
 
 /// Reads it from a result. Throws StorageError where the file is no result, is damaged, or has no flight.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "storage/seal.hpp"
+
 namespace rabiline::hdf5 {
 namespace {
 
@@ -34,18 +36,42 @@ void require_known_filters(hid_t properties, const std::string& where) {
 }
 
 /// Virtual and external datasets name other files, which whoever made this file may not be allowed to read.
+void require_inside(hid_t properties, const std::string& where) {
+  if (check(H5Pget_layout(properties), where) == H5D_VIRTUAL) refuse(where, "it is a virtual dataset");
+  if (check(H5Pget_external_count(properties), where) != 0) refuse(where, "its data lie in another file");
+}
+
 void require_own_storage(hid_t dataset, std::size_t element_size, const std::string& where) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose, where);
-  const H5D_layout_t layout = check(H5Pget_layout(properties.id()), where);
-  if (layout == H5D_VIRTUAL) refuse(where, "it is a virtual dataset");
-  if (check(H5Pget_external_count(properties.id()), where) != 0)
-    refuse(where, "its data lie in another file");
+  require_inside(properties.id(), where);
   require_known_filters(properties.id(), where);
-  if (layout != H5D_CHUNKED) return;
+  if (H5Pget_layout(properties.id()) != H5D_CHUNKED) return;
   hsize_t chunk = 0;
   if (check(H5Pget_chunk(properties.id(), 1, &chunk), where) != 1) refuse(where, "it is not one-dimensional");
   if (element_size > largest_chunk || chunk > largest_chunk / element_size)
     refuse(where, "its chunks are too large");
+}
+
+/// Called by HDF5 for each name in the file: whether something is behind it, in this file. The first refusal
+/// is kept, as no exception may pass through HDF5.
+struct Visit {
+  const std::string& file_name;
+  std::string refusal{};
+};
+herr_t visit_name(hid_t group, const char* name, const H5L_info_t* link, void* visit_data) {
+  Visit& visit = *static_cast<Visit*>(visit_data);
+  const std::string where = fmt::format("{}: /{}", visit.file_name, name);
+  try {
+    if (link->type != H5L_TYPE_HARD) refuse(where, "it is a link to somewhere else");
+    const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose, where);
+    if (H5Iget_type(object.id()) != H5I_DATASET) return 0;
+    const Handle properties(H5Dget_create_plist(object.id()), H5Pclose, where);
+    require_inside(properties.id(), where);
+    return 0;
+  } catch (const StorageError& error) {
+    visit.refusal = error.what();
+    return -1;
+  }
 }
 
 /// Deflate packs 1032 bytes into one at best. A small file thus cannot make us allocate much.
@@ -67,7 +93,12 @@ std::size_t length_within(hid_t dataset, std::size_t limit, const std::string& w
 }  // namespace
 
 FileReader::FileReader(const std::filesystem::path& path)
-    : file_name_(path.string()), file_(open_without_plugins(path)) {}
+    : file_name_(path.string()), digest_(require_seal(path)), file_(open_without_plugins(path)) {
+  Visit visit{file_name_};
+  const herr_t visited = H5Lvisit(file_.id(), H5_INDEX_NAME, H5_ITER_NATIVE, visit_name, &visit);
+  if (!visit.refusal.empty()) throw StorageError(visit.refusal);
+  check(visited, file_name_);
+}
 
 std::string FileReader::where(const std::string& name) const {
   return fmt::format("{}: /{}", file_name_, name);
@@ -75,12 +106,6 @@ std::string FileReader::where(const std::string& name) const {
 
 Handle FileReader::open_dataset(const std::string& name) const {
   const std::string place = where(name);
-  for (std::size_t end = 0; end != name.npos;) {
-    end = name.find('/', end + 1);
-    H5L_info_t link;
-    check(H5Lget_info(file_.id(), name.substr(0, end).c_str(), &link, H5P_DEFAULT), place);
-    if (link.type != H5L_TYPE_HARD) refuse(place, "it is a link to somewhere else");
-  }
   return {H5Dopen2(file_.id(), name.c_str(), H5P_DEFAULT), H5Dclose, place};
 }
 

@@ -12,6 +12,7 @@ namespace rabiline::hdf5 {
 
 class FileReader {
  public:
+  /// Throws StorageError where the file is not what this program wrote (seal.hpp), or names any other file.
   explicit FileReader(const std::filesystem::path&);
 
   /// One-dimensional datasets by their paths, written by GroupWriter. Throws StorageError where the
@@ -22,6 +23,8 @@ class FileReader {
   /// One text.
   std::string text(const std::string& name, std::size_t most_bytes) const;
   bool contains(const std::string& name) const;
+  /// Of the whole file (seal.hpp).
+  const std::string& digest() const { return digest_; }
 
  private:
   template <class Number>
@@ -30,7 +33,7 @@ class FileReader {
   Handle open_dataset(const std::string& name) const;
   std::string where(const std::string& name) const;
 
-  std::string file_name_;
+  std::string file_name_, digest_;
   Handle file_;
 };
 

@@ -9,6 +9,7 @@
 
 #include "storage/digest.hpp"
 #include "storage/safe_file.hpp"
+#include "storage/seal.hpp"
 
 namespace rabiline::hdf5 {
 namespace {
@@ -64,43 +65,6 @@ void write_text_attribute(hid_t object, const std::string& name, std::string_vie
   write_attribute(object, name, variable_text(where).id(), {}, &pointer, where);
 }
 
-Shape shape_of(hid_t dataset, const std::string& where) {
-  const Handle space(H5Dget_space(dataset), H5Sclose, where);
-  std::vector<hsize_t> dims(static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space.id()), where)));
-  check(H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr), where);
-  return {dims.begin(), dims.end()};
-}
-
-/// Reads slab after slab of the slowest dimension, so that memory stays small.
-std::uint64_t digest_of_dataset(hid_t file, const std::string& path, const std::string& where) {
-  const Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, where);
-  const Handle file_type(H5Dget_type(dataset.id()), H5Tclose, where);
-  const Handle type(H5Tget_native_type(file_type.id(), H5T_DIR_DEFAULT), H5Tclose, where);
-  const Shape shape = shape_of(dataset.id(), where);
-  if (count_of(shape) == 0) return digest_of_nothing;
-
-  const std::size_t rows = shape.empty() ? 1 : shape[0];
-  const std::size_t row_size = count_of(shape) / rows * H5Tget_size(type.id());
-  const std::size_t step = std::clamp<std::size_t>(16 * mebibyte / row_size, 1, rows);
-  std::vector<std::byte> buffer(step * row_size);
-  std::uint64_t result = digest_of_nothing;
-  for (std::size_t row = 0; row < rows; row += step) {
-    Shape slab = shape;
-    if (!slab.empty()) slab[0] = std::min(step, rows - row);
-    const Handle memory = dataspace(slab, where), selected = dataspace(shape, where);
-    if (!slab.empty()) {
-      std::vector<hsize_t> start(shape.size(), 0);
-      start[0] = row;
-      const std::vector<hsize_t> count(slab.begin(), slab.end());
-      check(H5Sselect_hyperslab(selected.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-            where);
-    }
-    check(H5Dread(dataset.id(), type.id(), memory.id(), selected.id(), H5P_DEFAULT, buffer.data()), where);
-    result = digest(std::span(buffer).first(row_size * (slab.empty() ? 1 : slab[0])), result);
-  }
-  return result;
-}
-
 /// The texts one behind the other, each padded to the longest.
 struct PackedTexts {
   std::size_t size = 1;
@@ -126,11 +90,18 @@ Handle memory_file(const std::string& name) {
 
 }  // namespace
 
-GroupWriter::GroupWriter(Handle group, std::string file, std::string path, std::vector<Written>& written)
-    : group_(std::move(group)), file_(std::move(file)), path_(std::move(path)), written_(written) {}
+GroupWriter::GroupWriter(Handle group, std::string file, std::string path, std::uint64_t& content)
+    : group_(std::move(group)), file_(std::move(file)), path_(std::move(path)), content_(content) {}
 
 std::string GroupWriter::where(const std::string& name) const {
   return fmt::format("{}: {}/{}", file_, path_, name);
+}
+
+void GroupWriter::add_to_content(std::string_view name, std::span<const std::byte> bytes) const {
+  if (path_.empty()) return;
+  content_ = digest(std::as_bytes(std::span(path_)), content_);
+  content_ = digest(std::as_bytes(std::span(name)), content_);
+  content_ = digest(bytes, content_);
 }
 
 GroupWriter GroupWriter::group(const std::string& name, std::string_view nx_class) const {
@@ -138,25 +109,30 @@ GroupWriter GroupWriter::group(const std::string& name, std::string_view nx_clas
   check(H5Pset_obj_track_times(properties.id(), false), where(name));
   Handle handle(H5Gcreate2(group_.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose,
                 where(name));
-  GroupWriter made(std::move(handle), file_, path_ + "/" + name, written_);
+  GroupWriter made(std::move(handle), file_, path_ + "/" + name, content_);
   if (!nx_class.empty()) made.attribute("NX_class", nx_class);
   return made;
 }
 
 void GroupWriter::attribute(const std::string& name, std::string_view value) const {
   write_text_attribute(group_.id(), name, value, where("@" + name));
+  add_to_content(name, std::as_bytes(std::span(value)));
 }
 
 void GroupWriter::attribute(const std::string& name, const std::vector<std::string>& values) const {
   std::vector<const char*> pointers;
   pointers.reserve(values.size());
-  for (const std::string& value : values) pointers.push_back(value.c_str());
+  for (const std::string& value : values) {
+    pointers.push_back(value.c_str());
+    add_to_content(name, std::as_bytes(std::span(value)));
+  }
   const std::string place = where("@" + name);
   write_attribute(group_.id(), name, variable_text(place).id(), {values.size()}, pointers.data(), place);
 }
 
 void GroupWriter::attribute(const std::string& name, std::uint64_t value) const {
   write_attribute(group_.id(), name, H5T_NATIVE_UINT64, {}, &value, where("@" + name));
+  add_to_content(name, std::as_bytes(std::span(&value, 1)));
 }
 
 void GroupWriter::write(const std::string& name, const Shape& shape, const Elements& elements,
@@ -169,11 +145,14 @@ void GroupWriter::write(const std::string& name, const Shape& shape, const Eleme
   Handle dataset(H5Dcreate2(group_.id(), name.c_str(), elements.file_type, space.id(), H5P_DEFAULT,
                             properties.id(), H5P_DEFAULT),
                  H5Dclose, place);
-  for (const auto& [key, value] : attributes) write_text_attribute(dataset.id(), key, value, place);
+  for (const auto& [key, value] : attributes) {
+    write_text_attribute(dataset.id(), key, value, place);
+    add_to_content(name + "@" + key, std::as_bytes(std::span(value)));
+  }
   check(H5Dwrite(dataset.id(), elements.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, elements.data), place);
   dataset.close(place);
-  const std::span bytes(static_cast<const std::byte*>(elements.data), elements.count * elements.size);
-  written_.push_back({path_ + "/" + name, digest(bytes)});
+  add_to_content(name, std::as_bytes(std::span(shape)));
+  add_to_content(name, {static_cast<const std::byte*>(elements.data), elements.count * elements.size});
 }
 
 void GroupWriter::dataset(const std::string& name, const Shape& shape, std::span<const double> values,
@@ -211,14 +190,17 @@ void GroupWriter::number(const std::string& name, std::uint64_t value, const Att
 void GroupWriter::link(const std::string& name, const std::string& target) const {
   check(H5Lcreate_hard(group_.id(), target.c_str(), group_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
         where(name));
+  add_to_content(name, std::as_bytes(std::span(target)));
 }
 
 FileWriter::FileWriter(std::filesystem::path target)
-    : target_(std::move(target)), file_(memory_file(target_.string())) {}
+    : target_(std::move(target)),
+      file_(memory_file(target_.string())),
+      content_(std::make_unique<std::uint64_t>(digest_of_nothing)) {}
 
 GroupWriter FileWriter::root() {
   return {Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, target_.string()), target_.string(), "",
-          *written_};
+          *content_};
 }
 
 std::size_t FileWriter::size() const {
@@ -229,27 +211,22 @@ std::size_t FileWriter::size() const {
   return static_cast<std::size_t>(size);
 }
 
-std::vector<std::byte> FileWriter::image(std::size_t room) const {
+void FileWriter::save() const {
   const std::string name = target_.string();
   check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name);
   const ssize_t size = check(H5Fget_file_image(file_.id(), nullptr, 0), name);
-  std::vector<std::byte> bytes(room + static_cast<std::size_t>(size));
-  check(H5Fget_file_image(file_.id(), bytes.data() + room, static_cast<std::size_t>(size)), name);
-  return bytes;
-}
-
-void FileWriter::verify(const std::filesystem::path& path) const {
-  const Handle file = open_file(path.c_str(), target_.string());
-  for (const Written& written : *written_) {
-    const std::string where = fmt::format("{}: {}", target_.string(), written.path);
-    if (digest_of_dataset(file.id(), written.path, where) != written.digest) {
-      throw StorageError(fmt::format("{}: reads back other than it was written; check the disk", where));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  check(H5Fget_file_image(file_.id(), bytes.data(), bytes.size()), name);
+  const std::string seal = seal_of(bytes);
+  const auto last_line = std::as_bytes(std::span(seal));
+  bytes.insert(bytes.end(), last_line.begin(), last_line.end());
+  replace_file(target_, bytes, [&](const std::filesystem::path& temporary) {
+    try {
+      if (seal.find(require_seal(temporary)) != seal.npos) return;
+    } catch (const StorageError&) {
     }
-  }
-}
-
-void FileWriter::save() const {
-  replace_file(target_, image(0), [this](const std::filesystem::path& temporary) { verify(temporary); });
+    throw StorageError(fmt::format("{}: reads back other than it was written; check the disk", name));
+  });
 }
 
 }  // namespace rabiline::hdf5

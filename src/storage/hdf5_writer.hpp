@@ -17,16 +17,10 @@ namespace rabiline::hdf5 {
 using Shape = std::vector<std::size_t>;
 using Attributes = std::vector<std::pair<std::string, std::string>>;
 
-/// What a dataset held when it was written, to compare with what the disk gives back.
-struct Written {
-  std::string path;
-  std::uint64_t digest;
-};
-
 /// One group of a file that is being built. Datasets other than scalars are compressed and carry a checksum.
 class GroupWriter {
  public:
-  GroupWriter(Handle group, std::string file, std::string path, std::vector<Written>& written);
+  GroupWriter(Handle group, std::string file, std::string path, std::uint64_t& content);
 
   /// A new group in this one; `nx_class` may be empty.
   GroupWriter group(const std::string& name, std::string_view nx_class) const;
@@ -54,11 +48,12 @@ class GroupWriter {
     const void* data;
   };
   void write(const std::string& name, const Shape&, const Elements&, const Attributes&) const;
+  void add_to_content(std::string_view name, std::span<const std::byte>) const;
   std::string where(const std::string& name) const;
 
   Handle group_;
   std::string file_, path_;
-  std::vector<Written>& written_;
+  std::uint64_t& content_;
 };
 
 class FileWriter {
@@ -69,17 +64,17 @@ class FileWriter {
   GroupWriter root();
   /// What it takes so far [bytes].
   std::size_t size() const;
-  /// The file's bytes, behind `room` zero bytes.
-  std::vector<std::byte> image(std::size_t room) const;
-  /// Reads every dataset of the file at `path` and throws StorageError unless it holds what was written.
-  void verify(const std::filesystem::path& path) const;
-  /// Puts the file in its place, safely and verified.
+  /// A digest of names, values and attributes of what was written so far below the group "/" itself, in that
+  /// order.
+  std::uint64_t content() const { return *content_; }
+  /// Puts the file in its place with its seal (seal.hpp), safely, and reads it back before it replaces
+  /// another.
   void save() const;
 
  private:
   std::filesystem::path target_;
   Handle file_;
-  std::unique_ptr<std::vector<Written>> written_ = std::make_unique<std::vector<Written>>();
+  std::unique_ptr<std::uint64_t> content_;
 };
 
 }  // namespace rabiline::hdf5

@@ -11,7 +11,7 @@ namespace rabiline::nexus {
 
 /// The attribute `format_version` of every file: raised when a reader of the format before would misread a
 /// file.
-constexpr std::uint64_t format_version = 2;
+constexpr std::uint64_t format_version = 3;
 
 /// One dimension of a plot: bin centres, or an index whose entries have labels.
 struct Axis {

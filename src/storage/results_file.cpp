@@ -317,8 +317,13 @@ void write_fates(const GroupWriter& entry, const Result& result) {
                 {{"units", "1"}, {"long_name", "quanta emitted, lower 64 bits"}});
 }
 
-void write_simulation(const GroupWriter& entry, const Result& result) {
+void write_simulation(const GroupWriter& entry, const Result& result, std::uint64_t content) {
   const GroupWriter simulation = nexus::write_provenance(entry, result.provenance);
+  simulation.dataset("transit", {1}, std::vector{static_cast<std::uint64_t>(result.provenance.transit)},
+                     {{"long_name", "kept of the slowness: 0 totals if small, 1 none, 2 totals, 3 images"}});
+  simulation.dataset(
+      "content", {1}, std::vector{content},
+      {{"long_name", "FNV-1a of all in /entry but simulation and flight, for `rabiline reproduce`"}});
   simulation.number("seed", result.seed, {{"units", "1"}});
   for (const auto& choice : choices<ScanParticles>) {
     if (choice.value != result.particles_mode) continue;
@@ -332,27 +337,40 @@ bool is_worth_its_room(const FlightRecord& flight, std::size_t file) {
   return flight.asked_for || size_in_file(flight) <= std::max(file / 4, small);
 }
 
+/// All but where it comes from.
+void write_content(const GroupWriter& entry, const Result& result) {
+  write_summary(entry, result);
+  if (!result.detectors.empty()) write_scan(entry, result);
+  nexus::Names taken = names_of_entry();
+  const std::vector<std::string> names = group_names(result, taken);
+  for (std::size_t i = 0; i < names.size(); ++i) write_detector(entry, names[i], result, result.detectors[i]);
+  nexus::write_monitors_and_tallies(entry, result, scan_axes(result), taken);
+  write_instrument(entry, names, result);
+  write_fates(entry, result);
+}
+
+GroupWriter entry_of(hdf5::FileWriter& file, const Result& result, const std::filesystem::path& path) {
+  return nexus::write_entry(file, path.filename().string(), result.title, result.provenance.version);
+}
+
 }  // namespace
 
 void write_results(const Result& result, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
-    const GroupWriter entry =
-        nexus::write_entry(file, path.filename().string(), result.title, result.provenance.version);
-    write_summary(entry, result);
-    if (!result.detectors.empty()) write_scan(entry, result);
-    nexus::Names taken = names_of_entry();
-    const std::vector<std::string> names = group_names(result, taken);
-    for (std::size_t i = 0; i < names.size(); ++i)
-      write_detector(entry, names[i], result, result.detectors[i]);
-    nexus::write_monitors_and_tallies(entry, result, scan_axes(result), taken);
-    write_instrument(entry, names, result);
-    write_fates(entry, result);
-    write_simulation(entry, result);
+    const GroupWriter entry = entry_of(file, result, path);
+    write_content(entry, result);
+    write_simulation(entry, result, file.content());
     if (result.flight && is_worth_its_room(*result.flight, file.size()))
-      nexus::write_flight(entry, {result.provenance.inputs, result.provenance.changes, *result.flight});
+      nexus::write_flight(entry, *result.flight);
   }
   file.save();
+}
+
+std::uint64_t content_of(const Result& result) {
+  hdf5::FileWriter file("content");
+  write_content(entry_of(file, result, "content"), result);
+  return file.content();
 }
 
 }  // namespace rabiline

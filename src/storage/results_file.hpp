@@ -12,4 +12,7 @@ namespace rabiline {
 /// Throws StorageError.
 void write_results(const Result&, const std::filesystem::path&);
 
+/// The digest of its content that the file would have (Origin).
+std::uint64_t content_of(const Result&);
+
 }  // namespace rabiline

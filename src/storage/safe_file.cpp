@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <random>
 #include <string>
 #include <system_error>
@@ -42,15 +44,6 @@ std::string_view suggestion_for(int error) {
 
 Path folder_of(const Path& file) { return file.has_parent_path() ? file.parent_path() : Path("."); }
 
-/// Where the bytes go: a link is followed, so that it stays a link.
-Path resolved(const Path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_symlink(path, error)) return path;
-  Path target = std::filesystem::weakly_canonical(path, error);
-  if (error) refuse(path, error.value());
-  return target;
-}
-
 void require_folder(const Path& path) {
   const Path folder = folder_of(path);
   struct stat status {};
@@ -80,13 +73,16 @@ void require_replaceable(const Path& path) {
   if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
 }
 
-/// A new file beside `target`, removed again unless it became the target.
+constexpr std::string_view temporary_begin = ".rabiline-", temporary_end = ".tmp";
+
+/// A new file beside `target`, removed again unless it became the target; locked while it is written.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const Path& target) : target_(target) {
     std::random_device random;
     do {
-      path_ = folder_of(target) / fmt::format(".rabiline-{:08x}{:08x}.tmp", random(), random());
+      path_ = folder_of(target) /
+              fmt::format("{}{:08x}{:08x}{}", temporary_begin, random(), random(), temporary_end);
       descriptor_ = ::open(path_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
     } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
     if (descriptor_ < 0) {
@@ -94,6 +90,7 @@ class TemporaryFile {
              fmt::format("no file can be created in {}: {}", folder_of(target).string(), words_for(errno)),
              suggestion_for(errno));
     }
+    ::flock(descriptor_, LOCK_EX | LOCK_NB);  // where there are no locks, age alone tells
   }
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -150,11 +147,57 @@ void flush_folder_of(const Path& target) {
                                  words_for(error)));
 }
 
+/// Removes temporary files that nobody writes any more: a process that was killed left them.
+void sweep(const Path& folder) {
+  using namespace std::chrono_literals;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(temporary_begin) || !name.ends_with(temporary_end)) continue;
+    const auto age = std::filesystem::file_time_type::clock::now() - entry.last_write_time(error);
+    if (error || age < 1h) continue;
+    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    ::close(descriptor);
+  }
+}
+
 }  // namespace
+
+Path resolved(const Path& path) {
+  std::error_code error;
+  Path target = path;
+  for (int links = 0; std::filesystem::is_symlink(target, error); ++links) {
+    if (links == 40) refuse(path, ELOOP);
+    const Path next = std::filesystem::read_symlink(target, error);
+    if (error) refuse(path, error.value());
+    target = target.parent_path() / next;  // `next` alone where it is absolute
+  }
+  return target;
+}
+
+Path back_up(const Path& path) {
+  const Path target = resolved(path);
+  for (int number = 1; std::filesystem::exists(target); ++number) {
+    Path second = target;
+    second.replace_filename(
+        fmt::format("{}.{}{}", target.stem().string(), number, target.extension().string()));
+    std::error_code error;
+    std::filesystem::create_hard_link(target, second, error);
+    if (!error) return second;
+    if (error == std::errc::file_exists) continue;
+    std::filesystem::copy_file(target, second, error);  // some file systems have no second names
+    if (!error) return second;
+    if (error != std::errc::file_exists) refuse(second, error.value());
+  }
+  return {};
+}
 
 void require_writable(const Path& path) {
   const Path target = resolved(path);
   require_replaceable(target);
+  sweep(folder_of(target));
   // A full disk still creates empty files, so the probe holds a page.
   TemporaryFile probe(target);
   probe.write(std::array<std::byte, 4096>{});

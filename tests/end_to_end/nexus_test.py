@@ -27,7 +27,7 @@ def check_root(file):
     assert nx_class(file) == "NXroot"
     for name in ROOT_ATTRIBUTES:
         assert isinstance(file.attrs[name], str) and file.attrs[name], f"/@{name} is missing"
-    assert file.attrs["format_version"] == 2
+    assert file.attrs["format_version"] == 3
     entry = file["entry"]
     assert nx_class(entry) == "NXentry"
     assert entry["title"][()] and entry["program_name"][()] == b"rabiline" and entry["program_name"].attrs["version"]

@@ -46,8 +46,8 @@ def test_a_file_of_format_version_2_has_moving_detectors_in_their_own_frame(tmp_
 def test_a_file_of_a_later_format_version_is_refused(tmp_path: Path) -> None:
     path = write_results(tmp_path / "a.h5", [], np.array([0.5]), law=["quantum"], bins=8)
     with h5py.File(path, "r+") as file:
-        file.attrs["format_version"] = 3
-    with pytest.raises(FileError, match="has format version 3; this program reads versions up to 2"):
+        file.attrs["format_version"] = 4
+    with pytest.raises(FileError, match="has format version 4; this program reads versions up to 3"):
         results.read(path)
 
 

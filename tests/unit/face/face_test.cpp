@@ -146,6 +146,7 @@ TEST_F(Face, GoesOnFromASnapshotToTheSameBits) {
   settings.snapshot_seconds = 0;
   settings.snapshot = [&](const Snapshot& snapshot) {
     write(snapshot, folder_ / "kept");
+    EXPECT_FALSE(snapshot.complete);
     ++snapshots;
     stop = true;
   };

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "apparatus.hpp"
-#include "simulation/blocks.hpp"
+#include "simulation/work.hpp"
 
 namespace rabiline::test {
 namespace {
@@ -24,7 +24,7 @@ Experiment half_detected(std::uint64_t particles, double error) {
 RunOutcome run_until(const Experiment& e, const Plan& plan, RunOptions options = {}) {
   Precision precision(e, plan);
   options.halvings = precision.halvings();
-  options.most_block_cost = 1e-5;
+  options.grain = 1e-5;
   options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
   return run(plan, options);
 }
@@ -78,7 +78,7 @@ TEST(Until, GivesTheSameBitsForAnyThreadsAndHoweverOftenTheRunWasStopped) {
     };
     const std::optional<Snapshot> begin = snapshot;
     if (begin) {
-      ASSERT_TRUE(fits(*begin, plan, Precision(e, plan).halvings()));
+      ASSERT_TRUE(fits(*begin, plan));
       interrupted.start = &*begin;
     }
     const RunOutcome outcome = run_until(e, plan, interrupted);

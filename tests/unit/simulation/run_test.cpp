@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "physics/suggested.hpp"
-#include "simulation/blocks.hpp"
+#include "simulation/work.hpp"
 
 namespace rabiline {
 namespace {
@@ -128,7 +128,7 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   const Plan plan = make_plan(everything());
   RunOptions options;
   options.isa = best_isa();
-  options.most_block_cost = 1e-5;
+  options.grain = 1e-5;
   const Sums expected = sums_of(plan, options);
 
   std::atomic<bool> stop{false};
@@ -146,7 +146,7 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
   stop = false;
   options.snapshot = {};
   options.start = &kept;
-  options.most_block_cost = 1e-3;  // the blocks stay those of the snapshot
+  options.grain = 1e-3;
   const RunOutcome outcome = run(plan, options);
   EXPECT_TRUE(outcome.finished);
   EXPECT_TRUE(outcome.sums == expected);
@@ -154,10 +154,9 @@ TEST(Run, GoesOnFromASnapshotToTheSameBits) {
 
 TEST(Run, GoesOnOnlyFromASnapshotThatFitsItsPlan) {
   const Plan plan = make_plan(everything());
-  const std::uint64_t units = Blocks(plan, block_sizes(plan, 1e-5)).count();
   Snapshot snapshot;
-  snapshot.block_sizes = block_sizes(plan, 1e-5);
-  snapshot.finished = {{0, units}};
+  snapshot.particles = ParticleRow(plan).size();
+  snapshot.finished = {{0, snapshot.particles}};
   snapshot.sums_high.resize(plan.sums);
   snapshot.sums_low.resize(plan.sums);
   EXPECT_TRUE(fits(snapshot, plan));
@@ -167,10 +166,25 @@ TEST(Run, GoesOnOnlyFromASnapshotThatFitsItsPlan) {
     return changed;
   };
   EXPECT_FALSE(fits(broken([](Snapshot& s) { s.sums_low.pop_back(); }), plan));
-  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes.push_back(8); }), plan));
-  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes[0] = 0; }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.particles += 1; }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.shard = {2, 2}; }), plan));
   EXPECT_FALSE(fits(broken([](Snapshot& s) { s.finished.back().second += 1; }), plan));
-  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.block_sizes[0] *= 2; }), plan));
+}
+
+TEST(Run, InShardsHasTheSumsOfTheRunInOnePiece) {
+  const Plan plan = make_plan(everything());
+  RunOptions options;
+  options.isa = best_isa();
+  const Sums expected = sums_of(plan, options);
+  Sums merged(plan.sums);
+  for (const std::uint64_t number : {3U, 1U, 2U}) {
+    options.shard = {number, 3};
+    const RunOutcome outcome = run(plan, options);
+    EXPECT_TRUE(outcome.finished);
+    EXPECT_FALSE(outcome.sums == expected);
+    add(merged, outcome.sums);
+  }
+  EXPECT_TRUE(merged == expected);
 }
 
 TEST(Run, CarriesAnExceptionOutOfItsThreads) {
@@ -178,7 +192,7 @@ TEST(Run, CarriesAnExceptionOutOfItsThreads) {
   RunOptions options;
   options.isa = best_isa();
   options.threads = 2;
-  options.most_block_cost = 1e-6;  // many blocks, so that the reporting thread gets some
+  options.grain = 1e-6;  // often, so that the reporting thread gets some
   options.snapshot_seconds = 0;
   options.snapshot = [](const Snapshot&) { throw std::runtime_error("disk full"); };
   EXPECT_THROW(run(plan, options), std::runtime_error);

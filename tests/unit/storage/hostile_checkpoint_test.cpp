@@ -10,20 +10,17 @@
 #include <functional>
 
 #include "storage/checkpoint_file.hpp"
-#include "storage/digest.hpp"
+#include "storage/seal.hpp"
 
 namespace rabiline {
 namespace {
 
 using samples::Folder;
 
-/// Puts back the user block with the checksum of what follows, as anybody could.
+/// Puts back the last line, as anybody could.
 void seal(const std::filesystem::path& from, const std::filesystem::path& to) {
   const std::string contents = samples::bytes_of(from);
-  std::string header = fmt::format("rabiline checkpoint 3\nHDF5 of {} bytes from byte 512\nFNV-1a {:016x}\n",
-                                   contents.size(), digest(std::as_bytes(std::span(contents))));
-  header.resize(512, '\n');
-  samples::put_bytes(to, header + contents);
+  samples::put_bytes(to, contents + seal_of(std::as_bytes(std::span(contents))));
 }
 
 void remove(hid_t file, const char* name) { ASSERT_GE(H5Ldelete(file, name, H5P_DEFAULT), 0); }
@@ -126,20 +123,20 @@ std::vector<Attack> attacks() {
          H5Gcreate2(file, "sums_low", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
        },
        "/sums_low: HDF5 failed ("},
-      {"OverlappingUnits",
+      {"OverlappingParticles",
        [](hid_t file) {
          put_numbers(file, "finished_begin", {0, 4});
          put_numbers(file, "finished_end", {5, 9});
        },
-       "(its units are not in order)"},
-      {"UnitsThatEndBeforeTheyBegin",
+       "(its particles are not in order)"},
+      {"ParticlesThatEndBeforeTheyBegin",
        [](hid_t file) {
          put_numbers(file, "finished_begin", {9});
          put_numbers(file, "finished_end", {5});
        },
-       "(its units are not in order)"},
-      {"UnitsWithoutEnd", [](hid_t file) { put_numbers(file, "finished_end", {5}); },
-       "(its units are incomplete)"},
+       "(its particles are not in order)"},
+      {"ParticlesWithoutEnd", [](hid_t file) { put_numbers(file, "finished_end", {5}); },
+       "(its particles are incomplete)"},
       {"HalfASum", [](hid_t file) { put_numbers(file, "sums_low", {5}); }, "(its sums are incomplete)"},
       {"InputWithoutText", [](hid_t file) { put(file, "input_texts", fixed_text(), {1}); },
        "(its texts are incomplete)"},
@@ -151,7 +148,7 @@ class HostileCheckpoint : public testing::TestWithParam<Attack> {};
 TEST_P(HostileCheckpoint, IsRefused) {
   const Folder folder;
   write_checkpoint(samples::snapshot(3, 10), folder / "honest");
-  samples::put_bytes(folder / "contents", samples::bytes_of(folder / "honest").substr(512));
+  samples::put_bytes(folder / "contents", samples::bytes_of(folder / "honest"));
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);

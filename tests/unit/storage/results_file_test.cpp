@@ -7,10 +7,12 @@
 
 #include <cmath>
 #include <csignal>
+#include <random>
 
 #include "forked.hpp"
 #include "samples.hpp"
 #include "storage/hdf5_writer.hpp"
+#include "storage/origin.hpp"
 #include "storage/tracks_file.hpp"
 
 namespace rabiline {
@@ -171,53 +173,32 @@ TEST(ResultsFile, KeepsAnEarlierFileWhenItCannotBeWritten) {
   EXPECT_THAT(folder.names(), ElementsAre("a.h5"));
 }
 
-TEST(ResultsFile, NoticesThatTheDiskGivesBackOtherNumbers) {
+TEST(ResultsFile, HasASealThatEveryChangeOfItBreaks) {
   const Folder folder;
-  const auto build = [&](double number, const std::string& name) {
-    hdf5::FileWriter file(folder / name);
-    file.root().dataset("numbers", {2}, std::vector<double>{1, number});
-    return file;
-  };
-  const hdf5::FileWriter first = build(2, "first"), second = build(3, "second");
-  first.save();
-  second.save();
-  EXPECT_NO_THROW(first.verify(folder / "first"));
-  EXPECT_THROW(first.verify(folder / "second"), StorageError);
-}
-
-/// Where the only chunk of a dataset lies in the file.
-struct Extent {
-  haddr_t begin = 0;
-  hsize_t size = 0;
-};
-Extent chunk_of(const std::filesystem::path& path, const std::string& name) {
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  const hid_t dataset = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
-  const hsize_t origin = 0;
-  unsigned filters = 0;
-  Extent chunk;
-  H5Dget_chunk_info_by_coord(dataset, &origin, &filters, &chunk.begin, &chunk.size);
-  H5Dclose(dataset);
-  H5Fclose(file);
-  return chunk;
-}
-
-TEST(ResultsFile, IsVerifiedSoThatEveryFlippedBitOfADatasetIsNoticed) {
-  const Folder folder;
-  hdf5::FileWriter file(folder / "a.h5");
-  std::vector<double> numbers;
-  for (int i = 0; i < 40; ++i) numbers.push_back(std::sin(i));
-  file.root().dataset("numbers", {40}, numbers);
-  file.save();
+  write_results(samples::result({}, {"screen"}), folder / "a.h5");
+  EXPECT_EQ(verified_digest(folder / "a.h5").size(), 64U);
   const std::string whole = samples::bytes_of(folder / "a.h5");
-  const Extent chunk = chunk_of(folder / "a.h5", "/numbers");
-  ASSERT_GT(chunk.size, 200u);
-  for (haddr_t at = chunk.begin; at < chunk.begin + chunk.size; ++at) {
+  std::mt19937 random(1938);
+  for (int trial = 0; trial < 1000; ++trial) {
     std::string flipped = whole;
-    flipped[at] ^= 1;
-    samples::put_bytes(folder / "a.h5", flipped);
-    ASSERT_THROW(file.verify(folder / "a.h5"), StorageError) << at;
+    flipped[random() % whole.size()] ^= static_cast<char>(1 << random() % 8);
+    samples::put_bytes(folder / "b.h5", flipped);
+    ASSERT_THROW(verified_digest(folder / "b.h5"), StorageError);
   }
+  for (const std::size_t size : {std::size_t{0}, std::size_t{50}, whole.size() / 2, whole.size() - 1}) {
+    samples::put_bytes(folder / "b.h5", whole.substr(0, size));
+    EXPECT_THROW(verified_digest(folder / "b.h5"), StorageError) << size;
+  }
+}
+
+TEST(ResultsFile, KnowsADigestOfItsContentButNotOfWhereItComesFrom) {
+  const Folder folder;
+  Result result = samples::result({samples::frequency_axis(3)}, {"screen"});
+  const std::uint64_t content = content_of(result);
+  result.provenance.host = "another";
+  EXPECT_EQ(content_of(result), content);
+  result.detectors.front().label = "another";
+  EXPECT_NE(content_of(result), content);
 }
 
 TEST(TracksFile, KeepsEveryTrackEvenOfTheSameParticle) {

@@ -2,9 +2,12 @@
 
 #include "samples.hpp"
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/file.h>
 #include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -15,6 +18,7 @@
 #include <thread>
 
 #include "forked.hpp"
+#include "storage/lock.hpp"
 
 namespace rabiline {
 namespace {
@@ -154,6 +158,54 @@ TEST(ReplaceFile, FollowsALinkThatStaysALink) {
   replace(folder / "here.h5", "new");
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "here.h5"));
   EXPECT_EQ(bytes_of(folder / "there.h5"), "new");
+}
+
+TEST(ReplaceFile, FollowsALinkToWhatIsNotThereYet) {
+  const Folder folder;
+  std::filesystem::create_symlink("there.h5", folder / "here.h5");
+  replace(folder / "here.h5", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "here.h5"));
+  EXPECT_EQ(bytes_of(folder / "there.h5"), "new");
+}
+
+TEST(RequireWritable, SweepsOldTemporaryFilesThatNobodyWrites) {
+  using namespace std::chrono_literals;
+  const Folder folder;
+  for (const std::string name :
+       {".rabiline-old.tmp", ".rabiline-new.tmp", ".rabiline-locked.tmp", "other.tmp"}) {
+    put_bytes(folder / name, "left");
+    if (name != ".rabiline-new.tmp")
+      std::filesystem::last_write_time(folder / name, std::filesystem::file_time_type::clock::now() - 2h);
+  }
+  const int locked = ::open((folder / ".rabiline-locked.tmp").c_str(), O_RDONLY);
+  ASSERT_EQ(::flock(locked, LOCK_EX), 0);
+  require_writable(folder / "result.h5");
+  ::close(locked);
+  EXPECT_THAT(folder.names(), ElementsAre(".rabiline-locked.tmp", ".rabiline-new.tmp", "other.tmp"));
+}
+
+TEST(BackUp, GivesTheFirstFreeNameAndLeavesTheFile) {
+  const Folder folder;
+  EXPECT_EQ(back_up(folder / "result.h5"), "");
+  put_bytes(folder / "result.h5", "one");
+  EXPECT_EQ(back_up(folder / "result.h5"), folder / "result.1.h5");
+  replace(folder / "result.h5", "two");
+  EXPECT_EQ(back_up(folder / "result.h5"), folder / "result.2.h5");
+  EXPECT_EQ(bytes_of(folder / "result.1.h5"), "one");
+  EXPECT_EQ(bytes_of(folder / "result.2.h5"), "two");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), "two");
+}
+
+TEST(Lock, KeepsAnotherProcessFromTheSameOutputAndLeavesNothing) {
+  const Folder folder;
+  std::filesystem::create_symlink("there.h5", folder / "here.h5");
+  const auto refusal = [&] { return failure_in_child([&] { const Lock lock(folder / "here.h5"); }); };
+  {
+    const Lock lock(folder / "there.h5");
+    EXPECT_THAT(refusal(), HasSubstr(fmt::format("is being written by process {} on ", ::getpid())));
+  }
+  EXPECT_EQ(refusal(), "");
+  EXPECT_THAT(folder.names(), ElementsAre("here.h5"));
 }
 
 TEST(ReplaceFile, KeepsTheEarlierFileWhenVerificationFails) {

@@ -152,7 +152,11 @@ std::vector<Track> tracks() {
 Snapshot snapshot(std::uint64_t number, std::size_t sums) {
   Snapshot made;
   made.fingerprint = "experiment 1938";
-  made.block_sizes = {8, 4096 + number};
+  made.particles = ~std::uint64_t{0};
+  made.changes = {"--set", "H0.amplitude=0.3 uT"};
+  made.transit = KeptTransit::totals;
+  made.begun = "2026-11-22T15:00:00+0000";
+  made.seconds = 0.25 + static_cast<double>(number);
   made.finished = {{0, number + 1}, {number + 1, number + 5}, {number + 9, ~std::uint64_t{0}}};
   for (std::uint64_t i = 0; i < sums; ++i) {
     made.sums_high.push_back(i % 7);
@@ -167,8 +171,10 @@ bool same(const Snapshot& a, const Snapshot& b) {
   const auto same_input = [](const InputText& left, const InputText& right) {
     return left.path == right.path && left.text == right.text;
   };
-  return a.fingerprint == b.fingerprint && a.block_sizes == b.block_sizes && a.finished == b.finished &&
-         a.sums_high == b.sums_high && a.sums_low == b.sums_low && a.arguments == b.arguments &&
+  return a.fingerprint == b.fingerprint && a.particles == b.particles && a.shard == b.shard &&
+         a.changes == b.changes && a.transit == b.transit && a.begun == b.begun && a.seconds == b.seconds &&
+         a.finished == b.finished && a.sums_high == b.sums_high && a.sums_low == b.sums_low &&
+         a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
 

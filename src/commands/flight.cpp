@@ -1,0 +1,169 @@
+#include "commands/flight.hpp"
+
+#include <algorithm>
+#include <span>
+
+#include "commands/progress_line.hpp"
+#include "commands/stop.hpp"
+#include "input/settings.hpp"
+#include "particle/batch.hpp"
+#include "storage/lock.hpp"
+#include "storage/safe_file.hpp"
+
+namespace rabiline {
+namespace {
+
+using Path = std::filesystem::path;
+
+/// As a shell reads it back.
+std::string quoted(const Path& path) {
+  std::string out = "'";
+  for (const char c : path.string()) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  const bool plain =
+      path.string().find_first_not_of(
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/+-@%") == std::string::npos;
+  return plain && !path.empty() ? path.string() : out + "'";
+}
+
+/// One that cannot be written is worth a warning, not the run.
+void write_or_warn(const Snapshot& snapshot, const Path& path) {
+  try {
+    write(snapshot, path);
+  } catch (const StorageError& error) {
+    say(stderr, "\nwarning: {}\n", error.what());
+  }
+}
+
+/// Keeps the sums somewhere: beside the output, in the current folder, in the folder for temporary files.
+/// Returns the output whose checkpoint they are now. Throws the first StorageError where there is no place.
+Path keep(const Snapshot& snapshot, const Path& output) {
+  std::error_code error;
+  const Path name = output.filename();
+  std::optional<StorageError> first;
+  for (const Path& place : {output, std::filesystem::current_path(error) / name,
+                            std::filesystem::temp_directory_path(error) / name}) {
+    try {
+      const bool taken = place != output && std::filesystem::exists(checkpoint_of(place));
+      if (taken) continue;
+      write(snapshot, checkpoint_of(place));
+      return place;
+    } catch (const StorageError& problem) {
+      if (!first) first = problem;
+    }
+  }
+  throw *first;
+}
+
+/// What lies there is gone on from where it is of this run.
+std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup,
+                                          const RunSettings& settings) {
+  const Path path = checkpoint_of(output);
+  if (!std::filesystem::exists(path)) return {};
+  Snapshot found;
+  try {
+    found = read_snapshot(path);
+  } catch (const StorageError& error) {
+    throw StorageError(fmt::format("{}\n  help: remove it to start anew: rm {}", error.what(), quoted(path)));
+  }
+  if (found.fingerprint != setup.fingerprint() || !(found.shard == settings.shard) ||
+      found.transit != settings.transit)
+    throw ArgumentError(
+        fmt::format("{} is a checkpoint of another run, which would be lost\n  help: continue that one with "
+                    "`rabiline resume {}`, or "
+                    "remove it with `rm {}`, or write to another file",
+                    path.string(), quoted(output), quoted(path)));
+  return found;
+}
+
+}  // namespace
+
+void FlightOptions::add_to(CLI::App& app) {
+  machine.add_to(app);
+  app.add_option("--batch", batch, "particles per batch; the result is the same for any")->type_name("N");
+  app.add_option("--progress", progress, "auto, lines, json or none")
+      ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
+  app.add_option("--checkpoint-every", checkpoint_every,
+                 "time between checkpoints, such as `10 min`; 60 s where it is missing")
+      ->type_name("TIME");
+  app.add_option("--max-time", max_time, "stop with a checkpoint after this time, such as `23.9 h`")
+      ->type_name("TIME");
+  app.add_flag("--keep", keep, "give an earlier OUT.h5 another name, OUT.1.h5 or the next that is free");
+}
+
+RunSettings FlightOptions::settings() const {
+  RunSettings out = machine.settings();
+  const Range positive{0, 1e9, false, true, "greater than zero"};
+  if (!checkpoint_every.empty())
+    out.snapshot_seconds = read_time_argument("--checkpoint-every", checkpoint_every, positive);
+  if (!max_time.empty()) read_time_argument("--max-time", max_time, positive);
+  if (batch.empty()) return out;
+  out.batch =
+      static_cast<int>(read_argument("--batch", batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
+  if (out.batch % 8 != 0)
+    throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
+  return out;
+}
+
+Path checkpoint_of(const Path& output) { return output.string() + ".checkpoint"; }
+
+int fly(const Setup& setup, const Path& output, const FlightOptions& options, RunSettings settings,
+        std::optional<Snapshot> start) {
+  const Lock lock(output);
+  if (!start) {
+    start = checkpoint_beside(output, setup, settings);
+    if (start)
+      say(stderr, "continues from {}: {:.1f} % have flown\n", checkpoint_of(output).string(),
+          100 * start->done());
+  }
+  std::size_t told = 0;
+  Snapshot last;
+  ProgressLine progress(options.progress);
+  settings.planned = [&](const std::vector<Diagnostic>& warnings) {
+    tell(warnings, options.strict, stderr);
+    told = warnings.size();
+    watch_signals();
+    if (!options.max_time.empty()) stop_after(read_time_argument("--max-time", options.max_time, range::any));
+  };
+  settings.progress = [&](const Progress& p) { progress(p); };
+  settings.snapshot = [&](Snapshot snapshot) {
+    if (!snapshot.complete && !stop_requested()) return write_or_warn(snapshot, checkpoint_of(output));
+    last = std::move(snapshot);
+  };
+  settings.stop = &stop_requested();
+  settings.start = start ? &*start : nullptr;
+  const std::optional<Result> result = run(setup, settings);
+  progress.clear();
+  if (!last.complete) {
+    const Path kept = keep(last, output);
+    say(stderr, "stopped; what is finished is in {}\n  help: continue with: rabiline resume {}\n",
+        checkpoint_of(kept).string(), quoted(kept));
+    return exit_code::stopped;
+  }
+  try {
+    if (options.keep) back_up(output);
+    if (result)
+      write(*result, output);
+    else
+      write(last, output);
+  } catch (const StorageError& error) {
+    say(stderr, "error: {}\n", error.what());
+    const Path kept = keep(last, output);
+    say(stderr,
+        "  help: nothing is lost: all that has flown is in {}; write the result with: rabiline resume {}\n",
+        checkpoint_of(kept).string(), quoted(kept));
+    return exit_code::not_written;
+  }
+  std::error_code ignored;
+  std::filesystem::remove(checkpoint_of(output), ignored);
+  if (!result) {
+    say(stdout, "{}: shard {} of {}, {:.2f} s\nwrote {}\n", setup.title(), last.shard.number, last.shard.of,
+        last.seconds, output.string());
+    return exit_code::done;
+  }
+  const std::span ineffective = std::span(result->provenance.warnings).subspan(told);
+  for (const std::string& warning : ineffective) say(stderr, "warning: {}\n", warning);
+  print_summary(*result, output);
+  return options.strict && !ineffective.empty() ? exit_code::bad_input : exit_code::done;
+}
+
+}  // namespace rabiline

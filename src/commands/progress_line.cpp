@@ -1,0 +1,58 @@
+#include "commands/progress_line.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include "commands/say.hpp"
+
+namespace rabiline {
+namespace {
+
+std::string duration(double seconds) {
+  const long s = std::lround(seconds);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+std::string reached(const Progress& p) {
+  return p.error > 0 ? fmt::format(" of a part; error of `detected` so far {:.2g}", p.error) : "";
+}
+
+/// Back to the beginning of the terminal's line.
+void return_carriage() { std::fputc('\r', stderr); }
+
+}  // namespace
+
+ProgressLine::ProgressLine(const std::string& kind)
+    : terminal_(kind == "auto" && isatty(STDERR_FILENO) == 1),
+      json_(kind == "json"),
+      quiet_(kind == "none") {}
+
+void ProgressLine::operator()(const Progress& p) {
+  if (quiet_) return;
+  if (terminal_) {
+    return_carriage();
+    say(stderr, "{:5.1f} %  {} left{}      ", 100 * p.done, duration(p.seconds_left), reached(p));
+    shown_ = true;
+    return;
+  }
+  if (p.seconds < next_) return;
+  next_ = p.seconds + 10;
+  if (json_)
+    say(stderr, "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}, \"error\": {:.6g}}}\n",
+        p.done, p.seconds, p.seconds_left, p.error);
+  else
+    say(stderr, "{:5.1f} %  {} left{}\n", 100 * p.done, duration(p.seconds_left), reached(p));
+}
+
+void ProgressLine::clear() {
+  if (!std::exchange(shown_, false)) return;
+  return_carriage();
+  say(stderr, "{:40}", "");
+  return_carriage();
+}
+
+}  // namespace rabiline

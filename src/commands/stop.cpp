@@ -1,0 +1,57 @@
+#include "commands/stop.hpp"
+
+#include <sys/time.h>
+
+#include <cmath>
+#include <csignal>
+#include <ctime>
+
+namespace rabiline {
+namespace {
+
+std::atomic<bool> stop{false};
+std::atomic<int> insisted{0};
+std::atomic<std::time_t> first{0};  // [s] when it was asked for
+static_assert(std::atomic<std::time_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+std::time_t seconds_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec;
+}
+
+extern "C" void on_signal(int signal) {
+  if (!stop.exchange(true)) {
+    first = seconds_now();
+    return;
+  }
+  // `timeout` and terminals send signals in pairs, the shell and the kernel HUP more often, XCPU comes every
+  // second.
+  if (signal != SIGTERM && signal != SIGINT) return;
+  if (++insisted < 2 && seconds_now() - first < 5) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+}  // namespace
+
+void ignore_failed_writes() {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+}
+
+void watch_signals() {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM})
+    if (std::signal(signal, on_signal) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
+}
+
+void stop_after(double seconds) {
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<std::time_t>(std::floor(seconds));
+  timer.it_value.tv_usec = static_cast<suseconds_t>((seconds - std::floor(seconds)) * 1e6);
+  std::signal(SIGALRM, on_signal);
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+const std::atomic<bool>& stop_requested() { return stop; }
+
+}  // namespace rabiline

@@ -1,0 +1,20 @@
+#pragma once
+// What ends the program before its work is done.
+#include <atomic>
+
+namespace rabiline {
+
+/// At the start of the program: a pipe or a terminal that has gone and a file that may not grow are errors of
+/// the write.
+void ignore_failed_writes();
+
+/// From here on TERM, INT, HUP, XCPU, USR1, USR2 and ALRM only ask to stop. Where somebody insists, by the
+/// third TERM or INT, or one 5 s after the first, it ends the program at once. A HUP that was ignored (nohup)
+/// still is.
+void watch_signals();
+/// The same when so much time has gone by [s].
+void stop_after(double seconds);
+
+const std::atomic<bool>& stop_requested();
+
+}  // namespace rabiline

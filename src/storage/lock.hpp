@@ -1,0 +1,24 @@
+#pragma once
+// One process at a time for each output.
+#include <filesystem>
+
+#include "storage/storage_error.hpp"
+
+namespace rabiline {
+
+/// Keeps other processes from an output while it lives, by a lock on the hidden file .NAME.lock beside it,
+/// which a kill -9 leaves behind without its lock. Throws StorageError, which names the process that has it.
+/// File systems without locks have none.
+class Lock {
+ public:
+  explicit Lock(const std::filesystem::path& output);
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+  ~Lock();
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+}  // namespace rabiline

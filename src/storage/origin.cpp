@@ -1,0 +1,37 @@
+#include "storage/origin.hpp"
+
+#include <fmt/format.h>
+
+#include "storage/hdf5_reader.hpp"
+
+namespace rabiline {
+
+Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& path) {
+  constexpr std::size_t most_text = std::size_t{1} << 26, most_inputs = 16;
+  if (!file.contains("entry/simulation/input_0/data"))
+    throw StorageError(fmt::format("{}: is no result of `rabiline run`", path.string()));
+  Origin origin;
+  for (std::size_t i = 0; i < most_inputs; ++i) {
+    const std::string note = fmt::format("entry/simulation/input_{}", i);
+    if (!file.contains(note)) break;
+    origin.inputs.push_back(
+        {file.text(note + "/file_name", most_text), file.text(note + "/data", most_text)});
+  }
+  if (file.contains("entry/simulation/changes"))
+    origin.changes = file.texts("entry/simulation/changes", most_text);
+  if (file.contains("entry/simulation/transit")) {
+    const auto transit = file.numbers("entry/simulation/transit", 1),
+               content = file.numbers("entry/simulation/content", 1);
+    if (transit.size() != 1 || content.size() != 1 || transit[0] > 3)
+      throw StorageError(fmt::format("{}: is damaged", path.string()));
+    origin.transit = static_cast<KeptTransit>(transit[0]);
+    origin.content = content[0];
+  }
+  return origin;
+}
+
+std::string verified_digest(const std::filesystem::path& path) { return hdf5::FileReader(path).digest(); }
+
+Origin read_origin(const std::filesystem::path& path) { return read_origin(hdf5::FileReader(path), path); }
+
+}  // namespace rabiline
