@@ -1,21 +1,19 @@
 #include "rabiline.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <stdexcept>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <omp.h>
-#include <sys/utsname.h>
 #include <unistd.h>
 
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "face/models.hpp"
+#include "face/record.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
@@ -82,46 +80,42 @@ std::vector<Diagnostic> located(const std::vector<Fault>& faults, const Places& 
   return out;
 }
 
+/// A file that was cut short may still be read, as a different experiment.
+std::vector<Diagnostic> warnings_of_texts(const std::vector<InputText>& inputs) {
+  std::vector<Diagnostic> out;
+  for (const InputText& input : inputs) {
+    if (input.text.empty() || input.text.back() == '\n') continue;
+    const auto source = make_source_text(input.path, input.text);
+    const int lines = static_cast<int>(source->lines.size());
+    out.push_back({{source, lines, static_cast<int>(source->lines.back().size()) + 1, 1},
+                   "the last line has no end: is the file whole?",
+                   "end the file with a newline",
+                   Severity::warning});
+  }
+  return out;
+}
+
+/// Of the texts, and of what they say.
+std::vector<Diagnostic> warnings_before(const LoadedExperiment& loaded, const Experiment& experiment, const Plan& plan) {
+  std::vector<Diagnostic> out = warnings_of_texts(loaded.inputs);
+  std::ranges::move(located(warnings_of(experiment, plan), loaded.places), std::back_inserter(out));
+  return out;
+}
+
+/// Fractions of nothing are no numbers.
+void require_emission(const Result& result) {
+  for (std::size_t point = 0; point < result.emitted.size(); ++point)
+    if (!(result.emitted[point] > 0))
+      throw std::invalid_argument(fmt::format(
+          "none of the {} particles has a weight at scan point {}: hardly any direction that the source draws leads along "
+          "the beam\n  help: move what the source is aimed at away from it, or choose another `direction`",
+          result.particles, point));
+}
+
 std::string text_of(const Diagnostic& warning) {
   return warning.suggestion.empty() ? warning.message
                                     : fmt::format("{}\n  help: {}", warning.message, warning.suggestion);
 }
-
-/// This moment as ISO 8601 with offset.
-std::string now() { return fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(std::time(nullptr))); }
-
-/// Program, machine, command line and inputs; the times of its life are those of the work.
-class Record {
- public:
-  Record(const Setup& setup, const std::vector<std::string>& arguments) {
-    kept_.arguments = arguments;
-    kept_.changes = options_of(setup.contents().changes);
-    kept_.inputs = setup.inputs();
-    kept_.version = version;
-    kept_.compiler = compiler;
-    utsname machine{};
-    if (uname(&machine) == 0) kept_.host = machine.nodename;
-    kept_.start_time = now();
-  }
-  /// Goes on with what was begun before.
-  void continue_from(const Snapshot& snapshot) {
-    kept_.start_time = snapshot.begun;
-    before_ = snapshot.seconds;
-  }
-  Provenance* operator->() { return &kept_; }
-  double seconds() const { return before_ + std::chrono::duration<double>(Clock::now() - begin_).count(); }
-  Provenance finish() {
-    kept_.seconds = seconds();
-    kept_.end_time = now();
-    return std::move(kept_);
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Provenance kept_;
-  double before_ = 0;  // [s]
-  Clock::time_point begin_ = Clock::now();
-};
 
 int threads_of(const RunSettings& settings) {
   if (settings.threads < 0 || settings.threads > 1024)
@@ -237,7 +231,7 @@ Report check(const Setup& setup) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);
   const Plan plan = make_plan(loaded.experiment);
-  return {explain(loaded.experiment, plan), located(warnings_of(loaded.experiment, plan), loaded.places)};
+  return {explain(loaded.experiment, plan), warnings_before(loaded, loaded.experiment, plan)};
 }
 
 std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
@@ -258,7 +252,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.stop = settings.stop;
   options.snapshot_seconds = settings.snapshot_seconds;
   options.start = settings.start;
-  Record record(setup, settings.arguments);
+  Record record(setup.inputs(), options_of(setup.contents().changes), settings.arguments);
   if (settings.start != nullptr) record.continue_from(*settings.start);
   if (settings.snapshot)
     options.snapshot = [&](Snapshot snapshot) {
@@ -289,7 +283,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   require_memory(loaded.experiment, plan, options.threads);
   if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
-  const std::vector<Diagnostic> warnings = located(warnings_of(loaded.experiment, plan), loaded.places);
+  const std::vector<Diagnostic> warnings = warnings_before(loaded, loaded.experiment, plan);
   if (settings.planned) settings.planned(warnings);
 
   RunOutcome outcome = run(plan, options);
@@ -305,6 +299,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   if (flight) flight->asked_for = moments.everywhere;
   Result result =
       finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
+  require_emission(result);
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
@@ -326,7 +321,7 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
   const Beamline &then = flown.experiment.points.front(), &later = wanted.experiment.points.front();
   if (then.particles != later.particles || then.seed != later.seed || then.until != later.until)
     throw std::invalid_argument("a rescan has the `particles`, the `seed` and the `until` of its flight");
-  Record record(setup_of(wanted, now), settings.arguments);
+  Record record(wanted.inputs, options_of(now), settings.arguments);
   record->instruction_set = name_of(isa);
   const std::vector<Diagnostic> warnings =
       located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
@@ -346,7 +341,7 @@ std::vector<Track> trace(const Setup& setup, std::uint64_t first, std::uint64_t 
   if (settings.planned) {
     Experiment alone;
     alone.points = {loaded.base};
-    settings.planned(located(warnings_of(alone, make_plan(alone)), loaded.places));
+    settings.planned(warnings_before(loaded, alone, make_plan(alone)));
   }
   const std::uint64_t all = loaded.base.particles;
   if (first >= all)
@@ -366,7 +361,7 @@ SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments,
   if (model == nullptr)
     throw std::invalid_argument(
         fmt::format("{} is no model: it is flown, not solved", setup.inputs().front().path));
-  Record record(setup, arguments);
+  Record record(setup.inputs(), options_of(setup.contents().changes), arguments);
   SolvedModel solved = solve_all(*model, [stop] {
     if (stop != nullptr && *stop) throw Stopped();
   });

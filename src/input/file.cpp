@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <system_error>
+#include <utility>
+
+#include "input/text_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -24,18 +24,9 @@ constexpr std::size_t max_files = 16;
 }
 
 std::string read_text(const fs::path& path, const Place& named_at) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!fs::exists(status)) refuse(named_at, path, "there is no such file");
-  if (fs::is_directory(status)) refuse(named_at, path, "this is a folder, not a file", "name the file in it");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) refuse(named_at, path, fmt::format("the file cannot be opened: {}", std::strerror(errno)));
-  // One byte more than allowed, so that a longer file shows; never more, since a device has no end.
-  std::string text(max_text_bytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) refuse(named_at, path, "the file cannot be read");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
+  TextFile file = read_text_file(path);
+  if (!file.problem.empty()) refuse(named_at, path, file.problem, file.help);
+  return std::move(file.text);
 }
 
 class Loader {

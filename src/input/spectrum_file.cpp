@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "input/file.hpp"
+#include "input/text_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -173,19 +173,13 @@ std::string text_of(const fs::path& path, const Reading& reading, std::string& p
     if (!text) problem = "this file was not read when the experiment was flown";
     return text.value_or("");
   }
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (!fs::exists(status)) return problem = "there is no such file", "";
-  if (fs::is_directory(status)) return problem = "this is a folder, not a file", "";
-  std::ifstream file(path, std::ios::binary);
-  std::string text(max_text_bytes + 1, '\0');
-  if (!file.read(text.data(), static_cast<std::streamsize>(text.size())) && !file.eof())
-    return problem = "the file cannot be read", "";
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  TextFile file = read_text_file(path);
+  if (!file.problem.empty()) return problem = file.problem, "";
+  std::string& text = file.text;
   if (text.size() > max_text_bytes)
     return problem = fmt::format("the file is larger than {} MiB", max_text_bytes >> 20), "";
   if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-  return text;
+  return std::move(text);
 }
 
 }  // namespace

@@ -11,16 +11,46 @@ namespace {
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument(why); }
 
 void add_sums(Snapshot& to, const Snapshot& from) {
-  for (std::size_t i = 0; i < to.sums_low.size(); ++i) {
-    to.sums_low[i] += from.sums_low[i];
-    to.sums_high[i] += from.sums_high[i] + (to.sums_low[i] < from.sums_low[i] ? 1 : 0);
-  }
+  to.sums = added(to.sums, from.sums);
   to.stragglers.insert(to.stragglers.end(), from.stragglers.begin(), from.stragglers.end());
   to.seconds += from.seconds;
   to.begun = std::min(to.begun, from.begun);
 }
 
+Sum sum_at(const KeptSums& sums, std::size_t i) { return (static_cast<Sum>(sums.high[i]) << 64) | sums.low[i]; }
+
+void append(KeptSums& to, std::uint64_t at, Sum sum) {
+  to.at.push_back(at);
+  to.high.push_back(static_cast<std::uint64_t>(sum >> 64));
+  to.low.push_back(static_cast<std::uint64_t>(sum));
+}
+
 }  // namespace
+
+KeptSums kept(const Sums& sums) {
+  KeptSums out{sums.size()};
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    if (sums[i] != 0) append(out, i, sums[i]);
+  return out;
+}
+
+Sums sums_of(const KeptSums& kept) {
+  Sums out(kept.size);
+  for (std::size_t i = 0; i < kept.at.size(); ++i) out[kept.at[i]] = sum_at(kept, i);
+  return out;
+}
+
+KeptSums added(const KeptSums& a, const KeptSums& b) {
+  KeptSums out{a.size};
+  for (std::size_t i = 0, j = 0; i < a.at.size() || j < b.at.size();) {
+    const bool in_a = i < a.at.size() && (j == b.at.size() || a.at[i] <= b.at[j]),
+               in_b = j < b.at.size() && (i == a.at.size() || b.at[j] <= a.at[i]);
+    append(out, in_a ? a.at[i] : b.at[j], (in_a ? sum_at(a, i) : 0) + (in_b ? sum_at(b, j) : 0));
+    i += in_a ? 1 : 0;
+    j += in_b ? 1 : 0;
+  }
+  return out;
+}
 
 void Merger::add(const std::string& name, Snapshot shard) {
   const Shard which = shard.shard;
@@ -42,7 +72,7 @@ void Merger::add(const std::string& name, Snapshot shard) {
   const std::string& first =
       *std::find_if(names_.begin(), names_.end(), [](const auto& n) { return !n.empty(); });
   if (shard.fingerprint != sum_.fingerprint || shard.transit != sum_.transit ||
-      shard.particles != sum_.particles || shard.sums_low.size() != sum_.sums_low.size())
+      shard.particles != sum_.particles || shard.sums.size != sum_.sums.size)
     refuse(fmt::format("{}: is a shard of another run than {}\n  help: omit it", name, first));
   if (which.of != sum_.shard.of)
     refuse(fmt::format("{}: is one of {} shards, and {} one of {}", name, which.of, first, sum_.shard.of));

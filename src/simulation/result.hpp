@@ -110,6 +110,7 @@ struct Provenance {
   int threads = 1;
   double seconds = 0;
   KeptTransit transit = KeptTransit::if_small;
+  std::string commit{}, processor{};  // of the program's source; as the machine calls it
 };
 
 struct Result {

@@ -36,13 +36,6 @@ void keep_each_once(std::vector<Straggler>& stragglers) {
   stragglers.erase(std::unique(stragglers.begin(), stragglers.end()), stragglers.end());
 }
 
-Sums sums_of(const Snapshot& snapshot) {
-  Sums sums(snapshot.sums_low.size());
-  for (std::size_t i = 0; i < sums.size(); ++i)
-    sums[i] = (static_cast<Sum>(snapshot.sums_high[i]) << 64) | snapshot.sums_low[i];
-  return sums;
-}
-
 /// One run: threads take particles until none are left or somebody asks to stop.
 class Runner {
  public:
@@ -56,7 +49,7 @@ class Runner {
     for (Share& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) {
       before_ = finished_ = Intervals(options.start->finished);
-      shares_.front().sums = sums_of(*options.start);
+      shares_.front().sums = sums_of(options.start->sums);
       shares_.front().stragglers = options.start->stragglers;
     }
     flown_ = before_.size();
@@ -190,12 +183,7 @@ class Runner {
     snapshot.shard = options_.shard;
     snapshot.complete = complete;
     snapshot.finished = finished_.list();
-    snapshot.sums_high.reserve(sums.size());
-    snapshot.sums_low.reserve(sums.size());
-    for (const Sum sum : sums) {
-      snapshot.sums_high.push_back(static_cast<std::uint64_t>(sum >> 64));
-      snapshot.sums_low.push_back(static_cast<std::uint64_t>(sum));
-    }
+    snapshot.sums = kept(sums);
     return snapshot;
   }
 
@@ -219,7 +207,7 @@ class Runner {
 }  // namespace
 
 bool fits(const Snapshot& snapshot, const Plan& plan) {
-  if (snapshot.sums_low.size() != plan.sums || snapshot.sums_high.size() != plan.sums) return false;
+  if (snapshot.sums.size != plan.sums) return false;
   std::uint64_t particles = 0;
   for (const PlanTree& tree : plan.trees) particles += tree.last - tree.first;
   if (snapshot.particles != particles) return false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
+#include "tally/sums.hpp"
 
 namespace rabiline {
 
@@ -42,6 +43,18 @@ struct Shard {
   }
 };
 
+/// Exact 128-bit sums, of which only those that are not zero are listed: high * 2^64 + low at each place.
+struct KeptSums {
+  std::uint64_t size = 0;                // those that are zero included
+  std::vector<std::uint64_t> at{}, high{}, low{};  // ascending places
+  bool operator==(const KeptSums&) const = default;
+};
+KeptSums kept(const Sums&);
+/// Of so many as its size, which must be reasonable.
+Sums sums_of(const KeptSums&);
+/// Both of one size.
+KeptSums added(const KeptSums&, const KeptSums&);
+
 /// Everything that a run needs to go on: which of its particles have flown, and the exact sums over them.
 struct Snapshot {
   std::string fingerprint;      // of the experiment; a snapshot of another one is refused
@@ -50,9 +63,9 @@ struct Snapshot {
   bool complete = false;  // whether this is all of the run, or of the shard; known when it is made
   /// Half-open intervals of their places in the row of all particles, ascending and disjoint.
   std::vector<std::pair<std::uint64_t, std::uint64_t>> finished;
-  std::vector<std::uint64_t> sums_high, sums_low;  // exact 128-bit sums: high * 2^64 + low
-  std::vector<Straggler> stragglers;               // among the finished particles
-  std::vector<std::string> arguments;              // of the run
+  KeptSums sums;
+  std::vector<Straggler> stragglers;   // among the finished particles
+  std::vector<std::string> arguments;  // of the run
   std::vector<InputText> inputs;
   std::vector<std::string> changes;  // of the inputs, as options
   KeptTransit transit = KeptTransit::if_small;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <new>
 
 #include "storage/hdf5_reader.hpp"
@@ -31,8 +33,12 @@ std::size_t total_size(const std::vector<std::string>& texts) {
 /// The promises of Snapshot; checked before writing too, so that no checkpoint is written that cannot be
 /// read.
 void require_valid(const Snapshot& snapshot, const Path& path) {
-  if (snapshot.sums_high.size() != snapshot.sums_low.size()) refuse(path, "its sums are incomplete");
-  if (snapshot.sums_high.size() > most_sums || snapshot.finished.size() > most_intervals)
+  const KeptSums& sums = snapshot.sums;
+  if (sums.high.size() != sums.at.size() || sums.low.size() != sums.at.size())
+    refuse(path, "its sums are incomplete");
+  if (std::ranges::adjacent_find(sums.at, std::ranges::greater_equal()) != sums.at.end() || (!sums.at.empty() && sums.at.back() >= sums.size))
+    refuse(path, "its sums are not in order");
+  if (sums.size > most_sums || snapshot.finished.size() > most_intervals)
     refuse(path, "it is too large");
   if (snapshot.shard.number < 1 || snapshot.shard.number > snapshot.shard.of)
     refuse(path, "it is of no shard");
@@ -75,15 +81,18 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
     root.dataset(name, {texts.size()}, texts);
   };
   const std::vector<std::uint64_t> numbers{checkpoint_version, snapshot.particles, snapshot.shard.number,
-                                           snapshot.shard.of, static_cast<std::uint64_t>(snapshot.transit)};
+                                           snapshot.shard.of, static_cast<std::uint64_t>(snapshot.transit),
+                                           snapshot.sums.size};
   root.dataset(
       "numbers", {numbers.size()}, numbers,
-      {{"long_name", "version, particles in all, shard, of how many, what is kept of the slowness"}});
+      {{"long_name", "version, particles in all, shard, of how many, what is kept of the slowness, sums"}});
   root.dataset("seconds", {1}, std::vector<double>{snapshot.seconds}, {{"units", "s"}});
   root.dataset("finished_begin", {begins.size()}, begins);
   root.dataset("finished_end", {ends.size()}, ends);
-  root.dataset("sums_high", {snapshot.sums_high.size()}, snapshot.sums_high);
-  root.dataset("sums_low", {snapshot.sums_low.size()}, snapshot.sums_low);
+  const KeptSums& sums = snapshot.sums;
+  root.dataset("sums_at", {sums.at.size()}, sums.at);
+  root.dataset("sums_high", {sums.high.size()}, sums.high);
+  root.dataset("sums_low", {sums.low.size()}, sums.low);
   root.dataset("straggler_trees", {straggler_trees.size()}, straggler_trees);
   root.dataset("straggler_particles", {straggler_particles.size()}, straggler_particles);
   write_texts("fingerprint", {snapshot.fingerprint});
@@ -97,8 +106,8 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
 Snapshot read_contents(const Path& path) {
   const hdf5::FileReader file(path);
   if (!file.contains("numbers")) refuse(path, "it holds something else");
-  const auto numbers = file.numbers("numbers", 5);
-  if (numbers.size() != 5 || numbers[0] != checkpoint_version || numbers[4] > 3)
+  const auto numbers = file.numbers("numbers", 6);
+  if (numbers.size() != 6 || numbers[0] != checkpoint_version || numbers[4] > 3)
     refuse(path, "it is of another version");
   const auto seconds = file.reals("seconds", 1);
   const auto begun = file.texts("begun", most_text);
@@ -117,8 +126,8 @@ Snapshot read_contents(const Path& path) {
   snapshot.seconds = seconds.front();
   snapshot.begun = begun.front();
   for (std::size_t i = 0; i < begins.size(); ++i) snapshot.finished.emplace_back(begins[i], ends[i]);
-  snapshot.sums_high = file.numbers("sums_high", most_sums);
-  snapshot.sums_low = file.numbers("sums_low", most_sums);
+  snapshot.sums = {numbers[5], file.numbers("sums_at", most_sums), file.numbers("sums_high", most_sums),
+                   file.numbers("sums_low", most_sums)};
   const auto trees = file.numbers("straggler_trees", most_intervals),
              particles = file.numbers("straggler_particles", most_intervals);
   if (trees.size() != particles.size()) refuse(path, "its list of stragglers is incomplete");

@@ -1,6 +1,8 @@
 #include "storage/provenance.hpp"
 
 #include <fmt/format.h>
+#include <gnu/libc-version.h>
+#include <openssl/crypto.h>
 
 namespace rabiline::nexus {
 
@@ -9,6 +11,13 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("program", "rabiline");
   simulation.text("version", provenance.version);
   simulation.text("compiler", provenance.compiler);
+  simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});
+  const std::vector<std::string> libraries{
+      fmt::format("glibc {}", gnu_get_libc_version()),
+      fmt::format("HDF5 {}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
+      OpenSSL_version(OPENSSL_VERSION)};
+  simulation.dataset("libraries", {libraries.size()}, libraries, {{"long_name", "libraries that the numbers and the file depend on"}});
+  simulation.text("processor", provenance.processor);
   if (!provenance.instruction_set.empty()) simulation.text("instruction_set", provenance.instruction_set);
   simulation.text("host", provenance.host);
   simulation.number("threads", static_cast<std::uint64_t>(provenance.threads), {{"units", "1"}});

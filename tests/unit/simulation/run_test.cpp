@@ -157,15 +157,14 @@ TEST(Run, GoesOnOnlyFromASnapshotThatFitsItsPlan) {
   Snapshot snapshot;
   snapshot.particles = ParticleRow(plan).size();
   snapshot.finished = {{0, snapshot.particles}};
-  snapshot.sums_high.resize(plan.sums);
-  snapshot.sums_low.resize(plan.sums);
+  snapshot.sums.size = plan.sums;
   EXPECT_TRUE(fits(snapshot, plan));
   const auto broken = [&](const std::function<void(Snapshot&)>& change) {
     Snapshot changed = snapshot;
     change(changed);
     return changed;
   };
-  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.sums_low.pop_back(); }), plan));
+  EXPECT_FALSE(fits(broken([](Snapshot& s) { s.sums.size -= 1; }), plan));
   EXPECT_FALSE(fits(broken([](Snapshot& s) { s.particles += 1; }), plan));
   EXPECT_FALSE(fits(broken([](Snapshot& s) { s.shard = {2, 2}; }), plan));
   EXPECT_FALSE(fits(broken([](Snapshot& s) { s.finished.back().second += 1; }), plan));

@@ -107,14 +107,13 @@ Snapshot flown(Shard shard, std::uint64_t sum) {
   s.particles = 10;
   s.shard = shard;
   s.finished = {shard.places(10)};
-  s.sums_low = {~std::uint64_t{0}, sum};
-  s.sums_high = {1, 0};
+  s.sums = {9, {3, 3 + sum}, {1, 0}, {~std::uint64_t{0}, sum}};
   return s;
 }
 std::string refusal_of(const std::vector<Snapshot>& shards) {
   try {
     Merger merger;
-    for (const Snapshot& shard : shards) merger.add("s" + std::to_string(shard.sums_low.back()), shard);
+    for (const Snapshot& shard : shards) merger.add("s" + std::to_string(shard.sums.low.back()), shard);
     merger.finish();
   } catch (const std::invalid_argument& error) {
     return error.what();
@@ -128,8 +127,7 @@ TEST(Merger, AddsTheSumsOfAllShardsInAnyOrder) {
   const Snapshot all = merger.finish();
   EXPECT_EQ(all.shard, Shard{});
   EXPECT_EQ(all.finished, (Intervals::List{{0, 10}}));
-  EXPECT_EQ(all.sums_low, (std::vector<std::uint64_t>{~std::uint64_t{0} - 2, 6}));
-  EXPECT_EQ(all.sums_high, (std::vector<std::uint64_t>{5, 0}));
+  EXPECT_EQ(all.sums, (KeptSums{9, {3, 4, 5, 6}, {5, 0, 0, 0}, {~std::uint64_t{0} - 2, 1, 2, 3}}));
 }
 
 TEST(Merger, RefusesShardsThatOverlapOrAreForeignOrUnfinishedOrMissing) {

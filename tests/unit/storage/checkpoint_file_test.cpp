@@ -45,7 +45,7 @@ TEST(CheckpointFile, HasTheSameBytesForTheSameSnapshot) {
 TEST(CheckpointFile, IsNotWrittenWhereItCouldNotBeRead) {
   const Folder folder;
   Snapshot incomplete = samples::snapshot(3, 10);
-  incomplete.sums_low.pop_back();
+  incomplete.sums.low.pop_back();
   EXPECT_THROW(write_checkpoint(incomplete, folder / "a"), StorageError);
   Snapshot disordered = samples::snapshot(3, 10);
   disordered.finished = {{5, 9}, {8, 12}};

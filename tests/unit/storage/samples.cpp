@@ -158,9 +158,11 @@ Snapshot snapshot(std::uint64_t number, std::size_t sums) {
   made.begun = "2026-11-22T15:00:00+0000";
   made.seconds = 0.25 + static_cast<double>(number);
   made.finished = {{0, number + 1}, {number + 1, number + 5}, {number + 9, ~std::uint64_t{0}}};
+  made.sums.size = 2 * sums;
   for (std::uint64_t i = 0; i < sums; ++i) {
-    made.sums_high.push_back(i % 7);
-    made.sums_low.push_back((i + number) * 0x9e3779b97f4a7c15);
+    made.sums.at.push_back(2 * i + i % 2);
+    made.sums.high.push_back(i % 7);
+    made.sums.low.push_back((i + number) * 0x9e3779b97f4a7c15);
   }
   made.arguments = {"rabiline", "run", "", "bench.yaml", "--set", "H0.amplitude=0.3 uT"};
   made.inputs = {{"bench.yaml", "rabiline: 1\ntitle: B′\n"}, {"empty.yaml", ""}};
@@ -173,7 +175,7 @@ bool same(const Snapshot& a, const Snapshot& b) {
   };
   return a.fingerprint == b.fingerprint && a.particles == b.particles && a.shard == b.shard &&
          a.changes == b.changes && a.transit == b.transit && a.begun == b.begun && a.seconds == b.seconds &&
-         a.finished == b.finished && a.sums_high == b.sums_high && a.sums_low == b.sums_low &&
+         a.finished == b.finished && a.sums == b.sums &&
          a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
