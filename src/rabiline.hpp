@@ -9,7 +9,7 @@
 // Numbers are in SI; texts have their units. What is wrong is thrown:
 //   InputError             everything that is wrong in a file, a text or a change, each with its place
 //   StorageError           a file that could not be written or read, with the reason
-//   Stopped                where there is nothing to be returned yet
+//   Stopped                where nothing is returned as it was asked to stop
 //   std::invalid_argument  settings that do not fit the machine or the setup
 #include <atomic>
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "core/diagnostics.hpp"
@@ -66,7 +67,7 @@ struct Report {
 };
 Report check(const Setup&);
 
-/// Thrown by `trace` and `solve` where they were asked to stop.
+/// Thrown by what returns a whole or nothing where it was asked to stop.
 struct Stopped : std::exception {
   const char* what() const noexcept override { return "stopped"; }
 };
@@ -121,11 +122,12 @@ Snapshot read_snapshot(const std::filesystem::path&);
 /// The digest in the last line of a file that this program wrote. Throws StorageError where the file is
 /// damaged, was changed, or names other files.
 std::string verify(const std::filesystem::path&);
-/// Runs what a result was made from again. Throws StorageError where it is no result of a flight.
+/// Flies or solves again what a file was made from. Throws StorageError where it is no result, Stopped, and
+/// as run and solve do.
 struct Reproduced {
-  Result result;
+  std::variant<Result, SolvedModel> result;
   bool same = false;  // whether all of it is as in the file to the bit, but for /entry/simulation
 };
-std::optional<Reproduced> reproduce(const std::filesystem::path& result, RunSettings = {});
+Reproduced reproduce(const std::filesystem::path& result, RunSettings = {});
 
 }  // namespace rabiline

@@ -1,5 +1,6 @@
 // rabiline rescan: other scan points of a result, without another flight.
 #include "commands/common.hpp"
+#include "storage/lock.hpp"
 
 namespace rabiline {
 namespace {
@@ -17,6 +18,7 @@ int rescan_command(const RescanArguments& a, const std::vector<std::string>& arg
                                            ? std::filesystem::path(a.flown.stem().string() + "-rescan.h5")
                                            : std::filesystem::path(a.output);
   require_place(output, {{a.flown.string(), {}}});
+  const Lock lock(output);
   RunSettings settings = a.machine.settings();
   settings.arguments = arguments;
   settings.planned = [&](const std::vector<Diagnostic>& warnings) { tell(warnings, a.strict, stderr); };

@@ -2,6 +2,7 @@
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
 #include "input/settings.hpp"
+#include "storage/lock.hpp"
 
 namespace rabiline {
 namespace {
@@ -26,6 +27,7 @@ void trace_command(const TraceArguments& a) {
   settings.stop = &stop_requested();
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   require_place(a.output, setup.inputs());
+  const Lock lock(a.output);
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
   write(tracks, setup.title(), a.output);

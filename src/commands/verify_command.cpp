@@ -14,26 +14,26 @@ struct ReproduceArguments {
 int reproduce_command(const ReproduceArguments& a) {
   RunSettings settings = a.machine.settings();
   settings.stop = &stop_requested();
-  settings.planned = [](const std::vector<Diagnostic>&) { watch_signals(); };
-  const std::optional<Reproduced> again = reproduce(a.file, settings);
-  if (!again) {
-    say(stderr, "stopped; nothing was written\n");
-    return exit_code::stopped;
-  }
-  if (again->same) {
-    say(stdout, "{}: flown again with the same bits, {:.2f} s\n", a.file.string(),
-        again->result.provenance.seconds);
-    return exit_code::done;
-  }
-  const std::filesystem::path other = a.file.stem().string() + "-again.h5";
-  require_place(other, {{a.file.string(), {}}});
-  write(again->result, other);
-  say(stderr,
-      "error: {} comes out otherwise here: see `h5diff {} {}`\n  help: another version of the program wrote "
-      "it, or one "
-      "of the machines computes wrongly\n",
-      a.file.string(), a.file.string(), other.string());
-  return exit_code::not_written;
+  watch_signals();
+  const Reproduced again = reproduce(a.file, settings);
+  return std::visit(
+      [&](const auto& result) {
+        if (again.same) {
+          say(stdout, "{}: comes out again with the same bits, {:.2f} s\n", a.file.string(),
+              result.provenance.seconds);
+          return exit_code::done;
+        }
+        const std::filesystem::path other = a.file.stem().string() + "-again.h5";
+        require_place(other, {{a.file.string(), {}}});
+        write(result, other);
+        say(stderr,
+            "error: {} comes out otherwise here: compare it with {}, for example with h5diff\n  help: "
+            "another version of the "
+            "program wrote it (see /entry/simulation/commit), or one of the machines computes wrongly\n",
+            a.file.string(), other.string());
+        return exit_code::not_written;
+      },
+      again.result);
 }
 
 }  // namespace
@@ -50,9 +50,9 @@ void add_verify(CLI::App& app) {
 
 void add_reproduce(CLI::App& app, int& exit) {
   CLI::App* verb =
-      app.add_subcommand("reproduce", "fly again what a result was made from, and compare bit by bit");
+      app.add_subcommand("reproduce", "fly or solve again what a file was made from, and compare bit by bit");
   auto a = std::make_shared<ReproduceArguments>();
-  verb->add_option("OUT.h5", a->file, "the result of a flight")->required();
+  verb->add_option("OUT.h5", a->file, "what `rabiline run` wrote")->required();
   a->machine.add_to(*verb);
   verb->callback([a, &exit] { exit = reproduce_command(*a); });
 }

@@ -96,7 +96,8 @@ std::vector<Diagnostic> warnings_of_texts(const std::vector<InputText>& inputs) 
 }
 
 /// Of the texts, and of what they say.
-std::vector<Diagnostic> warnings_before(const LoadedExperiment& loaded, const Experiment& experiment, const Plan& plan) {
+std::vector<Diagnostic> warnings_before(const LoadedExperiment& loaded, const Experiment& experiment,
+                                        const Plan& plan) {
   std::vector<Diagnostic> out = warnings_of_texts(loaded.inputs);
   std::ranges::move(located(warnings_of(experiment, plan), loaded.places), std::back_inserter(out));
   return out;
@@ -107,7 +108,8 @@ void require_emission(const Result& result) {
   for (std::size_t point = 0; point < result.emitted.size(); ++point)
     if (!(result.emitted[point] > 0))
       throw std::invalid_argument(fmt::format(
-          "none of the {} particles has a weight at scan point {}: hardly any direction that the source draws leads along "
+          "none of the {} particles has a weight at scan point {}: hardly any direction that the source "
+          "draws leads along "
           "the beam\n  help: move what the source is aimed at away from it, or choose another `direction`",
           result.particles, point));
 }
@@ -379,14 +381,18 @@ Snapshot read_snapshot(const std::filesystem::path& path) { return read_checkpoi
 
 std::string verify(const std::filesystem::path& path) { return verified_digest(path); }
 
-std::optional<Reproduced> reproduce(const std::filesystem::path& path, RunSettings settings) {
+Reproduced reproduce(const std::filesystem::path& path, RunSettings settings) {
   const Origin origin = read_origin(path);
-  if (!origin.content) throw StorageError(fmt::format("{}: is no result of a flight", path.string()));
+  const Setup setup = load(path);
   settings.transit = origin.transit;
-  std::optional<Result> result = run(load(path), settings);
-  if (!result) return std::nullopt;
-  const bool same = content_of(*result) == *origin.content;
-  return Reproduced{std::move(*result), same};
+  const auto compared = [&](auto result) {
+    const bool same = content_of(result) == origin.content;
+    return Reproduced{std::move(result), same};
+  };
+  if (setup.is_model()) return compared(solve(setup, settings.arguments, settings.stop));
+  std::optional<Result> result = run(setup, settings);
+  if (!result) throw Stopped();
+  return compared(std::move(*result));
 }
 
 }  // namespace rabiline

@@ -1,10 +1,13 @@
 #include "plan/sampled_tables.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <exception>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "core/portable_math.hpp"
 
@@ -32,16 +35,26 @@ void SampledTables::work_out_transitions(int threads) {
   for (Driven& driven : driven_)
     if (driven.levels.levels() == 0) open.push_back(&driven);
   std::exception_ptr error;
-  const int workers = threads > 0 ? threads : omp_get_max_threads();
-#pragma omp parallel for schedule(dynamic) num_threads(workers)
-  for (std::size_t i = 0; i < open.size(); ++i) {
+  std::mutex lock;
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < open.size(); i = next++) try {
+        Driven& d = *open[i];
+        d.levels = DrivenLevels(coupled_spins(d.structure), d.zones, d.largest_slowness);
+      } catch (...) {
+        const std::lock_guard guard(lock);
+        error = std::current_exception();
+      }
+  };
+  const std::size_t workers =
+      threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+  {
+    std::vector<std::jthread> others;
     try {
-      Driven& d = *open[i];
-      d.levels = DrivenLevels(coupled_spins(d.structure), d.zones, d.largest_slowness);
-    } catch (...) {
-#pragma omp critical
-      error = std::current_exception();
+      while (others.size() + 1 < std::min(workers, open.size())) others.emplace_back(work);
+    } catch (const std::system_error&) {  // fewer will do
     }
+    work();
   }
   if (error) std::rethrow_exception(error);
 }

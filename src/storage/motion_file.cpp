@@ -131,34 +131,48 @@ void write_point(const GroupWriter& parent, const SolvedModel& solved, std::size
   for (const Motion& motion : solved.points[point].motions) write_motion(parent, solved.title, motion);
 }
 
+/// All but where it comes from.
+void write_content(const GroupWriter& entry, const SolvedModel& solved) {
+  entry.text("model", solved.kind, {{"long_name", "kind of the model"}});
+  std::vector<std::string> names;
+  for (const Motion& motion : solved.points.front().motions) names.push_back(motion.name);
+  entry.dataset("motions", {names.size()}, names, {{"long_name", "names of the motions, in order"}});
+  const Table table(solved.points);
+  if (solved.axis) {
+    write_scan(entry, solved, table);
+    entry.attribute("default", "findings");
+  } else {
+    write_columns(entry.group("findings", "NXcollection"), table, {table.names.size()});
+    entry.attribute("default", names.front());
+  }
+  for (std::size_t i = 0; i < solved.points.size(); ++i) {
+    if (solved.axis)
+      write_point(entry.group(fmt::format("point_{}", i), "NXcollection"), solved, i);
+    else
+      write_point(entry, solved, i);
+  }
+}
+
+GroupWriter entry_of(hdf5::FileWriter& file, const SolvedModel& solved, const std::filesystem::path& path) {
+  return nexus::write_entry(file, path.filename().string(), solved.title, solved.provenance.version);
+}
+
 }  // namespace
 
 void write_motions(const SolvedModel& solved, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
-    const GroupWriter entry =
-        nexus::write_entry(file, path.filename().string(), solved.title, solved.provenance.version);
-    entry.text("model", solved.kind, {{"long_name", "kind of the model"}});
-    std::vector<std::string> names;
-    for (const Motion& motion : solved.points.front().motions) names.push_back(motion.name);
-    entry.dataset("motions", {names.size()}, names, {{"long_name", "names of the motions, in order"}});
-    const Table table(solved.points);
-    if (solved.axis) {
-      write_scan(entry, solved, table);
-      entry.attribute("default", "findings");
-    } else {
-      write_columns(entry.group("findings", "NXcollection"), table, {table.names.size()});
-      entry.attribute("default", names.front());
-    }
-    for (std::size_t i = 0; i < solved.points.size(); ++i) {
-      if (solved.axis)
-        write_point(entry.group(fmt::format("point_{}", i), "NXcollection"), solved, i);
-      else
-        write_point(entry, solved, i);
-    }
-    nexus::write_provenance(entry, solved.provenance);
+    const GroupWriter entry = entry_of(file, solved, path);
+    write_content(entry, solved);
+    nexus::write_provenance(entry, solved.provenance, file.content());
   }
   file.save();
+}
+
+std::uint64_t content_of(const SolvedModel& solved) {
+  hdf5::FileWriter file("content");
+  write_content(entry_of(file, solved, "content"), solved);
+  return file.content();
 }
 
 }  // namespace rabiline

@@ -17,4 +17,7 @@ namespace rabiline {
 ///   /entry/model, motions      kind of the model, names of its motions in order
 void write_motions(const SolvedModel&, const std::filesystem::path&);
 
+/// The digest of its content that the file would have (Origin).
+std::uint64_t content_of(const SolvedModel&);
+
 }  // namespace rabiline

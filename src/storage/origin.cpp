@@ -19,14 +19,15 @@ Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& pa
   }
   if (file.contains("entry/simulation/changes"))
     origin.changes = file.texts("entry/simulation/changes", most_text);
-  if (file.contains("entry/simulation/transit")) {
-    const auto transit = file.numbers("entry/simulation/transit", 1),
-               content = file.numbers("entry/simulation/content", 1);
-    if (transit.size() != 1 || content.size() != 1 || transit[0] > 3)
+  const auto number = [&](const std::string& name, std::uint64_t most) {
+    const auto numbers = file.numbers("entry/simulation/" + name, 1);
+    if (numbers.size() != 1 || numbers[0] > most)
       throw StorageError(fmt::format("{}: is damaged", path.string()));
-    origin.transit = static_cast<KeptTransit>(transit[0]);
-    origin.content = content[0];
-  }
+    return numbers[0];
+  };
+  origin.content = number("content", ~std::uint64_t{0});
+  if (file.contains("entry/simulation/transit"))
+    origin.transit = static_cast<KeptTransit>(number("transit", 3));
   return origin;
 }
 

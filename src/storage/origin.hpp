@@ -2,7 +2,6 @@
 // What is read of a file that this program wrote, whatever it holds.
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +20,7 @@ struct Origin {
   std::vector<InputText> inputs;
   std::vector<std::string> changes;  // as options
   KeptTransit transit = KeptTransit::if_small;
-  std::optional<std::uint64_t> content;  // digest of /entry without /entry/simulation, of flights
+  std::uint64_t content = 0;  // digest of /entry without simulation and flight
 };
 /// Throws StorageError where the file is no result of this program, or is damaged.
 Origin read_origin(const std::filesystem::path&);

@@ -6,9 +6,13 @@
 
 namespace rabiline::nexus {
 
-hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance) {
+hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance,
+                                   std::uint64_t content) {
   hdf5::GroupWriter simulation = entry.group("simulation", "NXprocess");
   simulation.text("program", "rabiline");
+  simulation.dataset(
+      "content", {1}, std::vector{content},
+      {{"long_name", "FNV-1a of all in /entry but simulation and flight, for `rabiline reproduce`"}});
   simulation.text("version", provenance.version);
   simulation.text("compiler", provenance.compiler);
   simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});
@@ -16,7 +20,8 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
       fmt::format("glibc {}", gnu_get_libc_version()),
       fmt::format("HDF5 {}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
       OpenSSL_version(OPENSSL_VERSION)};
-  simulation.dataset("libraries", {libraries.size()}, libraries, {{"long_name", "libraries that the numbers and the file depend on"}});
+  simulation.dataset("libraries", {libraries.size()}, libraries,
+                     {{"long_name", "libraries that the numbers and the file depend on"}});
   simulation.text("processor", provenance.processor);
   if (!provenance.instruction_set.empty()) simulation.text("instruction_set", provenance.instruction_set);
   simulation.text("host", provenance.host);

@@ -318,7 +318,7 @@ void write_fates(const GroupWriter& entry, const Result& result) {
 }
 
 void write_simulation(const GroupWriter& entry, const Result& result, std::uint64_t content) {
-  const GroupWriter simulation = nexus::write_provenance(entry, result.provenance);
+  const GroupWriter simulation = nexus::write_provenance(entry, result.provenance, content);
   simulation.dataset("transit", {1}, std::vector{static_cast<std::uint64_t>(result.provenance.transit)},
                      {{"long_name", "kept of the slowness: 0 totals if small, 1 none, 2 totals, 3 images"}});
   simulation.dataset(

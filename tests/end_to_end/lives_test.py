@@ -154,6 +154,12 @@ def test_lost_text_is_told_where_it_matters() -> None:
     assert done.returncode == NOT_WRITTEN and "No space left on device" in done.stderr
 
 
+def test_threads_that_cannot_be_started_are_told(tmp_path: Path) -> None:
+    done = rabiline("run", EXPERIMENT, *FEW[:2], *FEW[4:], "--threads", "1000", "-o", tmp_path / "a.h5",
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30)))
+    assert done.returncode == BAD_INPUT and ("threads cannot be started" in done.stderr or "memory" in done.stderr)
+
+
 # ---- Checkpoints ------------------------------------------------------------------------------------------------
 
 def stopped(output: Path, experiment: Path = EXPERIMENT) -> Path:
@@ -352,6 +358,8 @@ def test_a_result_is_flown_again_from_what_it_holds(tmp_path: Path) -> None:
     experiment.unlink()
     same = rabiline("reproduce", result, "--threads", "2")
     assert same.returncode == DONE and "with the same bits" in same.stdout
+    solved = run(tmp_path / "model.h5", "--set", "model.samples=100", experiment=MODEL)
+    assert "with the same bits" in rabiline("reproduce", solved).stdout
     tracks = rabiline("trace", result, "--particle", "3", "-o", tmp_path / "t.h5")
     assert tracks.returncode == DONE and "particle 3:" in tracks.stdout
     assert rabiline("check", result).stdout == rabiline("check", EXPERIMENT, *FEW[:2], *FEW[4:], "--set", "H0.amplitude=0.4 uT").stdout

@@ -1,4 +1,5 @@
-// Any bytes are a checkpoint or a StorageError. The seal keeps damaged ones from HDF5, which crashes on some of them.
+// Any bytes are a checkpoint or a StorageError. The seal keeps damaged ones from HDF5, which crashes on some
+// of them.
 #include "in_memory.hpp"
 #include "storage/checkpoint_file.hpp"
 

@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const rabiline::ParsedQuantity read = rabiline::parse_quantity(text);
   if (!read.error.empty()) return 0;
   if (!std::isfinite(read.value)) std::abort();
-  if (rabiline::parse_quantity(rabiline::write_quantity(read.value, read.dimension)).value != read.value) std::abort();
+  if (rabiline::parse_quantity(rabiline::write_quantity(read.value, read.dimension)).value != read.value)
+    std::abort();
   return 0;
 }
