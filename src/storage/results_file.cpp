@@ -321,9 +321,6 @@ void write_simulation(const GroupWriter& entry, const Result& result, std::uint6
   const GroupWriter simulation = nexus::write_provenance(entry, result.provenance, content);
   simulation.dataset("transit", {1}, std::vector{static_cast<std::uint64_t>(result.provenance.transit)},
                      {{"long_name", "kept of the slowness: 0 totals if small, 1 none, 2 totals, 3 images"}});
-  simulation.dataset(
-      "content", {1}, std::vector{content},
-      {{"long_name", "FNV-1a of all in /entry but simulation and flight, for `rabiline reproduce`"}});
   simulation.number("seed", result.seed, {{"units", "1"}});
   for (const auto& choice : choices<ScanParticles>) {
     if (choice.value != result.particles_mode) continue;
