@@ -11,6 +11,7 @@
 //   StorageError           a file that could not be written or read, with the reason
 //   std::invalid_argument  settings that do not fit the machine or the setup
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -53,6 +54,14 @@ Setup load(const std::filesystem::path& file, const Changes& = {});
 Setup load_beamline(const std::filesystem::path& file, const Changes& = {});
 /// As `load`, of a text, which messages call `text`; paths in it begin in `folder`.
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& = {});
+
+/// The number that a dotted name such as `B.field` stands for, without the scan. Nothing where it is none: a
+/// word, a variable, a key that the file omits and that has no default, or anything in a model.
+struct ParameterValue {
+  double value = 0;  // [SI]
+  std::string unit;  // "T"; empty for a plain number
+};
+std::optional<ParameterValue> value_of(const Setup&, const std::string& name);
 
 /// What is known before anything is flown or solved.
 struct Report {
@@ -104,6 +113,10 @@ SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {});
 void write(const Result&, const std::filesystem::path&);
 void write(const SolvedModel&, const std::filesystem::path&);
 void write(const std::vector<Track>&, const std::string& title, const std::filesystem::path&);
+/// The bytes of these files, for who keeps them elsewhere.
+std::vector<std::byte> image_of(const Result&);
+std::vector<std::byte> image_of(const SolvedModel&);
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&);
 /// Snapshots on disk, likewise.
 void write(const Snapshot&, const std::filesystem::path&);
 Snapshot read_snapshot(const std::filesystem::path&);

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .covariance import Spread
+from .errors import BadInput
 from .results import Axis, Results
 from .units import format_value, law_name
 
@@ -13,7 +14,7 @@ from .units import format_value, law_name
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
 
 
-class NoResonance(Exception):
+class NoResonance(BadInput):
     """A curve in which no dip or peak can be measured, and why."""
 
 

@@ -12,11 +12,16 @@ from typing import Iterator
 import h5py
 import numpy as np
 
+from .errors import BadInput
+
 FORMAT_VERSION = 2  # the newest layout of files that is understood here; files without a version are older
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 
 
-class FileError(Exception):
+IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
+
+
+class FileError(BadInput):
     """A file that cannot be used: which one and why."""
 
     def __init__(self, path: Path | str, reason: str) -> None:
@@ -105,25 +110,30 @@ class Group:
 
 
 @contextmanager
-def open_entry(path: Path | str) -> Iterator[Group]:
-    """Opens the group `/entry` of a file for reading."""
-    path = Path(path)
-    if not path.exists():
-        raise FileError(path, "no such file")
-    if not path.is_file():
-        raise FileError(path, "not a file")
-    try:
-        file = h5py.File(path, "r")
-    except OSError:
-        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
-        raise FileError(path, whole) from None
-    with file:
+def open_entry(source: Path | str | bytes) -> Iterator[Group]:
+    """Opens the group `/entry` of a file, or of its bytes, for reading."""
+    path = IN_MEMORY if isinstance(source, bytes) else Path(source)
+    with _opened(source, path) as file:
         if "entry" not in file:
             raise FileError(path, "not written by rabiline (it has no group /entry)")
         version = file.attrs.get("format_version", FORMAT_VERSION)
         if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
             raise FileError(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
         yield Group(file, path).group("entry")
+
+
+def _opened(source: Path | str | bytes, path: Path) -> h5py.File:
+    if isinstance(source, bytes):
+        return h5py.File(h5py.h5f.open_file_image(source))
+    if not path.exists():
+        raise FileError(path, "no such file")
+    if not path.is_file():
+        raise FileError(path, "not a file")
+    try:
+        return h5py.File(path, "r")
+    except OSError:
+        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
+        raise FileError(path, whole) from None
 
 
 def _decoded(value: object) -> str:

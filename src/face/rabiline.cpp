@@ -15,6 +15,7 @@
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "face/models.hpp"
+#include "input/parameter_value.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/blocks.hpp"
@@ -189,6 +190,14 @@ Setup load_beamline(const std::filesystem::path& file, const Changes& changes) {
 }
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& changes) {
   return setup_of(load_any(file_of_text(text, folder), changes), changes);
+}
+
+std::optional<ParameterValue> value_of(const Setup& setup, const std::string& name) {
+  const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded);
+  if (loaded == nullptr) return std::nullopt;
+  const std::optional<ParsedQuantity> found = number_called(name, loaded->base);
+  if (!found) return std::nullopt;
+  return ParameterValue{found->value, std::string(si_unit_of(found->dimension))};
 }
 
 Report check(const Setup& setup) {

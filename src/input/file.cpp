@@ -35,6 +35,9 @@ std::string read_text(const fs::path& path, const Place& named_at) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) refuse(named_at, path, "the file cannot be read");
   text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.starts_with("\x89HDF\r\n"))
+    refuse(named_at, path, "this is a result, not an experiment",
+           "`rabiline summary` tells what is in it, `rabiline rescan` makes other scans of its flight");
   return text;
 }
 

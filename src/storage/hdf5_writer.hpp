@@ -61,6 +61,9 @@ class GroupWriter {
   std::vector<Written>& written_;
 };
 
+/// What a file is called that is no file but its bytes.
+inline constexpr const char* in_memory = "memory";
+
 class FileWriter {
  public:
   explicit FileWriter(std::filesystem::path target);

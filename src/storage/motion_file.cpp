@@ -131,9 +131,7 @@ void write_point(const GroupWriter& parent, const SolvedModel& solved, std::size
   for (const Motion& motion : solved.points[point].motions) write_motion(parent, solved.title, motion);
 }
 
-}  // namespace
-
-void write_motions(const SolvedModel& solved, const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const SolvedModel& solved, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry =
@@ -158,7 +156,16 @@ void write_motions(const SolvedModel& solved, const std::filesystem::path& path)
     }
     nexus::write_provenance(entry, solved.provenance);
   }
-  file.save();
+  return file;
+}
+
+}  // namespace
+
+void write_motions(const SolvedModel& solved, const std::filesystem::path& path) {
+  file_of(solved, path).save();
+}
+std::vector<std::byte> image_of(const SolvedModel& solved) {
+  return file_of(solved, hdf5::in_memory).image(0);
 }
 
 }  // namespace rabiline

@@ -332,9 +332,7 @@ bool is_worth_its_room(const FlightRecord& flight, std::size_t file) {
   return flight.asked_for || size_in_file(flight) <= std::max(file / 4, small);
 }
 
-}  // namespace
-
-void write_results(const Result& result, const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const Result& result, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry =
@@ -352,7 +350,12 @@ void write_results(const Result& result, const std::filesystem::path& path) {
     if (result.flight && is_worth_its_room(*result.flight, file.size()))
       nexus::write_flight(entry, {result.provenance.inputs, result.provenance.changes, *result.flight});
   }
-  file.save();
+  return file;
 }
+
+}  // namespace
+
+void write_results(const Result& result, const std::filesystem::path& path) { file_of(result, path).save(); }
+std::vector<std::byte> image_of(const Result& result) { return file_of(result, hdf5::in_memory).image(0); }
 
 }  // namespace rabiline
