@@ -121,6 +121,11 @@ class Experiment:
         from .results import Flown
         return Flown(result)
 
+    def fly(self, threads: int = 0) -> Results:
+        """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
+        from .results import Flown
+        return Flown(_fly(self._setup, threads, "", "none", False))
+
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of a few particles, without the scan."""
         from . import tracks
