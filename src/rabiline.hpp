@@ -63,6 +63,12 @@ struct ParameterValue {
 };
 std::optional<ParameterValue> value_of(const Setup&, const std::string& name);
 
+/// The parts of an experiment by their place, without its scan; none of a model.
+struct PartName {
+  std::string name, kind, label;  // the label is the name where the file has none
+};
+std::vector<PartName> parts_of(const Setup&);
+
 /// What is known before anything is flown or solved.
 struct Report {
   std::string text;  // the plan with its derived numbers, or the numbers of a model, to be read by people

@@ -34,6 +34,7 @@ VERBS = {  # and the module of each, imported when it is called
     "fit-line": ("fit_commands", "a closed form of a line to a result or to measured counts"),
     "forecast": ("fit_commands", "how well a measurement will know parameters"),
 }
+DRAWING = {"pictures", "apparatus", "fit_commands", "laws_commands"}  # what they give back is written to --output
 
 
 class Parser(argparse.ArgumentParser):
@@ -51,9 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     verb, parser = _parser(words)
     options = parser.parse_args(words[1:] if verb else words)
     try:
-        drawn = options.command(options)
-        if drawn is not None:
-            _save(drawn, options.output)
+        if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
+            from . import style
+            with style.here():
+                _save(options.command(options), options.output)
+        else:
+            options.command(options)
         sys.stdout.flush()
     except BrokenPipeError:  # `summary | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,6 +1,7 @@
 """Counts, what was fitted to them, and the residuals."""
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,10 +42,9 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.plot(x, residuals, "o", color=INK, markersize=3)
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
-    figure.suptitle(_wrapped(title or fit.title), fontsize=11.5)
+    figure.suptitle(wrapped(title or fit.title), fontsize=11.5)
+    above.set_title("\n".join(lines), fontsize=9)
     above.legend(loc="best")
-    figure.text(0.02, -0.01, "\n".join(lines), va="top", fontsize=9)
-    figure.set_layout_engine("constrained", rect=(0, 0, 1, 1))
     return figure
 
 
@@ -60,6 +60,6 @@ def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return low, stats.chi2.ppf(1 - 0.15866, 2 * (counts + 1)) / 2
 
 
-def _wrapped(title: str) -> str:
-    import textwrap
+def wrapped(title: str) -> str:
+    """In lines of a length that fits a picture."""
     return "\n".join(textwrap.wrap(title, LONGEST))

@@ -14,7 +14,6 @@ from .kappa_plots import draw_profile
 from .laws_plots import draw_laws
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
-from .style import save
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates
 
 ABOUT_LAWS = """\
@@ -37,13 +36,13 @@ saddlepoint, and by trials where few counts tell. Templates have Monte Carlo err
 each cell (Barlow and Beeston 1993; Dembinski and Abdelmotteleb, Eur. Phys. J. C 82, 1043, 2022).
 
 Data. A table has a line of names, then one line for each bin: counts; x and z, or one of them (bin centres), or
-x_from and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x (mm)`, `H0.frequency (kHz)`.
+x_from and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x [mm]`, `H0.frequency [kHz]`.
 Without x and z, counts are those of the whole detector. Scan points that are not listed were not measured; bins
 that are not listed hold no counts. A result of `rabiline run` under one law may stand in for data; let its scan
 points be independent (--set scan.particles=independent) and its seed another one. It emits a fixed number of
 particles, and a beam does not: where nearly all are caught, p comes out near 1.
 
-  H0.frequency (kHz),counts
+  H0.frequency [kHz],counts
   288.1,4967
   291.6,4903
 
@@ -104,7 +103,7 @@ def arguments(verb: str, made: argparse.ArgumentParser) -> None:
     made.add_argument("--title", help="of the picture, instead of the file's own")
 
 
-def compare_laws(options: argparse.Namespace) -> None:
+def compare_laws(options: argparse.Namespace) -> Figure | None:
     """How well laws of motion can be told apart."""
     made, data, beam = _read(options, "law")
     names = {name for law in made.names for name in (law, law.split(" ")[0])}
@@ -115,16 +114,16 @@ def compare_laws(options: argparse.Namespace) -> None:
     if options.output:
         found = unit_models(made, beam)
         shown = next((pair for pair in pairs if not same(found[pair[0]], found[pair[1]])), pairs[0])
-        _save(draw_laws(made, beam, shown, data, options.title), options.output)
+        return draw_laws(made, beam, shown, data, options.title)
+    return None
 
 
-def bound_kappa(options: argparse.Namespace) -> None:
+def bound_kappa(options: argparse.Namespace) -> Figure | None:
     """Which strengths of the hypothesis counts allow."""
     made, data, beam = _read(options, "law.kappa")
     found = bound(made, beam, data)
     print("\n".join(bound_report(made, found)))
-    if options.output:
-        _save(draw_profile(made, found, options.title), options.output)
+    return draw_profile(made, found, options.title) if options.output else None
 
 
 def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, observed.Observation | None, Beam]:
@@ -155,13 +154,6 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     for warning in warnings:
         print(f"rabiline: warning: {warning}", file=sys.stderr)
     return made, data, beam
-
-
-def _save(figure: Figure, path: Path) -> None:
-    try:
-        save(figure, path)
-    except ValueError as problem:  # an ending that matplotlib does not know
-        raise NoTemplates(f"{path}: {problem}") from None
 
 
 def _positive(text: str) -> float:

@@ -200,6 +200,15 @@ std::optional<ParameterValue> value_of(const Setup& setup, const std::string& na
   return ParameterValue{found->value, std::string(si_unit_of(found->dimension))};
 }
 
+std::vector<PartName> parts_of(const Setup& setup) {
+  std::vector<PartName> out;
+  if (const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded))
+    for (const PlacedPart& part : loaded->base.parts)
+      out.push_back({part.placement.name, std::string(kind_of(part.part)),
+                     part.placement.label.value_or(part.placement.name)});
+  return out;
+}
+
 Report check(const Setup& setup) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);

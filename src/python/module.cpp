@@ -26,6 +26,13 @@ void add_setups(py::module_& module) {
       .def_property_readonly("title", &Setup::title)
       .def_property_readonly("points", &Setup::points)
       .def_property_readonly("fingerprint", &Setup::fingerprint)
+      .def_property_readonly("parts",
+                             [](const Setup& setup) {
+                               py::list out;
+                               for (const PartName& part : parts_of(setup))
+                                 out.append(py::make_tuple(part.name, part.kind, part.label));
+                               return out;
+                             })
       .def("value", [](const Setup& setup, const std::string& name) -> py::object {
         const std::optional<ParameterValue> found = value_of(setup, name);
         return found ? py::object(py::make_tuple(found->value, found->unit)) : py::object(py::none());
