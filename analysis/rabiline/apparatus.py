@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from . import style
 from .errors import InputError
-from .fit_plots import wrapped
 from .style import GREY, INK, LAWS, OTHERS
 from .units import format_value
 
@@ -87,7 +87,7 @@ def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None
     if tracks is not None:
         handles, labels = side.get_legend_handles_labels()
         top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
-    figure.suptitle(wrapped(title or experiment.title), fontsize=11.5)
+    style.write_title(figure, title or experiment.title)
     return figure
 
 

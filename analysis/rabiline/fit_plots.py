@@ -1,7 +1,6 @@
 """Counts, what was fitted to them, and the residuals."""
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +8,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from scipy import stats
 
+from . import style
 from .style import INK, LAWS, PALE
 from .units import fitting_scale, format_value
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from .fitting import CountsFit
 
 MODEL = LAWS["dorado"][0]
-LONGEST = 60  # letters of a line in the title
 
 
 def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
@@ -42,7 +41,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.plot(x, residuals, "o", color=INK, markersize=3)
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
-    figure.suptitle(wrapped(title or fit.title), fontsize=11.5)
+    style.write_title(figure, title or fit.title)
     above.set_title("\n".join(lines), fontsize=9)
     above.legend(loc="best")
     return figure
@@ -58,8 +57,3 @@ def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Central 68 % limits (Garwood 1936)."""
     low = np.where(counts > 0, stats.chi2.ppf(0.15866, 2 * np.maximum(counts, 1)) / 2, 0)
     return low, stats.chi2.ppf(1 - 0.15866, 2 * (counts + 1)) / 2
-
-
-def wrapped(title: str) -> str:
-    """In lines of a length that fits a picture."""
-    return "\n".join(textwrap.wrap(title, LONGEST))

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from .fit_plots import MODEL, wrapped
+from . import style
+from .fit_plots import MODEL
 from .lines import LineFit
 from .style import INK
 from .units import fitting_scale
@@ -25,6 +26,6 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     axes.set_xlabel(scale.label(name))
     axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
     axes.grid(axis="y")
-    figure.suptitle(wrapped(title), fontsize=11.5)
+    style.write_title(figure, title)
     axes.set_title("\n".join(" ".join(line.split()) for line in words), fontsize=9)
     return figure

@@ -1,6 +1,7 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
+import textwrap
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,14 +25,29 @@ RULES = {
     "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
     "grid.color": PALE, "grid.linewidth": 0.8, "xtick.labelsize": 9, "ytick.labelsize": 9,
     "legend.frameon": False, "legend.fontsize": 9, "figure.dpi": 100, "savefig.dpi": 200,
+    "axes.formatter.useoffset": False, "axes.formatter.limits": (-9, 12),
     "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
 }
+
+
+def write_title(figure: Figure, title: str) -> None:
+    """Above the figure, in lines that fit its width."""
+    figure.suptitle(in_lines(title, figure.get_figwidth(), TITLE), fontsize=TITLE)
+
+
+def in_lines(text: str, inches: float, size: float) -> str:
+    """Wrapped to a width, for letters of a size in points."""
+    letters = max(10, int(inches * 72 / (0.58 * size)))
+    return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
 
 
 def here() -> AbstractContextManager:
     """What is drawn in this context looks so; a notebook's other pictures stay as they are."""
     return plt.rc_context(RULES)
 
+
+
+TITLE = 11.5  # points
 
 
 @dataclass(frozen=True)
