@@ -55,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
             from . import style
             with style.here():
-                _save(options.command(options), options.output)
+                _save(options.command(options), options.output, options.dpi)
         else:
             options.command(options)
         sys.stdout.flush()
@@ -89,6 +89,8 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
     if words and words[0] in VERBS:
         parser = Parser(prog=f"rabiline {words[0]}", formatter_class=argparse.RawDescriptionHelpFormatter)
         import_module(f".{VERBS[words[0]][0]}", __package__).arguments(words[0], parser)
+        if VERBS[words[0]][0] in DRAWING:
+            parser.add_argument("--dpi", type=float, default=200, metavar="N", help="dots per inch of a PNG; 200 by default")
         return words[0], parser
     listed = "\n".join(f"  {verb:<15} {about}" for verb, (_, about) in VERBS.items())
     parser = Parser(prog="rabiline", description="Pictures, figures and fits from rabiline's HDF5 files.",
@@ -97,13 +99,13 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
     return None, parser
 
 
-def _save(figure: object, path: Path) -> None:
+def _save(figure: object, path: Path, dpi: float) -> None:
     from . import style
     from .errors import InputError
     if not path.suffix:  # else matplotlib would choose another name
         raise InputError(f"-o {path}: a picture's name ends in .png, .pdf or .svg")
     try:
-        style.save(figure, path)
+        style.save(figure, path, dpi)
     except ValueError as problem:  # an ending that matplotlib does not know
         raise InputError(f"{path}: {problem}") from None
 

@@ -118,12 +118,12 @@ class Experiment:
         result = _fly(self._setup, threads, isa, transit, progress)
         for text in result.warnings:
             warnings.warn(text, ExperimentWarning, stacklevel=2)
-        from .results import Flown
+        from .flown import Flown
         return Flown(result)
 
     def fly(self, threads: int = 0) -> Results:
         """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
-        from .results import Flown
+        from .flown import Flown
         return Flown(_fly(self._setup, threads, "", "none", False))
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:

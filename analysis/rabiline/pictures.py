@@ -6,10 +6,12 @@ from argparse import ArgumentParser
 from math import inf
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from . import (angle_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
                space_plots, style, tally_plots, track_plots, tracks, transit_plots)
+from .counts import read_counts
 from .curves import Curve, NoResonance, curves
 from .errors import InputError
 from .files import open as read_any
@@ -44,6 +46,8 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 def _of_scan(parser: ArgumentParser) -> None:
     parser.add_argument("--detector", metavar="NAME", help="all by default")
     parser.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
+    parser.add_argument("--data", type=Path, metavar="COUNTS.csv",
+                        help="measured counts over the same parameter, scaled to the first curve")
     parser.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
                         help="above a panel of --beside instead of the file's title; repeated, one for each file")
 
@@ -152,7 +156,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
-        figure = scan_plots.draw_scan(lines, labels, title, marks)
+        figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1:
         figure = scan_plots.draw_map(lines, across[0], title, marks)
     else:
@@ -160,6 +164,21 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         choose = "; choose one detector with --detector" if several else ""
         raise InputError(f"{len(lines)} curves are too many for one picture{choose}")
     return figure
+
+
+def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
+    """Counts in SI and in the measure of the curve, by the factor that makes the squares of their differences least."""
+    counts = read_counts(path)
+    if counts.parameter != curve.axis.parameter:
+        raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
+    try:
+        x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
+    except ValueError as problem:
+        raise InputError(f"{path}: {problem}") from None
+    order = np.argsort(curve.x)
+    expected = np.interp(x, curve.x[order], curve.y[order])
+    factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
+    return scan_plots.Measured(x, factor * counts.counts, factor * np.sqrt(np.maximum(counts.counts, 1.0)))
 
 
 def _panel(file: results.Results, title: str, lines: list[Curve]) -> scan_plots.Panel:

@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from . import style
-from .curves import Curve, NoResonance, Resonance, half_maxima
+from .curves import Curve, NoResonance, Resonance, are_fringes, half_maxima
 from .fit import fit
 from .results import Axis
-from .style import COUNTS, GREY, Look, looks
+from .style import COUNTS, GREY, INK, Look, looks
 from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name
 
 SYMBOL = 3.4  # points
@@ -21,7 +21,17 @@ BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
-def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float]) -> Figure:
+@dataclass(frozen=True)
+class Measured:
+    """Counts to draw over a curve."""
+
+    x: np.ndarray  # SI
+    y: np.ndarray
+    errors: np.ndarray
+
+
+def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float],
+              measured: Measured | None = None) -> Figure:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
     peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
     or of different ones, their numbers stand in the legend."""
@@ -29,10 +39,15 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     _draw_panel(axes, curves, labels, marks)
     limits = _fraction_limits(curves)
     axes.set_ylabel(f"detected / emitted\n({about_errors(curves, limits)})")
+    if measured is not None:
+        scale = fitting_scale(np.concatenate([curve.x for curve in curves]), curves[0].axis.units)
+        axes.errorbar(scale.apply(measured.x), measured.y, measured.errors, fmt="o", color=INK, markersize=SYMBOL, elinewidth=0.9,
+                      zorder=5, label="counted, scaled")
+        limits = min(limits[0], np.min(measured.y - measured.errors)), max(limits[1], np.max(measured.y + measured.errors))
     axes.set_ylim(*limits)
     style.write_title(figure, title)
     if len(curves) > 1 or not curves[0].axis.labels:
-        _draw_legend(figure, axes, labels)
+        _draw_legend(figure, axes, [*labels, "counted, scaled"] if measured else labels)
     return figure
 
 
@@ -68,7 +83,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     axis = curves[0].axis
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
     resonances = [_measured(curve) for curve in curves]
-    beside = beside and sum(map(len, resonances)) == 1  # several would write over each other
+    several = sum(map(len, resonances)) != 1 or any(found and are_fringes(curve) for curve, found in zip(curves, resonances))
+    beside = beside and not several  # they would write over each other
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
     below = [i for i, (curve, _, _, found) in enumerate(drawn)

@@ -70,10 +70,10 @@ def looks(laws: Sequence[str]) -> list[Look]:
     return result
 
 
-def save(figure: Figure, path: Path | str) -> None:
+def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
     try:
         with here():
-            figure.savefig(path, facecolor="white")
+            figure.savefig(path, facecolor="white", dpi=dpi)
     finally:
         plt.close(figure)

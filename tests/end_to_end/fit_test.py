@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -108,6 +109,16 @@ def test_a_forecast_is_what_a_fit_of_enough_particles_finds(ramsey: rabiline.Exp
     assert expected.errors[:3] == pytest.approx(statistical, rel=0.25)
     twice = forecast(ramsey, list(TRUTH), rate=40000, seconds=4)
     assert twice.errors[0] == pytest.approx(expected.errors[0] / 2, rel=0.1)
+
+
+def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
+    expected = forecast(ramsey, list(TRUTH), rate=40000)
+    exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))
+    generator = np.random.default_rng(3)
+    found = np.array([replace(expected.problem, surface=exact, counts=generator.poisson(expected.counts).astype(float)).least(
+        expected.values)[0] for _ in range(200)])
+    assert np.std(found, axis=0, ddof=1) == pytest.approx(expected.errors, rel=0.15)  # of 200 it is known to 5 %
+    assert (np.abs(found.mean(axis=0) - expected.values) < 4 * expected.errors / np.sqrt(200)).all()
 
 
 @pytest.mark.slow
