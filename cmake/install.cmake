@@ -1,4 +1,4 @@
-# `cmake --install BUILD --prefix P`: the program, the library with its header and CMake package, the analysis, and the
+# `cmake --install BUILD --prefix P`: the program, the library with its header and CMake package, the Python package, and the
 # experiments. All of it may be moved elsewhere afterwards.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -50,4 +50,9 @@ install(TARGETS rabiline)
 install(TARGETS rabiline_library EXPORT rabilineTargets)
 install(EXPORT rabilineTargets NAMESPACE rabiline:: DESTINATION ${package})
 install(DIRECTORY beamline geometries DESTINATION ${share})
-install(DIRECTORY analysis/rabiline DESTINATION ${share}/analysis FILES_MATCHING PATTERN *.py)
+install(FILES LICENSE CITATION.cff DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/rabiline)
+install(FILES tools/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME rabiline)
+install(DIRECTORY analysis/rabiline DESTINATION ${RABILINE_PYTHON_FOLDER} FILES_MATCHING PATTERN *.py)
+if(TARGET rabiline_python)
+  install(TARGETS rabiline_python DESTINATION ${RABILINE_PYTHON_FOLDER}/rabiline)
+endif()

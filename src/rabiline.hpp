@@ -12,6 +12,7 @@
 //   Stopped                where nothing is returned as it was asked to stop
 //   std::invalid_argument  settings that do not fit the machine or the setup
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
@@ -59,6 +60,20 @@ Setup load_beamline(const std::filesystem::path& file, const Changes& = {});
 Setup load(const Snapshot&);
 /// As `load`, of a text, which messages call `text`; paths in it begin in `folder`.
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& = {});
+
+/// The number that a dotted name such as `B.field` stands for, without the scan. Nothing where it is none: a
+/// word, a variable, a key that the file omits and that has no default, or anything in a model.
+struct ParameterValue {
+  double value = 0;  // [SI]
+  std::string unit;  // "T"; empty for a plain number
+};
+std::optional<ParameterValue> value_of(const Setup&, const std::string& name);
+
+/// The parts of an experiment by their place, without its scan; none of a model.
+struct PartName {
+  std::string name, kind, label;  // the label is the name where the file has none
+};
+std::vector<PartName> parts_of(const Setup&);
 
 /// What is known before anything is flown or solved.
 struct Report {
@@ -115,6 +130,10 @@ SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {},
 void write(const Result&, const std::filesystem::path&);
 void write(const SolvedModel&, const std::filesystem::path&);
 void write(const std::vector<Track>&, const std::string& title, const std::filesystem::path&);
+/// The bytes of these files, for who keeps them elsewhere.
+std::vector<std::byte> image_of(const Result&);
+std::vector<std::byte> image_of(const SolvedModel&);
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&);
 /// Snapshots on disk, likewise.
 void write(const Snapshot&, const std::filesystem::path&);
 Snapshot read_snapshot(const std::filesystem::path&);

@@ -4,7 +4,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("core parameter field spin particle tally section parts beamline transport plan rules simulation models input storage "
-          "face commands").split()
+          "face commands python").split()
 SOURCES = [path for path in sorted((ROOT / "src").rglob("*")) if path.suffix in (".hpp", ".cpp", ".in")]
 FACE = "rabiline.hpp"  # what folder face promises, beside the folders
 LONGEST = 400  # lines of a file

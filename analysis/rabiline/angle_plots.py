@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from . import style
 from .results import Results
 from .style import GREY, INK, LAWS
 from .units import Scale, fitting_scale, format_value, law_name, prefixed
@@ -126,6 +127,6 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
         for each in (panel, below):
             each.grid(True)
     panels[-1].set_xlabel(scale.label("time of flight, mean in each plane"))
-    figure.suptitle(f"{results.title}\n{law_name(results.laws[point])}, {results.species[point]}", fontsize=11.5)
+    style.write_title(figure, f"{results.title}\n{law_name(results.laws[point])}, {results.species[point]}")
     figure.align_ylabels(panels)
     return figure

@@ -6,14 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .covariance import Spread
+from .errors import BadInput
 from .results import Axis, Results
 from .units import format_value, law_name
 
 
+WITHOUT_RESONANCE = {"m", "m/s", "s", "K"}  # units of what places or speeds are
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
 
 
-class NoResonance(Exception):
+class NoResonance(BadInput):
     """A curve in which no dip or peak can be measured, and why."""
 
 
@@ -113,7 +115,8 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     """Every dip or peak without a model, by rising x. The depth of each is the distance from the baseline to its
     farthest point; its edges are where straight lines between points first cross half of it on either side. Two dips
     are two where the curve comes back between them to less than a quarter of the shallower one's depth; what stays
-    below a quarter of the deepest one is a side lobe and not measured.
+    below a quarter of the deepest one is a side lobe and not measured; of fringes, which swing to both sides of the baseline,
+    only the farthest is.
 
     Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance
     where nothing stands out, and where any one of several cannot be measured: no number is better than a wrong one.
@@ -126,10 +129,24 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     if height[farthest] <= 5 * noise:
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
     least = np.clip(5 * curve.errors, height[farthest] / 4, height[farthest])
-    found = [_measured(curve, extreme, along_baseline, sign) for extreme in _extremes(height, least)]
+    extremes = _extremes(height, least)
+    if _are_fringes(height, extremes):
+        extremes = [farthest]
+    found = [_measured(curve, extreme, along_baseline, sign) for extreme in extremes]
     if len(found) > MOST_RESONANCES:
         raise NoResonance(f"{len(found)} dips or peaks: too many to measure each")
     return found
+
+
+def are_fringes(curve: Curve) -> bool:
+    """Whether a curve with dips or peaks swings beyond its baseline between them, as Ramsey's fringes do."""
+    along_baseline, sign = _baseline(curve)
+    height = sign * (curve.y - along_baseline @ curve.y)
+    return _are_fringes(height, _extremes(height, np.full(height.size, height.max() / 4)))
+
+
+def _are_fringes(height: np.ndarray, extremes: list[int]) -> bool:
+    return any(height[i:j].min() < -height.max() / 4 for i, j in zip(extremes, extremes[1:]))
 
 
 def deepest(resonances: list[Resonance]) -> Resonance:
@@ -189,6 +206,8 @@ def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
     """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
     is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
     mean of the points near the median of all, which must be many. Refused where neither shows a baseline."""
+    if curve.axis.units in WITHOUT_RESONANCE:
+        raise NoResonance(f"a scan over {curve.axis.parameter} is a profile")
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):

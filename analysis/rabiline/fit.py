@@ -8,7 +8,7 @@ import numpy as np
 
 from .agreement import with_model
 from .covariance import ChiSquared, Weights
-from .curves import Curve, NoResonance, Resonance, Value, half_maxima
+from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
 
 LEAST_P = 1e-3  # of chi², for the covariance to be used in the weights
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
@@ -56,6 +56,8 @@ def fit(curve: Curve) -> Fit:
     Raises NoResonance.
     """
     starts = half_maxima(curve)
+    if are_fringes(curve):
+        raise NoResonance("fringes are no dips or peaks: see fit-line --form ramsey")
     unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
     first = _least_squares(x, curve.y, np.eye(x.size), _start(starts, unit, origin))

@@ -15,6 +15,8 @@ from typing import Iterator
 import h5py
 import numpy as np
 
+from .errors import BadInput
+
 FORMAT_VERSION = 3  # the newest layout of files that is understood here; files without a version are older
 SEALED_SINCE = 3  # the format version
 SEAL = b"\nrabiline: SHA-256 of all before this line: "
@@ -22,7 +24,10 @@ SEAL_SIZE = len(SEAL) + 64 + 1
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 
 
-class FileError(Exception):
+IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
+
+
+class FileError(BadInput):
     """A file that cannot be used: which one and why."""
 
     def __init__(self, path: Path | str, reason: str) -> None:
@@ -111,19 +116,10 @@ class Group:
 
 
 @contextmanager
-def open_entry(path: Path | str) -> Iterator[Group]:
-    """Opens the group `/entry` of a file for reading."""
-    path = Path(path)
-    if not path.exists():
-        raise FileError(path, "no such file")
-    if not path.is_file():
-        raise FileError(path, "not a file")
-    sealed = _has_seal(path)
-    try:
-        file = h5py.File(path, "r")
-    except (OSError, RuntimeError):
-        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
-        raise FileError(path, whole) from None
+def open_entry(source: Path | str | bytes) -> Iterator[Group]:
+    """Opens the group `/entry` of a file, or of its bytes, for reading."""
+    path = IN_MEMORY if isinstance(source, bytes) else Path(source)
+    file, sealed = _opened(source, path)
     with file:
         if "entry" not in file:
             raise FileError(path, "not written by rabiline (it has no group /entry)")
@@ -159,6 +155,22 @@ def _has_seal(path: Path) -> bool:
     if seal != SEAL + digest.hexdigest().encode() + b"\n":
         raise FileError(path, "is damaged, or was changed since rabiline wrote it")
     return True
+
+
+def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
+    """The file, and whether it is known to be whole."""
+    if isinstance(source, bytes):
+        return h5py.File(h5py.h5f.open_file_image(source)), True
+    if not path.exists():
+        raise FileError(path, "no such file")
+    if not path.is_file():
+        raise FileError(path, "not a file")
+    sealed = _has_seal(path)
+    try:
+        return h5py.File(path, "r"), sealed
+    except (OSError, RuntimeError):
+        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
+        raise FileError(path, whole) from None
 
 
 def _decoded(value: object) -> str:

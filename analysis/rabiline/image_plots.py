@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
 from .results import Detector, Results
-from .style import COUNTS, GREY, LAWS
+from .style import COUNTS, GREY, LAWS, TITLE, in_lines
 from .units import format_value, law_name
 
 MILLI = 1e3
@@ -47,7 +47,7 @@ def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
     if found:
         resonance, curve = max(found, key=lambda pair: pair[0].depth.value)
         on = int(np.argmin(np.abs(curve.x - resonance.centre.value)))
-        words = ("off resonance: ", "on resonance: ")
+        words = ("off resonance: ", "on resonance: ") if curve.axis.units == "Hz" else ("", "")
     else:
         curve, words = curves[0], ("", "")
         on = curve.x.size // 2
@@ -59,20 +59,24 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
     (right)."""
     size = _image_size(detector)
-    figure, rows = _lay_out(size, len(shots))
+    title = f"{results.title}: {detector.name}" if results.title else detector.name
+    title = in_lines(title, _width(size, len(shots)), TITLE)
+    headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
+    room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25
+    figure, rows = _lay_out(size, len(shots), room)
     norm = Normalize(0, max(detector.counts[[shot.point for shot in shots]].max(), 1))
-    for shot, (image, above, beside) in zip(shots, rows):
+    for shot, heading, (image, above, beside) in zip(shots, headings, rows):
         point = shot.point
         x, z = detector.x_edges + detector.offset_x[point], detector.z_edges + detector.offset_z[point]
         mesh = image.pcolormesh(x * MILLI, z * MILLI, detector.counts[point].T,
                                 cmap=COUNTS, norm=norm, rasterized=True)
         if not detector.counts[point].any():
             image.text(0.5, 0.5, "nothing detected", transform=image.transAxes, ha="center", color=GREY)
-        for axis in (image.xaxis, image.yaxis):
-            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10], prune="upper" if axis is image.xaxis else None))
+        for axis, length in ((image.xaxis, size[0]), (image.yaxis, size[1])):
+            axis.set_major_locator(MaxNLocator(max(1, min(5, int(2 * length))), steps=[1, 2, 5, 10], prune="upper" if axis is image.xaxis else None))
         image.set_xlabel("x (mm)")
         image.spines[["top", "right"]].set_visible(True)
-        _draw_heading(above, results, detector, shot)
+        above.set_title(heading, loc="left")
         _draw_projection(above, x, detector.counts_x[point], detector.errors_x[point])
         _draw_projection(beside, z, detector.counts_z[point], detector.errors_z[point], along_z=True)
     for i, limits in ((1, Axes.set_ylim), (2, Axes.set_xlim)):
@@ -80,8 +84,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
     rows[0][0].set_ylabel("z (mm)")
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
-    figure.suptitle(f"{results.title}: {detector.name}" if results.title else detector.name, fontsize=11.5,
-                    y=1 - 0.12 / figure.get_figheight(), va="top")
+    figure.suptitle(title, fontsize=TITLE, y=1 - 0.12 / figure.get_figheight(), va="top")
     return figure
 
 
@@ -102,9 +105,9 @@ def _inches(figure: Figure, left: float, bottom: float, width: float, height: fl
     return left / across, bottom / up, width / across, height / up
 
 
-def _lay_out(size: tuple[float, float], shots: int) -> tuple[Figure, list[tuple[Axes, Axes, Axes]]]:
+def _lay_out(size: tuple[float, float], shots: int, room: float) -> tuple[Figure, list[tuple[Axes, Axes, Axes]]]:
     """The figure, and for each shot the axes of its image and of the projections above and beside it."""
-    figure = plt.figure(figsize=(_width(size, shots), 1.2 + size[1] + GAP + PROJECTION + 1.0))
+    figure = plt.figure(figsize=(_width(size, shots), 1.2 + size[1] + GAP + PROJECTION + room))
     rows: list[tuple[Axes, Axes, Axes]] = []
     for i in range(shots):
         left, bottom = MARGIN + i * (size[0] + PROJECTION + 2 * GAP + MARGIN), 1.2
@@ -118,13 +121,13 @@ def _lay_out(size: tuple[float, float], shots: int) -> tuple[Figure, list[tuple[
     return figure, rows
 
 
-def _draw_heading(axes: Axes, results: Results, detector: Detector, shot: Shot) -> None:
+def _heading(results: Results, detector: Detector, shot: Shot) -> str:
     """What is seen, and the fraction of the emitted particles that it is."""
     scan, point = results.scan, shot.point
     row = scan.detectors.index(detector.name)
     fraction, error = scan.detected[row, point], scan.errors[row, point]
     about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
-    axes.set_title(f"{shot.heading}\n{about}\ndetected: {format_value(fraction, '', error)} of emitted", loc="left")
+    return f"{shot.heading}\n{about}\ndetected: {format_value(fraction, '', error)} of emitted"
 
 
 def _draw_projection(axes: Axes, edges: np.ndarray, counts: np.ndarray, errors: np.ndarray,

@@ -5,6 +5,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from . import style
 from .kappa import CONFIDENCE, Bound, family
 from .style import GREY, LAWS
 from .templates import Templates
@@ -38,6 +39,6 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     axes.set_xlabel("κ, strength of the hypothesis (1: the paper; 0: straight flight)")
     axes.set_ylabel("-2 ln L above its least value")
     axes.grid(axis="y")
-    figure.suptitle(f"{title or made.title}\n{family(made)}\ncounts: {found.source}", fontsize=10.5)
+    style.write_title(figure, f"{title or made.title}\n{family(made)}\ncounts: {found.source}")
     axes.legend(loc="best")
     return figure

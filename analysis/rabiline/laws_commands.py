@@ -4,30 +4,26 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from . import observed, results
-from .kappa import MOST_CELLS, NoBound, bound, bound_report
+from .kappa import MOST_CELLS, bound, bound_report
 from .kappa_plots import draw_profile
 from .laws_plots import draw_laws
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
-from .style import save
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates
-
-BAD_INPUT = (NoTemplates, NoBound)  # their text is the message
 
 ABOUT_LAWS = """\
 How well laws of motion can be told apart, and what measured counts say about them. FILE is a result whose scan has
 the law as an axis, alone or with one parameter more:
 
   rabiline run FILE.yaml --scan 'law=quantum,dorado' -o laws.h5
-  python3 -m rabiline compare-laws laws.h5 -o where.png
-  python3 -m rabiline compare-laws laws.h5 --rate 1e4 --background 2
-  python3 -m rabiline compare-laws laws.h5 --data counts.csv --emitted 5000
+  rabiline compare-laws laws.h5 -o where.png
+  rabiline compare-laws laws.h5 --rate 1e4 --background 2
+  rabiline compare-laws laws.h5 --data counts.csv --emitted 5000
 
 No law is preferred: what is said of A against B is said of B against A. `dorado` is a hypothesis.
 """
@@ -40,13 +36,13 @@ saddlepoint, and by trials where few counts tell. Templates have Monte Carlo err
 each cell (Barlow and Beeston 1993; Dembinski and Abdelmotteleb, Eur. Phys. J. C 82, 1043, 2022).
 
 Data. A table has a line of names, then one line for each bin: counts; x and z, or one of them (bin centres), or
-x_from and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x (mm)`, `H0.frequency (kHz)`.
+x_from and x_to; the scanned parameter; detector; emitted. Names may carry a unit: `x [mm]`, `H0.frequency [kHz]`.
 Without x and z, counts are those of the whole detector. Scan points that are not listed were not measured; bins
 that are not listed hold no counts. A result of `rabiline run` under one law may stand in for data; let its scan
 points be independent (--set scan.particles=independent) and its seed another one. It emits a fixed number of
 particles, and a beam does not: where nearly all are caught, p comes out near 1.
 
-  H0.frequency (kHz),counts
+  H0.frequency [kHz],counts
   288.1,4967
   291.6,4903
 
@@ -59,8 +55,8 @@ Which strengths κ of the hypothesis `dorado` measured counts allow: the interva
 straight flight. FILE is a result whose scan has law.kappa as an axis, alone or with one parameter more:
 
   rabiline run FILE.yaml --set 'law={name: dorado, kappa: 0}' --scan 'law.kappa=0:0.004:17' -o kappa.h5
-  python3 -m rabiline bound-kappa kappa.h5 --data counts.csv --emitted 5000 -o profile.png
-  python3 -m rabiline bound-kappa kappa.h5 --emitted 5000            # what to expect if κ = 0
+  rabiline bound-kappa kappa.h5 --data counts.csv --emitted 5000 -o profile.png
+  rabiline bound-kappa kappa.h5 --emitted 5000            # what to expect if κ = 0
 
 Data are those of compare-laws (see its --help). The scan points of FILE should share their particles, as they do by
 default: then -2 ln L is smooth in κ. Simulate ten times as many particles at each point as there are counts.
@@ -76,38 +72,38 @@ intervals are listed, and not part of the bound.
 """
 
 
-def add(commands: argparse._SubParsersAction) -> None:
-    """Adds both commands to the parser."""
-    laws = _command(commands, "compare-laws", compare_laws, "How well laws of motion can be told apart.", ABOUT_LAWS,
-                    AFTER_LAWS)
-    laws.add_argument("--reference", metavar="LAW",
-                      help="compare this law with each other; all pairs by default (the picture shows the first pair "
-                           "that differs)")
-    kappa = _command(commands, "bound-kappa", bound_kappa, "Which strengths of the hypothesis counts allow.",
-                     ABOUT_KAPPA, AFTER_KAPPA)
-    for made in (laws, kappa):
-        made.add_argument("--detector", metavar="NAME", help="all by default")
-        made.add_argument("--histogram", choices=list(HISTOGRAMS),
-                          help="what is compared: the image over x and z (default), a projection, or the number that "
-                               "the detector caught; with a table as data, what it lists")
-        made.add_argument("--data", type=Path, metavar="DATA",
-                          help="measured counts: a table (CSV), or a result (HDF5) that stands in for data")
-        made.add_argument("--emitted", type=_positive, metavar="N",
-                          help="particles emitted at each scan point while the data were taken (of an aimed source, "
-                               "those towards its target); where nothing tells, the flux is fitted")
-        made.add_argument("--rate", type=_positive, metavar="R",
-                          help="particles that leave the source per second (1/s)")
-        made.add_argument("--background", type=_positive, metavar="B",
-                          help="counts per second without a beam (1/s), evenly over each detector; needs --rate, and "
-                               "--seconds where there are data")
-        made.add_argument("--seconds", type=_positive, metavar="T",
-                          help="time spent at each scan point of the data (s)")
-        made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
-        made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")
-        made.add_argument("--title", help="of the picture, instead of the file's own")
+def arguments(verb: str, made: argparse.ArgumentParser) -> None:
+    """The options of one of the commands."""
+    function, made.description, made.epilog = (compare_laws, ABOUT_LAWS, AFTER_LAWS) if verb == "compare-laws" else \
+        (bound_kappa, ABOUT_KAPPA, AFTER_KAPPA)
+    made.set_defaults(command=function)
+    made.add_argument("file", metavar="FILE", type=Path)
+    if verb == "compare-laws":
+        made.add_argument("--reference", metavar="LAW",
+                          help="compare this law with each other; all pairs by default (the picture shows the first pair "
+                               "that differs)")
+    made.add_argument("--detector", metavar="NAME", help="all by default")
+    made.add_argument("--histogram", choices=list(HISTOGRAMS),
+                      help="what is compared: the image over x and z (default), a projection, or the number that "
+                           "the detector caught; with a table as data, what it lists")
+    made.add_argument("--data", type=Path, metavar="DATA",
+                      help="measured counts: a table (CSV), or a result (HDF5) that stands in for data")
+    made.add_argument("--emitted", type=_positive, metavar="N",
+                      help="particles emitted at each scan point while the data were taken (of an aimed source, "
+                           "those towards its target); where nothing tells, the flux is fitted")
+    made.add_argument("--rate", type=_positive, metavar="R",
+                      help="particles that leave the source per second (1/s)")
+    made.add_argument("--background", type=_positive, metavar="B",
+                      help="counts per second without a beam (1/s), evenly over each detector; needs --rate, and "
+                           "--seconds where there are data")
+    made.add_argument("--seconds", type=_positive, metavar="T",
+                      help="time spent at each scan point of the data (s)")
+    made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
+    made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")
+    made.add_argument("--title", help="of the picture, instead of the file's own")
 
 
-def compare_laws(options: argparse.Namespace) -> None:
+def compare_laws(options: argparse.Namespace) -> Figure | None:
     """How well laws of motion can be told apart."""
     made, data, beam = _read(options, "law")
     names = {name for law in made.names for name in (law, law.split(" ")[0])}
@@ -118,16 +114,16 @@ def compare_laws(options: argparse.Namespace) -> None:
     if options.output:
         found = unit_models(made, beam)
         shown = next((pair for pair in pairs if not same(found[pair[0]], found[pair[1]])), pairs[0])
-        _save(draw_laws(made, beam, shown, data, options.title), options.output)
+        return draw_laws(made, beam, shown, data, options.title)
+    return None
 
 
-def bound_kappa(options: argparse.Namespace) -> None:
+def bound_kappa(options: argparse.Namespace) -> Figure | None:
     """Which strengths of the hypothesis counts allow."""
     made, data, beam = _read(options, "law.kappa")
     found = bound(made, beam, data)
     print("\n".join(bound_report(made, found)))
-    if options.output:
-        _save(draw_profile(made, found, options.title), options.output)
+    return draw_profile(made, found, options.title) if options.output else None
 
 
 def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, observed.Observation | None, Beam]:
@@ -158,22 +154,6 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     for warning in warnings:
         print(f"rabiline: warning: {warning}", file=sys.stderr)
     return made, data, beam
-
-
-def _save(figure: Figure, path: Path) -> None:
-    try:
-        save(figure, path)
-    except ValueError as problem:  # an ending that matplotlib does not know
-        raise NoTemplates(f"{path}: {problem}") from None
-
-
-def _command(commands: argparse._SubParsersAction, name: str, function: Callable, short: str, about: str,
-             after: str) -> argparse.ArgumentParser:
-    made = commands.add_parser(name, help=short, description=about, epilog=after,
-                               formatter_class=argparse.RawDescriptionHelpFormatter)
-    made.set_defaults(command=function)
-    made.add_argument("file", metavar="FILE", type=Path)
-    return made
 
 
 def _positive(text: str) -> float:

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
 
+from . import style
 from .laws_report import Beam, against_data, unit_models
 from .likelihood import separation
 from .observed import Observation
@@ -38,7 +39,7 @@ def draw_laws(made: Templates, beam: Beam, pair: tuple[int, int], data: Observat
             _draw_data(upper, made, beam, data, screen, name, pair[0])
     panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1.01), ncol=3, borderaxespad=0)
     several = f", detector {screen.name}" if len(made.screens) > 1 else ""
-    figure.suptitle((title or made.title) + several, fontsize=11.5)
+    style.write_title(figure, (title or made.title) + several)
     return figure
 
 

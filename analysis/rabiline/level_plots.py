@@ -8,11 +8,12 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from . import style
 from .curves import Curve
 from .results import Detector, Levels
 from .scan_plots import SYMBOL, draw_marks
 from .style import LAWS, OTHERS, Look
-from .units import Scale, fitting_scale, law_name
+from .units import is_logarithmic, Scale, fitting_scale, law_name
 
 LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
 PANEL = 2.6  # inches high, where there are several
@@ -32,12 +33,15 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
         panel.set_title(row.label, loc="left", fontsize=9.5, pad=18 if marks and panel is panels[0] else 6)
     if axis.labels:
         panels[-1].set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
+    if is_logarithmic(axis.values):
+        panels[-1].set_xscale("log")
     panels[-1].set_xlabel(scale.label(axis.parameter))
-    figure.supylabel(f"fraction of what {detector.name} detected   (bars: one standard error)", fontsize=10)
-    figure.suptitle(title, fontsize=11.5)
+    figure.supylabel(f"fraction of what {detector.name} detected\n(bars: 1 σ)", fontsize=10)
+    style.write_title(figure, title)
     below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
     named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
-    panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below), ncol=5)
+    panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below),
+                      ncol=max(1, min(5, 84 // (6 + max(map(len, named), default=1)))))
     return figure
 
 

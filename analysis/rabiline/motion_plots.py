@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from scipy.interpolate import CubicSpline
 
+from . import style
 from .motions import Course, Finding, Motion, Motions
 from .style import GREY, INK, LAWS, OTHERS, Look
 from .units import Scale, fitting_scale
@@ -60,7 +61,7 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
                          columnspacing=1.2, handlelength=2.6)
     else:
         space.legend(handles=keys, loc="upper left")
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     return figure
 
 
@@ -89,7 +90,7 @@ def draw_findings(file: Motions, title: str) -> Figure:
         panels.flat[0].margins(x=0.15)
     elif _spans_decades(x):
         panels.flat[0].set_xscale("log")
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     footer = [f"{what}: {', '.join(names)}" for what, names in
               (("not shown", [finding.name for finding in left]),
                (f"nothing beyond {ROUNDING:.0e} at any point", kept)) if names]

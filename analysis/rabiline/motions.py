@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .hdf5 import FileError, Group, open_entry
+from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .results import Axis
 
 # Motions in which a velocity or an angular momentum turns as the paper has it and established mechanics does not
@@ -77,9 +77,10 @@ def has_motions(path: Path | str) -> bool:
         return "motions" in entry and "findings" in entry
 
 
-def read(path: Path | str) -> Motions:
+def read(source: Path | str | bytes) -> Motions:
     """Reads the motions of a model; raises FileError."""
-    with open_entry(path) as entry:
+    path = IN_MEMORY if isinstance(source, bytes) else Path(source)
+    with open_entry(source) as entry:
         if "motions" not in entry or "findings" not in entry:
             raise FileError(path, "no motions in it: not what `rabiline run` writes of a model")
         group = entry.group("findings")
@@ -87,7 +88,7 @@ def read(path: Path | str) -> Motions:
         points = axis.values.size if axis else 1
         names = entry.texts("motions")
         groups = [entry.group(f"point_{i}") for i in range(points)] if axis else [entry]
-        return Motions(Path(path), entry.text("title"), entry.text("model"), axis,
+        return Motions(path, entry.text("title"), entry.text("model"), axis,
                        tuple(_read_motions(one, names) for one in groups),
                        tuple(_read_findings(group, points)))
 

@@ -1,7 +1,6 @@
 """Measured counts, from a table or from another result, in the cells of the templates that they are held against."""
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,12 +8,12 @@ import h5py
 import numpy as np
 
 from . import results
+from .csv_table import read_table
 from .hdf5 import FileError
 from .likelihood import Model
 from .templates import Templates, gather, histogram_of, models, point_of_cell
 from .units import format_value, parse_quantity
 
-LARGEST_TABLE = 10**7  # bytes
 COLUMNS = "counts; x and z or one of them (bin centres, or x_from and x_to); the scanned parameter; detector; emitted"
 
 
@@ -98,28 +97,18 @@ def _close(values: np.ndarray, wanted: np.ndarray | float) -> np.ndarray:
     return np.abs(values - wanted) <= 1e-6 * size
 
 
-def _table(path: Path) -> tuple[list[tuple[str, float]], list[tuple[int, list[str]]]]:
+def _table(path: Path) -> tuple[list[tuple[str, float]], list[tuple[int, tuple[str, ...]]]]:
     """Columns with the factors of their units, and rows with the numbers of their lines."""
-    try:
-        if path.stat().st_size > LARGEST_TABLE:
-            raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise FileError(path, "neither a table of text nor an HDF5 file") from None
-    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in enumerate(lines, 1)
-            if line.strip() and not line.lstrip().startswith("#")]
-    if not rows:
-        raise FileError(path, "an empty table")
+    table = read_table(path)
     columns = []
-    for text in rows[0][1]:
-        name, _, unit = text.partition("(")
+    for name, unit in table.columns:
         try:
-            columns.append((name.strip(), parse_quantity(f"1 {unit.rstrip(') ')}") if unit.rstrip(") ") else 1.0))
+            columns.append((name, parse_quantity(f"1 {unit}") if unit else 1.0))
         except ValueError as problem:
-            raise FileError(path, f"line {rows[0][0]}, column `{text}`: {problem}") from None
+            raise FileError(path, f"line {table.header}, column `{name}`: {problem}") from None
     if "counts" not in dict(columns):
-        raise FileError(path, f"line {rows[0][0]}: no column `counts` (columns: {COLUMNS})")
-    return columns, rows[1:]
+        raise FileError(path, f"line {table.header}: no column `counts` (columns: {COLUMNS})")
+    return columns, list(table.rows)
 
 
 def _from_table(path: Path, made: Templates) -> Observation:
@@ -139,8 +128,6 @@ def _from_table(path: Path, made: Templates) -> Observation:
     emitted = np.full(made.points, np.nan)
     for line, cells in rows:
         row = _Row(path, line, dict(zip(names, cells)), dict(columns))
-        if len(cells) != len(names):
-            raise FileError(path, f"line {line}: {len(cells)} values in {len(names)} columns")
         number = _screen_number(row, made)
         if number is None:
             continue

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from . import style
 from .results import Results
 from .style import looks
 from .units import fitting_scale
@@ -50,7 +51,7 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure
     axes.set_xlabel(scale.label(along))
     axes.set_ylabel(f"detected / emitted per {scale.unit}\n(bars: one standard error)")
     axes.grid(axis="y")
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(profiles) < 4 else 2)
     return figure
 

@@ -19,6 +19,34 @@ def summary(results: Results, detectors: Sequence[str]) -> str:
                       *_ledger(results), *_provenance(results)])
 
 
+def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, object]:
+    """The same as numbers in SI, for other programs."""
+    def line(resonance: Resonance) -> dict[str, object]:
+        return {"kind": resonance.kind, **{name: {"value": value.value, "error": value.error} for name, value in (
+            ("centre", resonance.centre), ("width", resonance.width), ("depth", resonance.depth))}}
+
+    def lines(curve: Curve) -> list[dict[str, object]]:
+        try:
+            return [line(resonance) for resonance in fit(curve).resonances]
+        except NoResonance:
+            return []
+
+    every = [curve for name in detectors for curve in curves(results, name)] if results.scan.axes else []
+    return {
+        "title": results.title, "program": results.program, "law": list(dict.fromkeys(results.laws)),
+        "species": list(dict.fromkeys(results.species)), "particles": float(results.particles[0]),
+        "warnings": list(results.warnings),
+        "scan": [{"parameter": axis.parameter, "unit": axis.units, "points": int(axis.values.size),
+                  "labels" if axis.labels else "values": list(axis.labels) or axis.values.tolist()}
+                 for axis in results.scan.axes],
+        "detected": {name: {"value": results.scan.detected[i].tolist(), "error": results.scan.errors[i].tolist()}
+                     for i, name in enumerate(results.scan.detectors) if name in detectors},
+        "lines": [{"curve": curve.label, "detector": curve.detector, "found": lines(curve)} for curve in every],
+        "fates": [{"fate": fate.fate, "where": fate.where, "particles": float(fate.particles.sum())}
+                  for fate in results.fates],
+    }
+
+
 def _run(results: Results) -> Iterable[str]:
     yield results.title or results.path.name
     yield f"  written by   {results.program}"

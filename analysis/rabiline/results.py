@@ -6,10 +6,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .hdf5 import Group, open_entry
+from . import tables
+from .hdf5 import IN_MEMORY, Group, open_entry
+
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -158,10 +166,51 @@ class Results:
         points."""
         return self.scan.covariance is None and len(self.laws) > 1 and self.simulation.get("particles") == "shared"
 
+    @property
+    def detected(self) -> np.ndarray:
+        """Fractions detected, [axes...]; before them the detectors, where there are several."""
+        return self._over_scan(self.scan.detected)
 
-def read(path: Path | str) -> Results:
-    """Reads a file of `rabiline run`; raises FileError with the file and the reason."""
-    with open_entry(path) as entry:
+    @property
+    def errors(self) -> np.ndarray:
+        """Their standard errors."""
+        return self._over_scan(self.scan.errors)
+
+    def _over_scan(self, values: np.ndarray) -> np.ndarray:
+        several = (len(self.scan.detectors),) if len(self.scan.detectors) > 1 else ()
+        return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
+
+    def to_csv(self, path: Path | str) -> None:
+        """A line for each scan point of each detector."""
+        tables.to_csv(self, path)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The same for pandas."""
+        return tables.to_dataframe(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Everything over the scan, with axes and units."""
+        return tables.to_xarray(self)
+
+    def summary(self) -> str:
+        """In words, with the fits of its lines."""
+        from .report import summary
+        return summary(self, self.scan.detectors)
+
+    def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
+        """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
+        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given."""
+        from . import pictures, style
+        figure = pictures.plot_of(self, kind, options)
+        if output is not None:
+            style.save(figure, output)
+        return figure
+
+
+def read(source: Path | str | bytes) -> Results:
+    """Reads a file of `rabiline run`, or its bytes; raises FileError with the file and the reason."""
+    path = IN_MEMORY if isinstance(source, bytes) else Path(source)
+    with open_entry(source) as entry:
         if "findings" in entry:
             raise entry.error("holds the motions of a model, not the result of a beamline: see plot-motion")
         if "scan" not in entry:
@@ -170,7 +219,7 @@ def read(path: Path | str) -> Results:
         points = int(np.prod(scan.shape))
         fates = entry.group("fates")
         return Results(
-            path=Path(path),
+            path=path,
             title=entry.text("title"),
             program=" ".join((entry.text("program_name"), *_program_version(entry))).strip(),
             laws=_per_point(entry, "law", points),

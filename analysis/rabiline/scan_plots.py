@@ -9,29 +9,45 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .curves import Curve, NoResonance, Resonance, half_maxima
+from . import style
+from .curves import Curve, NoResonance, Resonance, are_fringes, half_maxima
 from .fit import fit
 from .results import Axis
-from .style import COUNTS, GREY, Look, looks
-from .units import Scale, fitting_scale, format_value, law_name
+from .style import COUNTS, GREY, INK, Look, looks
+from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name
 
 SYMBOL = 3.4  # points
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
-def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float]) -> Figure:
+@dataclass(frozen=True)
+class Measured:
+    """Counts to draw over a curve."""
+
+    x: np.ndarray  # SI
+    y: np.ndarray
+    errors: np.ndarray
+
+
+def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float],
+              measured: Measured | None = None) -> Figure:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
     peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
     or of different ones, their numbers stand in the legend."""
     figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
     _draw_panel(axes, curves, labels, marks)
     limits = _fraction_limits(curves)
-    axes.set_ylabel(f"detected / emitted   ({about_errors(curves, limits)})")
+    axes.set_ylabel(f"detected / emitted\n({about_errors(curves, limits)})")
+    if measured is not None:
+        scale = fitting_scale(np.concatenate([curve.x for curve in curves]), curves[0].axis.units)
+        axes.errorbar(scale.apply(measured.x), measured.y, measured.errors, fmt="o", color=INK, markersize=SYMBOL, elinewidth=0.9,
+                      zorder=5, label="counted, scaled")
+        limits = min(limits[0], np.min(measured.y - measured.errors)), max(limits[1], np.max(measured.y + measured.errors))
     axes.set_ylim(*limits)
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     if len(curves) > 1 or not curves[0].axis.labels:
-        _draw_legend(figure, axes, labels)
+        _draw_legend(figure, axes, [*labels, "counted, scaled"] if measured else labels)
     return figure
 
 
@@ -54,8 +70,8 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
         _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
         axes.set_title(panel.title, pad=18 if marks else 6)
         axes.set_ylim(*limits)
-    row[0, 0].set_ylabel(f"detected / emitted   ({about_errors(everything, limits)})")
-    figure.suptitle(title, fontsize=11.5)
+    row[0, 0].set_ylabel(f"detected / emitted\n({about_errors(everything, limits)})")
+    style.write_title(figure, title)
     for axes, panel in zip(row[0], panels):
         _draw_legend(figure, axes, panel.labels, width=60)
     return figure
@@ -67,7 +83,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     axis = curves[0].axis
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
     resonances = [_measured(curve) for curve in curves]
-    beside = beside and sum(map(len, resonances)) == 1  # several would write over each other
+    several = sum(map(len, resonances)) != 1 or any(found and are_fringes(curve) for curve, found in zip(curves, resonances))
+    beside = beside and not several  # they would write over each other
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
     below = [i for i, (curve, _, _, found) in enumerate(drawn)
@@ -85,6 +102,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     draw_marks(axes, marks, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
+    if is_logarithmic(axis.values):
+        axes.set_xscale("log")
     axes.set_xlabel(scale.label(axis.parameter))
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
@@ -95,13 +114,17 @@ def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str,
     along = curves[0].axis
     scale, scale_across = fitting_scale(along.values, along.units), fitting_scale(across.values, across.units)
     figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
-    mesh = axes.pcolormesh(scale.apply(along.values), scale_across.apply(across.values),
-                           np.stack([curve.y for curve in curves]), shading="nearest", cmap=COUNTS, rasterized=True)
+    mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
+                           np.stack([curve.y for curve in curves]), shading="flat", cmap=COUNTS, rasterized=True)
+    if is_logarithmic(along.values):
+        axes.set_xscale("log")
+    if is_logarithmic(across.values):
+        axes.set_yscale("log")
     figure.colorbar(mesh, ax=axes, label="detected / emitted")
     draw_marks(axes, marks, scale)
     axes.set_xlabel(scale.label(along.parameter))
     axes.set_ylabel(scale_across.label(across.parameter))
-    figure.suptitle(f"{title}\n{law_name(curves[0].law)}", fontsize=11.5)
+    style.write_title(figure, f"{title}\n{law_name(curves[0].law)}")
     return figure
 
 
@@ -154,7 +177,7 @@ def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     seen = np.concatenate([curve.errors > smallest_seen for curve in curves])
     if not seen.any():
         return "errors smaller than symbols"
-    return "bars: one standard error" + ("" if seen.all() else ", where larger than symbols")
+    return "bars: 1 σ" + ("" if seen.all() else ", where larger than symbols")
 
 
 def _in_words(resonance: Resonance, unit: str) -> tuple[str, str]:

@@ -8,8 +8,10 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from . import style
 from .style import GREY, looks
 from .track_plots import ENDS, SHADES, Region
 from .tracks import Tracks
@@ -41,10 +43,11 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
         getattr(axes, f"set_{name}lim")(low[k], high[k])
         getattr(axes, f"set_{name}label")(scales[k].label(name + about), labelpad=12 if name == "y" else 4)
         getattr(axes, f"{name}axis").pane.set_facecolor("white")
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(6 if name == "y" else 4))
     axes.tick_params(labelsize=8, pad=1)
     axes.set_box_aspect((1, 2, 1), zoom=0.95)
     axes.view_init(elev=20, azim=-35)
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
     axes.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0.02), ncol=len(lines))
     return figure

@@ -1,16 +1,15 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
+import textwrap
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Sequence
 
-import matplotlib
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402  (after the choice of backend)
-from matplotlib.colors import Colormap, LinearSegmentedColormap  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
+from matplotlib import pyplot as plt
+from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.figure import Figure
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
 # Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
@@ -20,14 +19,35 @@ OTHERS = [("#CC79A7", "^"), ("#56B4E9", "v"), ("#E69F00", "P"), ("#000000", "X")
 COUNTS: Colormap = LinearSegmentedColormap.from_list(
     "counts", ["#ffffff", "#c6dff0", "#6aaed6", "#2272b4", "#0b3c73", "#041c3a"])
 
-plt.rcParams.update({
+RULES = {
     "font.family": "DejaVu Sans", "font.size": 10, "mathtext.fontset": "dejavusans",
     "axes.titlesize": 10.5, "axes.labelsize": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8,
     "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
     "grid.color": PALE, "grid.linewidth": 0.8, "xtick.labelsize": 9, "ytick.labelsize": 9,
     "legend.frameon": False, "legend.fontsize": 9, "figure.dpi": 100, "savefig.dpi": 200,
+    "axes.formatter.useoffset": False, "axes.formatter.limits": (-9, 12),
     "text.color": INK, "axes.labelcolor": INK, "xtick.color": INK, "ytick.color": INK,
-})
+}
+
+
+def write_title(figure: Figure, title: str) -> None:
+    """Above the figure, in lines that fit its width."""
+    figure.suptitle(in_lines(title, figure.get_figwidth(), TITLE), fontsize=TITLE)
+
+
+def in_lines(text: str, inches: float, size: float) -> str:
+    """Wrapped to a width, for letters of a size in points."""
+    letters = max(10, int(inches * 72 / (0.58 * size)))
+    return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
+
+
+def here() -> AbstractContextManager:
+    """What is drawn in this context looks so; a notebook's other pictures stay as they are."""
+    return plt.rc_context(RULES)
+
+
+
+TITLE = 11.5  # points
 
 
 @dataclass(frozen=True)
@@ -50,9 +70,10 @@ def looks(laws: Sequence[str]) -> list[Look]:
     return result
 
 
-def save(figure: Figure, path: Path | str) -> None:
+def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
     try:
-        figure.savefig(path, facecolor="white")
+        with here():
+            figure.savefig(path, facecolor="white", dpi=dpi)
     finally:
         plt.close(figure)

@@ -8,6 +8,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from . import style
 from .image_plots import shot_of
 from .results import Results, Tally, TallyAxis
 from .style import COUNTS, LAWS, OTHERS
@@ -26,7 +27,7 @@ def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequ
     shown = [tally.axes[i] for i in axes]
     figure = _draw_curves(results, shown[0], counts, errors, points) if len(shown) == 1 else \
         _draw_images(results, shown, counts, points)
-    figure.suptitle(_title(tally), fontsize=11.5)
+    style.write_title(figure, _title(tally))
     return figure
 
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from . import style
 from .style import GREY, INK, Look, looks
 from .tracks import Track, Tracks
 
@@ -61,7 +62,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     panels[0].set_xlim(*_extent(files))
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=4)
     return figure
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .hdf5 import FileError, Group, open_entry
+from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 
 FASTER_THAN_FIELDS = 100  # times the usual rate at which a track's polar angle changes
 
@@ -63,15 +63,16 @@ class Tracks:
     tracks: tuple[Track, ...]  # by particle number
 
 
-def read(path: Path | str) -> Tracks:
+def read(source: Path | str | bytes) -> Tracks:
     """Reads a file of `rabiline trace`; raises FileError with the file and the reason."""
-    with open_entry(path) as entry:
+    path = IN_MEMORY if isinstance(source, bytes) else Path(source)
+    with open_entry(source) as entry:
         names = [name for name in entry.names() if name.startswith("particle_")]
         if not names:
             raise FileError(path, "no tracks in it: not a file of `rabiline trace`")
         tracks = (_read_track(entry.group(name), name) for name in names)
         ordered = tuple(sorted(tracks, key=lambda track: track.particle))
-        return Tracks(Path(path), entry.text("title"), entry.text("law", ordered[0].law), ordered)
+        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered)
 
 
 def _read_track(group: Group, name: str) -> Track:

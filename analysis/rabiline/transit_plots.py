@@ -6,6 +6,7 @@ from matplotlib import colormaps
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from . import style
 from .results import Transit
 from .units import fitting_scale
 
@@ -40,7 +41,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     speeds.set_xticks(round_speeds(transit.distance / edges[-1], transit.distance / edges[0]))
     speeds.xaxis.set_major_formatter("{x:g}")
     speeds.set_xlabel("speed along the beam (m/s)")
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
     axes.legend(title=f"level before and behind the fields{further}", title_fontsize=9, ncol=1 + len(shown) // 5,
                 loc="upper right")

@@ -7,6 +7,7 @@ from math import floor, isfinite, log10
 import numpy as np
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV"}  # nobody reads mK, km/s or krad here
 
 
@@ -37,15 +38,36 @@ def fitting_scale(values: np.ndarray, unit: str) -> Scale:
     """The SI prefix that shows the largest of `values` as 1 to 1000. Values that differ by less than a thousandth
     are shown as differences from the middle one, rounded to a tenth of their spread."""
     finite = np.asarray(values, dtype=float)[np.isfinite(values)]
+    if unit == "" and finite.size and not 1e-3 <= np.abs(finite).max() < 1e5 and np.abs(finite).max() > 0:
+        power = floor(log10(np.abs(finite).max()))
+        return Scale("10" + str(power).translate(SUPERSCRIPT), 10.0**power)
     if unit not in TAKE_PREFIXES or finite.size == 0:
         return Scale(unit)
     largest, spread = np.abs(finite).max(), np.ptp(finite)
     origin = 0.0
-    if 0 < spread < 1e-3 * largest:
+    if 0 < spread < 1e-3 * largest and not is_logarithmic(finite):
         decimals = 1 - floor(log10(spread))
         origin = round(float(finite.min() + spread / 2), decimals)
         largest = np.abs(finite - origin).max()
     return Scale(*prefixed(largest, unit), origin)
+
+
+def is_logarithmic(values: np.ndarray) -> bool:
+    """Whether values go in equal ratios, over more than a factor of two."""
+    if values.size < 4 or not (values > 0).all() or values.max() < 2 * values.min():
+        return False
+    ratios = np.diff(np.log(values))
+    return bool(np.ptp(ratios) < 1e-3 * np.abs(ratios).max())
+
+
+def edges_of(values: np.ndarray) -> np.ndarray:
+    """[n + 1] Between the values, and beyond the first and the last one."""
+    if values.size < 2:
+        return values[0] + np.array([-0.5, 0.5]) * (abs(values[0]) or 1.0)
+    shown = np.log(values) if is_logarithmic(values) else values
+    middle = (shown[:-1] + shown[1:]) / 2
+    edges = np.concatenate([[2 * shown[0] - middle[0]], middle, [2 * shown[-1] - middle[-1]]])
+    return np.exp(edges) if is_logarithmic(values) else edges
 
 
 def format_value(value: float, unit: str, error: float | None = None) -> str:

@@ -1,14 +1,65 @@
 // rabiline check: every error at once; else the plan and the derived numbers.
+#include <fmt/ranges.h>
+
 #include "commands/common.hpp"
 
 namespace rabiline {
+namespace {
 
-void add_check(CLI::App& app) {
+std::string in_json(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += fmt::format("\\{}", c);
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  }
+  return out + '"';
+}
+
+std::string in_json(const std::vector<Diagnostic>& diagnostics) {
+  std::vector<std::string> out;
+  for (const Diagnostic& d : diagnostics)
+    out.push_back(fmt::format(R"({{"file": {}, "line": {}, "column": {}, "message": {}, "help": {}}})",
+                              in_json(d.place.text ? d.place.text->name : ""), d.place.line, d.place.column,
+                              in_json(d.message), in_json(d.suggestion)));
+  return fmt::format("[{}]", fmt::join(out, ", "));
+}
+
+void print_json(const std::vector<Diagnostic>& errors, const Report& report, std::size_t points) {
+  fmt::print("{{\"errors\": {}, \"warnings\": {}, \"points\": {}, \"plan\": {}}}\n", in_json(errors),
+             in_json(report.warnings), points, in_json(report.text));
+}
+
+/// The exit code.
+int check_in_json(const ExperimentOptions& options) {
+  try {
+    const Setup setup = load(options.file, options.changes);
+    const Report report = check(setup);
+    print_json({}, report, setup.points());
+    return options.strict && !report.warnings.empty() ? exit_code::bad_input : exit_code::done;
+  } catch (const InputError& error) {
+    print_json(error.diagnostics(), {}, 0);
+    return exit_code::bad_input;
+  }
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, int& exit) {
   CLI::App* verb =
       app.add_subcommand("check", "show every error at once, else the plan and the derived numbers");
   auto options = std::make_shared<ExperimentOptions>();
   options->add_to(*verb);
-  verb->callback([options] {
+  auto json = std::make_shared<bool>(false);
+  verb->add_flag("--json", *json, "print errors, warnings and the plan as JSON");
+  verb->callback([options, json, &exit] {
+    if (*json) {
+      exit = check_in_json(*options);
+      return;
+    }
     const Report report = check(load(options->file, options->changes));
     say(stdout, "{}", report.text);
     tell(report.warnings, options->strict, stdout);

@@ -30,6 +30,7 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
 int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
   try {
     require_known_verb(app, arguments);
+    if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     app.parse(reversed);
     return exit_code::done;
@@ -169,7 +170,7 @@ int run_program(const std::vector<std::string>& arguments) {
       "checkpoint, 1 a mistake of the program.");
   int exit = exit_code::done;
   add_run(app, arguments, exit);
-  add_check(app);
+  add_check(app, exit);
   add_describe(app);
   add_trace(app);
   add_resume(app, exit);
@@ -177,6 +178,7 @@ int run_program(const std::vector<std::string>& arguments) {
   add_verify(app);
   add_reproduce(app, exit);
   add_rescan(app, arguments, exit);
+  add_package_verbs(app);
   const int parsed = parse_and_run(app, arguments);
   const int code = parsed == exit_code::done ? exit : parsed;
   const std::string lost = lost_text();

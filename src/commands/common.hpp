@@ -67,7 +67,7 @@ void require_place(const std::filesystem::path& output, const std::vector<InputT
 
 /// Each verb adds itself to the command line; `exit` gets its exit code when it has run.
 void add_run(CLI::App&, const std::vector<std::string>& arguments, int& exit);
-void add_check(CLI::App&);
+void add_check(CLI::App&, int& exit);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_resume(CLI::App&, int& exit);
@@ -77,6 +77,11 @@ void add_reproduce(CLI::App&, int& exit);
 void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 
 struct FlightOptions;
+/// What the Python package does: plots, summaries, fits. Their verbs, for help and spelling.
+void add_package_verbs(CLI::App&);
+bool is_of_the_package(const std::string& verb);
+/// Becomes the package's command line. Throws ArgumentError where there is no package.
+[[noreturn]] void start_package(const std::vector<std::string>& arguments);
 
 /// What `run` does for a model.
 void run_model(const Setup&, const std::filesystem::path& output, const FlightOptions&,

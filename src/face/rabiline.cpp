@@ -14,6 +14,7 @@
 #include "core/version.hpp"
 #include "face/models.hpp"
 #include "face/record.hpp"
+#include "input/parameter_value.hpp"
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
@@ -227,6 +228,23 @@ Setup load(const Snapshot& snapshot) {
 }
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& changes) {
   return setup_of(load_any(file_of_text(text, folder), changes), changes);
+}
+
+std::optional<ParameterValue> value_of(const Setup& setup, const std::string& name) {
+  const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded);
+  if (loaded == nullptr) return std::nullopt;
+  const std::optional<ParsedQuantity> found = number_called(name, loaded->base);
+  if (!found) return std::nullopt;
+  return ParameterValue{found->value, std::string(si_unit_of(found->dimension))};
+}
+
+std::vector<PartName> parts_of(const Setup& setup) {
+  std::vector<PartName> out;
+  if (const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded))
+    for (const PlacedPart& part : loaded->base.parts)
+      out.push_back({part.placement.name, std::string(kind_of(part.part)),
+                     part.placement.label.value_or(part.placement.name)});
+  return out;
 }
 
 Report check(const Setup& setup) {

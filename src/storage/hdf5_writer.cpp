@@ -211,12 +211,18 @@ std::size_t FileWriter::size() const {
   return static_cast<std::size_t>(size);
 }
 
-void FileWriter::save() const {
+std::vector<std::byte> FileWriter::image() const {
   const std::string name = target_.string();
   check(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL), name);
   const ssize_t size = check(H5Fget_file_image(file_.id(), nullptr, 0), name);
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
   check(H5Fget_file_image(file_.id(), bytes.data(), bytes.size()), name);
+  return bytes;
+}
+
+void FileWriter::save() const {
+  const std::string name = target_.string();
+  std::vector<std::byte> bytes = image();
   const std::string seal = seal_of(bytes);
   const auto last_line = std::as_bytes(std::span(seal));
   bytes.insert(bytes.end(), last_line.begin(), last_line.end());

@@ -56,6 +56,9 @@ class GroupWriter {
   std::uint64_t& content_;
 };
 
+/// What a file is called that is no file but its bytes.
+inline constexpr const char* in_memory = "memory";
+
 class FileWriter {
  public:
   explicit FileWriter(std::filesystem::path target);
@@ -67,6 +70,8 @@ class FileWriter {
   /// A digest of names, values and attributes of what was written so far below the group "/" itself, in that
   /// order.
   std::uint64_t content() const { return *content_; }
+  /// Its bytes, without a seal.
+  std::vector<std::byte> image() const;
   /// Puts the file in its place with its seal (seal.hpp), safely, and reads it back before it replaces
   /// another.
   void save() const;

@@ -157,16 +157,23 @@ GroupWriter entry_of(hdf5::FileWriter& file, const SolvedModel& solved, const st
   return nexus::write_entry(file, path.filename().string(), solved.title, solved.provenance.version);
 }
 
-}  // namespace
-
-void write_motions(const SolvedModel& solved, const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const SolvedModel& solved, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry = entry_of(file, solved, path);
     write_content(entry, solved);
     nexus::write_provenance(entry, solved.provenance, file.content());
   }
-  file.save();
+  return file;
+}
+
+}  // namespace
+
+void write_motions(const SolvedModel& solved, const std::filesystem::path& path) {
+  file_of(solved, path).save();
+}
+std::vector<std::byte> image_of(const SolvedModel& solved) {
+  return file_of(solved, hdf5::in_memory).image();
 }
 
 std::uint64_t content_of(const SolvedModel& solved) {

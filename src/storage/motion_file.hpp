@@ -1,6 +1,8 @@
 #pragma once
 // The motions and findings of a model as one HDF5 file in NeXus base classes.
+#include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "models/solved_model.hpp"
 #include "storage/storage_error.hpp"
@@ -16,6 +18,8 @@ namespace rabiline {
 ///                              has none, and each finding is a dataset of its own over the scanned parameter
 ///   /entry/model, motions      kind of the model, names of its motions in order
 void write_motions(const SolvedModel&, const std::filesystem::path&);
+/// The bytes of such a file.
+std::vector<std::byte> image_of(const SolvedModel&);
 
 /// The digest of its content that the file would have (Origin).
 std::uint64_t content_of(const SolvedModel&);

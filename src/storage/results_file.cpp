@@ -350,9 +350,7 @@ GroupWriter entry_of(hdf5::FileWriter& file, const Result& result, const std::fi
   return nexus::write_entry(file, path.filename().string(), result.title, result.provenance.version);
 }
 
-}  // namespace
-
-void write_results(const Result& result, const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const Result& result, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry = entry_of(file, result, path);
@@ -361,8 +359,13 @@ void write_results(const Result& result, const std::filesystem::path& path) {
     if (result.flight && is_worth_its_room(*result.flight, file.size()))
       nexus::write_flight(entry, *result.flight);
   }
-  file.save();
+  return file;
 }
+
+}  // namespace
+
+void write_results(const Result& result, const std::filesystem::path& path) { file_of(result, path).save(); }
+std::vector<std::byte> image_of(const Result& result) { return file_of(result, hdf5::in_memory).image(); }
 
 std::uint64_t content_of(const Result& result) {
   hdf5::FileWriter file("content");

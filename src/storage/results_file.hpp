@@ -1,6 +1,8 @@
 #pragma once
 // The results of a run as one HDF5 file in NeXus base classes.
+#include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "simulation/result.hpp"
 #include "storage/storage_error.hpp"
@@ -11,6 +13,8 @@ namespace rabiline {
 /// Everything outside /entry/simulation and the attributes of "/" depends on the result only, to the bit.
 /// Throws StorageError.
 void write_results(const Result&, const std::filesystem::path&);
+/// The bytes of such a file.
+std::vector<std::byte> image_of(const Result&);
 
 /// The digest of its content that the file would have (Origin).
 std::uint64_t content_of(const Result&);

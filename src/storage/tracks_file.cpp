@@ -52,10 +52,8 @@ void write_track(const GroupWriter& entry, const std::string& name, const std::s
   data.attribute("where", track.where);
 }
 
-}  // namespace
-
-void write_tracks(const std::string& title, const std::vector<Track>& tracks,
-                  const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const std::string& title, const std::vector<Track>& tracks,
+                         const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, version);
@@ -67,7 +65,17 @@ void write_tracks(const std::string& title, const std::vector<Track>& tracks,
       write_track(entry, name, title, track);
     }
   }
-  file.save();
+  return file;
+}
+
+}  // namespace
+
+void write_tracks(const std::string& title, const std::vector<Track>& tracks,
+                  const std::filesystem::path& path) {
+  file_of(title, tracks, path).save();
+}
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>& tracks) {
+  return file_of(title, tracks, hdf5::in_memory).image(0);
 }
 
 }  // namespace rabiline

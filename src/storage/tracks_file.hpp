@@ -1,5 +1,6 @@
 #pragma once
 // Trajectories as one HDF5 file in NeXus base classes: one plot of x against y per particle.
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,5 +12,7 @@ namespace rabiline {
 
 /// Writes the file wholly and verified, or not at all. Throws StorageError.
 void write_tracks(const std::string& title, const std::vector<Track>&, const std::filesystem::path&);
+/// The bytes of such a file.
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&);
 
 }  // namespace rabiline

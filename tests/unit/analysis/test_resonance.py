@@ -234,3 +234,20 @@ def test_the_variances_are_the_binomial_ones_and_nowhere_zero(tmp_path: Path) ->
                          covariance=np.zeros((21, 21)))
     (curve,) = curves(results.read(path))
     np.testing.assert_allclose(np.diag(curve.covariance), curve.errors**2)
+
+
+def test_of_fringes_only_the_central_one_is_measured() -> None:
+    x = np.linspace(-1000.0, 1000.0, 201)
+    y = 0.1 + 0.06 * np.exp(-(x / 700) ** 2) * np.cos(2 * np.pi * (x - 7) / 500)
+    curve = curve_of(y, np.diag(np.full(x.size, 1e-8)), x)
+    (central,) = half_maxima(curve)
+    assert central.centre.value == pytest.approx(7, abs=3) and central.kind == "peak"
+    with pytest.raises(NoResonance, match="fringes are no dips"):
+        fit(curve)
+
+
+def test_a_profile_over_a_length_has_no_resonance() -> None:
+    x = np.linspace(-1e-3, 1e-3, 101)
+    curve = curve_of(np.exp(-(x / 2e-4) ** 2), np.diag(np.full(x.size, 1e-8)), x)
+    with pytest.raises(NoResonance, match="is a profile"):
+        half_maxima(replace(curve, axis=replace(curve.axis, parameter="wire.offset.z", units="m")))

@@ -108,7 +108,8 @@ TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_THAT(parse_quantity("1 KHz").suggestion, HasSubstr("`kHz`"));
   EXPECT_THAT(parse_quantity("1 mt").suggestion, HasSubstr("`mT`"));
   EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "");
-  EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).suggestion, "write `1e-6 T/m`");
+  EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);
+  EXPECT_EQ(parse_quantity("1 pT/m", Dimension::field_gradient).suggestion, "write `1e-12 T/m`");
   EXPECT_EQ(parse_quantity("-2.5e3 kT/m", Dimension::field_gradient).suggestion, "write `-2.5e6 T/m`");
   EXPECT_EQ(parse_quantity("1 uTt", Dimension::magnetic_field).suggestion, "did you mean `uT`?");
 }

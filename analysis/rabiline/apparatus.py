@@ -1,0 +1,192 @@
+"""The command draw: an apparatus before a run, from above and from the side, with a few paths."""
+from __future__ import annotations
+
+import argparse
+from argparse import ArgumentParser
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from . import style
+from .errors import InputError
+from .style import GREY, INK, LAWS, OTHERS
+from .units import format_value
+
+if TYPE_CHECKING:
+    from .experiment import Experiment
+    from .tracks import Tracks
+
+PATHS = 50
+FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
+DRIVES = {"rotating_field", "oscillating_field", "coil"}
+PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
+COUNTERS = {"detector", "monitor"}
+FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
+THIN = 0.006  # of the length of the beam, drawn of what has none
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part as it is drawn, SI."""
+
+    name: str
+    kind: str
+    begin: float
+    length: float
+    half: dict[str, float | None]  # of its opening, or face, along "x" and "z"
+    offset: dict[str, float]
+    words: str  # its field
+
+
+def arguments(verb: str, parser: ArgumentParser) -> None:
+    """Its options."""
+    parser.set_defaults(command=draw)
+    parser.description = "The apparatus before a run: along the beam to scale, across it stretched; with 50 paths."
+    parser.add_argument("file", metavar="FILE", type=Path)
+    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
+    parser.add_argument("-n", "--paths", type=int, default=PATHS, metavar="N", help="50 by default; 0 draws the apparatus alone")
+    parser.add_argument("--title")
+
+
+def draw(options: argparse.Namespace) -> Figure:
+    """The apparatus of a file."""
+    from .experiment import load
+    experiment = load(options.file).scan()
+    if experiment.is_model:
+        raise InputError(f"{options.file} is a model, and no beamline to draw")
+    experiment = experiment.set({name: value for name, _, value in (text.partition("=") for text in options.set)})
+    return draw_apparatus(experiment, options.paths, options.title)
+
+
+def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None = None) -> Figure:
+    """Side (z) and top (x) view over y, and the static field along the beam."""
+    pieces = pieces_of(experiment)
+    if not pieces:
+        raise InputError(f"{experiment.path}: no parts to draw")
+    tracks = experiment.trace(paths) if paths > 0 else None
+    end = max(piece.begin + piece.length for piece in pieces) * 1.02
+    figure, (names, side, top) = plt.subplots(3, 1, figsize=(9.0, 6.4), sharex=True, layout="constrained",
+                                              height_ratios=(1.1, 2, 2))
+    _write_names(names, pieces, end)
+    for axes, across in ((side, "z"), (top, "x")):
+        half = _extent(pieces, across, tracks)
+        _draw_view(axes, pieces, across, half, end)
+        if tracks is not None:
+            _draw_paths(axes, tracks, across, half)
+        axes.set_ylim(-1e3 * half, 1e3 * half)
+        axes.set_ylabel(f"{across} (mm)")
+    top.set_xlabel("y, along the beam (m)")
+    top.set_xlim(-0.01 * end, end)
+    if tracks is not None:
+        handles, labels = side.get_legend_handles_labels()
+        top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
+    style.write_title(figure, title or experiment.title)
+    return figure
+
+
+def pieces_of(experiment: Experiment) -> list[Piece]:
+    """What is drawn, in the order of the beam."""
+    value = experiment._setup.value  # None where the file says nothing
+
+    def number(name: str) -> float | None:
+        found = value(name)
+        return None if found is None else found[0]
+
+    pieces = []
+    for name, kind, label in experiment._setup.parts:
+        opening = f"{name}.gap" if number(f"{name}.gap.width") or number(f"{name}.gap.height") else name
+        radius = next(filter(None, (number(f"{name}.{key}") for key in ("radius", "bore.radius", "pole_radius"))), None)
+        half = {across: number(f"{opening}.{key}") for across, key in (("x", "width"), ("z", "height"))}
+        half = {across: radius if size is None else size / 2 for across, size in half.items()}
+        offset = {across: number(f"{name}.offset.{across}") or 0.0 for across in "xz"}
+        field = next((format_value(number(f"{name}.{key}") or 0.0, unit) for key, unit in
+                      (("field", "T"), ("amplitude", "T"), ("pole_field", "T")) if number(f"{name}.{key}")), "")
+        pieces.append(Piece(label, kind, number(f"{name}.at") or 0.0, number(f"{name}.length") or 0.0, half, offset, field))
+    return pieces
+
+
+def _extent(pieces: list[Piece], across: str, tracks: Tracks | None) -> float:
+    """Half of what is shown: the paths, and openings that are not much larger."""
+    index = "xyz".index(across)
+    reached = max((np.abs(track.position[:, index]).max() for track in tracks.tracks), default=0.0) if tracks else 0.0
+    sizes = [abs(piece.offset[across]) + piece.half[across] for piece in pieces if piece.half[across] and piece.kind != "monitor"]
+    near = [size for size in sizes if reached == 0 or size <= 4 * reached]
+    return 1.15 * max([reached, *near, min(sizes, default=1e-3) if not near else 0.0, 1e-6])
+
+
+def _draw_view(axes: Axes, pieces: list[Piece], across: str, half: float, end: float) -> None:
+    for piece in pieces:
+        low, length = piece.begin, max(piece.length, THIN * end)
+        centre, size = piece.offset[across], piece.half[across]
+        if piece.kind in FIELDS | DRIVES:
+            reach = half if size is None else min(size, half)
+            colour = DRIVE if piece.kind in DRIVES else FIELD
+            axes.add_patch(Rectangle((low, 1e3 * (centre - reach)), length, 2e3 * reach, facecolor=colour, edgecolor="none",
+                                     zorder=1.2 if piece.kind in DRIVES else 1))
+            if size is not None and size < half:
+                _walls(axes, low, length, centre, size, half, GREY)
+        elif piece.kind in PLATES and size is not None:
+            _walls(axes, low, length, centre, size, half, INK)
+        elif piece.kind == "beam_stop" and size is not None:
+            axes.add_patch(Rectangle((low, 1e3 * (centre - size)), length, 2e3 * size, facecolor=INK, zorder=3))
+        elif piece.kind in COUNTERS:
+            reach = half if size is None else min(size, half)
+            axes.plot([low, low], [1e3 * (centre - reach), 1e3 * (centre + reach)], color=LAWS["quantum"][0],
+                      linewidth=3 if piece.kind == "detector" else 1.2,
+                      linestyle="-" if piece.kind == "detector" else (0, (2, 2)), zorder=3)
+        else:  # filters and the like: a plane
+            axes.axvline(low, color=GREY, linewidth=1.2, linestyle=(0, (4, 2)), zorder=2)
+    axes.axhline(0, color=GREY, linewidth=0.5, zorder=0.5)
+
+
+def _walls(axes: Axes, low: float, length: float, centre: float, size: float, half: float, colour: str) -> None:
+    for bottom, height in ((-half, centre - size + half), (centre + size, half - centre - size)):
+        if height > 0:
+            axes.add_patch(Rectangle((low, 1e3 * bottom), length, 1e3 * height, facecolor=colour, edgecolor="none", zorder=2.5))
+
+
+def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
+    """One colour for each fate."""
+    index = "xyz".index(across)
+    fates = list(dict.fromkeys(f"{track.fate.replace('_', ' ')} {track.where}".strip() for track in tracks.tracks))
+    colours = [LAWS["classical"][0], LAWS["dorado"][0], *(colour for colour, _ in OTHERS), GREY]
+    fates.sort(key=lambda fate: not fate.startswith("detected"))
+    if not fates[0].startswith("detected"):
+        colours = colours[1:]
+    shown = set()
+    for track in tracks.tracks:
+        fate = f"{track.fate.replace('_', ' ')} {track.where}".strip()
+        number = min(fates.index(fate), len(colours) - 1)
+        label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
+        shown.add(number)
+        axes.plot(track.position[:, 1], 1e3 * track.position[:, index].clip(-2 * half, 2 * half), color=colours[number],
+                  linewidth=0.7, alpha=0.8, zorder=4, label=label)
+
+
+def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
+    """Names above their parts in rows, so that none lies over another."""
+    axes.set_axis_off()
+    letter = 0.0085 * end  # the width of one, near enough
+    rows: list[float] = []
+    placed = []
+    for piece in pieces:
+        words = f"{piece.name}{f', {piece.words}' if piece.words else ''}"
+        middle = piece.begin + piece.length / 2
+        begin = min(max(middle - len(words) * letter / 2, 0.0), end - len(words) * letter)
+        row = next((i for i, taken in enumerate(rows) if taken < begin), len(rows))
+        if row == len(rows):
+            rows.append(0.0)
+        rows[row] = begin + (len(words) + 1) * letter
+        placed.append((middle, begin + len(words) * letter / 2, row, words))
+    axes.set_ylim(-0.6, max(len(rows), 3))
+    for middle, at, row, words in placed:
+        axes.text(at, row + 0.1, words, ha="center", va="bottom", fontsize=8, zorder=3,
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+        axes.plot([middle, at], [-0.6, row + 0.05], color=GREY, linewidth=0.5)

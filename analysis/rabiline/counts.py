@@ -1,0 +1,63 @@
+"""Measured counts over one scanned parameter."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .csv_table import Table, read_table
+from .hdf5 import FileError
+
+COLUMNS = ("the scanned parameter, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
+           "`detector`")
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What one detector counted, in the order of the table."""
+
+    path: str
+    parameter: str
+    places: tuple[str, ...]  # [n] the parameter's values with their unit, as the program reads them
+    x: np.ndarray  # [n] the same as numbers, in `unit`
+    unit: str
+    counts: np.ndarray  # [n]
+    seconds: np.ndarray | None  # [n] time at each point
+    emitted: np.ndarray | None  # [n] particles that left the source, or started towards its target
+    detector: str | None
+
+
+def read_counts(path: Path | str, detector: str | None = None) -> Counts:
+    """From a table; raises FileError. Of several detectors in it, one is chosen."""
+    table = read_table(path)
+    others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
+    if "counts" not in table.names or len(others) != 1:
+        wrong = "no column `counts`" if "counts" not in table.names else \
+            "no column of the scanned parameter" if not others else \
+            f"one parameter is scanned, and there are {', '.join(name for name, _ in others)}"
+        raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
+    (parameter, unit), = others
+    kept = np.ones(len(table.rows), dtype=bool)
+    if "detector" in table.names:
+        named = table.column("detector")
+        detector = detector or named[0]
+        kept = np.array([name == detector for name in named])
+        if not kept.any() or (detector is None and len(set(named)) > 1):
+            raise FileError(table.path, f"there is {', '.join(dict.fromkeys(named))}: choose one with --detector")
+    x = np.array(table.numbers(parameter))[kept]
+    counts = _column(table, "counts", kept, 0.0)
+    if (counts != np.rint(counts)).any():
+        raise FileError(table.path, "counts must be whole numbers, as they were counted, background included")
+    if x.size < 2 or len(set(x.tolist())) < x.size:
+        raise FileError(table.path, "a scan has two points or more, each once")
+    places = tuple(f"{text} {unit}".strip() for text, use in zip(table.column(parameter), kept) if use)
+    optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
+    return Counts(str(table.path), parameter, places, x, unit, counts, optional["seconds"], optional["emitted"], detector)
+
+
+def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
+    values = np.array(table.numbers(name))[kept]
+    if not (np.isfinite(values).all() and (values >= least).all()):
+        raise FileError(table.path, f"`{name}` is out of range in a line")
+    return values

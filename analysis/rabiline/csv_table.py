@@ -1,0 +1,73 @@
+"""Tables of numbers, in the one dialect of the program: lines that begin with # are comments; the first other line has the
+names of the columns, with units in square brackets, `H0.frequency [kHz],counts`; commas between, points in numbers.
+Round brackets are read too."""
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from .hdf5 import FileError
+
+LARGEST_TABLE = 10**7  # bytes
+
+
+@dataclass(frozen=True)
+class Table:
+    """Cells as they stand."""
+
+    path: Path
+    header: int  # its line
+    columns: tuple[tuple[str, str], ...]  # (name, unit), the unit empty where there is none
+    rows: tuple[tuple[int, tuple[str, ...]], ...]  # with the numbers of their lines
+
+    @property
+    def names(self) -> list[str]:
+        """Of the columns."""
+        return [name for name, _ in self.columns]
+
+    def column(self, name: str) -> list[str]:
+        """All cells of one."""
+        i = self.names.index(name)
+        return [cells[i] for _, cells in self.rows]
+
+    def numbers(self, name: str) -> list[float]:
+        """A column as numbers, in its own unit; raises FileError with the line."""
+        found = []
+        for (line, _), cell in zip(self.rows, self.column(name)):
+            try:
+                found.append(float(cell))
+            except ValueError:
+                raise FileError(self.path, f"line {line}: `{cell}` is no number ({name})") from None
+        return found
+
+
+def read_table(path: Path | str) -> Table:
+    """Raises FileError."""
+    path = Path(path)
+    try:
+        if not path.exists():
+            raise FileError(path, "no such file")
+        if path.stat().st_size > LARGEST_TABLE:
+            raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise FileError(path, "neither a table of text nor an HDF5 file") from None
+    except OSError as problem:
+        raise FileError(path, problem.strerror or str(problem)) from None
+    rows = [(number, tuple(cell.strip() for cell in next(csv.reader([line])))) for number, line in enumerate(lines, 1)
+            if line.strip() and not line.lstrip().startswith("#")]
+    if not rows:
+        raise FileError(path, "an empty table")
+    header, names = rows[0]
+    columns = tuple(_column(text) for text in names)
+    for line, cells in rows[1:]:
+        if len(cells) != len(columns):
+            raise FileError(path, f"line {line}: {len(cells)} values in {len(columns)} columns")
+    return Table(path, header, columns, tuple(rows[1:]))
+
+
+def _column(text: str) -> tuple[str, str]:
+    found = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", text)
+    return (found[1].strip(), found[2].strip()) if found else (text, "")

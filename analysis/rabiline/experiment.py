@@ -1,0 +1,180 @@
+"""Experiments and models in Python: loaded, changed, checked and flown by the program itself."""
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Callable, Iterable, Mapping, Sequence, Union
+
+try:
+    from . import _core
+except ImportError as problem:  # a build without pybind11
+    raise ImportError("this package reads and draws results, but has not the program in it (rabiline._core): build with "
+                      f"pybind11, or set PYTHONPATH to the folder `python` of the build ({problem})") from None
+
+if TYPE_CHECKING:
+    from .fitting import CountsFit
+    from .motions import Motions
+    from .results import Results
+    from .tracks import Tracks
+
+InputError, StorageError, __version__ = _core.InputError, _core.StorageError, _core.version
+Value = Union[str, float, int, bool, Sequence, Mapping]  # numbers are in SI; texts have their unit
+
+
+class ExperimentWarning(UserWarning):
+    """What the program warns of, with line and caret."""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is known before a run; prints as `rabiline check` does."""
+
+    plan: str
+    warnings: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return self.plan + "".join(self.warnings)
+
+    __repr__ = __str__
+
+
+def load(source: str | Path) -> Experiment:
+    """An experiment or a model from a file, or from its text, which has several lines. Raises InputError with everything
+    that is wrong, each with its line."""
+    text = source if isinstance(source, str) and "\n" in source else None
+    return Experiment(text, Path() if text else Path(source))
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment or a model with its changes; each method that changes something returns a new one."""
+
+    text: str | None  # None: read from `path`
+    path: Path  # the file, or the folder where paths in the text begin
+    changes: tuple[str, ...] = ()  # "B.field=9 mT"
+    scans: tuple[str, ...] = ()  # "H0.frequency=280 kHz:300 kHz:21"
+    without_scan: bool = False
+
+    def __post_init__(self) -> None:
+        changes = _core.Changes(list(self.changes), list(self.scans), self.without_scan)
+        setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
+        object.__setattr__(self, "_setup", setup)
+
+    @property
+    def title(self) -> str:
+        """The file's."""
+        return self._setup.title
+
+    @property
+    def points(self) -> int:
+        """Of its scan; 1 where nothing is scanned."""
+        return self._setup.points
+
+    @property
+    def is_model(self) -> bool:
+        """Whether it is solved, not flown."""
+        return self._setup.is_model
+
+    def value(self, name: str) -> float:
+        """The number called `name`, in SI, without the scan; raises KeyError where it is none."""
+        return self._number(name)[0]
+
+    def unit(self, name: str) -> str:
+        """Its unit in SI; empty for a plain number."""
+        return self._number(name)[1]
+
+    def set(self, changes: Mapping[str, Value] | None = None, **more: Value) -> Experiment:
+        """With other values: `{"B.field": "9 mT", "law": "quantum"}`; a number is in SI. A word such as `particles=1000`
+        may be given by itself. The latest change of a name counts."""
+        made = {name: f"{name}={self._text(name, value)}" for name, value in {**(changes or {}), **more}.items()}
+        kept = tuple(text for text in self.changes if text.partition("=")[0] not in made)
+        return replace(self, changes=(*kept, *made.values()))
+
+    def scan(self, names: str | None = None, values: str | Iterable[Value] = ()) -> Experiment:
+        """With a scan more, inside of those made here before and outside of the file's own: over a range, "280 kHz:300 kHz:21" with `:log` behind it for
+        equal ratios, or over a list, `["9 mT", "10 mT"]` or numbers in SI. "a,b" scans two parameters together. Without
+        arguments: without any scan, the file's own included."""
+        if names is None:
+            return replace(self, scans=(), without_scan=True)
+        if not isinstance(values, str):
+            values = ",".join(self._text(names.split(",")[0], value) for value in values)
+        return replace(self, scans=(*self.scans, f"{names}={values}"))
+
+    def check(self) -> Report:
+        """The plan with its derived numbers, and what deserves a word."""
+        return Report(*(part if isinstance(part, str) else tuple(part) for part in _core.check(self._setup)))
+
+    def run(self, *, threads: int = 0, isa: str = "", transit: str = "auto",
+            progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:
+        """Flies it, or solves the model. `progress` is called with what is done (0 to 1) and the seconds left; True shows a
+        bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
+        `threads` and `isa` never change a result. Warnings are given as ExperimentWarning."""
+        if self.is_model:
+            from . import motions
+            return motions.read(_core.solve(self._setup).image())
+        result = _fly(self._setup, threads, isa, transit, progress)
+        for text in result.warnings:
+            warnings.warn(text, ExperimentWarning, stacklevel=2)
+        from .flown import Flown
+        return Flown(result)
+
+    def fly(self, threads: int = 0) -> Results:
+        """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
+        from .flown import Flown
+        return Flown(_fly(self._setup, threads, "", "none", False))
+
+    def trace(self, count: int = 5, first: int = 0) -> Tracks:
+        """The paths of a few particles, without the scan."""
+        from . import tracks
+        return tracks.read(_core.trace(self._setup, first, count))
+
+    def fit(self, data: str | Path, free: Sequence[str], **options: object) -> CountsFit:
+        """Parameters from measured counts; see `rabiline.fitting.fit_counts`."""
+        from .fitting import fit_counts
+        return fit_counts(self, data, free, **options)
+
+    def _number(self, name: str) -> tuple[float, str]:
+        found = self._setup.value(name)
+        if found is None:
+            raise KeyError(f"`{name}` is no number of {self.title}")
+        return found
+
+    def _text(self, name: str, value: Value) -> str:
+        """As the file would have it."""
+        if isinstance(value, str):
+            return value
+        if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, str)):
+            return json.dumps(value)
+        if isinstance(value, int) or float(value).is_integer() and (self._setup.value(name) or (0, ""))[1] == "":
+            number = str(int(value))
+        else:
+            number = repr(float(value))
+        unit = (self._setup.value(name) or (0.0, ""))[1]
+        return f"{number} {unit}".strip()
+
+
+def _fly(setup: object, threads: int, isa: str, transit: str, progress: Callable | bool | None) -> object:
+    bar = progress if callable(progress) else None if progress is False else _Bar(progress is True)
+    arguments = ["import rabiline"]
+    return _core.fly(setup, threads, isa, transit, bar, arguments)
+
+
+class _Bar:
+    """A line that renews itself."""
+
+    def __init__(self, wanted: bool) -> None:
+        self.wanted = wanted or "ipykernel" in sys.modules or sys.stderr is not None and sys.stderr.isatty()
+        self.shown = False
+
+    def __call__(self, done: float, left: float) -> None:
+        if done >= 1:
+            if self.shown:
+                print("\r" + 60 * " " + "\r", end="", file=sys.stderr, flush=True)
+        elif self.wanted and (self.shown or done > 0 and left > 2):
+            self.shown = True
+            full = round(30 * done)
+            print(f"\r[{full * '#'}{(30 - full) * ' '}] {done:6.1%}, {left:.0f} s left  ", end="", file=sys.stderr,
+                  flush=True)

@@ -1,0 +1,102 @@
+"""The commands fit, fit-line and forecast."""
+from __future__ import annotations
+
+import argparse
+from argparse import ArgumentParser
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+ABOUT_FIT = """\
+Fits parameters of an experiment to measured counts, with the simulation itself as the line shape.
+
+  rabiline fit clock.yaml --data counts.csv --free C.field,first.amplitude+second.amplitude -o fit.png
+
+The table has the scanned parameter and the counts, with units in the header; `seconds` (time at each point), `emitted`
+(particles) and `detector` if wanted:
+
+  first.frequency [Hz],counts
+  9192631271.5,812
+  9192631281.5,790
+
+Start values are those of the file, or of --set. Names with `+` between have one value. `scale`, a factor of all that is
+expected, is free unless the table has `emitted`, or `seconds` while the source in the file states its `rate`; `background`,
+counts at each point, is free where it is named.
+"""
+
+AFTER_FIT = """\
+The fit minimises -2 ln of the Poisson likelihood, in which the simulation may be off by its covariance. Every flight has
+the same random numbers. Derivatives are differences over about one standard deviation, and over so much that a thousand
+particles are counted differently, so that edges of slits and detectors do not stop the fit. `profile` is where -2 ln L, least
+over all other parameters, is one higher. Combinations of parameters that the counts do not know are named.
+"""
+
+ABOUT_FORECAST = """\
+How well a measurement will know parameters: counts of the file's scan, --seconds at each point.
+
+  rabiline forecast clock.yaml --free C.field,first.amplitude+second.amplitude --rate 1e6 --seconds 10
+"""
+
+
+def arguments(verb: str, parser: ArgumentParser) -> None:
+    """The options of one of these commands."""
+    if verb == "fit-line":
+        from .line_commands import arguments as of_lines
+        return of_lines(parser)
+    is_fit = verb == "fit"
+    parser.description, parser.epilog = (ABOUT_FIT, AFTER_FIT) if is_fit else (ABOUT_FORECAST, None)
+    parser.set_defaults(command=fit if is_fit else forecast)
+    parser.add_argument("file", metavar="FILE", type=Path, help="an experiment, YAML")
+    if is_fit:
+        parser.add_argument("--data", type=Path, required=True, metavar="COUNTS.csv")
+        parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture with residuals")
+        parser.add_argument("--title", help="of the picture")
+    else:
+        parser.add_argument("--rate", type=float, metavar="R", help="particles that leave the source per second (1/s)")
+        parser.add_argument("--seconds", type=float, default=1.0, metavar="T", help="at each scan point; 1 by default")
+        parser.add_argument("--background", type=float, metavar="B", help="counts per second without a beam")
+        parser.add_argument("--known-rate", action="store_true", help="the rate is known exactly: no free factor")
+        parser.add_argument("--no-scan", action="store_true", help="omit the file's scan")
+        parser.add_argument("--scan", action="append", default=[], metavar="NAME=FROM:TO:POINTS")
+    parser.add_argument("--free", required=True, metavar="NAME[,NAME]", help="dotted names, as in --set")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="change a parameter for this time")
+    parser.add_argument("--particles", metavar="N", help="simulated at each scan point")
+    parser.add_argument("--detector", metavar="NAME")
+    parser.add_argument("--threads", type=int, default=0, metavar="T")
+
+
+def fit(options: argparse.Namespace) -> Figure | None:
+    """Parameters of an experiment from measured counts."""
+    from .fit_plots import draw_fit
+    found = _experiment(options).scan().fit(options.data, options.free.split(","), detector=options.detector,
+                                            threads=options.threads)
+    print(found)
+    return draw_fit(found, options.title) if options.output else None
+
+
+def forecast(options: argparse.Namespace) -> None:
+    """How well a measurement will know parameters."""
+    from .forecasting import forecast as expected
+    experiment = _experiment(options)
+    for text in options.scan:
+        name, _, values = text.partition("=")
+        experiment = experiment.scan(name, values)
+    print(expected(experiment, options.free.split(","), rate=options.rate, seconds=options.seconds,
+                   background=options.background, known_rate=options.known_rate, detector=options.detector,
+                   threads=options.threads))
+
+
+def _experiment(options: argparse.Namespace) -> object:
+    from .errors import InputError
+    from .experiment import load
+    experiment = load(options.file)
+    if experiment.is_model:
+        raise InputError(f"{options.file} is a model: nothing is counted in it")
+    if getattr(options, "no_scan", True):
+        experiment = experiment.scan()
+    changes = [text.partition("=") for text in options.set]
+    for name, equals, _ in changes:
+        if not equals:
+            raise InputError(f"--set {name}: a value is set as NAME=VALUE")
+    more = {"particles": options.particles} if options.particles else {}
+    return experiment.set({**{name: value for name, _, value in changes}, **more})

@@ -1,0 +1,59 @@
+"""Counts, what was fitted to them, and the residuals."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+from scipy import stats
+
+from . import style
+from .style import INK, LAWS, PALE
+from .units import fitting_scale, format_value
+
+if TYPE_CHECKING:
+    from .fitting import CountsFit
+
+MODEL = LAWS["dorado"][0]
+
+
+def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
+    """Above the counts with the curve and its band of the simulation, below the residuals in standard deviations."""
+    order = np.argsort(fit.counts.x)
+    counts, expected, band = fit.counts.counts[order], fit.expected[order], fit.template_errors[order]
+    scale = fitting_scale(fit.counts.x[order], fit.counts.unit)
+    x = np.asarray(scale.apply(fit.counts.x[order]))
+    lines = list(_numbers(fit))
+    figure, (above, below) = plt.subplots(2, 1, figsize=(7.2, 5.2 + 0.2 * len(lines)), sharex=True, layout="constrained",
+                                          height_ratios=(3, 1))
+    low, high = (np.maximum(limit, 0) for limit in _poisson(counts))
+    above.errorbar(x, counts, (counts - low, high - counts), fmt="o", color=INK, markersize=3, elinewidth=0.8,
+                   linestyle="none", label="counted")
+    above.plot(x, expected, color=MODEL, linewidth=1.3, label="simulated, fitted")
+    if band.max() > 0.002 * np.ptp(expected):
+        above.fill_between(x, expected - band, expected + band, color=MODEL, alpha=0.2, linewidth=0,
+                           label="standard error of the simulation")
+    above.set_ylabel("counts")
+    above.grid(axis="y")
+    residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
+    below.axhspan(-1, 1, color=PALE)
+    below.plot(x, residuals, "o", color=INK, markersize=3)
+    below.set_ylabel("residual / σ")
+    below.set_xlabel(scale.label(fit.counts.parameter))
+    style.write_title(figure, title or fit.title)
+    above.set_title("\n".join(lines), fontsize=9)
+    above.legend(loc="best")
+    return figure
+
+
+def _numbers(fit: CountsFit) -> list[str]:
+    width = [f"{name} = {format_value(value, unit, error)}" for name, unit, value, error in
+             zip(fit.names, fit.units, fit.values, fit.errors)]
+    return [*width, f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"]
+
+
+def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Central 68 % limits (Garwood 1936)."""
+    low = np.where(counts > 0, stats.chi2.ppf(0.15866, 2 * np.maximum(counts, 1)) / 2, 0)
+    return low, stats.chi2.ppf(1 - 0.15866, 2 * (counts + 1)) / 2

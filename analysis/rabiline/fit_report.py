@@ -1,0 +1,48 @@
+"""A fit of counts in words."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Iterable
+
+import numpy as np
+
+from .units import format_value
+
+if TYPE_CHECKING:
+    from .fitting import CountsFit
+
+LEAST_P = 1e-3
+
+
+def report(fit: CountsFit) -> Iterable[str]:
+    """Lines: values with errors and profile intervals, correlations, chi², what is degenerate."""
+    yield f"{fit.title}: {fit.counts.counts.size} points of {fit.counts.path} over {fit.counts.parameter}, at {fit.detector}"
+    width = max(map(len, fit.names))
+    for i, (name, unit) in enumerate(zip(fit.names, fit.units)):
+        if any(abs(direction.parts[i]) > 0.02 for direction in fit.degenerate):
+            yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit)}"
+            continue
+        low, high = fit.intervals[i]
+        yield (f"  {name:<{width}}  {format_value(fit.values[i], unit, fit.errors[i])}"
+               f"   (profile {_signed(low - fit.values[i], unit)}, {_signed(high - fit.values[i], unit)})")
+    for name, value, error in fit.combined:
+        yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
+    for direction in fit.degenerate:
+        yield f"  {direction}"
+    correlation = fit.covariance / fit.errors[:, None] / fit.errors
+    if not fit.degenerate:
+        for i, name in enumerate(fit.names):
+            for j in range(i):
+                if abs(correlation[i, j]) > 0.3:
+                    yield f"  correlation of {fit.names[j]} and {name}: {correlation[i, j]:+.2f}"
+    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.3g}"
+    yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
+    if fit.share_of_simulation > 0.2:
+        wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.99)) * fit.particles
+        yield (f"  {fit.share_of_simulation:.0%} of a variance is the simulation's own: `particles` of {wanted:.2g} make it a "
+               "tenth")
+    if fit.p < LEAST_P:
+        yield "  the experiment does not describe these counts: errors mean little"
+
+
+def _signed(by: float, unit: str) -> str:
+    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{format_value(abs(float(f'{by:.3g}')), unit)}"

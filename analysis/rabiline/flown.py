@@ -1,0 +1,43 @@
+"""A result that comes from the program inside Python."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from .results import Results, read
+
+
+class Flown(Results):
+    """A result that has just been flown: read from its own file in memory when more is asked for than what was detected."""
+
+    def __init__(self, core: object) -> None:
+        vars(self)["core"] = core
+
+    def __getattr__(self, name: str) -> object:
+        if name.startswith("__") or "scan" in vars(self):
+            raise AttributeError(f"a result has no `{name}`")
+        vars(self).update(vars(read(self.core.image())))
+        return getattr(self, name)
+
+    def __repr__(self) -> str:
+        return f"<result of {self.title}>"
+
+    @property
+    def detected(self) -> np.ndarray:
+        """As that of any result, without reading the file."""
+        return self._whole(self.core.detected)
+
+    @property
+    def errors(self) -> np.ndarray:
+        """Likewise."""
+        return self._whole(self.core.errors)
+
+    def _whole(self, values: np.ndarray) -> np.ndarray:
+        detectors, axes = self.core.detectors, self.core.axes
+        shape = ((len(detectors),) if len(detectors) > 1 else ()) + tuple(axis[2].size for axis in axes)
+        return values.reshape(shape)[()]
+
+    def write(self, path: Path | str) -> None:
+        """Writes the file that `rabiline run` writes, whole and verified or not at all."""
+        self.core.write(path)

@@ -1,0 +1,89 @@
+"""How well a measurement that has not been made will know parameters: the expected curvature of its likelihood at the values of
+the file."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+
+from .curve_model import CurveModel, NoFit, Surface
+from .experiment import Experiment
+from .fitting import BACKGROUND, SCALE, Direction, Exposure, Problem, _analysis
+from .units import format_value
+
+TURNS = 3  # for steps of about one standard deviation
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What is to be expected."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: np.ndarray  # SI, of the file
+    errors: np.ndarray
+    covariance: np.ndarray
+    condition: float
+    degenerate: tuple[Direction, ...]
+    combined: tuple[tuple[str, float, float], ...]
+    counts: np.ndarray  # [n] expected
+    problem: Problem
+
+    def __str__(self) -> str:
+        width = max(map(len, self.names))
+        lines = [f"{self.counts.size} points with {self.counts.min():.4g} to {self.counts.max():.4g} counts, "
+                 f"{self.counts.sum():.4g} in all"]
+        unknown = [any(abs(direction.parts[i]) > 0.02 for direction in self.degenerate) for i in range(len(self.names))]
+        lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error))
+                  for name, unit, value, error, lost in zip(self.names, self.units, self.values, self.errors, unknown)]
+        lines += [f"  {name}: {value:.6g} ± {error:.2g} in SI" for name, value, error in self.combined]
+        lines += [f"  {direction}" for direction in self.degenerate]
+        return "\n".join([*lines, f"  condition number {self.condition:.3g}"])
+
+
+def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None = None, seconds: float = 1.0,
+             background: float | None = None, known_rate: bool = False, detector: str | None = None,
+             threads: int = 0) -> Forecast:
+    """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
+    target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
+    factor of the exposure is free unless `known_rate`."""
+    flown = experiment.set(particles=1000).fly()
+    axes = flown.core.axes
+    if len(axes) != 1 or axes[0][3]:
+        raise NoFit(f"{experiment.path}: a forecast is for one scan over a numeric parameter, and this file has "
+                    f"{' and '.join(axis[0] for axis in axes) or 'none'}: name it with --scan, after --no-scan")
+    parameter, unit, values, _ = axes[0]
+    places = tuple(f"{value!r} {unit}".strip() for value in values.tolist())
+    parameter = parameter.split(", ")[0]
+    names = [name for name in free if name not in (SCALE, BACKGROUND)]
+    model = CurveModel(experiment, parameter, places, names, detector, threads)
+    each = _counts_each(model, flown, rate, seconds)
+    if background is None:
+        background = flown.detectors[model.detector].background
+    n = values.size
+    exposure = Exposure(np.full(n, each), np.ones(n), np.full(n, background * seconds), known_rate)
+    extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
+    start = model.start()
+    full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
+    steps = np.array([model.step(start, i, 1e-3 * abs(start[i]) if start[i] else 1e-6) for i in range(start.size)])
+    for _ in range(TURNS):
+        problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
+        mu, slopes, _ = problem.mean(full)
+        fisher = slopes @ (slopes.T / mu[:, None])
+        errors = 1 / np.sqrt(np.maximum(np.diag(fisher), 1e-300))
+        steps = np.array([model.step(start, i, errors[i]) for i in range(start.size)])
+    covariance, condition, degenerate, combined = _analysis(fisher, full, names, problem.least_ratio)
+    return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, np.sqrt(np.diag(covariance)), covariance,
+                    condition, degenerate, combined, mu, problem)
+
+
+def _counts_each(model: CurveModel, flown: object, rate: float | None, seconds: float) -> float:
+    """Counts where the fraction is 1."""
+    if rate is not None:
+        return rate * seconds
+    if flown.scan.count_rate is None:
+        raise NoFit("how many particles leave the source per second is not known: --rate, or `rate` in the file's source")
+    i = flown.scan.detectors.index(model.detector)
+    clean = flown.scan.count_rate[i] - flown.detectors[model.detector].background
+    return float(np.sum(clean) / np.sum(flown.scan.detected[i]) * seconds)

@@ -1,0 +1,73 @@
+"""The command fit-line."""
+from __future__ import annotations
+
+import argparse
+from argparse import ArgumentParser
+from pathlib import Path
+
+import h5py
+import numpy as np
+from matplotlib.figure import Figure
+
+from . import results
+from .counts import read_counts
+from .curves import Curve, curves
+from .errors import InputError
+from .lines import FORMS, LineFit, fit_line, ramsey_over
+from .units import format_value
+
+UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
+
+
+def arguments(parser: ArgumentParser) -> None:
+    """Its options."""
+    parser.set_defaults(command=fit_a_line)
+    parser.description = fit_a_line.__doc__
+    parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
+    parser.add_argument("--form", choices=[*FORMS], default="rabi",
+                        help="rabi by default; ramsey is averaged over the times of flight that a result keeps")
+    parser.add_argument("--lines", type=int, default=1, metavar="N", help="how many, alike but for centre and contrast")
+    parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help="where a parameter starts, in SI")
+    parser.add_argument("--detector", metavar="NAME")
+    parser.add_argument("--title")
+    parser.add_argument("-o", "--output", type=Path, metavar="PNG")
+
+
+def fit_a_line(options: argparse.Namespace) -> Figure | None:
+    """A closed form of a line fitted to a result or to measured counts: centre, width, contrast."""
+    try:
+        start = {name: float(value) for name, _, value in (text.partition("=") for text in options.start)}
+    except ValueError:
+        raise InputError("--start is NAME=VALUE, a number in SI") from None
+    form: object = options.form
+    if h5py.is_hdf5(options.file):
+        file = results.read(options.file)
+        found = curves(file, options.detector)
+        if len(found) != 1:
+            raise InputError(f"{options.file}: {len(found)} curves: choose one with --detector, or scan one parameter")
+        curve: Curve = found[0]
+        x, y, covariance, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
+        transits = file.detectors[curve.detector].transits
+        if options.form == "ramsey" and transits:
+            edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
+            form = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
+    else:
+        counts = read_counts(options.file, options.detector)
+        x, y, unit, name, title = counts.x, counts.counts, counts.unit, counts.parameter, options.file.name
+        covariance = np.diag(np.maximum(y, 1.0))
+    fitted = fit_line(x, y, covariance, form, lines=options.lines, start=start)
+    print("\n".join(described(fitted, unit)))
+    if not options.output:
+        return None
+    from .line_plots import draw_line
+    return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, described(fitted, unit))
+
+
+def described(fitted: LineFit, unit: str) -> list[str]:
+    """Values with their errors."""
+    lines = []
+    for name, value, error in zip(fitted.names, fitted.values, fitted.errors):
+        power = UNITS.get(name.split("_")[0], 0)
+        shown = unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
+        lines.append(f"{name:<10} {format_value(value, shown, error)}")
+    return [*lines, f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations"]

@@ -1,0 +1,191 @@
+"""Closed forms of lines, fitted to a curve with its covariance: the quick way, where the experiment itself is not needed.
+
+Every form is baseline + contrast f(x), f between 0 and 1. Frequencies are in Hz; `time` is that in a field, or between
+Ramsey's two.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Mapping, Sequence
+
+import numpy as np
+from scipy import optimize, stats
+
+from .errors import BadInput
+
+HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
+
+
+class NoLine(BadInput):
+    """Why a form cannot be fitted."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """A closed form of one line or several."""
+
+    name: str
+    parameters: tuple[str, ...]  # of f, beside `centre`
+    f: Callable[..., np.ndarray]  # f(x - centre, *parameters)
+    starts: Callable[[float, float], Sequence[Sequence[float]]]  # from the spacing and the extent of x
+
+
+def lorentz(d: np.ndarray, width: float) -> np.ndarray:
+    """`width` is that at half height."""
+    return 1 / (1 + (2 * d / width)**2)
+
+
+def gauss(d: np.ndarray, width: float) -> np.ndarray:
+    """`width` is that at half height."""
+    return np.exp2(-(2 * d / width)**2)
+
+
+def sinc2(d: np.ndarray, time: float) -> np.ndarray:
+    """A weak field for a time: (sin(pi d t)/(pi d t))²."""
+    return np.sinc(d * time)**2
+
+
+def rabi(d: np.ndarray, strength: float, time: float) -> np.ndarray:
+    """Rabi's flip (Phys. Rev. 51, 652, 1937): `strength` is the Rabi frequency in Hz."""
+    total = np.hypot(d, strength)
+    return (strength / total)**2 * np.sin(np.pi * total * time)**2
+
+
+def ramsey(d: np.ndarray, strength: float, pulse: float, time: float, spread: float) -> np.ndarray:
+    """Ramsey's two fields (Phys. Rev. 78, 695, 1950), each for the time `pulse`, averaged over flight times that are normal
+    with a relative deviation `spread`."""
+    times = np.clip(1 + spread * HERMITE, 0.05, None)
+    return _two_fields(d, strength, pulse * times, time * times, HERMITE_WEIGHTS / HERMITE_WEIGHTS.sum())
+
+
+def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
+    """The same, averaged over the slowness [s/m] that a result has; the fields are described by their lengths."""
+    weights = weights / weights.sum()
+
+    def f(d: np.ndarray, strength: float, zone: float, distance: float) -> np.ndarray:
+        return _two_fields(d, strength, zone * slowness, distance * slowness, weights)
+
+    mean = float(slowness @ weights)
+    return Form("ramsey", ("strength", "zone", "distance"), f,
+                lambda step, extent: [(1 / (4 * tau), tau / mean, time / mean) for time in np.geomspace(1 / extent, 1 / (2 * step), 8)
+                                      for tau in (time / 5, time / 20)])
+
+
+def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    total = np.maximum(np.hypot(d, strength), 1e-300)[:, None]
+    half, phase, d = np.pi * total * pulse, np.pi * d[:, None] * time, d[:, None]
+    amplitude = np.cos(phase) * np.cos(half) - d / total * np.sin(phase) * np.sin(half)
+    return (4 * (strength / total * np.sin(half) * amplitude)**2) @ weights
+
+
+FORMS = {form.name: form for form in (
+    Form("lorentz", ("width",), lorentz, lambda step, extent: [(w,) for w in np.geomspace(2 * step, extent, 10)]),
+    Form("gauss", ("width",), gauss, lambda step, extent: [(w,) for w in np.geomspace(2 * step, extent, 10)]),
+    Form("sinc2", ("time",), sinc2, lambda step, extent: [(0.886 / w,) for w in np.geomspace(2 * step, extent, 10)]),
+    Form("rabi", ("strength", "time"), rabi,
+         lambda step, extent: [(0.6 * w, 0.8 / w) for w in np.geomspace(2 * step, extent, 10)]),
+    Form("ramsey", ("strength", "pulse", "time", "spread"), ramsey,
+         lambda step, extent: [(1 / (4 * tau), tau, time, spread) for time in np.geomspace(1 / extent, 1 / (2 * step), 8)
+                               for tau in (time / 5, time / 20, time / 100) for spread in (0.02, 0.2, 0.4)]),
+)}
+
+
+@dataclass(frozen=True)
+class LineFit:
+    """What was fitted; the covariance is that of all parameters."""
+
+    form: str
+    names: tuple[str, ...]  # centre, or centre_1, ...; the form's own; contrast; baseline
+    values: np.ndarray
+    errors: np.ndarray
+    covariance: np.ndarray
+    chi_squared: float
+    freedom: int
+    expected: np.ndarray  # [n]
+
+    @property
+    def p(self) -> float:
+        """Of chi²."""
+        return float(stats.chi2.sf(self.chi_squared, self.freedom)) if self.freedom > 0 else np.nan
+
+    def __getitem__(self, name: str) -> tuple[float, float]:
+        """Value and error."""
+        i = self.names.index(name)
+        return float(self.values[i]), float(self.errors[i])
+
+
+def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
+             lines: int = 1, start: Mapping[str, float] | None = None) -> LineFit:
+    """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each and share the rest.
+    A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of independent points with these
+    variances, and errors come from the whole covariance."""
+    x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
+    if callable(form) and not isinstance(form, Form):
+        return _refined("callable", tuple(start), lambda values: form(x, *values), np.array(list(start.values())), y, covariance)
+    if not isinstance(form, Form) and form not in FORMS:
+        raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
+    chosen = form if isinstance(form, Form) else FORMS[form]
+    if x.size < len(chosen.parameters) + 2 * lines + 2:
+        raise NoLine(f"{x.size} points are too few for {lines} line{'s' if lines > 1 else ''} of the form {chosen.name}")
+    order = np.argsort(x)
+    unit, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
+    own = len(chosen.parameters)
+    sigma = np.sqrt(np.diag(covariance))
+    centres, shared = _first_guess(chosen, x[order], y[order], sigma[order], lines, start)
+    numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
+    contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
+    first = _linear(chosen, x, y, sigma, centres, shared)[1]
+
+    def model(values: np.ndarray) -> np.ndarray:
+        parts = [values[own + lines + i] * chosen.f(x - origin - values[i] * unit, *np.exp(values[lines:lines + own]))
+                 for i in range(lines)]
+        return values[-1] + np.sum(parts, axis=0)
+
+    found = _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
+        [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), y, covariance)
+    values, scale = found.values.copy(), np.ones(found.values.size)
+    values[:lines], scale[:lines] = origin + unit * values[:lines], unit
+    values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
+    covariance = found.covariance * scale[:, None] * scale
+    return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance)), covariance, found.chi_squared, found.freedom,
+                   found.expected)
+
+
+def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres: Sequence[float],
+            shared: Sequence[float]) -> tuple[float, np.ndarray]:
+    """chi², and baseline and contrasts that make it least."""
+    columns = np.stack([np.ones(x.size), *(form.f(x - centre, *shared) for centre in centres)], axis=1)
+    found = np.linalg.lstsq(columns / sigma[:, None], y / sigma, rcond=1e-10)[0]
+    return float(np.sum(((columns @ found - y) / sigma)**2)), found
+
+
+def _first_guess(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
+                 start: Mapping[str, float]) -> tuple[list[float], Sequence[float]]:
+    """Centres one after the other, each where it helps most, for the best of the form's starts."""
+    candidates = x if x.size <= 201 else x[::x.size // 200]
+    trials = form.starts(float(np.median(np.diff(x))), float(np.ptp(x)))
+    best: tuple[float, list[float], Sequence[float]] = (np.inf, [], ())
+    for trial in trials:
+        shared = [start.get(name, value) for name, value in zip(form.parameters, trial)]
+        centres: list[float] = []
+        for i in range(lines):
+            given = start.get("centre" if lines == 1 else f"centre_{i + 1}")
+            tried = [given] if given is not None else candidates
+            centres.append(min(tried, key=lambda c: _linear(form, x, y, sigma, [*centres, c], shared)[0]))
+        found = _linear(form, x, y, sigma, centres, shared)[0]
+        if found < best[0]:
+            best = (found, centres, shared)
+    return best[1], best[2]
+
+
+def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray], np.ndarray], first: np.ndarray, y: np.ndarray,
+             covariance: np.ndarray) -> LineFit:
+    sigma = np.sqrt(np.diag(covariance))
+    found = optimize.least_squares(lambda values: (model(values) - y) / sigma, first, x_scale="jac")
+    if not (found.success and np.isfinite(found.x).all()):
+        raise NoLine(f"the fit of the form {name} does not converge")
+    linear = np.linalg.pinv(found.jac, rcond=1e-10) / sigma
+    spread = linear @ covariance @ linear.T
+    left = (model(found.x) - y) / sigma
+    freedom = y.size - first.size
+    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), freedom, model(found.x))

@@ -1,0 +1,359 @@
+"""The pictures of the command line, each from its options; the figure is given back, not written."""
+from __future__ import annotations
+
+import argparse
+from argparse import ArgumentParser
+from math import inf
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from . import (angle_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
+               space_plots, style, tally_plots, track_plots, tracks, transit_plots)
+from .counts import read_counts
+from .curves import Curve, NoResonance, curves
+from .errors import InputError
+from .files import open as read_any
+from .hdf5 import FileError
+from .units import law_name, parse_quantity
+
+MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
+MOST_PANELS = 6
+
+
+def arguments(verb: str, parser: ArgumentParser) -> None:
+    """The options of one of these commands."""
+    function = globals()[verb.replace("-", "_")]
+    parser.set_defaults(command=function)
+    parser.description = function.__doc__
+    several = verb in ("plot-scan", "plot-profiles", "plot-tracks")
+    parser.add_argument("files" if several else "file", metavar="FILE", type=Path, nargs="+" if several else None)
+    if verb == "plot-tally":
+        parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
+    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
+    if verb not in ("plot-image", "plot-tally", "plot-angles"):
+        parser.add_argument("--title", help="instead of the file's own")
+    if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
+        parser.add_argument("--detector", metavar="NAME", help="the first one by default")
+    if verb in ("plot-scan", "plot-levels"):
+        parser.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
+                            help='points out a value: "Larmor frequency=291.647 kHz"')
+    if verb in OWN_OPTIONS:
+        OWN_OPTIONS[verb](parser)
+
+
+def _of_scan(parser: ArgumentParser) -> None:
+    parser.add_argument("--detector", metavar="NAME", help="all by default")
+    parser.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
+    parser.add_argument("--data", type=Path, metavar="COUNTS.csv",
+                        help="measured counts over the same parameter, scaled to the first curve")
+    parser.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
+                        help="above a panel of --beside instead of the file's title; repeated, one for each file")
+
+
+def _of_image(parser: ArgumentParser) -> None:
+    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
+                                                        "and the middle of its deepest dip or peak")
+
+
+def _of_profiles(parser: ArgumentParser) -> None:
+    parser.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
+
+
+def _of_tally(parser: ArgumentParser) -> None:
+    parser.add_argument("--axes", metavar="A,B",
+                        help="one or two of its axes; the first ones by default, the others are summed over")
+    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
+
+
+def _of_angles(parser: ArgumentParser) -> None:
+    parser.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
+    parser.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
+    parser.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
+    parser.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
+
+
+def _of_transit(parser: ArgumentParser) -> None:
+    parser.add_argument("--species", metavar="I", type=int, default=1, help="which of the beam; 1 by default")
+
+
+def _of_tracks(parser: ArgumentParser) -> None:
+    parser.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
+                        help='shades a field: "B=0.30:0.55" (m)')
+    parser.add_argument("--in-space", action="store_true", help="in three dimensions")
+
+
+def _of_motion(parser: ArgumentParser) -> None:
+    parser.add_argument("--point", metavar="I", type=int, help="of a scan: the motions at this point, not the findings")
+
+
+OWN_OPTIONS = {"plot-scan": _of_scan, "plot-image": _of_image, "plot-profiles": _of_profiles, "plot-tally": _of_tally,
+               "plot-angles": _of_angles, "plot-transit": _of_transit, "plot-tracks": _of_tracks,
+               "plot-motion": _of_motion}
+
+
+def plot_of(opened: object, kind: str | None = None, options: dict[str, object] | None = None) -> Figure:
+    """The picture of what is open, with the options of `plot-KIND` as keywords."""
+    parser = ArgumentParser()
+    verb = f"plot-{kind or _fitting_kind(opened)}"
+    if verb.replace("-", "_") not in globals():
+        raise InputError(f"there is no picture `{kind}`")
+    arguments(verb, parser)
+    name = [str((options or {}).pop("name"))] if verb == "plot-tally" else []
+    chosen = parser.parse_args(["FILE", *name, "-o", "none.png"])
+    for key, value in (options or {}).items():
+        if not hasattr(chosen, key):
+            raise InputError(f"{verb} has no option `{key}`")
+        setattr(chosen, key, value)
+    chosen.file, chosen.files = opened, [opened]
+    with style.here():
+        return chosen.command(chosen)
+
+
+def _fitting_kind(opened: object) -> str:
+    if isinstance(opened, results.Results):
+        return "scan" if opened.scan.axes else "image"
+    return "tracks" if isinstance(opened, tracks.Tracks) else "motion"
+
+
+def _results(source: object) -> results.Results:
+    return source if isinstance(source, results.Results) else results.read(source)
+
+
+def _read(source: object) -> object:
+    """A file's content, whatever it holds; or what is open already."""
+    return source if not isinstance(source, (str, Path)) else read_any(source)
+
+
+def plot(options: argparse.Namespace) -> Figure:
+    """The picture that fits a file: its scan, else its image; its tracks; the motions of a model."""
+    opened = _read(options.file)
+    return plot_of(opened, None, {"title": options.title} if options.title and _fitting_kind(opened) != "image" else {})
+
+
+def plot_scan(options: argparse.Namespace) -> Figure:
+    """Curves of one or several files in one picture."""
+    files = [_results(path) for path in options.files]
+    found = [(file, curve) for file in files for curve in _curves(file, options.detector)]
+    first = found[0][1].axis
+    for file, curve in found:
+        if (curve.axis.parameter, curve.axis.labels) != (first.parameter, first.labels):
+            raise InputError(f"{file.path}: its scan runs over {curve.axis.parameter}, the first one over "
+                             f"{first.parameter}")
+    labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
+    chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
+    title = options.title or _title(files, chosen)
+    marks = dict(_mark(text) for text in options.mark)
+    lines = [curve for _, curve in found]
+    across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
+    if options.panel_title and not options.beside:
+        raise InputError("--panel-title names the panels of --beside")
+    if options.beside:
+        names = options.panel_title or [file.title for file in files]
+        if len(names) != len(files):
+            raise InputError(f"{len(names)} --panel-title for {len(files)} files; give one for each file")
+        panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
+        figure = scan_plots.draw_beside(panels, options.title or "", marks)
+    elif len(lines) <= MOST_CURVES:
+        figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
+    elif across and len(files) == len({curve.detector for curve in lines}) == 1:
+        figure = scan_plots.draw_map(lines, across[0], title, marks)
+    else:
+        several = any(len(file.scan.detectors) > 1 for file in files) and options.detector is None
+        choose = "; choose one detector with --detector" if several else ""
+        raise InputError(f"{len(lines)} curves are too many for one picture{choose}")
+    return figure
+
+
+def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
+    """Counts in SI and in the measure of the curve, by the factor that makes the squares of their differences least."""
+    counts = read_counts(path)
+    if counts.parameter != curve.axis.parameter:
+        raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
+    try:
+        x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
+    except ValueError as problem:
+        raise InputError(f"{path}: {problem}") from None
+    order = np.argsort(curve.x)
+    expected = np.interp(x, curve.x[order], curve.y[order])
+    factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
+    return scan_plots.Measured(x, factor * counts.counts, factor * np.sqrt(np.maximum(counts.counts, 1.0)))
+
+
+def _panel(file: results.Results, title: str, lines: list[Curve]) -> scan_plots.Panel:
+    return scan_plots.Panel(title, lines, _distinct([line.label for line in lines], [file.path.stem] * len(lines)))
+
+
+def plot_levels(options: argparse.Namespace) -> Figure:
+    """Populations of the spin levels at a detector, over the scan."""
+    file = _results(options.file)
+    rows = _curves(file, _detector(file, options.detector))
+    if len(rows) > MOST_PANELS:
+        raise InputError(f"{len(rows)} curves are too many for one picture")
+    detector = file.detectors[_detector(file, options.detector)]
+    marks = dict(_mark(text) for text in options.mark)
+    return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks)
+
+
+def plot_image(options: argparse.Namespace) -> Figure:
+    """A detector's images off and on resonance."""
+    file = _results(options.file)
+    name = _detector(file, options.detector)
+    if options.points:
+        shots = [image_plots.shot_of(file, point) for point in _points(options.points, len(file.laws))]
+    elif file.scan.axes:
+        shots = image_plots.off_and_on(file, curves(file, name))
+    else:
+        shots = [image_plots.shot_of(file, 0)]
+    return image_plots.draw_images(file, file.detectors[name], shots)
+
+
+def plot_profiles(options: argparse.Namespace) -> Figure:
+    """Profiles on a detector, of all scan points of one or several files, in one picture."""
+    files = [_results(path) for path in options.files]
+    shots = [(file, point) for file in files for point in range(len(file.laws))]
+    if len(shots) > MOST_CURVES:
+        raise InputError(f"{len(shots)} profiles are too many for one picture")
+    about = [", ".join(filter(None, (law_name(file.laws[point]), file.species[point],
+                                     image_plots.shot_of(file, point).heading if _scans_values(file) else "")))
+             for file, point in shots]
+    labels = _distinct(about, [file.path.stem for file, _ in shots])
+    profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
+                for (file, point), label in zip(shots, labels)]
+    return profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title)
+
+
+def plot_tally(options: argparse.Namespace) -> Figure:
+    """A tally of a monitor or a detector, over one or two of its axes."""
+    file = _results(options.file)
+    if options.name not in file.tallies:
+        there = f"there is {', '.join(file.tallies)}" if file.tallies else "it has none"
+        raise InputError(f"{file.path}: no tally `{options.name}` ({there})")
+    tally = file.tallies[options.name]
+    names = [axis.name for axis in tally.axes]
+    chosen = options.axes.split(",") if options.axes else names[:2]
+    if not set(chosen) <= set(names) or len(chosen) not in (1, 2) or len(set(chosen)) != len(chosen):
+        raise InputError(f"--axes {options.axes}: name one or two of {', '.join(names)}")
+    points = _points(options.points, len(file.laws)) if options.points else [0]
+    if len(points) > MOST_PANELS:
+        raise InputError(f"{len(points)} scan points are too many for one picture")
+    return tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points)
+
+
+def plot_angles(options: argparse.Namespace) -> Figure:
+    """Polar angle and azimuth of the spin along the planes of a monitor, with straight lines fitted to them."""
+    file = _results(options.file)
+    if not 0 <= options.point < len(file.laws):
+        raise InputError(f"--point {options.point}: the scan points are 0 to {len(file.laws) - 1}")
+    try:
+        angles = angle_plots.angles_of(file, options.monitor, options.point)
+    except angle_plots.NoAngles as problem:
+        raise InputError(f"{file.path}: {problem}") from problem
+    try:
+        expected = [parse_quantity(text, "Hz") if text else None for text in (options.polar_rate, options.azimuth_rate)]
+    except ValueError as problem:
+        raise InputError(f"a rate is written like `2.9 kHz`: {problem}") from problem
+    for line in angles:
+        print(line)
+    return angle_plots.draw_angles(file, angles, expected, options.point)
+
+
+def plot_transit(options: argparse.Namespace) -> Figure:
+    """Times of flight to a detector, by the levels before and behind the fields that turn spins."""
+    file = _results(options.file)
+    name = _detector(file, options.detector)
+    transits = file.detectors[name].transits
+    if not transits:
+        raise InputError(f"{file.path}: has no times of flight to `{name}`: they are kept where a scan follows from "
+                         "moments of the slowness, or with `rabiline run --transit totals`")
+    if not 1 <= options.species <= len(transits):
+        raise InputError(f"--species {options.species}: there are 1 to {len(transits)}")
+    transit = transits[options.species - 1]
+    return transit_plots.draw_transit(transit, file.emitted[0], options.title or transit.title)
+
+
+def plot_tracks(options: argparse.Namespace) -> Figure:
+    """Paths of single particles."""
+    files = [path if isinstance(path, tracks.Tracks) else tracks.read(path) for path in options.files]
+    labels = _distinct([law_name(file.law) for file in files], [file.path.stem for file in files])
+    regions = [_region(text) for text in options.region]
+    title = options.title or files[0].title
+    draw = space_plots.draw_paths if options.in_space else track_plots.draw_tracks
+    return draw(files, labels, title, regions)
+
+
+def plot_motion(options: argparse.Namespace) -> Figure:
+    """Motions of a model, or its findings over a scan."""
+    file = options.file if isinstance(options.file, motions.Motions) else motions.read(options.file)
+    title = options.title or file.title
+    if file.axis is not None and options.point is None:
+        return motion_plots.draw_findings(file, title)
+    point = options.point or 0
+    if not 0 <= point < len(file.points):
+        raise InputError(f"--point {point}: the scan points are 0 to {len(file.points) - 1}")
+    return motion_plots.draw_motions(file.points[point], title)
+
+
+def _detector(file: results.Results, name: str | None) -> str:
+    if name is not None and name not in file.detectors:
+        raise InputError(f"{file.path}: no detector `{name}` (there is {', '.join(file.detectors)})")
+    return name or file.scan.detectors[0]
+
+
+def _scans_values(file: results.Results) -> bool:
+    return any(axis.parameter != "law" for axis in file.scan.axes)
+
+
+def _curves(file: results.Results, detector: str | None) -> list[Curve]:
+    try:
+        return curves(file, detector and _detector(file, detector))
+    except NoResonance as problem:
+        raise FileError(file.path, str(problem)) from None
+
+
+def _title(files: list[results.Results], chosen: str = "") -> str:
+    """The first file's title, with what was chosen; and what the beam consists of, where that is a mixture."""
+    species = dict.fromkeys(name for file in files for name in file.species)
+    mixture = list(species) if len(species) == 1 and " + " in next(iter(species)) else []
+    return "\n".join([files[0].title + chosen, *mixture])
+
+
+def _distinct(labels: list[str], stems: list[str]) -> list[str]:
+    """Labels, with the file's name where there is none or it would come twice."""
+    return [label if label and labels.count(label) == 1 else f"{label} [{stem}]" if label else stem
+            for label, stem in zip(labels, stems)]
+
+
+def _mark(text: str) -> tuple[str, float]:
+    label, equals, value = text.rpartition("=")
+    try:
+        if not (equals and label):
+            raise ValueError("no label")
+        return label, parse_quantity(value)
+    except ValueError:
+        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"') from None
+
+
+def _points(text: str, points: int) -> list[int]:
+    try:
+        numbers = [int(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--points {text} is not a list of numbers, such as 0,50") from None
+    if not all(0 <= number < points for number in numbers):
+        raise InputError(f"--points {text}: the scan points are 0 to {points - 1}")
+    return numbers
+
+
+def _region(text: str) -> track_plots.Region:
+    name, _, stretch = text.rpartition("=")
+    begin, _, end = stretch.partition(":")
+    try:
+        region = track_plots.Region(name, float(begin), float(end))
+        if not (name and -inf < region.begin < region.end < inf):
+            raise ValueError("empty")
+        return region
+    except ValueError:
+        raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
+
+

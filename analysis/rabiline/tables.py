@@ -1,0 +1,96 @@
+"""Results as tables of other libraries: pandas, xarray, CSV. A column's unit stands behind its name: `speed [m/s]`."""
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+
+    from .results import Results
+
+
+def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
+    """(name, unit) and [rows] of each column: a row for each scan point of each detector."""
+    scan = results.scan
+    points, detectors = int(np.prod(scan.shape)), len(scan.detectors)
+    table: dict[tuple[str, str], np.ndarray] = {}
+    for axis, index in zip(scan.axes, np.unravel_index(np.arange(points), scan.shape)):
+        values = np.array(axis.labels, dtype=object) if axis.labels else axis.values
+        table[axis.parameter, axis.units] = np.tile(values[index], detectors)
+    if detectors > 1:
+        table["detector", ""] = np.repeat(np.array(scan.detectors, dtype=object), points)
+    for name, unit, values in (("detected", "", scan.detected), ("detected_error", "", scan.errors),
+                               ("count_rate", "1/s", scan.count_rate),
+                               ("count_rate_error", "1/s", scan.count_rate_errors)):
+        if values is not None:
+            table[name, unit] = values.ravel()
+    return table
+
+
+def to_csv(results: Results, path: Path | str) -> None:
+    """A line for each scan point of each detector, numbers in SI."""
+    table = columns(results)
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        file.write(f"# {results.title}\n# {results.program}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
+        writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row]
+                         for row in zip(*table.values()))
+
+
+def to_dataframe(results: Results) -> pandas.DataFrame:
+    """The same for pandas; the units stand in its `attrs["units"]`."""
+    import pandas
+    table = columns(results)
+    frame = pandas.DataFrame({name: values for (name, _), values in table.items()})
+    frame.attrs.update(title=results.title, units={name: unit for name, unit in table if unit})
+    return frame
+
+
+def to_xarray(results: Results) -> xarray.Dataset:
+    """Everything over the scan with its axes: `detected`, and for each detector `counts_NAME` over x and z, monitors and
+    tallies; each has its `NAME_error`."""
+    import xarray
+    scan = results.scan
+    over = tuple(axis.parameter for axis in scan.axes)
+    shape = scan.shape if over else ()
+    coords: dict[str, object] = {
+        axis.parameter: (axis.parameter, list(axis.labels) if axis.labels else axis.values,
+                         {"units": axis.units} if axis.units else {}) for axis in scan.axes}
+    coords["detector"] = list(scan.detectors)
+    data: dict[str, object] = {}
+
+    def add(name: str, dims: tuple[str, ...], values: np.ndarray, errors: np.ndarray, units: str = "1") -> None:
+        data[name] = (dims, values, {"units": units})
+        data[f"{name}_error"] = (dims, errors, {"units": units})
+
+    each = (len(scan.detectors), *shape)
+    add("detected", ("detector", *over), scan.detected.reshape(each), scan.errors.reshape(each))
+    if scan.count_rate is not None and scan.count_rate_errors is not None:
+        add("count_rate", ("detector", *over), scan.count_rate.reshape(each), scan.count_rate_errors.reshape(each), "1/s")
+    if scan.covariance is not None:
+        behind = tuple(f"{name}'" for name in over)
+        data["detected_covariance"] = (("detector", *over, *behind), scan.covariance.reshape(*each, *shape))
+    for name, detector in results.detectors.items():
+        dims = (f"x_{name}", f"z_{name}")
+        for dim, edges in zip(dims, (detector.x_edges, detector.z_edges)):
+            coords[dim] = (dim, (edges[:-1] + edges[1:]) / 2, {"units": "m"})
+        image = (*shape, *detector.counts.shape[1:])
+        add(f"counts_{name}", (*over, *dims), detector.counts.reshape(image), detector.errors.reshape(image))
+    for name, monitor in results.monitors.items():
+        planes = (f"plane_{name}",) if monitor.passed.ndim > 1 else ()
+        whole = (*shape, *monitor.passed.shape[1:])
+        add(f"passed_{name}", (*over, *planes), monitor.passed.reshape(whole), monitor.errors.reshape(whole))
+    for name, tally in results.tallies.items():
+        dims = tuple(f"{axis.name}_{name}" for axis in tally.axes)
+        for dim, axis in zip(dims, tally.axes):
+            coords[dim] = (dim, list(axis.labels) if axis.labels else (axis.edges[:-1] + axis.edges[1:]) / 2,
+                           {"units": axis.units or "1"})
+        whole = (*shape, *tally.counts.shape[1:])
+        add(f"tally_{name}", (*over, *dims), tally.counts.reshape(whole), tally.errors.reshape(whole))
+    return xarray.Dataset(data, coords, {"title": results.title, "program": results.program})

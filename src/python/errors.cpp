@@ -1,0 +1,41 @@
+// Errors as Python's exceptions: their text is what the command line prints, with line and caret.
+#include "python/bindings.hpp"
+
+namespace rabiline {
+namespace {
+
+namespace py = pybind11;
+
+py::dict as_dict(const Diagnostic& diagnostic) {
+  py::dict out;
+  out["file"] = diagnostic.place.text ? diagnostic.place.text->name : std::string();
+  out["line"] = diagnostic.place.line;
+  out["column"] = diagnostic.place.column;
+  out["message"] = diagnostic.message;
+  out["help"] = diagnostic.suggestion;
+  return out;
+}
+
+}  // namespace
+
+void add_errors(py::module_& module) {
+  static const py::handle input_error =
+      py::exception<InputError>(module, "InputError", PyExc_ValueError).release();
+  static const py::handle storage_error =
+      py::exception<StorageError>(module, "StorageError", PyExc_OSError).release();
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& error) {
+      py::list diagnostics;
+      for (const Diagnostic& diagnostic : error.diagnostics()) diagnostics.append(as_dict(diagnostic));
+      py::object made = py::reinterpret_borrow<py::object>(input_error)("\n" + render(error.diagnostics()));
+      made.attr("diagnostics") = diagnostics;
+      PyErr_SetObject(input_error.ptr(), made.ptr());
+    } catch (const StorageError& error) {
+      PyErr_SetString(storage_error.ptr(), error.what());
+    }
+  });
+}
+
+}  // namespace rabiline

@@ -1,0 +1,166 @@
+"""Fits of counts give back what they were made with, know their errors, and say what they do not know."""
+from __future__ import annotations
+
+import os
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rabiline._core", reason="built without pybind11")
+import rabiline  # noqa: E402
+from rabiline.counts import Counts  # noqa: E402
+from rabiline.curve_model import NoFit  # noqa: E402
+from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
+from rabiline.forecasting import forecast  # noqa: E402
+from rabiline.hdf5 import FileError  # noqa: E402
+
+PROGRAM = os.environ["RABILINE_PROGRAM"]
+RAMSEY = """
+rabiline: 1
+title: Ramsey's fringes of cold neutrons
+species: neutron
+law: quantum
+source:
+  speed: {kind: gaussian, mean: 800 m/s, sigma: 40 m/s}
+  opening: {width: 1 cm, height: 4 cm}
+  direction: parallel
+parts:
+  - {name: guide, kind: uniform_field, at: 0.1 m, length: 3 m, field: 1 mT}
+  - {name: pol, kind: spin_filter, axis: z, at: 0.2 m, up: 0.98, down: 0.02}
+  - {name: C1, kind: oscillating_field, at: 0.5 m, length: 10 cm, amplitude: 110 uT, frequency: 29.1647 kHz, approximation: rotating_wave, phase: random}
+  - {name: C2, kind: oscillating_field, at: 2.5 m, length: 10 cm, amplitude: 110 uT, oscillator: C1, approximation: rotating_wave, phase: locked}
+  - {name: ana, kind: spin_filter, axis: z, at: 3 m, up: 0.98, down: 0.02}
+  - {name: det, kind: detector, at: 4 m, width: 2 cm, height: 5 cm, bins: [1, 1]}
+particles: 50000
+seed: 4
+scan: {parameter: C1.frequency, from: 28.6647 kHz, to: 29.6647 kHz, points: 41}
+"""
+WIRE = """
+rabiline: 1
+title: A hot wire across a potassium beam
+species: K-39 atom
+law: quantum
+source:
+  speed: {kind: effusive, temperature: 500 K}
+  opening: {width: 2 mm, height: 30 um}
+  direction: {kind: aimed, target: s1, emission: cosine}
+  spin: {kind: thermal, temperature: 500 K}
+parts:
+  - {name: s1, kind: slit, at: 0.3 m, width: 2 mm, height: 30 um}
+  - {name: mag, kind: gradient_magnet, at: 0.35 m, length: 0.1 m, field: 0.8 T, gradient: 80 T/m, gap: {width: 5 mm, height: 2 mm}}
+  - {name: wire, kind: detector, at: 0.9 m, width: 10 mm, height: 50 um, bins: [1, 1]}
+particles: 100000
+seed: 4
+"""
+TRUTH = {"guide.field": 1.0003e-3, "C1.amplitude+C2.amplitude": 113e-6, "source.speed.mean": 805.0}
+
+
+def measured(experiment: rabiline.Experiment, parameter: str, x: np.ndarray, unit: str, truth: dict[str, float], each: float,
+             seed: int = 1) -> Counts:
+    """Counts of an experiment that is flown with other particles."""
+    places = tuple(f"{value!r} {unit}" for value in x.tolist())
+    changes = {name: value for names, value in truth.items() for name in names.split("+")}
+    y = experiment.scan().set(changes).set(seed=1000 + seed, particles=1000000).scan(parameter, places).fly().detected
+    return Counts("counts", parameter, places, x, unit, np.random.default_rng(seed).poisson(each * y).astype(float), None,
+                  None, None)
+
+
+@pytest.fixture(scope="module")
+def ramsey() -> rabiline.Experiment:
+    return rabiline.load(RAMSEY)
+
+
+@pytest.fixture(scope="module")
+def fringes(ramsey: rabiline.Experiment) -> Counts:
+    return measured(ramsey, "C1.frequency", np.linspace(28664.7, 29664.7, 41), "Hz", TRUTH, 40000)
+
+
+@pytest.fixture(scope="module")
+def fitted(ramsey: rabiline.Experiment, fringes: Counts) -> CountsFit:
+    return fit_counts(ramsey, fringes, list(TRUTH))
+
+
+def test_field_amplitude_and_speed_come_back_within_their_errors(fitted: CountsFit) -> None:
+    for name, true in TRUTH.items():
+        value, error = fitted[name]
+        assert abs(value - true) < 3.5 * error, name
+        low, high = fitted.intervals[fitted.names.index(name)]
+        assert 0.7 * error < value - low < 1.4 * error and 0.7 * error < high - value < 1.4 * error
+    assert fitted["guide.field"][1] < 1e-8 and fitted["source.speed.mean"][1] < 1.5
+    assert 1e-3 < fitted.p < 1 - 1e-6 and not fitted.degenerate
+
+
+def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    wrong = fit_counts(ramsey.set({"source.speed.sigma": "20 m/s"}), fringes, ["guide.field"], intervals=False)
+    assert wrong.p < 1e-6 and "does not describe these counts" in str(wrong)
+
+
+def test_a_known_exposure_has_no_free_scale(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    known = Counts(**{**vars(fringes), "emitted": np.full(41, 40000.0)})
+    assert fit_counts(ramsey, known, ["guide.field"], intervals=False).names == ("guide.field",)
+
+
+def test_a_forecast_is_what_a_fit_of_enough_particles_finds(ramsey: rabiline.Experiment, fitted: CountsFit) -> None:
+    expected = forecast(ramsey.set({"C1.amplitude": 113e-6, "C2.amplitude": 113e-6}), list(TRUTH), rate=40000)
+    statistical = fitted.errors[:3] * np.sqrt(1 - fitted.share_of_simulation)
+    assert expected.errors[:3] == pytest.approx(statistical, rel=0.25)
+    twice = forecast(ramsey, list(TRUTH), rate=40000, seconds=4)
+    assert twice.errors[0] == pytest.approx(expected.errors[0] / 2, rel=0.1)
+
+
+def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
+    expected = forecast(ramsey, list(TRUTH), rate=40000)
+    exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))
+    generator = np.random.default_rng(3)
+    found = np.array([replace(expected.problem, surface=exact, counts=generator.poisson(expected.counts).astype(float)).least(
+        expected.values)[0] for _ in range(200)])
+    assert np.std(found, axis=0, ddof=1) == pytest.approx(expected.errors, rel=0.15)  # of 200 it is known to 5 %
+    assert (np.abs(found.mean(axis=0) - expected.values) < 4 * expected.errors / np.sqrt(200)).all()
+
+
+@pytest.mark.slow
+def test_temperature_over_gradient_comes_back_and_both_are_told_to_be_degenerate() -> None:
+    wire = rabiline.load(WIRE)
+    counts = measured(wire, "wire.offset.z", np.linspace(-1.5, 1.5, 61) * 1e-3, "m", {"source.speed.temperature": 504.8}, 2e5)
+    one = fit_counts(wire, counts, ["source.speed.temperature"], intervals=False)
+    assert abs(one["source.speed.temperature"][0] - 504.8) < 3.5 * one["source.speed.temperature"][1] < 12
+    both = fit_counts(wire, counts, ["source.speed.temperature", "mag.gradient"])
+    (name, ratio, error), = both.combined
+    assert name == "source.speed.temperature / mag.gradient" and abs(ratio - 504.8 / 80) < 3.5 * error < 0.15
+    assert "degenerate: `source.speed.temperature` by" in str(both) and "`mag.gradient` by" in str(both)
+    assert "not known by itself" in str(both)
+
+
+def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    with pytest.raises(NoFit, match="has no effect"):
+        fit_counts(ramsey, fringes, ["guide.length"])
+    with pytest.raises(NoFit, match="is no number that the file states"):
+        fit_counts(ramsey, fringes, ["guide.filed"])
+
+
+def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) -> None:
+    (tmp_path / "ramsey.yaml").write_text(RAMSEY)
+    (tmp_path / "counts.csv").write_text("# measured\nC1.frequency [kHz], counts\n" + "".join(
+        f"{x / 1000!r}, {n:.0f}\n" for x, n in zip(fringes.x.tolist(), fringes.counts)))
+    done = subprocess.run([PROGRAM, "fit", tmp_path / "ramsey.yaml", "--data", tmp_path / "counts.csv", "--free", "guide.field",
+                           "--set", "C1.amplitude=113 uT", "--set", "C2.amplitude=113 uT", "-o", tmp_path / "fit.png"],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "guide.field  1.000" in done.stdout and "chi²" in done.stdout
+    assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("table", "reason"), [
+    ("", "an empty table"), ("C1.frequency [kHz]\n29\n", "no column `counts`"), ("counts\n1\n", "no column of the scanned"),
+    ("C1.frequency [kHz],counts\n29,1.5\n29.1,2\n", "whole numbers"), ("C1.frequency [kHz],counts\n29,1\n29,2\n", "each once"),
+    ("C1.frequency [kHz],counts\n29,1\n29.1\n", "line 3: 1 values in 2 columns"),
+    ("C1.frequency [kHz],counts\n29,x\n", "line 2: `x` is no number"),
+    ("C1.frequency [kHz],C2.phase [deg],counts\n1,2,3\n", "one parameter is scanned")])
+def test_a_table_that_cannot_be_used_is_told_with_its_line(ramsey: rabiline.Experiment, tmp_path: Path, table: str,
+                                                           reason: str) -> None:
+    (tmp_path / "a.csv").write_text(table)
+    with pytest.raises(FileError, match=reason):
+        ramsey.fit(tmp_path / "a.csv", ["guide.field"])

@@ -1,0 +1,92 @@
+"""Every picture of every shipped experiment has its ink inside the canvas, and no text over another."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+
+pytest.importorskip("rabiline._core", reason="built without pybind11")
+import rabiline  # noqa: E402
+from rabiline import motions, pictures, style  # noqa: E402
+from rabiline.apparatus import draw_apparatus  # noqa: E402
+from rabiline.errors import BadInput  # noqa: E402
+
+pytestmark = pytest.mark.slow
+BEAMLINES = Path(__file__).parents[2] / "beamline"
+NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
+LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
+PARTICLES = 300  # what is drawn, not what it means
+SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
+
+
+def texts(figure: Figure) -> list[tuple[str, Bbox, bool]]:
+    """Each text that is drawn, with its box in dots, and whether it stands straight: the box of a slanted one is more than
+    its ink."""
+    found = []
+    draw = Text.draw
+
+    def watched(text: Text, renderer: object) -> None:
+        if text.get_visible() and text.get_text().strip():
+            box = text.get_window_extent(renderer)
+            found.append((text.get_text(), box, text.get_rotation() % 90 == 0))
+        draw(text, renderer)
+
+    figure.canvas.draw()  # the layout settles
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Text, "draw", watched)
+        figure.canvas.draw()
+    return found
+
+
+def faults(figure: Figure) -> list[str]:
+    found, (width, height) = texts(figure), figure.canvas.get_width_height()
+    wrong = [f"outside: {text!r}" for text, box, _ in found
+             if box.x0 < -SLACK or box.y0 < -SLACK or box.x1 > width + SLACK or box.y1 > height + SLACK]
+    for i, (text, box, straight) in enumerate(found):
+        for other, its, its_straight in found[:i]:
+            across, along = min(box.x1, its.x1) - max(box.x0, its.x0), min(box.y1, its.y1) - max(box.y0, its.y0)
+            if straight and its_straight and min(across, along) > SLACK and not (text == other and box.bounds == its.bounds):
+                wrong.append(f"overlap: {text!r} and {other!r}")
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_offset_text().get_text() and axis.get_visible():
+                wrong.append(f"offset text: {axis.get_offset_text().get_text()!r}")
+    return wrong
+
+
+def drawn(opened: object, name: str) -> dict[str, Figure]:
+    """All pictures that there are of what is open."""
+    if isinstance(opened, motions.Motions):
+        return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
+    kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
+    kinds += [("tally", {"name": tally}) for tally in opened.tallies]
+    figures = {}
+    for kind, options in kinds:
+        titled = {} if kind in ("image", "tally", "angles") else {"title": LONG}
+        try:
+            figures[kind + "".join(options.values())] = pictures.plot_of(opened, kind, {**options, **titled})
+        except BadInput:
+            continue  # what this file does not have
+    return figures
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_ink_stays_inside_and_texts_apart(name: str) -> None:
+    experiment = rabiline.load(BEAMLINES / f"{name}.yaml")
+    with style.here():
+        if experiment.is_model:
+            figures = drawn(experiment.run(), name)
+        else:
+            experiment = experiment.set(particles=PARTICLES)
+            figures = drawn(experiment.fly(), name)
+            figures["tracks"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG})
+            figures["in space"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG, "in_space": True})
+            figures["draw"] = draw_apparatus(experiment.scan(), 20, LONG)
+        wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
+    for figure in figures.values():
+        plt.close(figure)
+    assert not wrong, "\n".join(wrong)

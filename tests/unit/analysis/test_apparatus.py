@@ -1,0 +1,46 @@
+"""Drawings of an apparatus, and starter files."""
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from matplotlib import pyplot as plt
+
+pytest.importorskip("rabiline._core", reason="built without pybind11")
+import rabiline  # noqa: E402
+from rabiline import starters  # noqa: E402
+from rabiline.__main__ import main  # noqa: E402
+from rabiline.apparatus import draw_apparatus, pieces_of  # noqa: E402
+
+BEAMLINES = Path(__file__).parents[3] / "beamline"
+
+
+def test_parts_are_drawn_where_they_stand_with_their_openings() -> None:
+    pieces = {piece.name: piece for piece in pieces_of(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan())}
+    assert pieces["magnet"].begin == 0.034 and pieces["magnet"].length == 0.035
+    assert pieces["slit"].half == {"x": 0.0004, "z": 1.75e-5} and pieces["magnet"].half["x"] == 0.002
+
+
+def test_paths_are_told_apart_by_their_fate() -> None:
+    figure = draw_apparatus(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan(), 50)
+    shown = {text.get_text() for text in figure.axes[2].get_legend().get_texts()}
+    assert "detected plate" in shown and "stopped magnet" in shown
+    plt.close(figure)
+
+
+def test_every_starter_is_a_file_without_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in starters.STARTERS:
+        assert main(["new", name]) == 0
+        rabiline.load(tmp_path / f"{name}.yaml").check()
+    assert main(["new", "ramsey"]) == 2  # it is there already
+
+
+def test_every_shipped_file_names_the_schema_that_the_program_writes(tmp_path: Path) -> None:
+    import os
+    written = subprocess.run([os.environ["RABILINE_PROGRAM"], "describe", "--schema"], check=True, capture_output=True,
+                             text=True).stdout
+    assert (BEAMLINES / starters.SCHEMA).read_text() == written, "write it anew: rabiline describe --schema"
+    for path in BEAMLINES.glob("*.yaml"):
+        assert path.read_text().startswith(f"# yaml-language-server: $schema={starters.SCHEMA}\n"), path

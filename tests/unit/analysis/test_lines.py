@@ -1,0 +1,63 @@
+"""Closed forms: each finds itself again, with errors that bear out, and lines are told apart."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rabiline.lines import FORMS, NoLine, fit_line, rabi, ramsey, ramsey_over, sinc2
+
+TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
+X = 29000 + np.linspace(-120, 120, 121)
+
+
+@pytest.mark.parametrize("name", list(TRUE))
+def test_each_form_finds_its_centre_and_its_own_parameters(name: str) -> None:
+    clean = 0.2 + 0.6 * FORMS[name].f(X - 29003.0, *TRUE[name])
+    y = clean + np.random.default_rng(5).normal(0, 0.004, X.size)
+    found = fit_line(X, y, np.eye(X.size) * 0.004**2, name)
+    assert abs(found["centre"][0] - 29003) < 4 * found["centre"][1] < 4
+    for parameter, true in zip(FORMS[name].parameters, TRUE[name]):
+        value, error = found[parameter]
+        assert abs(value - true) < 4 * error + 1e-3 * true, parameter
+    assert found.p > 1e-4
+
+
+def test_errors_of_the_centre_are_its_scatter() -> None:
+    generator = np.random.default_rng(1)
+    clean = 0.1 + 0.8 * rabi(X - 29000.0, 12.0, 0.03)
+    fits = [fit_line(X, clean + generator.normal(0, 0.01, X.size), np.eye(X.size) * 1e-4, "rabi",
+                     start={"strength": 12, "time": 0.03}) for _ in range(60)]
+    centres = np.array([found["centre"] for found in fits])
+    assert np.std(centres[:, 0]) == pytest.approx(centres[:, 1].mean(), rel=0.3)
+
+
+def test_points_that_err_together_do_not_move_the_centre() -> None:
+    clean = 0.1 + 0.8 * rabi(X - 29000.0, 12.0, 0.03)
+    apart = fit_line(X, clean, np.eye(X.size) * 1e-4, "rabi")
+    together = fit_line(X, clean, np.full((X.size, X.size), 1e-4), "rabi")
+    assert together["centre"][1] < 1e-3 * apart["centre"][1] and together["baseline"][1] == pytest.approx(0.01, rel=1e-3)
+
+
+def test_two_lines_are_told_apart() -> None:
+    y = 0.1 + 0.5 * FORMS["lorentz"].f(X - 28960.0, 15.0) + 0.3 * FORMS["lorentz"].f(X - 29030.0, 15.0)
+    found = fit_line(X, y, np.eye(X.size) * 1e-6, "lorentz", lines=2)
+    assert sorted((found["centre_1"][0], found["centre_2"][0])) == pytest.approx([28960, 29030], abs=0.05)
+
+
+def test_weak_fields_and_two_fields_at_once_are_limits() -> None:
+    d = np.linspace(-100, 100, 41)
+    assert rabi(d, 1e-4, 0.02) / rabi(np.array([0.0]), 1e-4, 0.02) == pytest.approx(sinc2(d, 0.02), abs=1e-6)
+    assert ramsey(np.array([0.0]), 125.0, 0.002, 0.02, 0.0) == pytest.approx(1)  # two pulses of a quarter turn
+    slow = ramsey_over(np.array([1e-3]), np.array([1.0]))
+    assert slow.f(d, 125.0, 2.0, 20.0) == pytest.approx(ramsey(d, 125.0, 0.002, 0.02, 0.0))
+
+
+def test_any_callable_is_fitted_from_its_start() -> None:
+    found = fit_line(X, 3 + 2 * np.sin(X / 10), np.eye(X.size), lambda x, a, b: a + b * np.sin(x / 10), start={"a": 0, "b": 1})
+    assert found["a"][0] == pytest.approx(3) and found["b"][0] == pytest.approx(2)
+
+
+def test_what_is_no_form_is_refused() -> None:
+    with pytest.raises(NoLine, match="there is no form"):
+        fit_line(X, X, np.eye(X.size), "bell")
+    with pytest.raises(NoLine, match="too few"):
+        fit_line(X[:5], X[:5], np.eye(5), "ramsey")
