@@ -38,7 +38,7 @@ class Compiler {
         spins_(sections_, zones_, beamline.source),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
-        may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
+        may_reach_chamber_(beamline.gravity || !stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) outlook_.tip = 0;
   }
 
@@ -212,7 +212,7 @@ class Compiler {
       if (turns_velocity(touching))
         fly_through_region(touching);
       else
-        for (const Section& section : touching) fly_straight_through(section);
+        fly_straight_or_in_steps(touching);
       i = end;
     }
     add_planes_up_to(std::numeric_limits<double>::infinity());
@@ -227,11 +227,32 @@ class Compiler {
     if (turning_.rate_per_tesla == 0) return false;
     const bool spins_aligned = turning_.take_off_spin_component && outlook_.tip == 0;
     return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
+      if (!s.shaped.empty()) return true;
       if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
         return true;
       const Vector3 field = zones_.static_field(s);
       return field != Vector3{} && !(spins_aligned && is_parallel(field, outlook_.aligned));
     });
+  }
+
+  /// Only where fields differ from place to place is a path that nothing turns flown in steps.
+  void fly_straight_or_in_steps(std::span<const Section> touching) {
+    for (std::size_t i = 0; i < touching.size();) {
+      std::size_t end = i;
+      while (end < touching.size() && !touching[end].shaped.empty()) ++end;
+      if (end > i) {
+        add_planes_up_to(touching[i].begin);
+        carry_spins({touching[i].begin, touching[end - 1].end});
+        fly_through_region(touching.subspan(i, end - i));
+        i = end;
+      } else {
+        fly_straight_through(touching[i++]);
+      }
+    }
+  }
+  void carry_spins(const Stretch& to_begin_of) {
+    std::vector<SpinZone> zones = straight_ ? spins_.zones_before(to_begin_of) : std::vector<SpinZone>{};
+    if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
   }
 
   void fly_straight_through(const Section& section) {
@@ -256,6 +277,19 @@ class Compiler {
       edge.screen = screen_at(plane);
     }
     return edge;
+  }
+
+  FieldCoupling feels() const {
+    FieldCoupling feels;
+    feels.spin_per_tesla = -species_.gyromagnetic_ratio;
+    feels.turn_per_tesla = turning_.rate_per_tesla;
+    if (law_traits(beamline_.law).deflects) feels.pull = full_moment(species_) / species_.mass;
+    feels.levels = levels();
+    if (const auto& gravity = beamline_.gravity) {
+      const Vector3 fall = gravity->acceleration * Vector3(gravity->direction);
+      feels.gravity[0] = fall.x, feels.gravity[2] = fall.z;
+    }
+    return feels;
   }
 
   Sight sight_at(const Plane& plane, const MonitorTerm& monitor) const {
@@ -283,7 +317,7 @@ class Compiler {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_);
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels());
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish());
     may_reach_chamber_ = true;

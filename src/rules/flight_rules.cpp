@@ -100,6 +100,42 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
   }
 }
 
+/// Fields that differ from place to place act on point moments, and what stands in them is passed both ways.
+void check_stepped(const Beamline& beamline, const Sections& sections, Faults& out) {
+  for (const Stretch& stretch : stepped_stretches(sections)) {
+    const auto section = std::ranges::find_if(
+        sections.sections, [&](const Section& s) { return s.begin >= stretch.begin && !s.shaped.empty(); });
+    const auto part = [&](int number) -> const PlacedPart& {
+      return beamline.parts[static_cast<std::size_t>(number)];
+    };
+    const std::string& field = part(section->shaped.front().part).placement.name;
+    const Species* atom = atom_of(beamline);
+    if (is_quantum(beamline) && atom != nullptr) {
+      out.push_back(
+          {field, "kind",
+           fmt::format("the field of `{}` differs from place to place, and `{}` has levels of two spins, "
+                       "which can be followed through ideal fields only",
+                       field, atom->name),
+           "a deflecting magnet sorts them; a species with one moment flies through any field"});
+      return;
+    }
+    for (const Plane& plane : sections.planes) {
+      if (plane.y <= stretch.begin || plane.y >= stretch.end ||
+          std::holds_alternative<PlateTerm>(plane.term) || std::holds_alternative<ScreenTerm>(plane.term) ||
+          std::holds_alternative<MonitorTerm>(plane.term) || std::holds_alternative<AlignTerm>(plane.term))
+        continue;
+      const PlacedPart& inside = part(plane.part);
+      out.push_back(
+          {inside.placement.name, "at",
+           fmt::format("`{}` stands in the field of `{}`, which differs from place to place ({} to {}), "
+                       "and {} cannot be passed there",
+                       inside.placement.name, field, metres(stretch.begin), metres(stretch.end),
+                       with_article(kind_of(inside.part))),
+           "move it out of the field"});
+    }
+  }
+}
+
 /// Transitions are tabulated in the slowness alone: two clocks must not differ by the time of emission.
 void check_clocks(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
   if (!beamline.source.pulse) return;
@@ -133,6 +169,7 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
 void check_flight(const Beamline& beamline, Faults& out) {
   const Sections sections = sections_of(beamline);
   check_overlaps(beamline, sections, out);
+  check_stepped(beamline, sections, out);
   if (!out.empty()) return;
   for (const Component& component : beamline.species) {
     if (is_quantum(beamline) && component.species.structure)

@@ -39,6 +39,8 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
   view.edges = region.edges.data();
   view.zone_count = static_cast<int>(region.zones.size());
   view.take_off_spin_component = region.take_off_spin_component;
+  view.shaped = region.shaped.data();
+  view.feels = region.feels;
   view.most_way = region.most_way;
   view.most_visits = 64 + 4 * region.zones.size();
   return view;
@@ -107,6 +109,9 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
 void explain_course(const RegionZone& zone, PlanReport& report) {
   const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate)),
                turns = rate * zone.table.span / (2 * std::numbers::pi);
+  if (zone.course == ZoneCourse::through_field)
+    return report.line("{:>16}each particle in steps of its own length, {} at most", "",
+                       pretty_quantity(zone.longest, Dimension::length));
   if (rate == 0) return;
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -118,6 +123,8 @@ void explain_course(const RegionZone& zone, PlanReport& report) {
     case ZoneCourse::slow_turns:
       return report.line("{:>16}steps of {}, {:.4g} turns, that follow the slow angles", "",
                          pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::through_field:
+      return;
     case ZoneCourse::steps:
       return report.line("{:>16}steps of {}, {:.0f} per turn", "",
                          pretty_quantity(zone.step, Dimension::time),
@@ -157,6 +164,7 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 
 double cost_of(const RegionZone& zone, double speed) {
   const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
+  const double shaped = zone.shaped_end - zone.shaped_begin;
   const auto spans = [&] { return std::ceil(stay / zone.table.span); };
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -166,6 +174,8 @@ double cost_of(const RegionZone& zone, double speed) {
     case ZoneCourse::slow_turns:
       return cost::crossing +
              spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
+    case ZoneCourse::through_field:
+      return stay * speed / zone.longest * (cost::laboratory_step + shaped * cost::shaped_field);
     case ZoneCourse::steps:
       break;
   }
@@ -242,7 +252,8 @@ double TurningRegion::cost(double speed) const {
 }
 
 void TurningRegion::explain(PlanReport& report) const {
-  report.line("{}  region that turns the velocity, to {}{}", PlanReport::metres(zones.front().field.begin),
+  report.line("{}  {}, to {}{}", PlanReport::metres(zones.front().field.begin),
+              shaped.empty() ? "region that turns the velocity" : "flown through fields in steps",
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
     explain_zone(zone.field, report);

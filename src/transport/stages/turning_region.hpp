@@ -1,5 +1,5 @@
 #pragma once
-// Fields that turn the velocity.
+// Fields that turn the velocity, or that differ from place to place.
 #include <vector>
 
 #include "transport/region.hpp"
@@ -15,13 +15,15 @@ struct Sight {
   std::vector<Histogram> tallies;
   bool operator==(const Sight&) const = default;
 };
-/// Touching fields that turn the velocity; the particle may leave backwards.
+/// Touching fields that are flown through in steps; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
   std::vector<RegionEdge> edges;  // between neighbouring zones
   std::vector<Sight> sights;      // in the order in which they are passed
   bool take_off_spin_component = false;
   double most_way = 0;  // [m] in one zone at one visit
+  std::vector<ShapedTerm> shaped{};
+  FieldCoupling feels{};
   bool operator==(const TurningRegion&) const = default;
 
   static constexpr StageTraits traits{
