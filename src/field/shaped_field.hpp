@@ -1,27 +1,27 @@
 #pragma once
 // B and its nine derivatives at a place, of shaped terms, for any number type: what kernels and the host read
-// is one formula. `Maths` has the functions beyond + - * / of a Number.
+// is one formula. `Maths` (field/host_maths.hpp, field/lane_maths.hpp) has what it needs beyond + - * /.
 #include "field/shaped_term.hpp"
 
 namespace rabiline {
 
-/// B [T] and dB_i/dx_k at slope[3 i + k] [T/m], in the laboratory.
-template <class Number>
-struct FieldHere {
-  Number field[3], slope[9];
-};
+template <class Maths, class Number>
+[[gnu::always_inline]] inline FieldHere<Number> field_of(const LinearShape& linear, Number x, Number y,
+                                                         Number z) {
+  const Number none = x - x;
+  FieldHere<Number> here;
+  for (int i = 0; i < 3; ++i) {
+    const double* g = linear.slope + 3 * i;
+    here.field[i] = x * g[0] + y * g[1] + z * g[2] + linear.field[i];
+    for (int k = 0; k < 3; ++k) here.slope[3 * i + k] = none + g[k];
+  }
+  return here;
+}
 
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_in_own_frame(const ShapedTerm& term, Number x, Number y,
                                                                    Number z) {
-  const Number none = x - x;
-  FieldHere<Number> here;
-  for (int i = 0; i < 3; ++i) {
-    const double* g = term.slope + 3 * i;
-    here.field[i] = x * g[0] + y * g[1] + z * g[2] + term.field[i];
-    for (int k = 0; k < 3; ++k) here.slope[3 * i + k] = none + g[k];
-  }
-  return here;
+  return with_shape(term, [&](const auto& shape) { return field_of<Maths>(shape, x, y, z); });
 }
 
 /// Adds one term's field at (x, y, z) of the laboratory.
