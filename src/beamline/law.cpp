@@ -26,6 +26,12 @@ LawTraits law_traits(const Law& law) {
   return std::visit(Of{}, law);
 }
 
+double tolerance_of(const Law& law) {
+  if (const auto* dorado = std::get_if<DoradoLaw>(&law)) return dorado->path_error;
+  if (const auto* quantum = std::get_if<QuantumLaw>(&law)) return quantum->tolerance;
+  return std::get<ClassicalLaw>(law).tolerance;
+}
+
 Law without_splitting(Law law) {
   if (auto* quantum = std::get_if<QuantumLaw>(&law)) quantum->outcomes = Outcomes::sample;
   return law;

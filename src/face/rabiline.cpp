@@ -19,6 +19,7 @@
 #include "rules/warnings.hpp"
 #include "simulation/blocks.hpp"
 #include "simulation/effects.hpp"
+#include "simulation/field_check.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
@@ -253,6 +254,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
+  result.field_check = check_fields(plan, options.isa);
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   if (moments.everywhere && !result.flight)

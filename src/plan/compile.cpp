@@ -285,6 +285,7 @@ class Compiler {
     feels.turn_per_tesla = turning_.rate_per_tesla;
     if (law_traits(beamline_.law).deflects) feels.pull = full_moment(species_) / species_.mass;
     feels.levels = levels();
+    feels.tolerance = tolerance_of(beamline_.law);
     if (const auto& gravity = beamline_.gravity) {
       const Vector3 fall = gravity->acceleration * Vector3(gravity->direction);
       feels.gravity[0] = fall.x, feels.gravity[2] = fall.z;

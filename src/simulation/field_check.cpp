@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "transport/vector_lanes.hpp"
 
@@ -151,8 +152,7 @@ class Checker {
   /// The same flight by the other integrator.
   bool follow(const TurningRegion& region, const BatchView& before, int i, Row& state) {
     const int levels = region.feels.levels;
-    const double part =
-        levels > 0 ? 1 - 2 * static_cast<double>(before.level[i]) / (levels - 1) : 1;
+    const double part = levels > 0 ? 1 - 2 * static_cast<double>(before.level[i]) / (levels - 1) : 1;
     for (const RegionZone& zone : region.zones) {
       double phases[most_drives] = {};
       for (int k = 0; k < zone.field.drives; ++k)

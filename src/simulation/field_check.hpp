@@ -7,10 +7,10 @@
 
 namespace rabiline {
 
-/// Flies the first few particles of the plan up to each region with fields that differ from place to place, and
-/// through it both ways: by the kernel, and by GSL's rk8pd with y as the variable (P. Prince and J. Dormand, J.
-/// Comput. Appl. Math. 7, 67 (1981)). Those that turn back or stop inside are left out. Nothing where there is
-/// no such region.
+/// Flies the first few particles of the plan up to each region with fields that differ from place to place,
+/// and through it both ways: by the kernel, and by GSL's rk8pd with y as the variable (P. Prince and J.
+/// Dormand, J. Comput. Appl. Math. 7, 67 (1981)). Those that turn back or stop inside are left out. Nothing
+/// where there is no such region.
 std::optional<FieldCheck> check_fields(const Plan&, Isa);
 
 }  // namespace rabiline

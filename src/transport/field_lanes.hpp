@@ -4,13 +4,12 @@
 //   dr/dt = v,  dS/dt = w x S,  dv/dt = W x v + a,  a = g + the force of the gradient on the moment,
 // w, W and a at the place of the lane and at its time. A step is of fourth order: they are taken at the two
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
+#include "field/lane_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
-
-struct LaneMaths {};
 
 /// S turned by the rotation vector o of any length.
 RABILINE_LANES Vector turned_by(const Vector& o, const Vector& v) {
