@@ -10,13 +10,18 @@
 
 namespace rabiline {
 
-/// What becomes of a particle whose level a deflecting magnet asks for.
-enum class Outcomes { split, sample };
+/// What becomes of a particle whose level a deflecting magnet asks for. `coherent_drawn` is `coherent` for
+/// the flight of one particle alone, of which a magnet draws one level.
+enum class Outcomes { split, sample, coherent, coherent_drawn };
 template <>
 inline constexpr auto choices<Outcomes> = std::array{
     Choice<Outcomes>{"split", Outcomes::split,
                      "its weight is shared out over the levels: less noise, and scans fly each path once"},
     Choice<Outcomes>{"sample", Outcomes::sample, "one level is drawn for each particle"},
+    Choice<Outcomes>{
+        "coherent", Outcomes::coherent,
+        "as `split`; but a field that differs from place to place leaves the levels coherent where it "
+        "neither surely keeps nor surely destroys their phases"},
 };
 
 /// What steps through fields are chosen for where nothing else is asked for.

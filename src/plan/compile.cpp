@@ -35,7 +35,8 @@ class Compiler {
         quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
         zones_(zone_maker(beamline, species)),
-        spins_(sections_, zones_, beamline.source),
+        stretches_(stretches_of(beamline, species, sections_)),
+        spins_(sections_, zones_, beamline.source, stretches_),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
         may_reach_chamber_(beamline.gravity || !stays_where_it_starts(beamline.source)) {
@@ -210,7 +211,7 @@ class Compiler {
       add_planes_up_to(sections[i].begin);
       const std::span<const Section> touching(&sections[i], end - i);
       if (turns_velocity(touching))
-        fly_through_region(touching);
+        fly_through_region(touching, coupling_of(beamline_, species_));
       else
         fly_straight_or_in_steps(touching);
       i = end;
@@ -241,18 +242,30 @@ class Compiler {
       std::size_t end = i;
       while (end < touching.size() && !touching[end].shaped.empty()) ++end;
       if (end > i) {
-        add_planes_up_to(touching[i].begin);
-        carry_spins({touching[i].begin, touching[end - 1].end});
-        fly_through_region(touching.subspan(i, end - i));
+        fly_in_steps(touching.subspan(i, end - i));
         i = end;
       } else {
         fly_straight_through(touching[i++]);
       }
     }
   }
-  void carry_spins(const Stretch& to_begin_of) {
-    std::vector<SpinZone> zones = straight_ ? spins_.zones_before(to_begin_of) : std::vector<SpinZone>{};
-    if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
+  void fly_in_steps(std::span<const Section> touching) {
+    const double begin = touching.front().begin;
+    const Stretch& stretch = *std::ranges::find(stretches_, begin, &Stretch::begin);
+    add_planes_up_to(begin);
+    if (!stretch.outlook.sorts) {
+      std::vector<SpinZone> zones = spins_.zones_before(stretch);
+      if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
+      return fly_through_region(touching, coupling_of(beamline_, species_), stretch.outlook);
+    }
+    Plane entrance;
+    entrance.y = begin;
+    entrance.part = touching.front().shaped.front().part;
+    entrance.term = MagnetTerm{stretch.end};
+    if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
+    fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
+    TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
+    chain_.back() = SortingField{std::move(region), entrance.part};
   }
 
   void fly_straight_through(const Section& section) {
@@ -279,20 +292,6 @@ class Compiler {
     return edge;
   }
 
-  FieldCoupling feels() const {
-    FieldCoupling feels;
-    feels.spin_per_tesla = -species_.gyromagnetic_ratio;
-    feels.turn_per_tesla = turning_.rate_per_tesla;
-    if (law_traits(beamline_.law).deflects) feels.pull = full_moment(species_) / species_.mass;
-    feels.levels = levels();
-    feels.tolerance = tolerance_of(beamline_.law);
-    if (const auto& gravity = beamline_.gravity) {
-      const Vector3 fall = gravity->acceleration * Vector3(gravity->direction);
-      feels.gravity[0] = fall.x, feels.gravity[2] = fall.z;
-    }
-    return feels;
-  }
-
   Sight sight_at(const Plane& plane, const MonitorTerm& monitor) const {
     Sight sight{census_of(plane, monitor), {}};
     for (std::size_t i = 0; i < monitor.tallies.size(); ++i)
@@ -314,13 +313,14 @@ class Compiler {
     maker.end();
   }
 
-  void fly_through_region(std::span<const Section> touching) {
+  void fly_through_region(std::span<const Section> touching, const FieldCoupling& feels,
+                          const StretchOutlook& outlook = {}) {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels());
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels);
     for (const Section& section : touching) add_section(section, maker);
-    chain_.push_back(maker.finish());
+    chain_.push_back(maker.finish(outlook));
     may_reach_chamber_ = true;
   }
 
@@ -332,6 +332,7 @@ class Compiler {
   const bool quantum_;
   const Turning turning_;
   const ZoneMaker zones_;
+  const std::vector<Stretch> stretches_;
   const SpinHistory spins_;
   const bool straight_;  // nothing in the whole beam turns the velocity
   const LevelQuestions questions_;

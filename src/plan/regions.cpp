@@ -54,7 +54,8 @@ void RegionMaker::look(Sight sight) {
 
 void RegionMaker::end() { close_zone(section_->end); }
 
-TurningRegion RegionMaker::finish() {
+TurningRegion RegionMaker::finish(const StretchOutlook& outlook) {
+  region_.outlook = outlook;
   region_.take_off_spin_component = turning_.take_off_spin_component;
   region_.most_way = 200 * (region_.zones.back().field.end -
                             region_.zones.front().field.begin);  // what circles for longer gives up

@@ -30,7 +30,7 @@ class RegionMaker {
   /// the flight is the same to the bit with and without it.
   void look(Sight);
   void end();
-  TurningRegion finish();
+  TurningRegion finish(const StretchOutlook&);
 
  private:
   void close_zone(double end);

@@ -14,27 +14,16 @@ UnitVector axis_of(const StartSpin& spin) {
 
 }  // namespace
 
-std::vector<Stretch> stepped_stretches(const Sections& sections) {
-  std::vector<Stretch> stretches;
-  for (const Section& section : sections.sections) {
-    if (section.shaped.empty()) continue;
-    if (!stretches.empty() && stretches.back().end == section.begin)
-      stretches.back().end = section.end;
-    else
-      stretches.push_back({section.begin, section.end});
-  }
-  return stretches;
-}
-
 bool spins_along_z(const StartSpin& spin, bool quantum) {
   const auto* polarised = std::get_if<PolarisedSpin>(&spin);
   return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
 }
 
-const Plane* SpinHistory::last_known_spin(const Plane* before) const {
+const Plane* SpinHistory::last_known_spin(double y, const Plane* before) const {
   const Plane* last = nullptr;
   for (const Plane& plane : sections_.planes) {
-    if (&plane == before) break;  // what stands at the same place comes in the order of the list
+    if (&plane == before || plane.y > y)
+      break;  // what stands at the same place comes in the order of the list
     if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term) ||
         std::holds_alternative<MagnetTerm>(plane.term))
       last = &plane;
@@ -54,7 +43,7 @@ double SpinHistory::known_before(const Plane& plane) const { return known_before
 double SpinHistory::known_before(double y, const Plane* plane) const {
   const Stretch* stepped = last_stretch(y);
   const double carried = stepped != nullptr ? std::min(stepped->end, y) : 0;
-  const Plane* last = last_known_spin(plane);
+  const Plane* last = last_known_spin(y, plane);
   if (last == nullptr) return carried;
   // In a magnet whose field points elsewhere from place to place spins follow it.
   const auto* magnet = std::get_if<MagnetTerm>(&last->term);
@@ -95,9 +84,10 @@ std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const
 }
 
 UnitVector SpinHistory::start_before(const Plane& plane) const {
-  const Plane* last = last_known_spin(&plane);
+  const Plane* last = last_known_spin(plane.y, &plane);
   const Stretch* stepped = last_stretch(plane.y);
-  if (stepped != nullptr && (last == nullptr || last->y < stepped->end)) return {1, 0, 0};
+  if (stepped != nullptr && (last == nullptr || last->y < stepped->end))
+    return stepped->outlook.sorts ? UnitVector{} : UnitVector{1, 0, 0};
   if (last == nullptr) return axis_of(source_.spin);
   if (std::holds_alternative<MagnetTerm>(last->term)) return {};
   const auto* align = std::get_if<AlignTerm>(&last->term);

@@ -2,16 +2,10 @@
 // What acts on the spins of a straight flight before they reach a plane.
 #include <vector>
 
+#include "plan/stretches.hpp"
 #include "plan/zones.hpp"
 
 namespace rabiline {
-
-/// A part of the beam.
-struct Stretch {
-  double begin = 0, end = 0;  // [m]
-};
-/// Touching sections with fields that differ from place to place: spins are carried along each path there.
-std::vector<Stretch> stepped_stretches(const Sections&);
 
 /// Whether every spin of a vector law starts along the static field or against it.
 bool spins_along_z(const StartSpin& spin, bool quantum);
@@ -19,8 +13,9 @@ bool spins_along_z(const StartSpin& spin, bool quantum);
 class SpinHistory {
  public:
   /// All must outlive it.
-  SpinHistory(const Sections& sections, const ZoneMaker& zones, const Source& source)
-      : sections_(sections), zones_(zones), source_(source), stepped_(stepped_stretches(sections)) {}
+  SpinHistory(const Sections& sections, const ZoneMaker& zones, const Source& source,
+              std::vector<Stretch> stepped)
+      : sections_(sections), zones_(zones), source_(source), stepped_(std::move(stepped)) {}
 
   /// The fields since spins were last set anew or brought up to date: at the source, an alignment, a filter,
   /// or behind a stretch that is flown in steps.
@@ -37,7 +32,7 @@ class SpinHistory {
   UnitVector start_before(const Plane&) const;
 
  private:
-  const Plane* last_known_spin(const Plane* before) const;
+  const Plane* last_known_spin(double y, const Plane* before) const;
   double known_before(double y, const Plane*) const;
   /// The last stretch that begins before `y`, or null.
   const Stretch* last_stretch(double y) const;

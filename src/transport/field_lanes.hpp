@@ -6,6 +6,7 @@
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
 #include "field/lane_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
@@ -65,14 +66,28 @@ struct ChangingRate {
 /// What acts at one place and time.
 struct Influence {
   Vector spin, turn;  // [rad/s] w, and W before its part along S is taken off
-  Vector slope[3];    // [1/s^2] of S along x, y, z: what it accelerates by
+  Vector slope[3];    // [m/s^2] what S along x, y, z accelerates by
+  Vector level;       // [m/s^2] what a level does
 };
+
+/// What two halves and a whole step of fourth order would come to with ever shorter steps.
+RABILINE_LANES State extrapolated(const State& whole, State halves) {
+  const auto on = [](const Vector& a, const Vector& b) {
+    return Vector{fma(b.x - a.x, broadcast(1.0 / 15), b.x), fma(b.y - a.y, broadcast(1.0 / 15), b.y),
+                  fma(b.z - a.z, broadcast(1.0 / 15), b.z)};
+  };
+  halves.place = on(whole.place, halves.place);
+  halves.velocity = on(whole.velocity, halves.velocity);
+  halves.spin = on(whole.spin, halves.spin);
+  return halves;
+}
 
 struct FieldStepper {
   const Region& region;
   const RegionZone& zone;
   const real* phases;
   real part;  // of the whole moment that pulls: (m/I) under `quantum`, else 1
+  words level;
 
   bool turns() const {
     return region.feels.turn_per_tesla != 0 || zone.field.turn_rate != 0 ||
@@ -86,7 +101,7 @@ struct FieldStepper {
 
   inline Influence at(real t, const Vector& r) const {
     const Rates uniform = rates_at(zone.field, phases, t, r.y);
-    Influence here{uniform.spin, uniform.turn, {}};
+    Influence here{uniform.spin, uniform.turn, {}, {}};
     if (zone.shaped_begin == zone.shaped_end) return here;
     FieldHere<real> field{};
     for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
@@ -95,15 +110,36 @@ struct FieldStepper {
     here.spin = add(here.spin, broadcast(region.feels.spin_per_tesla), b);
     here.turn = add(here.turn, broadcast(region.feels.turn_per_tesla), b);
     if (region.feels.pull == 0) return here;
+    if (region.feels.follows_level) {
+      along_field(field, here);
+      return here;
+    }
     const real pull = part * region.feels.pull;
     for (int i = 0; i < 3; ++i)
       here.slope[i] = {pull * field.slope[3 * i], pull * field.slope[3 * i + 1],
                        pull * field.slope[3 * i + 2]};
     return here;
   }
-  /// F = grad (mu . B), mu along S.
+  /// mu grad |B| = mu (B . dB/dx_k)/|B|, zero where B is 0 and has no direction.
+  /// No spin is carried.
+  inline void along_field(const FieldHere<real>& field, Influence& here) const {
+    const real *b = field.field, size2 = fma(b[0], b[0], fma(b[1], b[1], b[2] * b[2]));
+    const real size = sqrt(size2), over = select(size > broadcast(0), 1.0 / size, broadcast(0));
+    const MomentLaw& moments = region.feels.moments;
+    const real pull = moments.coefficients == nullptr
+                          ? part * region.feels.pull
+                          : moment_of(moments, level, size) * (1 / region.feels.mass);
+    const auto grows = [&](int k) {
+      const real* g = field.slope + k;
+      return fma(b[0], g[0], fma(b[1], g[3], b[2] * g[6])) * over * pull;
+    };
+    here.spin = here.turn = Vector{};
+    here.level = {grows(0), grows(1), grows(2)};
+  }
+  /// F = grad (mu . B), mu along S, or that of a level.
   RABILINE_LANES Vector pull_at(const Influence& here, const Vector& spin) const {
     const Vector g = gravity();
+    if (region.feels.follows_level) return add(g, broadcast(1), here.level);
     return region.feels.pull == 0
                ? g
                : add(add(add(g, spin.x, here.slope[0]), spin.y, here.slope[1]), spin.z, here.slope[2]);
@@ -158,6 +194,8 @@ struct FieldStepper {
     s.velocity = add(add(s.velocity, half, rotate(o1, pull1)), half, rotate(o2, pull2));
     return s;
   }
+  /// Of two halves, without the error that the whole step tells.
+  inline State better(real h, const State& s) const { return extrapolated(once(h, s), twice(h, s)); }
   inline State twice(real h, const State& s) const { return once(0.5 * h, once(0.5 * h, s)); }
 
   /// No longer than a radian of the velocity's turning.
@@ -171,14 +209,14 @@ struct FieldStepper {
   inline State at_plane(const State& before, real h, real plane) const {
     real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
     for (int i = 0; i < 8; ++i) {
-      const State there = twice(length, before);
+      const State there = better(length, before);
       const real newton = max(broadcast(0), min(h, length + (plane - there.place.y) / there.velocity.y));
       const real better = select(there.velocity.y != broadcast(0), newton, length);
       const mask settled = abs(better - length) <= 1e-13 * h;
       length = better;
       if (all(settled)) break;
     }
-    State there = twice(length, before);
+    State there = better(length, before);
     there.place.y = plane;
     return there;
   }
@@ -202,7 +240,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   const real part = region.feels.levels > 0 ? fma(number_of(lookout.level),
                                                   broadcast(-2.0 / (region.feels.levels - 1)), broadcast(1))
                                             : broadcast(1);
-  const FieldStepper stepper{region, zone, phases, part};
+  const FieldStepper stepper{region, zone, phases, part, lookout.level};
   const double length = zone.field.end - zone.field.begin;
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end);
   const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
@@ -218,14 +256,16 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     const mask comes = now.velocity.y > broadcast(0);
     const real free = stepper.longest(now, min(h, most)), trial = select(comes, min(free, ahead), free);
     const State whole = stepper.once(trial, now), halves = stepper.twice(trial, now);
-    // Each fourth-order half has a 32nd of the whole's error, two of them a 16th.
-    const real error =
-        difference(whole, halves, length) * (1.0 / 15) / (region.feels.tolerance * (trial / stay) + 0x1p-50);
+    // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
+    // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
+    // by. A jump of the field may take a thousandth of the tolerance, or steps would become shorter for ever.
+    const real allowed = region.feels.tolerance * (0.25 * (trial / stay) + 1e-3),
+               error = difference(whole, halves, length) * (1.0 / 15) / allowed;
     const mask rejected = error > broadcast(1), steps_on = going & ~rejected;
     const real root = sqrt(sqrt(max(error, broadcast(1e-4))));
     h = select(steps_on & (trial < 0.5 * free), free, max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root)));
     const State old = now;
-    now = choose(steps_on, halves, now);
+    now = choose(steps_on, extrapolated(whole, halves), now);
     now.spin = of_unit_length(now.spin);
     steps = steps + 1.0;
     if constexpr (looks)

@@ -3,6 +3,7 @@
 // place, as the kernel sees them.
 #include "field/shaped_term.hpp"
 #include "transport/kernels.hpp"
+#include "transport/moment_law.hpp"
 #include "transport/stages/alignment.hpp"
 
 namespace rabiline {
@@ -60,9 +61,23 @@ struct FieldCoupling {
   double turn_per_tesla = 0;  // [rad/(s T)] of the velocity
   double pull = 0;            // [m/s^2 per T/m] the whole moment over the mass; 0: no force by a gradient
   int levels = 0;             // quantum: the moment is (m/I) along the image of z; 0: it is along S
-  double gravity[3] = {};     // [m/s^2]
-  double tolerance = 1e-6;    // of spin, direction, and place over the length of a zone
+  bool follows_level =
+      false;                // the particle stays in its level along the field, and the force is mu grad |B|
+  MomentLaw moments{};      // of that level where it depends on |B| [J/T]
+  double mass = 1;          // [kg]
+  double gravity[3] = {};   // [m/s^2]
+  double tolerance = 1e-6;  // of spin, direction, and place over the length of a zone
   bool operator==(const FieldCoupling&) const = default;
+};
+/// What becomes of a species' levels where a field differs from place to place, reckoned on the axis at the
+/// mean speed: their paths come apart, and their phases spread over the beam.
+struct StretchOutlook {
+  double splitting = 0;  // [m] of the outermost paths, at the last detector
+  double feature = 0;    // [m] the smallest slit or bin behind it
+  double turns = 0;      // by which the phase between the outermost levels differs over the beam
+  bool sorts = false;    // each particle is found in one level
+  bool between = false;  // neither one path nor no phase: the law's `outcomes` decided
+  bool operator==(const StretchOutlook&) const = default;
 };
 /// What needs more of them through one zone gives up.
 inline constexpr double most_field_steps = 1e6;

@@ -1,4 +1,5 @@
 // Magnets whose force depends on the place: stepped paths.
+#include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/stages/steering.hpp"
 
@@ -14,19 +15,6 @@ struct Force {
   real rate;       // [1/s^2] w^2, but for
   real sharpness;  // [1/m^2] that v^2 is multiplied by
 };
-
-/// The moments of lanes in different levels, one lane after the other: the same bits everywhere.
-inline real moment_of(const MomentLaw& law, words level, real size) {
-  const real place = size / (size + law.scale) * law.cells;
-  const real cell = min(floor(place), broadcast(law.cells - 1)), t = place - cell;
-  real c[4] = {};
-  for (int k = 0; k < lane_count; ++k) {
-    const double* row = law.coefficients + 4 * (static_cast<long>(lane(level, k)) * law.cells +
-                                                static_cast<long>(lane(cell, k)));
-    for (int power = 0; power < 4; ++power) set_lane(c[power], k, row[power]);
-  }
-  return fma(fma(fma(c[3], t, c[2]), t, c[1]), t, c[0]);
-}
 
 /// `part` is m/I or S_z where the moment is constant.
 RABILINE_LANES Force force_at(const Steering& s, const Fall& fall, words level, real part, const Across& at) {

@@ -24,6 +24,7 @@ struct TurningRegion {
   double most_way = 0;  // [m] in one zone at one visit
   std::vector<ShapedTerm> shaped{};
   FieldCoupling feels{};
+  StretchOutlook outlook{};
   bool operator==(const TurningRegion&) const = default;
 
   static constexpr StageTraits traits{
@@ -38,5 +39,10 @@ struct TurningRegion {
   std::size_t own_memory() const;
 };
 static_assert(StageKind<TurningRegion>);
+
+/// As the kernel sees it, which it must outlive.
+Region view_of(const TurningRegion&, const RandomKey&);
+/// What becomes of levels, and a warning where that is in doubt.
+void explain_levels(const TurningRegion&, PlanReport&);
 
 }  // namespace rabiline
