@@ -1,5 +1,5 @@
 """The command line: `python3 -m rabiline plot-scan | plot-levels | plot-image | plot-profiles | plot-tally |
-plot-angles | plot-transit | plot-tracks | plot-motion | summary | compare-scans | compare-laws | bound-kappa`.
+plot-angles | plot-transit | plot-tracks | plot-motion | plot-field | summary | compare-scans | compare-laws | bound-kappa`.
 
 Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the picture could not be written.
 """
@@ -13,7 +13,7 @@ from typing import NoReturn, Sequence
 
 from matplotlib.figure import Figure
 
-from . import (angle_plots, image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results,
+from . import (angle_plots, field_plots, image_plots, laws_commands, level_plots, motion_plots, motions, profile_plots, results,
                scan_plots, space_plots, style, tally_plots, track_plots, tracks, transit_plots)
 from .agreement import NotComparable, compare, same_particles
 from .curves import Curve, NoResonance, curves
@@ -201,6 +201,12 @@ def plot_motion(options: argparse.Namespace) -> None:
     _save(motion_plots.draw_motions(file.points[point], title), options.output)
 
 
+def plot_field(options: argparse.Namespace) -> None:
+    """B along a line, from the table of `rabiline probe --along`."""
+    line = field_plots.read_field(options.file)
+    _save(field_plots.draw_field(line, options.title or options.file.stem), options.output)
+
+
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
     if motions.has_motions(options.file):
@@ -268,6 +274,7 @@ def _parser() -> Parser:
                          help='shades a field: "B=0.30:0.55" (m)')
     flights.add_argument("--in-space", action="store_true", help="in three dimensions")
     motion = command("plot-motion", plot_motion, many=False)
+    field = command("plot-field", plot_field, many=False)
     motion.add_argument("--point", metavar="I", type=int, help="of a scan: the motions at this point, not the findings")
     report = command("summary", print_summary, many=False, draws=False)
     pair = command("compare-scans", compare_scans, many=False, draws=False)
@@ -277,7 +284,7 @@ def _parser() -> Parser:
         one.add_argument("--detector", metavar="NAME", help="the first one by default")
     for each in (scan, report, pair):
         each.add_argument("--detector", metavar="NAME", help="all by default")
-    for plot in (scan, levels, profiles, transit, flights, motion):
+    for plot in (scan, levels, profiles, transit, flights, motion, field):
         plot.add_argument("--title", help="instead of the file's own")
     return parser
 

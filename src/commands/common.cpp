@@ -172,6 +172,7 @@ int run_program(const std::vector<std::string>& arguments, const Snapshot* start
   add_check(app);
   add_describe(app);
   add_trace(app);
+  add_probe(app);
   add_resume(app, exit);
   add_rescan(app, arguments, exit);
   const int parsed = parse_and_run(app, arguments);

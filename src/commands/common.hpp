@@ -74,6 +74,7 @@ void add_run(CLI::App&, const std::vector<std::string>& arguments, const Snapsho
 void add_check(CLI::App&);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
+void add_probe(CLI::App&);
 void add_resume(CLI::App&, int& exit);
 void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 

@@ -15,7 +15,9 @@
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "face/models.hpp"
+#include "face/probe.hpp"
 #include "plan/explain.hpp"
+#include "rules/field_lint.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/blocks.hpp"
 #include "simulation/effects.hpp"
@@ -196,7 +198,12 @@ Report check(const Setup& setup) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);
   const Plan plan = make_plan(loaded.experiment);
-  return {explain(loaded.experiment, plan), located(warnings_of(loaded.experiment, plan), loaded.places)};
+  return {explain(loaded.experiment, plan) + report_of_fields(loaded.base),
+          located(warnings_of(loaded.experiment, plan), loaded.places)};
+}
+
+Probed probe(const Setup& setup, const std::array<double, 3>& place, double time) {
+  return probe_of(experiment_of(setup).base, {place[0], place[1], place[2]}, time);
 }
 
 std::optional<Result> run(const Setup& setup, const RunSettings& settings) {

@@ -7,16 +7,18 @@
 namespace rabiline {
 
 enum class FringeCurve {
-  enge,  // 1/(1 + exp(a_0 + a_1 s + ... + a_5 s^5)), s outwards from the edge in units of its length
-  sine   // (1 - sin(pi s))/2 where |s| < 1/2: half a sine from 1 to 0
+  enge,  // edges 1/(1 + exp(a_0 + a_1 s + ... + a_5 s^5)), s outwards from the edge in units of its length
+  sine,  // edges (1 - sin(pi s))/2 where |s| < 1/2: half a sine from 1 to 0
+  half_sine,  // cos(pi z/2h) from end to end, without edges
+  gaussian    // exp(-(z/length)^2/2), cut at both ends
 };
 
 struct FringeShape {
   bool along;          // B on the axis points along z, else along x
-  FringeCurve edge;    // how it falls at both ends
+  FringeCurve curve;   // how its size runs along z
   double size;         // [T] B_0 between the edges
   double half_length;  // [m] its edges are at z = -half_length and half_length
-  double fringe;       // [m] unit of s
+  double fringe;       // [m] unit of s, or the gaussian's standard deviation
   double enge[6];      // a
   bool operator==(const FringeShape&) const = default;
 };
@@ -79,7 +81,20 @@ template <class Maths, class Number>
   return {size * cosine, size * sine};
 }
 
-/// The derivatives of 1/(1 + e^P): with w = e^P, w' = P' w, and f (1 + w) = 1.
+/// e^P: w' = P' w.
+template <class Maths, class Value, int n>
+[[gnu::always_inline]] inline Taylor<Value, n> exponential_of(const Taylor<Value, n>& exponent) {
+  Taylor<Value, n> w;
+  w.c[0] = bounded_exponential<Maths>(exponent.c[0]);
+  for (int i = 1; i < n; ++i) {
+    w.c[i] = exponent.c[1] * w.c[i - 1];
+    for (int k = 2; k <= i; ++k) w.c[i] = w.c[i] + static_cast<double>(k) * (exponent.c[k] * w.c[i - k]);
+    w.c[i] = (1.0 / i) * w.c[i];
+  }
+  return w;
+}
+
+/// f = 1/(1 + w), w = e^P: f (1 + w) = 1.
 template <class Maths, class Value, int n>
 [[gnu::always_inline]] inline Taylor<Value, n> enge_edge(const Taylor<Value, n>& s, const double* a) {
   Taylor<Value, n> exponent;
@@ -88,13 +103,8 @@ template <class Maths, class Value, int n>
     if (power < 5) exponent = exponent * s;
     exponent.c[0] = exponent.c[0] + a[power];
   }
-  Taylor<Value, n> w, f;
-  w.c[0] = bounded_exponential<Maths>(exponent.c[0]);
-  for (int i = 1; i < n; ++i) {
-    w.c[i] = exponent.c[1] * w.c[i - 1];
-    for (int k = 2; k <= i; ++k) w.c[i] = w.c[i] + static_cast<double>(k) * (exponent.c[k] * w.c[i - k]);
-    w.c[i] = (1.0 / i) * w.c[i];
-  }
+  const Taylor<Value, n> w = exponential_of<Maths>(exponent);
+  Taylor<Value, n> f;
   const Value inverse = inverse_of<Maths>(w.c[0] + 1.0);
   f.c[0] = inverse;
   for (int i = 1; i < n; ++i) {
@@ -120,39 +130,70 @@ template <class Maths, class Number>
   cosine = {c * even, s - s - s * odd};
 }
 
+/// sin(a) with its derivatives, a linear in z.
 template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> sine_edge(const Taylor<Value, n>& s) {
-  constexpr double pi = 3.141592653589793;
-  const auto where = real_part(s.c[0]), none = where - where;
-  const Value nothing = 0.0 * s.c[0];
-  const auto inside = where<none - 0.5, outside = where> none + 0.5;
-  const Value at = choose<Maths>(inside, nothing, choose<Maths>(outside, nothing, s.c[0]));
+[[gnu::always_inline]] inline Taylor<Value, n> sine_of(const Value& a, double slope) {
   Value sine, cosine;
-  sine_and_cosine_of<Maths>(pi * at, sine, cosine);
+  sine_and_cosine_of<Maths>(a, sine, cosine);
   const Value wave[4] = {sine, cosine, -1.0 * sine, -1.0 * cosine};
-  Taylor<Value, n> f;
-  Value step = nothing + -0.5;
+  Taylor<Value, n> out;
+  double step = 1;
   for (int i = 0; i < n; ++i) {
-    f.c[i] = step * wave[i % 4];
-    if (i == 0) f.c[i] = f.c[i] + 0.5;
-    f.c[i] = choose<Maths>(inside, i == 0 ? nothing + 1.0 : nothing, choose<Maths>(outside, nothing, f.c[i]));
-    step = (pi / (i + 1)) * (step * s.c[1]);
+    out.c[i] = step * wave[i % 4];
+    step *= slope / (i + 1);
   }
-  return f;
+  return out;
 }
 
-/// The share of the whole field at z and its derivatives: an edge at either end.
+/// A function where low <= Re z <= high, and constants below and above.
+template <class Maths, class Value, int n>
+[[gnu::always_inline]] inline Taylor<Value, n> between(const Value& z, double low, double below, double high,
+                                                       double above, const Taylor<Value, n>& f) {
+  const Value nothing = 0.0 * z;
+  const auto where = real_part(z), none = where - where;
+  Taylor<Value, n> out;
+  for (int i = 0; i < n; ++i)
+    out.c[i] = choose<Maths>(where < none + low, nothing + (i == 0 ? below : 0.0),
+                             choose<Maths>(where > none + high, nothing + (i == 0 ? above : 0.0), f.c[i]));
+  return out;
+}
+
+/// (1 - sin(pi s))/2 for s = outwards (z - edge)/length.
+template <class Maths, class Value, int n>
+[[gnu::always_inline]] inline Taylor<Value, n> sine_edge(const Value& z, double edge, double length,
+                                                         double outwards) {
+  const double slope = outwards * 3.141592653589793 / length;
+  Taylor<Value, n> f = sine_of<Maths, Value, n>(slope * (z + -edge), slope);
+  for (int i = 0; i < n; ++i) f.c[i] = -0.5 * f.c[i];
+  f.c[0] = f.c[0] + 0.5;
+  return between<Maths>(z, edge - length / 2, outwards > 0 ? 1 : 0, edge + length / 2, outwards > 0 ? 0 : 1,
+                        f);
+}
+
+/// The share of the whole field at z and its derivatives.
 template <int n, class Maths, class Value>
 [[gnu::always_inline]] inline Taylor<Value, n> fringed_share(const FringeShape& shape, const Value& z) {
-  const double inverse = 1 / shape.fringe;
+  const double half = shape.half_length, inverse = 1 / shape.fringe;
   const Value nothing = 0.0 * z;
+  if (shape.curve == FringeCurve::sine)
+    return sine_edge<Maths, Value, n>(z, -half, shape.fringe, -1) *
+           sine_edge<Maths, Value, n>(z, half, shape.fringe, 1);
+  if (shape.curve == FringeCurve::half_sine) {
+    const double slope = 3.141592653589793 / (2 * half);
+    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths, Value, n>(slope * (z + half), slope));
+  }
   Taylor<Value, n> first, last;
   for (int i = 0; i < n; ++i) first.c[i] = last.c[i] = nothing;
-  first.c[0] = -inverse * (z + shape.half_length);
-  last.c[0] = inverse * (z + -shape.half_length);
+  if (shape.curve == FringeCurve::gaussian) {
+    first.c[0] = (-0.5 * inverse * inverse) * (z * z);
+    first.c[1] = (-inverse * inverse) * z;
+    if constexpr (n > 2) first.c[2] = nothing + -0.5 * inverse * inverse;
+    return between<Maths>(z, -half, 0, half, 0, exponential_of<Maths>(first));
+  }
+  first.c[0] = -inverse * (z + half);
+  last.c[0] = inverse * (z + -half);
   first.c[1] = nothing + -inverse;
   last.c[1] = nothing + inverse;
-  if (shape.edge == FringeCurve::sine) return sine_edge<Maths>(first) * sine_edge<Maths>(last);
   return enge_edge<Maths>(first, shape.enge) * enge_edge<Maths>(last, shape.enge);
 }
 

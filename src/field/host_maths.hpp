@@ -17,8 +17,8 @@ struct HostMaths {
     cosine = portable::cos(x);
   }
   static double select(bool condition, double yes, double no) { return condition ? yes : no; }
-  static double lane(double x, int) { return x; }
-  static void set_lane(double& x, int, double value) { x = value; }
+  static double load(const double* p) { return *p; }
+  static void store(double* p, double x) { *p = x; }
 };
 
 }  // namespace rabiline

@@ -15,8 +15,8 @@ struct LaneMaths {
   RABILINE_LANES static real select(mask condition, real yes, real no) {
     return RABILINE_ISA::select(condition, yes, no);
   }
-  RABILINE_LANES static double lane(real x, int i) { return RABILINE_ISA::lane(x, i); }
-  RABILINE_LANES static void set_lane(real& x, int i, double value) { RABILINE_ISA::set_lane(x, i, value); }
+  RABILINE_LANES static real load(const double* p) { return RABILINE_ISA::load(p); }
+  RABILINE_LANES static void store(double* p, real x) { RABILINE_ISA::store(p, x); }
 };
 
 }  // namespace rabiline::RABILINE_ISA

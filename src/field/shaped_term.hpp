@@ -3,12 +3,13 @@
 // How large they are somewhere is in field/shaped_field.hpp.
 #include "field/current_loop.hpp"
 #include "field/fringed_field.hpp"
+#include "field/map_shape.hpp"
 #include "field/multipole.hpp"
 #include "field/straight_wire.hpp"
 
 namespace rabiline {
 
-enum class ShapedKind { linear, loop, sheet, wire, multipole, fringed };
+enum class ShapedKind { linear, loop, sheet, wire, multipole, fringed, map, round_map };
 
 /// B = B_0 + G r, r from the origin of its frame.
 struct LinearShape {
@@ -30,6 +31,8 @@ struct ShapedTerm {
     WireShape wire;
     MultipoleShape multipole;
     FringeShape fringed;
+    MapShape map;
+    RoundMapShape round_map;
   };
   int part = 0;  // whose field it is
 
@@ -40,6 +43,8 @@ struct ShapedTerm {
   explicit ShapedTerm(const WireShape& f) : kind(ShapedKind::wire), wire(f) {}
   explicit ShapedTerm(const MultipoleShape& f) : kind(ShapedKind::multipole), multipole(f) {}
   explicit ShapedTerm(const FringeShape& f) : kind(ShapedKind::fringed), fringed(f) {}
+  explicit ShapedTerm(const MapShape& f) : kind(ShapedKind::map), map(f) {}
+  explicit ShapedTerm(const RoundMapShape& f) : kind(ShapedKind::round_map), round_map(f) {}
 };
 
 /// Calls ask(shape) with the member of the union that a term has.
@@ -56,6 +61,10 @@ template <class Ask>
       return ask(term.multipole);
     case ShapedKind::fringed:
       return ask(term.fringed);
+    case ShapedKind::map:
+      return ask(term.map);
+    case ShapedKind::round_map:
+      return ask(term.round_map);
     case ShapedKind::linear:
       break;
   }
@@ -78,6 +87,10 @@ inline bool operator==(const ShapedTerm& a, const ShapedTerm& b) {
       return a.multipole == b.multipole;
     case ShapedKind::fringed:
       return a.fringed == b.fringed;
+    case ShapedKind::map:
+      return a.map == b.map;
+    case ShapedKind::round_map:
+      return a.round_map == b.round_map;
     case ShapedKind::linear:
       break;
   }

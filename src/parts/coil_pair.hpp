@@ -29,6 +29,7 @@ struct CoilPair {
                                     meaning =
                                         "the field of two rings of current on one axis, their middle at `at`";
   static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "radius: 10 cm, current: 2 A, turns: 50";
   double radius = 0;                 // [m]
   std::optional<double> distance{};  // [m]
   PairStrength strength;

@@ -12,6 +12,7 @@ struct CurrentLoop {
   static constexpr std::string_view kind = "current_loop",
                                     meaning = "the field of a ring of current whose centre is at `at`";
   static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "radius: 50 mm, current: 10 A, turns: 20";
   double radius = 0;  // [m]
   CoilStrength strength;
   UnitVector direction{0, 1, 0};

@@ -4,13 +4,18 @@
 
 namespace rabiline {
 
-FringeShape shape_of(const Fringe& fringe) {
-  FringeShape shape{false, FringeCurve::enge, 0, 0, 0, {}};
-  if (const auto* tanh = std::get_if<TanhFringe>(&fringe)) {
+FringeShape shape_of(const Fringe& fringe, const AmplitudeProfile& profile) {
+  FringeShape shape{false, FringeCurve::enge, 0, 0, 1, {}};
+  if (std::holds_alternative<HalfSineProfile>(profile)) {
+    shape.curve = FringeCurve::half_sine;
+  } else if (const auto* gaussian = std::get_if<GaussianProfile>(&profile)) {
+    shape.curve = FringeCurve::gaussian;
+    shape.fringe = gaussian->sigma;
+  } else if (const auto* tanh = std::get_if<TanhFringe>(&fringe)) {
     shape.fringe = tanh->length;
     shape.enge[1] = 2;  // (1 - tanh s)/2 = 1/(1 + exp 2s)
   } else if (const auto* sine = std::get_if<SineFringe>(&fringe)) {
-    shape.edge = FringeCurve::sine;
+    shape.curve = FringeCurve::sine;
     shape.fringe = sine->length;
   } else if (const auto* enge = std::get_if<EngeFringe>(&fringe)) {
     shape.fringe = enge->length;
@@ -22,7 +27,8 @@ FringeShape shape_of(const Fringe& fringe) {
 
 std::optional<double> reach_of(const FringeShape& shape) {
   constexpr double farthest = 20, step = 1.0 / 64, cut_off = 1e-4;  // [lengths]
-  if (shape.edge == FringeCurve::sine) return shape.fringe / 2;
+  if (shape.curve == FringeCurve::sine) return shape.fringe / 2;
+  if (shape.curve != FringeCurve::enge) return 0;
   const auto share = [&](double s) {
     return enge_edge<HostMaths>(Taylor<double, 2>{{s, 1}}, shape.enge).c[0];
   };

@@ -6,6 +6,7 @@
 
 #include "field/fringed_field.hpp"
 #include "parameter/parameter.hpp"
+#include "parts/profile.hpp"
 
 namespace rabiline {
 
@@ -24,10 +25,10 @@ struct TanhFringe {
 template <>
 inline constexpr auto parameters<TanhFringe> = std::tuple{
     param("length", &TanhFringe::length, Dimension::length, range::positive,
-          "over which the field falls from 12 % inside the edge to outside of it"),
+          "the field is at 88 % a length inside the edge and at 12 % a length outside"),
 };
-/// Defaults: those of the dipoles of the program RAYTRACE (H. A. Enge, in Focusing of Charged Particles, vol.
-/// 2, ed. A. Septier, 1967).
+/// The curve: H. A. Enge, in Focusing of Charged Particles, vol. 2, ed. A. Septier (1967). Defaults: those of
+/// dipoles in COSY INFINITY (M. Berz, K. Makino, Beam Physics Manual).
 struct EngeFringe {
   static constexpr std::string_view kind = "enge",
                                     meaning =
@@ -60,8 +61,9 @@ inline constexpr auto parameters<SineFringe> = std::tuple{
 };
 using Fringe = std::variant<HardFringe, TanhFringe, EngeFringe, SineFringe>;
 
-/// The curve of a fringe that is not hard, without size and length of its field.
-FringeShape shape_of(const Fringe&);
+/// The curve of a profile that is not rectangular, else of a fringe that is not hard; without size and
+/// length.
+FringeShape shape_of(const Fringe&, const AmplitudeProfile&);
 /// How far outside its edge [m] it falls below 1e-4 of the whole field for good; nothing where it never does.
 std::optional<double> reach_of(const FringeShape&);
 

@@ -11,6 +11,7 @@ struct MultipoleField {
                                         "the field of 4, 6 or more poles around the beam, which may "
                                         "overlap others";
   static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "length: 0.2 m, poles: 4, field: 10 mT, radius: 1 cm";
   double length = 0;        // [m]
   std::uint64_t poles = 4;  // n
   double field = 0;         // [T] B_0

@@ -13,6 +13,7 @@
 #include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
 #include "parts/iron_magnet.hpp"
+#include "parts/mapped_field.hpp"
 #include "parts/monitor.hpp"
 #include "parts/multipole_field.hpp"
 #include "parts/multipole_magnet.hpp"
@@ -36,11 +37,12 @@ using Part = std::variant<Polarizer,         //
                           RotatingField,     //
                           OscillatingField,  //
                           Coil,              //
-             CurrentLoop,       //
-             Solenoid,          //
-             CoilPair,          //
-             StraightWire,      //
-             MultipoleField,    //
+                          CurrentLoop,       //
+                          Solenoid,          //
+                          CoilPair,          //
+                          StraightWire,      //
+                          MultipoleField,    //
+                          MappedField,       //
                           GradientMagnet,    //
                           TwoWireMagnet,     //
                           IronMagnet,        //

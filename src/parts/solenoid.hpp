@@ -13,6 +13,7 @@ struct Solenoid {
   static constexpr std::string_view kind = "solenoid",
                                     meaning = "the field of a wound cylinder whose middle is at `at`";
   static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "winding: 20 cm, radius: 20 mm, current: 1 A, turns: 400";
   double winding = 0;  // [m]
   double radius = 0;   // [m]
   CoilStrength strength;

@@ -12,6 +12,7 @@ struct StraightWire {
   static constexpr std::string_view kind = "straight_wire",
                                     meaning = "the field of a straight wire through the place `at`";
   static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "current: 10 A, reach: 5 cm, radius: 0.5 mm";
   double current = 0;  // [A]
   double reach = 0;    // [m]
   double radius = 0;   // [m]

@@ -10,7 +10,7 @@ namespace {
 
 /// Across and along the beam, each as Maxwell's equations have it.
 void contribute_fringed(const UniformField& part, const Placement& place, SectionBuilder& builder) {
-  FringeShape shape = shape_of(part.fringe);
+  FringeShape shape = shape_of(part.fringe, part.profile);
   const double reach = reach_of(shape).value_or(0), end = place.at + part.length + reach;
   const Vector3 field = part.field * turned(part.direction, part.tilt), across{field.x, 0, field.z};
   const Vector3 middle = place_of(place.at + part.length / 2, part.offset), beam{0, 1, 0};
@@ -38,7 +38,8 @@ StaticField static_field(const UniformField& part) {
 
 void contribute(const UniformField& part, const Placement& place, SectionBuilder& builder) {
   const double end = place.at + part.length;
-  if (std::holds_alternative<HardFringe>(part.fringe))
+  if (std::holds_alternative<HardFringe>(part.fringe) &&
+      std::holds_alternative<RectangularProfile>(part.profile))
     builder.uniform(place.at, end, {part.field * turned(part.direction, part.tilt)});
   else
     contribute_fringed(part, place, builder);
@@ -51,6 +52,12 @@ void contribute(const UniformField& part, const Placement& place, SectionBuilder
 
 std::vector<Fault> faults_of(const UniformField& part, const Placement& place) {
   const bool hard = std::holds_alternative<HardFringe>(part.fringe), even = part.gradient == FieldGradient{};
+  const bool has_profile = !std::holds_alternative<RectangularProfile>(part.profile);
+  if (has_profile && (!hard || !even))
+    return {{place.name, "profile",
+             fmt::format("`{}` has a profile and a {}, whose fields do not go together", place.name,
+                         hard ? "gradient" : "fringe"),
+             "omit one of them, or make two fields that overlap"}};
   if (!hard && !even)
     return {{place.name, "gradient",
              fmt::format("`{}` has a gradient and a fringe, whose fields do not go together", place.name),
@@ -59,7 +66,7 @@ std::vector<Fault> faults_of(const UniformField& part, const Placement& place) {
     return {{place.name, "gradient",
              fmt::format("the field of `{}` with a gradient points along or across the beam", place.name),
              "turn it with `tilt`, gradient and all"}};
-  if (!hard && !reach_of(shape_of(part.fringe)))
+  if (!hard && !reach_of(shape_of(part.fringe, part.profile)))
     return {{place.name, "fringe",
              fmt::format("the fringe of `{}` does not fall from the full field to none", place.name),
              "omit the coefficients for those of a common dipole"}};

@@ -21,6 +21,7 @@ struct UniformField {
   Tilt tilt{};
   FieldGradient gradient{};
   Fringe fringe{};
+  AmplitudeProfile profile{};
   bool operator==(const UniformField&) const = default;
 };
 template <>
@@ -36,6 +37,8 @@ inline constexpr auto parameters<UniformField> = std::tuple{
           "how the field grows from place to place; not at all where missing", FieldGradient{}),
     param("fringe", &UniformField::fringe, "how the field ends at both ends; at once where missing",
           Fringe{HardFringe{}}),
+    param("profile", &UniformField::profile, "how the size of the field runs along its length",
+          AmplitudeProfile{RectangularProfile{}}),
 };
 
 StaticField static_field(const UniformField&);

@@ -21,7 +21,10 @@ struct Sample {
 };
 std::vector<Sample> samples() {
   FringeShape tanh{false, FringeCurve::enge, 1e-3, 0.1, 0.05, {0, 2, 0, 0, 0, 0}}, sine = tanh;
-  sine.edge = FringeCurve::sine;
+  FringeShape half_sine = tanh, gaussian = tanh;
+  sine.curve = FringeCurve::sine;
+  half_sine.curve = FringeCurve::half_sine;
+  gaussian.curve = FringeCurve::gaussian;
   LinearShape linear{{1e-3, 0, 2e-3}, {1e-2, 2e-2, 0, 2e-2, -3e-2, 5e-3, 0, 5e-3, 2e-2}};
   return {{"linear", ShapedTerm(linear)},
           {"loop", ShapedTerm(LoopShape{0.05, 1e-3})},
@@ -30,7 +33,9 @@ std::vector<Sample> samples() {
           {"piece of wire", ShapedTerm(WireShape{1e-5, 1e-3, 0.1}), true},
           {"sextupole", ShapedTerm(MultipoleShape{2, 1e-3, 0.01})},
           {"tanh", ShapedTerm(tanh)},
-          {"sine", ShapedTerm(sine)}};
+          {"sine", ShapedTerm(sine)},
+          {"half sine", ShapedTerm(half_sine)},
+          {"gaussian", ShapedTerm(gaussian)}};
 }
 const std::vector<Vector3> places = {
     {0.003, 0.001, 0.02}, {0, 0.02, -0.01}, {-0.02, 0.03, 0.13}, {0.03, -0.02, -0.0604}, {0.045, 0.03, 0.09}};

@@ -100,6 +100,19 @@ TEST(UniformField, KeepsTheIntegralOfItsFieldUnderEveryFringe) {
     }
 }
 
+TEST(UniformField, RunsAsItsProfileSays) {
+  UniformField part = uniform({0, 0, 1});
+  part.profile = HalfSineProfile{};
+  const Section section = sections_of(part).at(0);
+  EXPECT_DOUBLE_EQ(section.begin, 0.4);
+  EXPECT_NEAR(field_in(section, {0, 0.5, 0}).field[2], 1e-2, 1e-16);
+  EXPECT_NEAR(field_in(section, {0, 0.45, 0}).field[2], 1e-2 * std::sqrt(0.5), 1e-16);
+  part.profile = GaussianProfile{0.03};
+  EXPECT_NEAR(field_in(sections_of(part).at(0), {0, 0.53, 0}).field[2], 1e-2 * std::exp(-0.5), 1e-16);
+  part.gradient.transverse = g;
+  EXPECT_EQ(faults_of(part, {"B", 0.4, {}}).at(0).key, "profile");
+}
+
 TEST(UniformField, RefusesAGradientWithAFringeOrAskew) {
   UniformField part = uniform({0, 0, 1});
   EXPECT_TRUE(faults_of(part, {"B", 0.4, {}}).empty());
