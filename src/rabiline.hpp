@@ -11,6 +11,7 @@
 //   StorageError           a file that could not be written or read, with the reason
 //   Stopped                where nothing is returned as it was asked to stop
 //   std::invalid_argument  settings that do not fit the machine or the setup
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -118,6 +119,20 @@ Result rescan(const std::filesystem::path& result, const Changes& changes, const
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the
 /// file without its scan. Of the settings, `isa`, `planned` and `stop` apply. Throws as run does.
 std::vector<Track> trace(const Setup&, std::uint64_t first, std::uint64_t count, const RunSettings& = {});
+
+/// The magnetic field at a place, at the values of the file without its scan.
+struct Probed {
+  struct Contribution {
+    std::string part;
+    std::array<double, 3> field;  // [T]
+  };
+  std::array<double, 3> place{};  // [m] x across, y along the beam, z up
+  std::array<double, 3> field{};  // [T]
+  std::array<double, 9> slope{};  // [T/m] dB_i/dx_k at [3 i + k]
+  std::vector<Contribution> contributions;
+};
+/// Fields with a clock are taken at `time` [s], random phases as zero.
+Probed probe(const Setup&, const std::array<double, 3>& place, double time = 0);
 
 /// Solves a model at each point of its scan. Throws std::runtime_error where a motion cannot be integrated,
 /// and std::invalid_argument for an experiment.

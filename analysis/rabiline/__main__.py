@@ -25,6 +25,7 @@ VERBS = {  # and the module of each, imported when it is called
     "plot-transit": ("pictures", "times of flight to a detector"),
     "plot-tracks": ("pictures", "paths of single particles"),
     "plot-motion": ("pictures", "motions of a model, or its findings over a scan"),
+    "plot-field": ("pictures", "the field along a line"),
     "summary": ("reports", "what a file holds, in words"),
     "export": ("reports", "the numbers of a scan as CSV"),
     "compare": ("reports", "whether two results of one scan agree"),

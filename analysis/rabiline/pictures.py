@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from . import (angle_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
+from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
                space_plots, style, tally_plots, track_plots, tracks, transit_plots)
 from .counts import read_counts
 from .curves import Curve, NoResonance, curves
@@ -357,3 +357,6 @@ def _region(text: str) -> track_plots.Region:
         raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
 
 
+def plot_field(options: argparse.Namespace) -> Figure:
+    """B along a line, from the table of `rabiline probe --along`."""
+    return field_plots.draw_field(field_plots.read_field(options.file), options.title or options.file.stem)

@@ -23,6 +23,21 @@ inline constexpr auto parameters<Chamber> = std::tuple{
           "radius of the wall around the axis"),
 };
 
+/// Weight: what flies free of everything else falls along a parabola.
+struct Gravity {
+  double acceleration = 0;         // [m/s^2]
+  UnitVector direction{0, 0, -1};  // downwards; across the beam
+  bool operator==(const Gravity&) const = default;
+};
+template <>
+inline constexpr auto parameters<Gravity> = std::tuple{
+    param("acceleration", &Gravity::acceleration, Dimension::acceleration, range::not_negative,
+          "how fast the speed of a free fall grows"),
+    param("direction", &Gravity::direction, "where it falls to, across the beam", UnitVector{0, 0, -1}),
+};
+template <>
+inline constexpr std::string_view short_key<Gravity> = "acceleration";
+
 /// A precision that is enough, whatever the number of particles.
 struct Until {
   double detected_error = 0;  // [1] of each detector at each scan point
@@ -41,6 +56,7 @@ struct Beamline {
   Law law;
   Source source;
   std::optional<Chamber> chamber;  // no wall where it is missing
+  std::optional<Gravity> gravity;  // nothing falls where it is missing
   std::vector<PlacedPart> parts;   // in order of `at`
   std::uint64_t particles = 0;     // per scan point, at most where there is an `until`
   std::optional<Until> until;

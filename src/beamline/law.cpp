@@ -16,7 +16,8 @@ std::string_view word_of(Closure closure) {
 LawTraits law_traits(const Law& law) {
   struct Of {
     LawTraits operator()(const QuantumLaw& quantum) const {
-      return {.has_levels = true, .splits = quantum.outcomes == Outcomes::split};
+      return {.has_levels = true,
+              .splits = quantum.outcomes == Outcomes::split || quantum.outcomes == Outcomes::coherent};
     }
     LawTraits operator()(const ClassicalLaw&) const { return {}; }
     LawTraits operator()(const DoradoLaw& dorado) const {
@@ -26,8 +27,17 @@ LawTraits law_traits(const Law& law) {
   return std::visit(Of{}, law);
 }
 
+double tolerance_of(const Law& law) {
+  if (const auto* dorado = std::get_if<DoradoLaw>(&law)) return dorado->path_error;
+  if (const auto* quantum = std::get_if<QuantumLaw>(&law)) return quantum->tolerance;
+  return std::get<ClassicalLaw>(law).tolerance;
+}
+
 Law without_splitting(Law law) {
-  if (auto* quantum = std::get_if<QuantumLaw>(&law)) quantum->outcomes = Outcomes::sample;
+  if (auto* quantum = std::get_if<QuantumLaw>(&law)) {
+    if (quantum->outcomes == Outcomes::split) quantum->outcomes = Outcomes::sample;
+    if (quantum->outcomes == Outcomes::coherent) quantum->outcomes = Outcomes::coherent_drawn;
+  }
   return law;
 }
 

@@ -10,19 +10,29 @@
 
 namespace rabiline {
 
-/// What becomes of a particle whose level a deflecting magnet asks for.
-enum class Outcomes { split, sample };
+/// What becomes of a particle whose level a deflecting magnet asks for. `coherent_drawn` is `coherent` for
+/// the flight of one particle alone, of which a magnet draws one level.
+enum class Outcomes { split, sample, coherent, coherent_drawn };
 template <>
 inline constexpr auto choices<Outcomes> = std::array{
     Choice<Outcomes>{"split", Outcomes::split,
                      "its weight is shared out over the levels: less noise, and scans fly each path once"},
     Choice<Outcomes>{"sample", Outcomes::sample, "one level is drawn for each particle"},
+    Choice<Outcomes>{
+        "coherent", Outcomes::coherent,
+        "as `split`; but a field that differs from place to place leaves the levels coherent where it "
+        "neither surely keeps nor surely destroys their phases"},
 };
+
+/// What steps through fields are chosen for where nothing else is asked for.
+inline constexpr double usual_tolerance = 1e-6;
+inline constexpr Range tolerances{1e-10, 1e-2, true, true, "from 1e-10 to 1e-2"};
 
 struct QuantumLaw {
   static constexpr std::string_view kind = "quantum",
                                     meaning = "standard physics: levels, coherent while fields drive them";
   Outcomes outcomes = Outcomes::split;
+  double tolerance = usual_tolerance;
   bool operator==(const QuantumLaw&) const = default;
 };
 
@@ -30,12 +40,23 @@ template <>
 inline constexpr auto parameters<QuantumLaw> = std::tuple{
     param("outcomes", &QuantumLaw::outcomes, "what becomes of the levels that a deflecting magnet asks for",
           Outcomes::split),
+    param("tolerance", &QuantumLaw::tolerance, Dimension::number, tolerances,
+          "error of probabilities, and of the path over its length, where fields are flown through in steps",
+          usual_tolerance),
 };
 
 struct ClassicalLaw {
   static constexpr std::string_view kind = "classical",
                                     meaning = "standard physics, large-spin limit: a Bloch vector";
+  double tolerance = usual_tolerance;
   bool operator==(const ClassicalLaw&) const = default;
+};
+
+template <>
+inline constexpr auto parameters<ClassicalLaw> = std::tuple{
+    param("tolerance", &ClassicalLaw::tolerance, Dimension::number, tolerances,
+          "error of spins, and of the path over its length, where fields are flown through in steps",
+          usual_tolerance),
 };
 
 /// How the hypothesis closes: which angular velocity W turns the velocity, dv/dt = kappa W x v.
@@ -79,6 +100,9 @@ inline constexpr std::string_view tag_key<Law> = "name";
 
 /// "quantum", or "dorado (torque, kappa = 1)".
 std::string describe(const Law&);
+
+/// What steps through fields that differ from place to place are chosen for.
+double tolerance_of(const Law&);
 
 /// What a law does with levels, magnets and velocities: all that anything else needs to know of it, but for
 /// the parameters of its own force.

@@ -173,6 +173,7 @@ int run_program(const std::vector<std::string>& arguments) {
   add_check(app, exit);
   add_describe(app);
   add_trace(app);
+  add_probe(app);
   add_resume(app, exit);
   add_merge(app, exit);
   add_verify(app);

@@ -70,6 +70,7 @@ void add_run(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 void add_check(CLI::App&, int& exit);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
+void add_probe(CLI::App&);
 void add_resume(CLI::App&, int& exit);
 void add_merge(CLI::App&, int& exit);
 void add_verify(CLI::App&);

@@ -24,8 +24,9 @@ enum class Dimension {
   electric_field,  // V/m
   area,            // m^2
   number_density,  // 1/m^3
-  pressure         // Pa
+  pressure,        // Pa
+  acceleration     // m/s^2
 };
-inline constexpr Dimension last_dimension = Dimension::pressure;
+inline constexpr Dimension last_dimension = Dimension::acceleration;
 
 }  // namespace rabiline

@@ -44,6 +44,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::area, "area", "100 angstrom^2", "m^2"},
     DimensionRow{Dimension::number_density, "number density", "1e12 1/cm^3", "1/m^3"},
     DimensionRow{Dimension::pressure, "pressure", "1 mPa", "Pa"},
+    DimensionRow{Dimension::acceleration, "acceleration", "9.81 m/s^2", "m/s^2"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -129,6 +130,8 @@ constexpr std::array unit_rows{
     UnitRow{Dimension::pressure, "hPa", "-", 1, 2},
     UnitRow{Dimension::pressure, "bar", "-", 1, 5},
     UnitRow{Dimension::pressure, "mbar", "-", 1, 2},
+    UnitRow{Dimension::acceleration, "m/s^2", "-"},
+    UnitRow{Dimension::acceleration, "cm/s^2", "-", 1, -2},
     UnitRow{Dimension::pressure, "Torr", "-m", 101325.0 / 760},
 };
 
@@ -330,7 +333,8 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "MV/m|kV/m|V/m",
                                                     "m^2|cm^2|mm^2|nm^2|angstrom^2",
                                                     "1/cm^3|1/m^3",
-                                                    "kPa|Pa|mPa|uPa"};
+                                                    "kPa|Pa|mPa|uPa",
+                                                    "m/s^2|cm/s^2"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

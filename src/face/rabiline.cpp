@@ -13,11 +13,14 @@
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "face/models.hpp"
+#include "face/probe.hpp"
 #include "face/record.hpp"
 #include "input/parameter_value.hpp"
 #include "plan/explain.hpp"
+#include "rules/field_lint.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
+#include "simulation/field_check.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
@@ -251,7 +254,12 @@ Report check(const Setup& setup) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);
   const Plan plan = make_plan(loaded.experiment);
-  return {explain(loaded.experiment, plan), warnings_before(loaded, loaded.experiment, plan)};
+  return {explain(loaded.experiment, plan) + report_of_fields(loaded.base),
+          warnings_before(loaded, loaded.experiment, plan)};
+}
+
+Probed probe(const Setup& setup, const std::array<double, 3>& place, double time) {
+  return probe_of(experiment_of(setup).base, {place[0], place[1], place[2]}, time);
 }
 
 std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
@@ -323,6 +331,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
+  result.field_check = check_fields(plan, options.isa);
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   if (moments.everywhere && !result.flight)

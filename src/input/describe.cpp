@@ -104,6 +104,14 @@ std::string describe_chamber() {
   page.line("\nExample\n  chamber: {radius: 50 mm}");
   return page.finish();
 }
+std::string describe_gravity() {
+  Page page("gravity: free fall across the beam");
+  add_rows<Gravity>(page);
+  page.line(
+      "\nWhat nothing else pushes falls along a parabola. Off where it is missing.\n"
+      "\nExamples\n  gravity: 9.81 m/s^2\n  gravity: {acceleration: 9.81 m/s^2, direction: x}");
+  return page.finish();
+}
 std::string describe_until() {
   Page page("until: the precision at which fewer particles than `particles` are enough");
   add_rows<Until>(page);
@@ -173,6 +181,7 @@ const std::vector<Topic>& topics() {
                          "profile", "how the size of an alternating field runs along it");
                    }});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
+    out.push_back({"gravity", "free fall across the beam", describe_gravity});
     out.push_back({"until", "when fewer particles are enough", describe_until});
     out.push_back({"scan", "which parameter takes which values", describe_scan});
     out.push_back({"tallies", "histograms at a monitor or a detector", describe_tallies});
@@ -238,7 +247,7 @@ std::string describe_overview() {
   std::string others;
   for (const std::string_view topic :
        {"source", "speed", "direction", "opening", "spin", "pulse", "profile", "species", "structure",
-        "chamber", "until", "scan", "tallies", "model", "units"})
+        "chamber", "gravity", "until", "scan", "tallies", "model", "units"})
     others += fmt::format(" {}", topic);
   page.line(" " + others);
   return page.finish();

@@ -153,6 +153,14 @@ bool read_variant(const Node& node, const Place& named_at, const Row& row, Readi
 
 template <class T>
 bool read_struct(const Node& node, const Place& named_at, const Row& row, Reading& reading, T& out) {
+  if constexpr (!short_key<T>.empty())
+    if (node.is_scalar()) {
+      Node mapping;
+      mapping.kind = Node::Kind::mapping;
+      mapping.place = node.place;
+      mapping.entries.push_back({std::string(short_key<T>), node.place, node});
+      return read_struct(mapping, named_at, row, reading, out);
+    }
   if (!node.is_mapping()) {
     reading.error(node.place,
                   fmt::format("`{}` is a mapping of keys, but {} stands here", row.key, quote(node)),

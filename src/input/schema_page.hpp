@@ -122,8 +122,13 @@ std::string schema_of(const Row& row) {
   else if constexpr (is_list<T>)
     return fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})",
                        schema_of<typename T::value_type>(row));
-  else
-    return any_of(schemas_of_rows<T>());
+  else {
+    std::vector<std::string> ways = schemas_of_rows<T>();
+    for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+      if (!short_key<T>.empty() && p.key == short_key<T>) ways.push_back(schema_of<M>(row_of(p)));
+    });
+    return any_of(ways);
+  }
 }
 
 }  // namespace rabiline

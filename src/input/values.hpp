@@ -1,5 +1,6 @@
 #pragma once
 // Single values: numbers with their unit, counts, words. Each reader either fills `out` or reports why not.
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,6 +39,8 @@ struct Reading {
     std::shared_ptr<const SourceText> source;
     std::string text;
     std::shared_ptr<const Spectrum> spectrum;  // none where something is wrong with it
+    std::map<std::array<MapSymmetry, 3>, std::shared_ptr<const FieldMap>>
+        maps{};  // by their planes of symmetry
   };
   std::vector<Diagnostic> errors;
   std::vector<Watched> watched;
@@ -129,6 +132,16 @@ struct ValueType<SpectrumFile> {
   static constexpr std::string_view example = "spectrum.csv", what = "path of a CSV file",
                                     schema = R"({"type": "string"})";
   static bool read(const Node&, const Row&, Reading&, SpectrumFile& out);
+};
+/// The file's path, or a mapping with the planes of symmetry; the map itself is read.
+template <>
+struct ValueType<LoadedMap> {
+  static constexpr std::string_view
+      example = "quadrupole.csv",
+      what = "path of a CSV or HDF5 file | {file, x, y, z}",
+      schema =
+          R"({"anyOf": [{"type": "string"}, {"type": "object", "required": ["file"], "properties": {"file": {"type": "string"}, "x": {"enum": ["none", "same_currents", "opposite_currents"]}, "y": {"enum": ["none", "same_currents", "opposite_currents"]}, "z": {"enum": ["none", "same_currents", "opposite_currents"]}}, "additionalProperties": false}]})";
+  static bool read(const Node&, const Row&, Reading&, LoadedMap& out);
 };
 /// `x`, `-z` or three components, which need not be normalised.
 template <>

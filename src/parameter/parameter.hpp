@@ -74,6 +74,10 @@ constexpr Param<S, M, D> param(std::string_view key, M S::*member, std::string_v
 template <class Struct>
 inline constexpr std::tuple<> parameters{};
 
+/// The key that a value alone, which is no mapping, gives; "" for none. Specialised beside a struct.
+template <class Struct>
+inline constexpr std::string_view short_key{};
+
 /// A word for each value of an enum, with its meaning.
 template <class Enum>
 struct Choice {

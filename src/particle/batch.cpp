@@ -28,6 +28,7 @@ void Batch::copy_from(const Batch& other) {
   view_.count = other.view_.count;
   view_.padded = other.view_.padded;
   view_.y = other.view_.y;
+  view_.fall = other.view_.fall;
 }
 
 }  // namespace rabiline

@@ -10,13 +10,20 @@ namespace rabiline {
 /// order.
 inline constexpr std::uint64_t quanta_per_particle = std::uint64_t{1} << 40;
 
+/// The acceleration of free fall across the beam.
+struct Fall {
+  double x = 0, z = 0;  // [m/s^2]
+  bool operator==(const Fall&) const = default;
+};
+
 /// Columns of a batch, each `padded` long and aligned to 64 bytes. All particles are referred to the same
-/// plane y: where they are, or where their straight flight through that plane was or would be (those caught
+/// plane y: where they are, or where their free flight through that plane was or would be (those caught
 /// earlier). Plain, because kernels of every instruction set read it.
 struct BatchView {
   int count = 0;                                       // particles; the rest up to `padded` never flies
   int padded = 0;                                      // multiple of 8
   double y = 0;                                        // [m] the common plane
+  Fall fall;                                           // of free flight
   double *x = nullptr, *z = nullptr;                   // [m]
   double *vx = nullptr, *vy = nullptr, *vz = nullptr;  // [m/s]
   double* t = nullptr;                                 // [s] since emission, or since the pulse began

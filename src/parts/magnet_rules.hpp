@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -12,6 +13,14 @@
 #include "section/section_builder.hpp"
 
 namespace rabiline {
+
+/// Poles that do not alternate.
+inline std::vector<Fault> faults_of_poles(std::uint64_t poles, const Placement& place) {
+  if (poles % 2 == 0) return {};
+  return {{place.name, "poles",
+           fmt::format("`{}` cannot have {} poles: north and south alternate", place.name, poles),
+           "write an even number: 4 for a quadrupole, 6 for a sextupole"}};
+}
 
 /// A magnet whose walls stand on the beam's axis; `key` is what moves them.
 template <class Magnet>

@@ -1,7 +1,5 @@
 #include "parts/multipole_magnet.hpp"
 
-#include <fmt/format.h>
-
 #include "parts/magnet_rules.hpp"
 #include "section/section_builder.hpp"
 
@@ -18,12 +16,7 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
 }
 
 std::vector<Fault> faults_of(const MultipoleMagnet& part, const Placement& place) {
-  std::vector<Fault> out;
-  if (part.poles % 2 != 0)
-    out.push_back(
-        {place.name, "poles",
-         fmt::format("`{}` cannot have {} poles: north and south alternate", place.name, part.poles),
-         "write an even number: 4 for a quadrupole, 6 for a sextupole"});
+  std::vector<Fault> out = faults_of_poles(part.poles, place);
   for (Fault& fault : faults_of_axis(part, place, "wall", "radius")) out.push_back(std::move(fault));
   return out;
 }

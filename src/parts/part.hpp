@@ -5,19 +5,25 @@
 #include "parts/beam_stop.hpp"
 #include "parts/chopper.hpp"
 #include "parts/coil.hpp"
+#include "parts/coil_pair.hpp"
 #include "parts/collimator.hpp"
+#include "parts/current_loop.hpp"
 #include "parts/detector.hpp"
 #include "parts/gas_cell.hpp"
 #include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
 #include "parts/iron_magnet.hpp"
+#include "parts/mapped_field.hpp"
 #include "parts/monitor.hpp"
+#include "parts/multipole_field.hpp"
 #include "parts/multipole_magnet.hpp"
 #include "parts/oscillating_field.hpp"
 #include "parts/polarizer.hpp"
 #include "parts/rotating_field.hpp"
 #include "parts/slit.hpp"
+#include "parts/solenoid.hpp"
 #include "parts/spin_filter.hpp"
+#include "parts/straight_wire.hpp"
 #include "parts/two_wire_magnet.hpp"
 #include "parts/uniform_field.hpp"
 #include "parts/velocity_selector.hpp"
@@ -31,6 +37,12 @@ using Part = std::variant<Polarizer,         //
                           RotatingField,     //
                           OscillatingField,  //
                           Coil,              //
+                          CurrentLoop,       //
+                          Solenoid,          //
+                          CoilPair,          //
+                          StraightWire,      //
+                          MultipoleField,    //
+                          MappedField,       //
                           GradientMagnet,    //
                           TwoWireMagnet,     //
                           IronMagnet,        //

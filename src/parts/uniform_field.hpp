@@ -1,11 +1,14 @@
 #pragma once
+#include "parts/field_gradient.hpp"
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
 
 class SectionBuilder;
 
-/// A homogeneous field with hard edges: a static field B, a guide field, a coil of known field.
+/// A homogeneous field: a static field B, a guide field, a coil of known field. Its edges are hard but where
+/// it has a fringe; with a gradient it grows from its middle, on its offset axis, to the sides.
 struct UniformField {
   static constexpr std::string_view kind = "uniform_field",
                                     meaning = "a homogeneous static field: B, or a guide field";
@@ -16,6 +19,9 @@ struct UniformField {
   UnitVector direction{};
   Offset offset{};
   Tilt tilt{};
+  FieldGradient gradient{};
+  Fringe fringe{};
+  AmplitudeProfile profile{};
   bool operator==(const UniformField&) const = default;
 };
 template <>
@@ -27,9 +33,16 @@ inline constexpr auto parameters<UniformField> = std::tuple{
           UnitVector{}),
     param("offset", &UniformField::offset, "displacement of the bore's centre from the axis", Offset{}),
     param("tilt", &UniformField::tilt, "how the field is turned inside its slab", Tilt{}),
+    param("gradient", &UniformField::gradient,
+          "how the field grows from place to place; not at all where missing", FieldGradient{}),
+    param("fringe", &UniformField::fringe, "how the field ends at both ends; at once where missing",
+          Fringe{HardFringe{}}),
+    param("profile", &UniformField::profile, "how the size of the field runs along its length",
+          AmplitudeProfile{RectangularProfile{}}),
 };
 
 StaticField static_field(const UniformField&);
 void contribute(const UniformField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const UniformField&, const Placement&);
 
 }  // namespace rabiline

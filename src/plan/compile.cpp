@@ -35,10 +35,11 @@ class Compiler {
         quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
         zones_(zone_maker(beamline, species)),
-        spins_(sections_, zones_, beamline.source),
+        stretches_(stretches_of(beamline, species, sections_)),
+        spins_(sections_, zones_, beamline.source, stretches_),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
-        may_reach_chamber_(!stays_where_it_starts(beamline.source)) {
+        may_reach_chamber_(beamline.gravity || !stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) outlook_.tip = 0;
   }
 
@@ -210,9 +211,9 @@ class Compiler {
       add_planes_up_to(sections[i].begin);
       const std::span<const Section> touching(&sections[i], end - i);
       if (turns_velocity(touching))
-        fly_through_region(touching);
+        fly_through_region(touching, coupling_of(beamline_, species_));
       else
-        for (const Section& section : touching) fly_straight_through(section);
+        fly_straight_or_in_steps(touching);
       i = end;
     }
     add_planes_up_to(std::numeric_limits<double>::infinity());
@@ -227,11 +228,44 @@ class Compiler {
     if (turning_.rate_per_tesla == 0) return false;
     const bool spins_aligned = turning_.take_off_spin_component && outlook_.tip == 0;
     return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
+      if (!s.shaped.empty()) return true;
       if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
         return true;
       const Vector3 field = zones_.static_field(s);
       return field != Vector3{} && !(spins_aligned && is_parallel(field, outlook_.aligned));
     });
+  }
+
+  /// Only where fields differ from place to place is a path that nothing turns flown in steps.
+  void fly_straight_or_in_steps(std::span<const Section> touching) {
+    for (std::size_t i = 0; i < touching.size();) {
+      std::size_t end = i;
+      while (end < touching.size() && !touching[end].shaped.empty()) ++end;
+      if (end > i) {
+        fly_in_steps(touching.subspan(i, end - i));
+        i = end;
+      } else {
+        fly_straight_through(touching[i++]);
+      }
+    }
+  }
+  void fly_in_steps(std::span<const Section> touching) {
+    const double begin = touching.front().begin;
+    const Stretch& stretch = *std::ranges::find(stretches_, begin, &Stretch::begin);
+    add_planes_up_to(begin);
+    if (!stretch.outlook.sorts) {
+      std::vector<SpinZone> zones = spins_.zones_before(stretch);
+      if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
+      return fly_through_region(touching, coupling_of(beamline_, species_), stretch.outlook);
+    }
+    Plane entrance;
+    entrance.y = begin;
+    entrance.part = touching.front().shaped.front().part;
+    entrance.term = MagnetTerm{stretch.end};
+    if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
+    fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
+    TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
+    chain_.back() = SortingField{std::move(region), entrance.part};
   }
 
   void fly_straight_through(const Section& section) {
@@ -279,13 +313,14 @@ class Compiler {
     maker.end();
   }
 
-  void fly_through_region(std::span<const Section> touching) {
+  void fly_through_region(std::span<const Section> touching, const FieldCoupling& feels,
+                          const StretchOutlook& outlook = {}) {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_);
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels);
     for (const Section& section : touching) add_section(section, maker);
-    chain_.push_back(maker.finish());
+    chain_.push_back(maker.finish(outlook));
     may_reach_chamber_ = true;
   }
 
@@ -297,6 +332,7 @@ class Compiler {
   const bool quantum_;
   const Turning turning_;
   const ZoneMaker zones_;
+  const std::vector<Stretch> stretches_;
   const SpinHistory spins_;
   const bool straight_;  // nothing in the whole beam turns the velocity
   const LevelQuestions questions_;

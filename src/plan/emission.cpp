@@ -43,6 +43,8 @@ class Emitter {
     if (quantum_) e_.spin.levels = species_.levels();
     std::visit([&](const auto& spin) { polarise(spin); }, source.spin);
     e_.pulse = draw_of(source.pulse);
+    if (const auto& gravity = beamline_.gravity)
+      e_.fall = {gravity->acceleration * gravity->direction.x, gravity->acceleration * gravity->direction.z};
   }
 
  private:

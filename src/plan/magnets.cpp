@@ -7,12 +7,12 @@
 #include "plan/geometry.hpp"
 
 namespace rabiline {
-namespace {
 
-/// [J/T] along z of m = I, or of S along z.
 double full_moment(const Species& species) {
   return species.gyromagnetic_ratio * constants::hbar * species.spin.value();
 }
+
+namespace {
 
 /// F = mu_z dB_z/ds, mu_z = gamma hbar m: the acceleration is that of m = I.
 Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels) {

@@ -9,6 +9,9 @@
 
 namespace rabiline {
 
+/// [J/T] along z of m = I, or of S along z.
+double full_moment(const Species&);
+
 /// The path through a magnet, its gap included: a parabola where the force is constant, else stepped.
 /// `levels`: 0 under a vector law.
 void add_deflection(const Plane&, const MagnetTerm&, const Species&, int levels, SampledTables&,

@@ -54,7 +54,8 @@ void RegionMaker::look(Sight sight) {
 
 void RegionMaker::end() { close_zone(section_->end); }
 
-TurningRegion RegionMaker::finish() {
+TurningRegion RegionMaker::finish(const StretchOutlook& outlook) {
+  region_.outlook = outlook;
   region_.take_off_spin_component = turning_.take_off_spin_component;
   region_.most_way = 200 * (region_.zones.back().field.end -
                             region_.zones.front().field.begin);  // what circles for longer gives up
@@ -85,6 +86,16 @@ double RegionMaker::tip_in(const SpinZone& zone, double stay) const {
   return turned > 0.5 ? most : std::min(tip, most);
 }
 
+void RegionMaker::fly_through_field(RegionZone& zone) {
+  constexpr double fewest_steps = 8;
+  zone.course = ZoneCourse::through_field;
+  zone.longest = (section_->end - section_->begin) / fewest_steps;
+  zone.step = zone.longest / speed_;
+  zone.shaped_begin = static_cast<int>(region_.shaped.size());
+  region_.shaped.insert(region_.shaped.end(), section_->shaped.begin(), section_->shaped.end());
+  zone.shaped_end = static_cast<int>(region_.shaped.size());
+}
+
 RegionZone RegionMaker::zone_up_to(double end) {
   const Section& section = *section_;
   RegionZone zone;
@@ -111,6 +122,11 @@ RegionZone RegionMaker::zone_up_to(double end) {
   const bool circles = turning_.take_off_spin_component && zone.field.drives > 0 &&
                        std::abs(zone.field.turn_rate) * stay * spins_.tip * spins_.tip / 4 > 1;
   if (circles) zone.detour = 2;
+  const double* gravity = region_.feels.gravity;
+  if (!section.shaped.empty() || gravity[0] != 0 || gravity[2] != 0) {
+    fly_through_field(zone);
+    return zone;
+  }
   choose_course(zone, {slowness_ * stay, slowness_, zones_.rate_of(zone.field), slowest_tip,
                        turning_.path_error, turning_.take_off_spin_component});
   return zone;

@@ -1,5 +1,5 @@
 #pragma once
-// Touching fields that turn the velocity, put together as a region.
+// Touching fields that turn the velocity or differ from place to place, put together as a region.
 #include "plan/zones.hpp"
 #include "transport/stages/turning_region.hpp"
 
@@ -17,8 +17,10 @@ class RegionMaker {
   /// All must outlive it; `speed` [m/s] is what steps are reckoned with, `slowness` how many times slower the
   /// slowest particles are.
   RegionMaker(const Turning& turning, const ZoneMaker& zones, double speed, double slowness,
-              SpinOutlook& spins)
-      : turning_(turning), zones_(zones), speed_(speed), slowness_(slowness), spins_(spins) {}
+              SpinOutlook& spins, const FieldCoupling& feels)
+      : turning_(turning), zones_(zones), speed_(speed), slowness_(slowness), spins_(spins) {
+    region_.feels = feels;
+  }
 
   void begin(const Section&);
   /// Something stands there that may stop, catch or align; several at one place get zones of no length
@@ -28,12 +30,13 @@ class RegionMaker {
   /// the flight is the same to the bit with and without it.
   void look(Sight);
   void end();
-  TurningRegion finish();
+  TurningRegion finish(const StretchOutlook&);
 
  private:
   void close_zone(double end);
   double tip_in(const SpinZone&, double stay) const;
   RegionZone zone_up_to(double end);
+  void fly_through_field(RegionZone&);
 
   const Turning& turning_;
   const ZoneMaker& zones_;

@@ -19,10 +19,11 @@ bool spins_along_z(const StartSpin& spin, bool quantum) {
   return !quantum && polarised != nullptr && polarised->axis.x == 0 && polarised->axis.y == 0;
 }
 
-const Plane* SpinHistory::last_known_spin(const Plane& before) const {
+const Plane* SpinHistory::last_known_spin(double y, const Plane* before) const {
   const Plane* last = nullptr;
   for (const Plane& plane : sections_.planes) {
-    if (&plane == &before) break;  // what stands at the same place comes in the order of the list
+    if (&plane == before || plane.y > y)
+      break;  // what stands at the same place comes in the order of the list
     if (std::holds_alternative<AlignTerm>(plane.term) || std::holds_alternative<FilterTerm>(plane.term) ||
         std::holds_alternative<MagnetTerm>(plane.term))
       last = &plane;
@@ -30,24 +31,46 @@ const Plane* SpinHistory::last_known_spin(const Plane& before) const {
   return last;
 }
 
-double SpinHistory::known_before(const Plane& plane) const {
-  const Plane* last = last_known_spin(plane);
-  if (last == nullptr) return 0;
-  // In a magnet whose field points elsewhere from place to place spins follow it.
-  const auto* magnet = std::get_if<MagnetTerm>(&last->term);
-  return magnet != nullptr && magnet->shape.kind != MagnetKind::gradient ? magnet->end : last->y;
+const Stretch* SpinHistory::last_stretch(double y) const {
+  const Stretch* last = nullptr;
+  for (const Stretch& stretch : stepped_)
+    if (stretch.begin < y) last = &stretch;
+  return last;
 }
 
-std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
-  const double from = known_before(plane);
+double SpinHistory::known_before(const Plane& plane) const { return known_before(plane.y, &plane); }
+
+double SpinHistory::known_before(double y, const Plane* plane) const {
+  const Stretch* stepped = last_stretch(y);
+  const double carried = stepped != nullptr ? std::min(stepped->end, y) : 0;
+  const Plane* last = last_known_spin(y, plane);
+  if (last == nullptr) return carried;
+  // In a magnet whose field points elsewhere from place to place spins follow it.
+  const auto* magnet = std::get_if<MagnetTerm>(&last->term);
+  return std::max(carried,
+                  magnet != nullptr && magnet->shape.kind != MagnetKind::gradient ? magnet->end : last->y);
+}
+
+std::vector<SpinZone> SpinHistory::zones_between(double from, double to) const {
   std::vector<SpinZone> zones;
   for (const Section& section : sections_.sections) {
     SpinZone zone = zones_.zone_of(section);
     zone.begin = std::max(zone.begin, from);
-    zone.end = std::min(zone.end, plane.y);
+    zone.end = std::min(zone.end, to);
     if (zone.begin < zone.end && (zone.spin_rate != 0 || zone.drives > 0)) zones.push_back(zone);
   }
   return zones;
+}
+
+std::vector<SpinZone> SpinHistory::zones_before(const Plane& plane) const {
+  return zones_between(known_before(plane), plane.y);
+}
+
+/// What stands at its begin comes before it.
+std::vector<SpinZone> SpinHistory::zones_before(const Stretch& stretch) const {
+  const auto behind = std::ranges::upper_bound(sections_.planes, stretch.begin, {}, &Plane::y);
+  const Plane* next = behind == sections_.planes.end() ? nullptr : &*behind;
+  return zones_between(known_before(stretch.begin, next), stretch.begin);
 }
 
 std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const {
@@ -61,7 +84,10 @@ std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const
 }
 
 UnitVector SpinHistory::start_before(const Plane& plane) const {
-  const Plane* last = last_known_spin(plane);
+  const Plane* last = last_known_spin(plane.y, &plane);
+  const Stretch* stepped = last_stretch(plane.y);
+  if (stepped != nullptr && (last == nullptr || last->y < stepped->end))
+    return stepped->outlook.sorts ? UnitVector{} : UnitVector{1, 0, 0};
   if (last == nullptr) return axis_of(source_.spin);
   if (std::holds_alternative<MagnetTerm>(last->term)) return {};
   const auto* align = std::get_if<AlignTerm>(&last->term);

@@ -72,7 +72,7 @@ std::vector<SpinZone> zones_needed(const Beamline& beamline, const Species& spec
     for (const Section& section : sections.sections) out.push_back(zones.zone_of(section));
     return out;
   }
-  const SpinHistory spins(sections, zones, beamline.source);
+  const SpinHistory spins(sections, zones, beamline.source, stretches_of(beamline, species, sections));
   for (const Plane& plane : sections.planes) {
     if (!asks_for_spin(plane)) continue;
     const std::vector<SpinZone> before = is_quantum(beamline) && !asks_across_z(plane)
@@ -100,11 +100,60 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
   }
 }
 
+/// Whether a species' levels are sorted on a stretch.
+bool sorts_levels(const Beamline& beamline, const Sections& sections, const Stretch& stretch) {
+  return std::ranges::any_of(beamline.species, [&](const Component& component) {
+    return std::ranges::any_of(stretches_of(beamline, component.species, sections),
+                               [&](const Stretch& s) { return s.begin == stretch.begin && s.outlook.sorts; });
+  });
+}
+
+/// What stands in a field that differs from place to place may be passed both ways; where levels are sorted,
+/// nothing may stand, and nothing may drive them.
+void check_stepped(const Beamline& beamline, const Sections& sections, Faults& out) {
+  const auto part = [&](int number) -> const PlacedPart& {
+    return beamline.parts[static_cast<std::size_t>(number)];
+  };
+  for (const Stretch& stretch : stretches_of(sections)) {
+    const bool sorts = sorts_levels(beamline, sections, stretch);
+    const std::string* field = nullptr;
+    for (const Section& section : sections.sections) {
+      if (section.shaped.empty() || section.begin < stretch.begin || section.end > stretch.end) continue;
+      if (field == nullptr) field = &part(section.shaped.front().part).placement.name;
+      if (!sorts || section.rotating.empty()) continue;
+      const std::string& drive =
+          fields_at(beamline, (section.begin + section.end) / 2, true).front()->placement.name;
+      out.push_back(
+          {drive, "at",
+           fmt::format("`{}` acts where the field of `{}` sorts the levels by its gradient, and they "
+                       "cannot be driven at the same time",
+                       drive, *field),
+           "move it out of that field"});
+      return;
+    }
+    for (const Plane& plane : sections.planes) {
+      if (plane.y <= stretch.begin || plane.y >= stretch.end) continue;
+      const bool both_ways =
+          std::holds_alternative<PlateTerm>(plane.term) || std::holds_alternative<ScreenTerm>(plane.term) ||
+          std::holds_alternative<MonitorTerm>(plane.term) || std::holds_alternative<AlignTerm>(plane.term);
+      if (both_ways && !sorts) continue;
+      const PlacedPart& inside = part(plane.part);
+      out.push_back(
+          {inside.placement.name, "at",
+           fmt::format("`{}` stands in the field of `{}`, which {} ({} to {})", inside.placement.name, *field,
+                       sorts ? "sorts the levels by its gradient" : "differs from place to place",
+                       metres(stretch.begin), metres(stretch.end)),
+           "move it out of the field"});
+      return;
+    }
+  }
+}
+
 /// Transitions are tabulated in the slowness alone: two clocks must not differ by the time of emission.
 void check_clocks(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
   if (!beamline.source.pulse) return;
   const ZoneMaker zones = zone_maker(beamline, atom);
-  const SpinHistory spins(sections, zones, beamline.source);
+  const SpinHistory spins(sections, zones, beamline.source, stretches_of(beamline, atom, sections));
   for (const Plane& plane : sections.planes) {
     if (!asks_for_spin(plane)) continue;
     const Oscillator* first = nullptr;
@@ -133,6 +182,7 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
 void check_flight(const Beamline& beamline, Faults& out) {
   const Sections sections = sections_of(beamline);
   check_overlaps(beamline, sections, out);
+  check_stepped(beamline, sections, out);
   if (!out.empty()) return;
   for (const Component& component : beamline.species) {
     if (is_quantum(beamline) && component.species.structure)

@@ -5,6 +5,7 @@
 #include "plan/explain.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
+#include "rules/field_lint.hpp"
 #include "rules/warning_room.hpp"
 
 namespace rabiline {
@@ -56,6 +57,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(at_any_point(experiment.points, &approximations_of), out);
   add_once(warnings_of_atoms(experiment, plan), out);
   add_once(warnings_of_laws(experiment), out);
+  add_once(warnings_of_fields(experiment.points.front()), out);
   return out;
 }
 

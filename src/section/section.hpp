@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "field/magnet_shape.hpp"
+#include "field/shaped_term.hpp"
 #include "field/terms.hpp"
 #include "particle/opening.hpp"
 #include "particle/speed.hpp"
@@ -39,7 +40,8 @@ struct Section {
   Vector3 field;              // [T] sum of the uniform fields
   std::vector<RotatingTerm> rotating;
   std::vector<CoilTerm> coils;
-  Wall wall;  // the narrowest
+  std::vector<ShapedTerm> shaped;  // that differ from place to place
+  Wall wall;                       // the narrowest
   bool operator==(const Section&) const = default;
 };
 

@@ -25,6 +25,10 @@ void SectionBuilder::twisted(double begin, double end, const RotatingTerm& term)
 void SectionBuilder::coil(double begin, double end, const CoilTerm& term) {
   coils_.push_back({{begin, end, part_}, term});
 }
+void SectionBuilder::shaped(double begin, double end, ShapedTerm term) {
+  term.part = part_;
+  shaped_.push_back({{begin, end, part_}, term});
+}
 void SectionBuilder::bore(double begin, double end, double radius, Offset offset) {
   bores_.push_back({{begin, end, part_}, {radius, part_, offset}});
 }
@@ -48,6 +52,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(uniform_);
   add_edges(zones_);
   add_edges(coils_);
+  add_edges(shaped_);
   add_edges(bores_);
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
@@ -63,7 +68,7 @@ Sections SectionBuilder::build() const {
   };
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    Section section{edges[i], edges[i + 1], {}, {}, {}, chamber_};
+    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) {
       return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
     };
@@ -74,6 +79,8 @@ Sections SectionBuilder::build() const {
       if (covers(extent)) section.rotating.push_back(follow(zone)), anything = true;
     for (const auto& [extent, term] : coils_)
       if (covers(extent)) section.coils.push_back(term), anything = true;
+    for (const auto& [extent, term] : shaped_)
+      if (covers(extent)) section.shaped.push_back(term), anything = true;
     for (const auto& [extent, wall] : bores_)
       if (covers(extent) && wall.radius < section.wall.radius) section.wall = wall, anything = true;
     if (anything) result.sections.push_back(section);

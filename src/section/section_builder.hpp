@@ -25,6 +25,8 @@ class SectionBuilder {
   /// A field that turns along the beam only.
   void twisted(double begin, double end, const RotatingTerm&);
   void coil(double begin, double end, const CoilTerm&);
+  /// A static field that differs from place to place; it ends where its stretch ends.
+  void shaped(double begin, double end, ShapedTerm);
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
@@ -49,6 +51,7 @@ class SectionBuilder {
   std::map<std::string, Oscillator> oscillators_;
   std::vector<std::pair<Extent, Zone>> zones_;
   std::vector<std::pair<Extent, CoilTerm>> coils_;
+  std::vector<std::pair<Extent, ShapedTerm>> shaped_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
 };

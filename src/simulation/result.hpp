@@ -1,6 +1,7 @@
 #pragma once
 // What a run hands to storage: exact sums turned into numbers with errors, as plain values.
 // Index order everywhere: scan point first, row-major: the last axis changes fastest.
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -113,6 +114,16 @@ struct Provenance {
   std::string commit{}, processor{};  // of the program's source; as the machine calls it
 };
 
+/// The largest deviations of flights in steps from an independent integration, over a sample of particles.
+struct FieldCheck {
+  std::uint64_t particles = 0;
+  double place = 0;      // over the length of the stretch
+  double direction = 0;  // [rad]
+  double spin = 0;       // of S, or of the image of z: that of a probability is about as large
+  double tolerance = 0;  // that steps were chosen for
+  double largest() const { return std::max({place, direction, spin}); }
+};
+
 struct Result {
   std::string title;
   std::vector<ScanAxis> axes;
@@ -134,6 +145,7 @@ struct Result {
   std::vector<std::string> ledger_levels;  // of the ledger by prepared level; empty where there is none
   std::vector<double> emitted_by_level;    // [points][levels] in particles; NaN where a point has no ledger
   std::optional<FlightRecord> flight;      // for other scans of it, where moments serve all points
+  std::optional<FieldCheck> field_check;   // where particles were flown in steps
   Provenance provenance;
 };
 

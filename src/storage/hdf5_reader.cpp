@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "storage/seal.hpp"
 
@@ -41,15 +42,20 @@ void require_inside(hid_t properties, const std::string& where) {
   if (check(H5Pget_external_count(properties), where) != 0) refuse(where, "its data lie in another file");
 }
 
-void require_own_storage(hid_t dataset, std::size_t element_size, const std::string& where) {
+void require_own_storage(hid_t dataset, std::size_t element_size, const std::string& where, int rank = 1) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose, where);
   require_inside(properties.id(), where);
   require_known_filters(properties.id(), where);
   if (H5Pget_layout(properties.id()) != H5D_CHUNKED) return;
-  hsize_t chunk = 0;
-  if (check(H5Pget_chunk(properties.id(), 1, &chunk), where) != 1) refuse(where, "it is not one-dimensional");
-  if (element_size > largest_chunk || chunk > largest_chunk / element_size)
-    refuse(where, "its chunks are too large");
+  std::array<hsize_t, H5S_MAX_RANK> sizes{};
+  if (check(H5Pget_chunk(properties.id(), H5S_MAX_RANK, sizes.data()), where) != rank)
+    refuse(where, fmt::format("it has not {} dimension{}", rank, rank == 1 ? "" : "s"));
+  hsize_t chunk = element_size;
+  for (int i = 0; i < rank; ++i) {
+    if (chunk > largest_chunk || sizes[static_cast<std::size_t>(i)] > largest_chunk / chunk)
+      refuse(where, "its chunks are too large");
+    chunk *= sizes[static_cast<std::size_t>(i)];
+  }
 }
 
 /// Called by HDF5 for each name in the file: whether something is behind it, in this file. The first refusal
@@ -139,6 +145,63 @@ std::vector<std::uint64_t> FileReader::numbers(const std::string& name, std::siz
 }
 std::vector<double> FileReader::reals(const std::string& name, std::size_t most_numbers) const {
   return numbers_of<double>(name, most_numbers, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, "64-bit real numbers");
+}
+
+std::vector<double> FileReader::reals_of_any_size(const std::string& name, std::size_t most) const {
+  const std::string place = where(name);
+  const Handle dataset = open_dataset(name);
+  return grid(name, {length_within(dataset.id(), most, place)});
+}
+
+std::vector<double> FileReader::grid(const std::string& name, const std::vector<std::size_t>& sizes) const {
+  const std::string place = where(name);
+  const Handle dataset = open_dataset(name), type(H5Dget_type(dataset.id()), H5Tclose, place),
+               space(H5Dget_space(dataset.id()), H5Sclose, place);
+  if (H5Tget_class(type.id()) != H5T_FLOAT) refuse(place, "it does not hold real numbers");
+  const std::size_t width = H5Tget_size(type.id());
+  if (width != sizeof(float) && width != sizeof(double))
+    refuse(place, "its numbers have neither 32 nor 64 bits");
+  const int rank = static_cast<int>(sizes.size());
+  require_own_storage(dataset.id(), width, place, rank);
+  std::vector<hsize_t> there(H5S_MAX_RANK);
+  if (check(H5Sget_simple_extent_dims(space.id(), there.data(), nullptr), place) != rank)
+    refuse(place, fmt::format("it has not {} dimension{}", rank, rank == 1 ? "" : "s"));
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (there[i] != sizes[i])
+      refuse(place, fmt::format("it has {} numbers where its axis has {}", there[i], sizes[i]));
+    count *= sizes[i];
+  }
+  require_stored(dataset.id(), count * width, place);
+  std::vector<double> values(count);
+  check(H5Dread(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
+  return values;
+}
+
+std::string FileReader::attribute(const std::string& name, const char* attribute_name) const {
+  constexpr std::size_t longest = 64;
+  const std::string place = fmt::format("{}, attribute {}", where(name), attribute_name);
+  const Handle dataset = open_dataset(name);
+  if (check(H5Aexists(dataset.id(), attribute_name), place) == 0) refuse(place, "there is none");
+  const Handle attribute(H5Aopen(dataset.id(), attribute_name, H5P_DEFAULT), H5Aclose, place),
+      type(H5Aget_type(attribute.id()), H5Tclose, place),
+      space(H5Aget_space(attribute.id()), H5Sclose, place);
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Sget_simple_extent_npoints(space.id()) != 1)
+    refuse(place, "it is no single text");
+  if (check(H5Tis_variable_str(type.id()), place) != 0) {
+    char* text = nullptr;
+    const Handle memory = variable_text(place);
+    check(H5Aread(attribute.id(), H5Tget_cset(type.id()) == H5T_CSET_ASCII ? type.id() : memory.id(), &text),
+          place);
+    const std::string out = text == nullptr ? "" : std::string(text).substr(0, longest);
+    H5free_memory(text);
+    return out;
+  }
+  const std::size_t size = H5Tget_size(type.id());
+  if (size == 0 || size > longest) refuse(place, "it is no text of a reasonable length");
+  std::string bytes(size + 1, '\0');
+  check(H5Aread(attribute.id(), type.id(), bytes.data()), place);
+  return bytes.c_str();
 }
 
 std::string FileReader::text(const std::string& name, std::size_t most_bytes) const {

@@ -19,6 +19,11 @@ class FileReader {
   /// dataset is missing, is of another kind, is larger than the limit, or lies outside the file in any way.
   std::vector<std::uint64_t> numbers(const std::string& name, std::size_t most_numbers) const;
   std::vector<double> reals(const std::string& name, std::size_t most_numbers) const;
+  /// Real numbers of 32 or 64 bits: a row of any length up to a limit, or a box of these sizes.
+  std::vector<double> reals_of_any_size(const std::string& name, std::size_t most_numbers) const;
+  std::vector<double> grid(const std::string& name, const std::vector<std::size_t>& sizes) const;
+  /// A text beside a dataset, up to 64 bytes.
+  std::string attribute(const std::string& dataset, const char* name) const;
   std::vector<std::string> texts(const std::string& name, std::size_t most_bytes) const;
   /// One text.
   std::string text(const std::string& name, std::size_t most_bytes) const;

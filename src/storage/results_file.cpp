@@ -77,7 +77,8 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 /// Names under which each detector's groups stand in /entry; parts may be called like our own groups.
 nexus::Names names_of_entry() {
   return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle",
-                       "aimed_fraction", "rate", "scan", "instrument", "fates", "flight", "simulation"});
+                       "aimed_fraction", "rate", "scan", "instrument", "fates", "flight", "field_check",
+                       "simulation"});
 }
 std::vector<std::string> group_names(const Result& result, nexus::Names& names) {
   std::vector<std::string> claimed;
@@ -328,6 +329,20 @@ void write_simulation(const GroupWriter& entry, const Result& result, std::uint6
   }
 }
 
+/// How far flights in steps are from an independent integration.
+void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
+  const GroupWriter group = entry.group("field_check", "NXcollection");
+  group.number("particles", check.particles,
+               {{"units", "1"}, {"long_name", "particles integrated both ways"}});
+  const auto put = [&](const char* name, double value, const char* meaning) {
+    group.number(name, value, {{"units", "1"}, {"long_name", meaning}});
+  };
+  put("place", check.place, "largest deviation of the place, over the length of the stretch");
+  put("direction", check.direction, "largest deviation of the direction (rad)");
+  put("spin", check.spin, "largest deviation of the spin, a unit vector");
+  put("tolerance", check.tolerance, "what steps were chosen for");
+}
+
 /// What nobody asked for is kept where it is a fifth of the file at most, or small anyway.
 bool is_worth_its_room(const FlightRecord& flight, std::size_t file) {
   constexpr std::size_t small = 512 << 10;
@@ -344,6 +359,7 @@ void write_content(const GroupWriter& entry, const Result& result) {
   nexus::write_monitors_and_tallies(entry, result, scan_axes(result), taken);
   write_instrument(entry, names, result);
   write_fates(entry, result);
+  if (result.field_check) write_field_check(entry, *result.field_check);
 }
 
 GroupWriter entry_of(hdf5::FileWriter& file, const Result& result, const std::filesystem::path& path) {

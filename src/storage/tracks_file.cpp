@@ -75,7 +75,7 @@ void write_tracks(const std::string& title, const std::vector<Track>& tracks,
   file_of(title, tracks, path).save();
 }
 std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>& tracks) {
-  return file_of(title, tracks, hdf5::in_memory).image(0);
+  return file_of(title, tracks, hdf5::in_memory).image();
 }
 
 }  // namespace rabiline

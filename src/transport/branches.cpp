@@ -58,6 +58,7 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   const BatchView& from = batch.view();
   BatchView& to = flown_.view();
   to.y = from.y;
+  to.fall = from.fall;
   int count = 0;
   for (int i = 0; i < from.count; ++i) {
     if (from.flying[i] == 0 || (reach[from.level[i]] >> level & 1) == 0) continue;
@@ -126,6 +127,7 @@ void Branches::keep_undecided(const Batch& batch, const TransitLayout* layout) {
   }
   BatchView& to = paths_.asked.view();
   to.y = from.y;
+  to.fall = from.fall;
   to.count = 0;
   paths_.groups.clear();
   for (std::size_t prepared = 0; prepared < most_levels; ++prepared) {

@@ -256,6 +256,7 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
 // could not keep them in registers.
 void emit(const Emission& emission, std::uint64_t first_particle, BatchView& view) {
   view.y = 0;
+  view.fall = emission.fall;
   const Emission e = emission;
   BatchView batch = view;
   for (int i = 0; i < batch.padded; i += lane_count) {

@@ -66,6 +66,7 @@ struct Emission {
   double tilt_cos_x = 1, tilt_sin_x = 0, tilt_cos_z = 1, tilt_sin_z = 0;  // first about x, then about z
   SpinDraw spin{};
   PulseDraw pulse{};
+  Fall fall{};
   bool operator==(const Emission&) const = default;
 };
 

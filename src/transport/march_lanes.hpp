@@ -2,6 +2,7 @@
 // A visit to one zone of a region along a closed form, for kernels only (transport/course_lanes.hpp).
 #include "transport/axis_lanes.hpp"
 #include "transport/course_lanes.hpp"
+#include "transport/field_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -170,6 +171,7 @@ using VisitOfZone = Visit (*)(const Region&, const RegionZone&, const real*, con
                               const StepRecorder*);
 template <bool looks>
 VisitOfZone visit_on(const RegionZone& zone) {
+  if (zone.course == ZoneCourse::through_field) return visit_in_field<looks>;
   if (zone.course == ZoneCourse::constant) return visit_along<ConstantTurn, looks>;
   if (zone.course == ZoneCourse::joint_turns) return visit_along<JointTurns, looks>;
   if (zone.course == ZoneCourse::slow_turns)

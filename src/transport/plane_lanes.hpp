@@ -20,15 +20,23 @@ struct Acceleration {
 struct OnPlane {
   real dt, x, z;
 };
-/// The flight of particles from the batch's common plane on to another one, or back to it.
-RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i) {
-  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
-  return {dt, fma(load(batch.vx + i), dt, load(batch.x + i)), fma(load(batch.vz + i), dt, load(batch.z + i))};
-}
+/// The flight of particles from the batch's common plane on to another one, or back to it, with an
+/// acceleration that is constant on the way.
 RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a) {
   const real dt = broadcast(y - batch.y) / load(batch.vy + i);
   return {dt, fma(fma(0.5 * a.x, dt, load(batch.vx + i)), dt, load(batch.x + i)),
           fma(fma(0.5 * a.z, dt, load(batch.vz + i)), dt, load(batch.z + i))};
+}
+/// Free flight.
+RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i) {
+  if (batch.fall != Fall{}) return to_plane(y, batch, i, {broadcast(batch.fall.x), broadcast(batch.fall.z)});
+  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  return {dt, fma(load(batch.vx + i), dt, load(batch.x + i)), fma(load(batch.vz + i), dt, load(batch.z + i))};
+}
+/// The velocity across the beam behind a free flight.
+RABILINE_LANES void fall_for(real dt, BatchView& batch, int i) {
+  if (batch.fall.x != 0) store(batch.vx + i, fma(broadcast(batch.fall.x), dt, load(batch.vx + i)));
+  if (batch.fall.z != 0) store(batch.vz + i, fma(broadcast(batch.fall.z), dt, load(batch.vz + i)));
 }
 
 RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {

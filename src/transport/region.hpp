@@ -1,6 +1,9 @@
 #pragma once
-// Touching fields that turn the velocity, as the kernel sees them.
+// Touching fields that are flown through in steps, since they turn the velocity or differ from place to
+// place, as the kernel sees them.
+#include "field/shaped_term.hpp"
 #include "transport/kernels.hpp"
+#include "transport/moment_law.hpp"
 #include "transport/stages/alignment.hpp"
 
 namespace rabiline {
@@ -17,10 +20,11 @@ struct RegionEdge {
 };
 /// How particles are flown through a zone of a region.
 enum class ZoneCourse {
-  steps,        // short ones that follow every turn of spin and velocity: any fields
-  constant,     // W is constant in a frame that turns at a constant rate: closed form
-  joint_turns,  // kappa = 1: the velocity in closed form, the place by quadrature over less than a turn
-  slow_turns    // kappa = 1, spins near the field: over many turns, what varies slowly by quadrature
+  steps,         // short ones that follow every turn of spin and velocity: any fields
+  constant,      // W is constant in a frame that turns at a constant rate: closed form
+  joint_turns,   // kappa = 1: the velocity in closed form, the place by quadrature over less than a turn
+  slow_turns,    // kappa = 1, spins near the field: over many turns, what varies slowly by quadrature
+  through_field  // any field at all: each particle in steps of its own length
 };
 inline constexpr int span_points = 6;  // of Gauss and Legendre
 /// Constants of a course that goes from span to span, at the Gauss points of each and, last, at its end.
@@ -47,8 +51,37 @@ struct RegionZone {
   double detour = 1;      // how many times longer than straight flight particles stay, about: for the cost
   ZoneCourse course = ZoneCourse::steps;
   SpanTable table;
+  int shaped_begin = 0, shaped_end = 0;  // of the region's fields that differ from place to place
+  double longest = 0;                    // [m] way in one step through a field
   bool operator==(const RegionZone&) const = default;
 };
+/// How one species feels fields that differ from place to place, and what else accelerates it.
+struct FieldCoupling {
+  double spin_per_tesla = 0;  // [rad/(s T)] -gamma
+  double turn_per_tesla = 0;  // [rad/(s T)] of the velocity
+  double pull = 0;            // [m/s^2 per T/m] the whole moment over the mass; 0: no force by a gradient
+  int levels = 0;             // quantum: the moment is (m/I) along the image of z; 0: it is along S
+  bool follows_level =
+      false;                // the particle stays in its level along the field, and the force is mu grad |B|
+  MomentLaw moments{};      // of that level where it depends on |B| [J/T]
+  double mass = 1;          // [kg]
+  double gravity[3] = {};   // [m/s^2]
+  double tolerance = 1e-6;  // of spin, direction, and place over the length of a zone
+  bool operator==(const FieldCoupling&) const = default;
+};
+/// What becomes of a species' levels where a field differs from place to place, reckoned on the axis at the
+/// mean speed: their paths come apart, and their phases spread over the beam.
+struct StretchOutlook {
+  double splitting = 0;  // [m] of the outermost paths, at the last detector
+  double feature = 0;    // [m] the smallest slit or bin behind it
+  double turns = 0;      // by which the phase between the outermost levels differs over the beam
+  bool sorts = false;    // each particle is found in one level
+  bool between = false;  // neither one path nor no phase: the law's `outcomes` decided
+  bool operator==(const StretchOutlook&) const = default;
+};
+/// What needs more of them through one zone gives up.
+inline constexpr double most_field_steps = 1e6;
+
 /// Seconds that one particle takes through a zone, on one core.
 double cost_of(const RegionZone&, double speed);
 
@@ -60,6 +93,8 @@ struct Region {
   const RegionEdge* edges = nullptr;  // edges[i] is crossed between zones i and i+1; zone_count - 1 of them
   int zone_count = 0;
   bool take_off_spin_component = false;  // closure torque
+  const ShapedTerm* shaped = nullptr;
+  FieldCoupling feels;
   double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
   std::uint64_t most_visits = 0;  // of zones
   // Planes that are looked at, ascending. Nothing happens there: steps go on across them. `seen` takes for

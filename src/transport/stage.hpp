@@ -20,6 +20,7 @@
 #include "transport/stages/passage.hpp"
 #include "transport/stages/precession.hpp"
 #include "transport/stages/score.hpp"
+#include "transport/stages/sorting_field.hpp"
 #include "transport/stages/spin_stretch.hpp"
 #include "transport/stages/steering.hpp"
 #include "transport/stages/turning_region.hpp"
@@ -31,7 +32,7 @@ template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
                         TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping,
-                        VelocitySelection>;
+                        VelocitySelection, SortingField>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

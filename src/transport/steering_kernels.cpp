@@ -1,4 +1,5 @@
 // Magnets whose force depends on the place: stepped paths.
+#include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/stages/steering.hpp"
 
@@ -15,37 +16,26 @@ struct Force {
   real sharpness;  // [1/m^2] that v^2 is multiplied by
 };
 
-/// The moments of lanes in different levels, one lane after the other: the same bits everywhere.
-inline real moment_of(const MomentLaw& law, words level, real size) {
-  const real place = size / (size + law.scale) * law.cells;
-  const real cell = min(floor(place), broadcast(law.cells - 1)), t = place - cell;
-  real c[4] = {};
-  for (int k = 0; k < lane_count; ++k) {
-    const double* row = law.coefficients + 4 * (static_cast<long>(lane(level, k)) * law.cells +
-                                                static_cast<long>(lane(cell, k)));
-    for (int power = 0; power < 4; ++power) set_lane(c[power], k, row[power]);
-  }
-  return fma(fma(fma(c[3], t, c[2]), t, c[1]), t, c[0]);
-}
-
 /// `part` is m/I or S_z where the moment is constant.
-RABILINE_LANES Force force_at(const Steering& s, words level, real part, const Across& at) {
+RABILINE_LANES Force force_at(const Steering& s, const Fall& fall, words level, real part, const Across& at) {
   const auto field = field_size(s.shape, at.x, at.z, [](real q) { return sqrt(q); });
   const double inverse_mass = 1 / s.mass;
   if (s.moments.coefficients == nullptr) {
     const real pull = part * (s.moment * inverse_mass);
-    return {pull * field.along_x, pull * field.along_z, abs(pull) * field.bend, field.sharpness};
+    return {fma(pull, field.along_x, broadcast(fall.x)), fma(pull, field.along_z, broadcast(fall.z)),
+            abs(pull) * field.bend, field.sharpness};
   }
   const real pull = moment_of(s.moments, level, field.size) * inverse_mass;
   const real slope2 = fma(field.along_x, field.along_x, field.along_z * field.along_z);
   const real near = 1.0 / (field.size + s.moments.scale);
-  return {pull * field.along_x, pull * field.along_z,
+  return {fma(pull, field.along_x, broadcast(fall.x)), fma(pull, field.along_z, broadcast(fall.z)),
           fma(slope2, near, field.bend) * (s.moment * inverse_mass),
           fma(slope2 * near, near, field.sharpness)};
 }
 
 /// One VEFRL step; `force` is that at the place, before and behind.
-RABILINE_LANES void step(const Steering& s, words level, real part, real h, Across& at, Force& force) {
+RABILINE_LANES void step(const Steering& s, const Fall& fall, words level, real part, real h, Across& at,
+                         Force& force) {
   constexpr double xi = 0.1644986515575760, lambda = -0.02094333910398989, chi = 1.235692651138917;
   const auto kick = [&](double share) {
     at.vx = fma(force.ax, h * share, at.vx);
@@ -54,7 +44,7 @@ RABILINE_LANES void step(const Steering& s, words level, real part, real h, Acro
   const auto fly = [&](double share) {
     at.x = fma(at.vx, h * share, at.x);
     at.z = fma(at.vz, h * share, at.z);
-    force = force_at(s, level, part, at);
+    force = force_at(s, fall, level, part, at);
   };
   kick(xi);
   fly(0.5 - lambda);
@@ -76,16 +66,17 @@ RABILINE_LANES real next_step(const Force& force, const Across& at, real left, r
 }
 
 /// Flies lanes through the magnet; returns which of them came through.
-RABILINE_LANES mask through(const Steering& s, words level, real part, mask flying, real stay, Across& at) {
+RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, real part, mask flying,
+                            real stay, Across& at) {
   const auto outside_walls = [&] { return is_free<mask>(s.walls, at.x, at.z); };
   flying = flying & outside_walls();
   const real least = stay * (1 / steering::most_steps);
   real left = select(flying, stay, broadcast(0));
-  Force force = force_at(s, level, part, at);
+  Force force = force_at(s, fall, level, part, at);
   while (any(left > broadcast(0))) {
     const mask goes = left > broadcast(0);
     const real h = select(goes, next_step(force, at, left, least), broadcast(0));
-    step(s, level, part, h, at, force);
+    step(s, fall, level, part, h, at, force);
     flying = flying & (outside_walls() | ~goes);
     left = select(goes & flying & (h < left), left - h, broadcast(0));
   }
@@ -96,12 +87,15 @@ RABILINE_LANES mask through(const Steering& s, words level, real part, mask flyi
 
 std::uint64_t steer(const Steering& s, BatchView& batch) {
   words stopped = words{};
+  const Fall fall{batch.fall.x * s.cosine - batch.fall.z * s.sine,
+                  batch.fall.x * s.sine + batch.fall.z * s.cosine};  // in the magnet's frame
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words was_flying = load(batch.flying + i);
     const mask flies = (mask)was_flying;
     const OnPlane straight = to_plane(s.end, batch, i);
     const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i), vz = load(batch.vz + i);
     store(batch.t + i, load(batch.t + i) + straight.dt);
+    fall_for(straight.dt, batch, i);  // what does not fly any more
     if (!any(flies)) {
       store(batch.x + i, straight.x);
       store(batch.z + i, straight.z);
@@ -114,7 +108,7 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
     const auto up = [&](real u, real v) { return fma(u, broadcast(s.sine), v * s.cosine); };
     Across at{across(x - s.x0, z - s.z0), up(x - s.x0, z - s.z0) + s.shape.height, across(vx, vz),
               up(vx, vz)};
-    const mask came = through(s, level, part, flies, straight.dt, at);
+    const mask came = through(s, fall, level, part, flies, straight.dt, at);
     stopped = stopped + (load(batch.weight + i) & was_flying & ~(words)came);
     store(batch.flying + i, was_flying & (words)came);
     at.z = at.z - s.shape.height;
@@ -122,8 +116,8 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
     const auto back_z = [&](real u, real v) { return fma(v, broadcast(s.cosine), -(u * s.sine)); };
     store(batch.x + i, select(flies, back_x(at.x, at.z) + s.x0, straight.x));
     store(batch.z + i, select(flies, back_z(at.x, at.z) + s.z0, straight.z));
-    store(batch.vx + i, select(flies, back_x(at.vx, at.vz), vx));
-    store(batch.vz + i, select(flies, back_z(at.vx, at.vz), vz));
+    store(batch.vx + i, select(flies, back_x(at.vx, at.vz), load(batch.vx + i)));
+    store(batch.vz + i, select(flies, back_z(at.vx, at.vz), load(batch.vz + i)));
   }
   batch.y = s.end;
   return sum_of_lanes(stopped);

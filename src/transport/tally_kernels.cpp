@@ -20,7 +20,8 @@ RABILINE_LANES Crossing crossing_at(double y, const BatchView& batch, int i) {
   return {there.x,
           there.z,
           load(batch.t + i) + there.dt,
-          {load(batch.vx + i), load(batch.vy + i), load(batch.vz + i)}};
+          {load(batch.vx + i) + there.dt * batch.fall.x, load(batch.vy + i),
+           load(batch.vz + i) + there.dt * batch.fall.z}};
 }
 
 RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) {

@@ -82,24 +82,34 @@ Pack load_pack(const BatchView& batch, int i) {
   return pack;
 }
 
-/// Puts a pack back, referred to the plane at the region's end: what did not reach it is drawn out straight.
+/// Whether particles may get another level in it.
+bool aligns(const Region& region) {
+  for (int edge = 0; edge + 1 < region.zone_count; ++edge)
+    if (region.edges[edge].kind == EdgeKind::align) return true;
+  return false;
+}
+
+/// Puts a pack back, referred to the plane at the region's end: what did not reach it is drawn out in free
+/// flight.
 void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i) {
   const State& s = pack.state;
   const mask caught = (pack.end & region_end::caught_at_edge) != words{};
   const real way = broadcast(region.zones[region.zone_count - 1].field.end) - s.place.y;
   const real dt = select(s.velocity.y != broadcast(0), way / s.velocity.y, broadcast(0));
-  store(batch.x + i, fma(s.velocity.x, dt, s.place.x));
-  store(batch.z + i, fma(s.velocity.z, dt, s.place.z));
+  const Fall& fall = batch.fall;
+  store(batch.x + i, fma(fma(broadcast(0.5 * fall.x), dt, s.velocity.x), dt, s.place.x));
+  store(batch.z + i, fma(fma(broadcast(0.5 * fall.z), dt, s.velocity.z), dt, s.place.z));
   store(batch.t + i, s.t + dt);
   store(batch.vx + i, s.velocity.x);
   store(batch.vy + i, s.velocity.y);
   store(batch.vz + i, s.velocity.z);
+  fall_for(dt, batch, i);
   store(batch.sx + i, s.spin.x);
   store(batch.sy + i, s.spin.y);
   store(batch.sz + i, s.spin.z);
   store(batch.slowness + i, select(caught, 1.0 / s.velocity.y, load(batch.slowness + i)));
   store(batch.level + i, pack.level);
-  store(batch.prepared + i, pack.level);
+  if (aligns(region)) store(batch.prepared + i, pack.level);
   store(batch.scratch + i, pack.end);
 }
 

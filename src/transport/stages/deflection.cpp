@@ -82,7 +82,7 @@ std::uint64_t deflect(const Deflection& d, BatchView& batch) {
         d.levels > 0 ? fma(number_of(load(batch.level + i)), broadcast(-2.0 / (d.levels - 1)), broadcast(1))
                      : load(batch.sz + i);
     const real a = select((mask)flying, part * d.acceleration, broadcast(0));
-    const Acceleration along{a * d.along_x, a * d.along_z};
+    const Acceleration along{a * d.along_x + batch.fall.x, a * d.along_z + batch.fall.z};
     const OnPlane there = to_plane(d.end, batch, i, along);
     const real vx = load(batch.vx + i), vz = load(batch.vz + i);
     if (d.has_gap) {

@@ -32,6 +32,7 @@ void drift(double y, BatchView& batch) {
     store(batch.x + i, there.x);
     store(batch.z + i, there.z);
     store(batch.t + i, load(batch.t + i) + there.dt);
+    fall_for(there.dt, batch, i);
   }
   batch.y = y;
 }

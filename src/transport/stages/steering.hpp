@@ -3,18 +3,11 @@
 #include <vector>
 
 #include "transport/kernels.hpp"
+#include "transport/moment_law.hpp"
 #include "transport/stage_concept.hpp"
 
 namespace rabiline {
 
-/// Moments of levels against the size of the field, as MomentTable has them (spin/moment_table.hpp). Compared
-/// by address: a plan makes each table once.
-struct MomentLaw {
-  const double* coefficients = nullptr;  // [level][cell][power] J/T; null: one constant moment
-  int cells = 1;
-  double scale = 1;  // [T]
-  bool operator==(const MomentLaw&) const = default;
-};
 /// A force mu(|B|) grad |B| across the beam, from one plane to another. A level, or S_z, is that along the
 /// field wherever it points: the spin follows it (adiabatically), also where the field is not along z.
 struct Steering {

@@ -32,18 +32,6 @@ std::size_t sums_before_sights(const TurningRegion& region) {
   return sums;
 }
 
-Region view_of(const TurningRegion& region, const RandomKey& key) {
-  Region view;
-  view.key = key;
-  view.zones = region.zones.data();
-  view.edges = region.edges.data();
-  view.zone_count = static_cast<int>(region.zones.size());
-  view.take_off_spin_component = region.take_off_spin_component;
-  view.most_way = region.most_way;
-  view.most_visits = 64 + 4 * region.zones.size();
-  return view;
-}
-
 /// What a screen counts of a weight up to 2^40, as its kernel does.
 std::uint64_t counted_of(const Screen& screen, std::uint64_t weight) {
   return static_cast<std::uint64_t>(std::floor(static_cast<double>(weight) * screen.efficiency));
@@ -107,6 +95,9 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
 void explain_course(const RegionZone& zone, PlanReport& report) {
   const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate)),
                turns = rate * zone.table.span / (2 * std::numbers::pi);
+  if (zone.course == ZoneCourse::through_field)
+    return report.line("{:>16}each particle in steps of its own length, {} at most", "",
+                       pretty_quantity(zone.longest, Dimension::length));
   if (rate == 0) return;
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -118,6 +109,8 @@ void explain_course(const RegionZone& zone, PlanReport& report) {
     case ZoneCourse::slow_turns:
       return report.line("{:>16}steps of {}, {:.4g} turns, that follow the slow angles", "",
                          pretty_quantity(zone.table.span, Dimension::time), turns);
+    case ZoneCourse::through_field:
+      return;
     case ZoneCourse::steps:
       return report.line("{:>16}steps of {}, {:.0f} per turn", "",
                          pretty_quantity(zone.step, Dimension::time),
@@ -155,8 +148,43 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 
 }  // namespace
 
+Region view_of(const TurningRegion& region, const RandomKey& key) {
+  Region view;
+  view.key = key;
+  view.zones = region.zones.data();
+  view.edges = region.edges.data();
+  view.zone_count = static_cast<int>(region.zones.size());
+  view.take_off_spin_component = region.take_off_spin_component;
+  view.shaped = region.shaped.data();
+  view.feels = region.feels;
+  view.most_way = region.most_way;
+  view.most_visits = 64 + 4 * region.zones.size();
+  return view;
+}
+
+void explain_levels(const TurningRegion& region, PlanReport& report) {
+  const StretchOutlook& outlook = region.outlook;
+  if (outlook.splitting == 0) return;
+  report.line(
+      "{:>16}levels {}: their paths come apart by {} (smallest slit or bin {}), their phases by {:.3g} turns",
+      "", outlook.sorts ? "are sorted" : "stay coherent",
+      pretty_quantity(outlook.splitting, Dimension::length),
+      pretty_quantity(outlook.feature, Dimension::length), outlook.turns);
+  if (outlook.between)
+    report.warn(
+        report.field_at((region.y() + region.zones.back().field.end) / 2), "kind",
+        fmt::format(
+            "the field splits the paths of the levels by {}, where the smallest slit or bin is {}, and "
+            "spreads their phases by {:.2g} turns: neither one path nor no phase; here levels {}, by "
+            "`outcomes` of the law",
+            pretty_quantity(outlook.splitting, Dimension::length),
+            pretty_quantity(outlook.feature, Dimension::length), outlook.turns,
+            outlook.sorts ? "are sorted" : "stay coherent"));
+}
+
 double cost_of(const RegionZone& zone, double speed) {
   const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
+  const double shaped = zone.shaped_end - zone.shaped_begin;
   const auto spans = [&] { return std::ceil(stay / zone.table.span); };
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -166,6 +194,8 @@ double cost_of(const RegionZone& zone, double speed) {
     case ZoneCourse::slow_turns:
       return cost::crossing +
              spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
+    case ZoneCourse::through_field:
+      return stay * speed / zone.longest * (cost::laboratory_step + shaped * cost::shaped_field);
     case ZoneCourse::steps:
       break;
   }
@@ -242,7 +272,8 @@ double TurningRegion::cost(double speed) const {
 }
 
 void TurningRegion::explain(PlanReport& report) const {
-  report.line("{}  region that turns the velocity, to {}{}", PlanReport::metres(zones.front().field.begin),
+  report.line("{}  {}, to {}{}", PlanReport::metres(zones.front().field.begin),
+              shaped.empty() ? "region that turns the velocity" : "flown through fields in steps",
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
     explain_zone(zone.field, report);
@@ -252,6 +283,7 @@ void TurningRegion::explain(PlanReport& report) const {
     sight.census.explain(report);
     for (const Histogram& tally : sight.tallies) tally.explain(report);
   }
+  explain_levels(*this, report);
   warn_of_tips(*this, report);
 }
 

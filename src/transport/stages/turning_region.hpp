@@ -1,5 +1,5 @@
 #pragma once
-// Fields that turn the velocity.
+// Fields that turn the velocity, or that differ from place to place.
 #include <vector>
 
 #include "transport/region.hpp"
@@ -15,13 +15,16 @@ struct Sight {
   std::vector<Histogram> tallies;
   bool operator==(const Sight&) const = default;
 };
-/// Touching fields that turn the velocity; the particle may leave backwards.
+/// Touching fields that are flown through in steps; the particle may leave backwards.
 struct TurningRegion {
   std::vector<RegionZone> zones;
   std::vector<RegionEdge> edges;  // between neighbouring zones
   std::vector<Sight> sights;      // in the order in which they are passed
   bool take_off_spin_component = false;
   double most_way = 0;  // [m] in one zone at one visit
+  std::vector<ShapedTerm> shaped{};
+  FieldCoupling feels{};
+  StretchOutlook outlook{};
   bool operator==(const TurningRegion&) const = default;
 
   static constexpr StageTraits traits{
@@ -36,5 +39,10 @@ struct TurningRegion {
   std::size_t own_memory() const;
 };
 static_assert(StageKind<TurningRegion>);
+
+/// As the kernel sees it, which it must outlive.
+Region view_of(const TurningRegion&, const RandomKey&);
+/// What becomes of levels, and a warning where that is in doubt.
+void explain_levels(const TurningRegion&, PlanReport&);
 
 }  // namespace rabiline

@@ -6,7 +6,7 @@
 #include "input/describe_page.hpp"
 #include "input/member.hpp"
 #include "input/schema_page.hpp"
-#include "parts/solenoid.hpp"
+#include "parts/long_solenoid.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -15,10 +15,10 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-using OnePart = std::variant<Solenoid>;  // what `Part` is with a line more
+using OnePart = std::variant<LongSolenoid>;  // what `Part` is with a line more
 
 constexpr const char* text =
-    "{name: S, kind: solenoid, at: 0.2 m, length: 50 cm, radius: 2 cm, turns: 400, current: 25 mA}";
+    "{name: S, kind: long_solenoid, at: 0.2 m, length: 50 cm, radius: 2 cm, turns: 400, current: 25 mA}";
 
 struct Read {
   Placement placement;
@@ -35,19 +35,19 @@ Read read(const std::string& yaml) {
   keys.finish();
   return out;
 }
-Solenoid solenoid() { return std::get<Solenoid>(read(text).part); }
+LongSolenoid solenoid() { return std::get<LongSolenoid>(read(text).part); }
 
 TEST(PartOfTheHowTo, IsReadByItsTable) {
   const Read found = read(text);
   EXPECT_TRUE(found.reading.errors.empty()) << render(found.reading.errors);
   EXPECT_EQ(found.placement.name, "S");
   EXPECT_EQ(found.placement.at, 0.2);
-  EXPECT_EQ(std::get<Solenoid>(found.part), (Solenoid{0.5, 0.02, 400, 0.025}));
+  EXPECT_EQ(std::get<LongSolenoid>(found.part), (LongSolenoid{0.5, 0.02, 400, 0.025}));
 }
 
 TEST(PartOfTheHowTo, HasMessagesForEachMistake) {
   const std::string message =
-      render(read("{name: S, kind: solenoid, at: 0.2 m, length: 0 m, radius: 2 T, turn: 400, current: 25 mA}")
+      render(read("{name: S, kind: long_solenoid, at: 0.2 m, length: 0 m, radius: 2 T, turn: 400, current: 25 mA}")
                  .reading.errors);
   EXPECT_THAT(message, HasSubstr("`length` must be greater than zero"));
   EXPECT_THAT(message, HasSubstr("`radius` is a length"));
@@ -55,7 +55,7 @@ TEST(PartOfTheHowTo, HasMessagesForEachMistake) {
 }
 
 TEST(PartOfTheHowTo, IsSetAndScannedByItsName) {
-  Solenoid part = solenoid();
+  LongSolenoid part = solenoid();
   Reading reading;
   const std::string value = "50 mA";
   const Node node = parse_document(make_source_text("--set", value), value);
@@ -68,20 +68,20 @@ TEST(PartOfTheHowTo, IsSetAndScannedByItsName) {
 }
 
 TEST(PartOfTheHowTo, IsDescribedAndInTheSchema) {
-  const std::string page = describe_part<Solenoid>();
+  const std::string page = describe_part<LongSolenoid>();
   EXPECT_THAT(page, HasSubstr("solenoid: a field along the beam"));
   EXPECT_THAT(page, HasSubstr("in each turn, right-handed about +y"));
-  EXPECT_THAT(page, HasSubstr("kind: solenoid, at: 0.25 m, length: "));
-  const std::vector<std::string> schemas = schemas_of_part<Solenoid>();
+  EXPECT_THAT(page, HasSubstr("kind: long_solenoid, at: 0.25 m, length: "));
+  const std::vector<std::string> schemas = schemas_of_part<LongSolenoid>();
   ASSERT_EQ(schemas.size(), 1U);
-  EXPECT_THAT(schemas[0], HasSubstr(R"("const": "solenoid")"));
+  EXPECT_THAT(schemas[0], HasSubstr(R"("const": "long_solenoid")"));
   EXPECT_THAT(schemas[0],
               HasSubstr(R"("required": ["kind", "name", "at", "length", "radius", "turns", "current"])"));
 }
 
 TEST(PartOfTheHowTo, HasARule) {
-  EXPECT_TRUE(faults_of(Solenoid{0.2, 0.02, 400, 0.025}, {"S", 0.2, {}}).empty());
-  const std::vector<Fault> faults = faults_of(Solenoid{0.199, 0.02, 400, 0.025}, {"S", 0.2, {}});
+  EXPECT_TRUE(faults_of(LongSolenoid{0.2, 0.02, 400, 0.025}, {"S", 0.2, {}}).empty());
+  const std::vector<Fault> faults = faults_of(LongSolenoid{0.199, 0.02, 400, 0.025}, {"S", 0.2, {}});
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(dotted_name(faults[0].subject, faults[0].key), "S.length");
   EXPECT_THAT(faults[0].message, HasSubstr("too short"));

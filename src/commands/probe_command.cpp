@@ -1,0 +1,122 @@
+// rabiline probe: the field at a place, or along a line.
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "commands/common.hpp"
+#include "core/units.hpp"
+#include "input/settings.hpp"
+
+namespace rabiline {
+namespace {
+
+struct ProbeArguments {
+  ExperimentOptions experiment;
+  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101";
+};
+
+/// "1 mm,0.4 m,0": a bare zero is a length too.
+double read_quantity(const char* option, std::string_view text, Dimension dimension) {
+  const ParsedQuantity read = parse_quantity(text, dimension);
+  if (!read.error.empty() || (read.dimension != dimension && read.value != 0))
+    throw ArgumentError(fmt::format("{}: `{}` is not {}\n  help: write it like `{}`", option, text,
+                                    with_article(name_of(dimension)), example_of(dimension)));
+  return read.value;
+}
+
+std::array<double, 3> read_place(const std::string& text) {
+  std::array<double, 3> place{};
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t end = text.find(',', begin);
+    if ((end == text.npos) != (i == 2))
+      throw ArgumentError(
+          fmt::format("--at: `{}` is no place\n  help: write x, y and z, such as `0 m,0.4 m,1 mm`", text));
+    std::string_view part = std::string_view(text).substr(begin, end == text.npos ? end : end - begin);
+    while (part.starts_with(' ')) part.remove_prefix(1);
+    place[i] = read_quantity("--at", part, Dimension::length);
+    begin = end + 1;
+  }
+  return place;
+}
+
+std::string field_text(const std::array<double, 3>& b) {
+  const auto text = [](double x) { return pretty_quantity(x, Dimension::magnetic_field); };
+  return fmt::format("({}, {}, {}), |B| = {}", text(b[0]), text(b[1]), text(b[2]),
+                     text(std::hypot(b[0], b[1], b[2])));
+}
+
+void print_place(const Probed& p) {
+  const auto metres = [](double x) { return pretty_quantity(x, Dimension::length); };
+  const auto& g = p.slope;
+  fmt::print("at ({}, {}, {})\n", metres(p.place[0]), metres(p.place[1]), metres(p.place[2]));
+  fmt::print("  B = {}\n", field_text(p.field));
+  for (const Probed::Contribution& from : p.contributions)
+    fmt::print("    {:<16} {}\n", from.part, field_text(from.field));
+  fmt::print("  gradient [T/m]   d/dx           d/dy           d/dz\n");
+  for (std::size_t i = 0; i < 3; ++i)
+    fmt::print("    dB{}        {:>14.6g} {:>14.6g} {:>14.6g}\n", "xyz"[i], g[3 * i], g[3 * i + 1],
+               g[3 * i + 2]);
+  const double size = std::hypot(p.field[0], p.field[1], p.field[2]);
+  if (size > 0) {
+    std::array<double, 3> of_size{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k) of_size[k] += p.field[i] * g[3 * i + k] / size;
+    fmt::print("    d|B|       {:>14.6g} {:>14.6g} {:>14.6g}\n", of_size[0], of_size[1], of_size[2]);
+  }
+  fmt::print("  div B = {:.3g} T/m, curl B = ({:.3g}, {:.3g}, {:.3g}) T/m\n", g[0] + g[4] + g[8], g[7] - g[5],
+             g[2] - g[6], g[3] - g[1]);
+}
+
+/// A table that any plotting program reads.
+void print_line(const Setup& setup, const ProbeArguments& a, std::array<double, 3> place, double time) {
+  const std::size_t axis = std::string_view("xyz").find(a.along);
+  if (a.along.size() != 1 || axis == std::string_view::npos)
+    throw ArgumentError(fmt::format("--along: `{}` is none of x, y and z", a.along));
+  const std::uint64_t points = read_argument("--points", a.points, {2, 1e6, true, true, "from 2 to 1e6"});
+  if (a.from.empty() || a.to.empty())
+    throw ArgumentError(
+        "--along: where the line begins and ends is missing\n  help: add `--from '0 m' --to '1 m'`");
+  const double from = read_quantity("--from", a.from, Dimension::length),
+               to = read_quantity("--to", a.to, Dimension::length);
+  fmt::print("x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m]\n");
+  for (std::uint64_t i = 0; i < points; ++i) {
+    place[axis] = from + (to - from) * static_cast<double>(i) / static_cast<double>(points - 1);
+    const Probed p = probe(setup, place, time);
+    const std::array<double, 3>& b = p.field;
+    const std::array<double, 9>& g = p.slope;
+    fmt::print("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g}\n", place[0], place[1],
+               place[2], b[0], b[1], b[2], std::hypot(b[0], b[1], b[2]), g[0] + g[4] + g[8],
+               std::hypot(g[7] - g[5], g[2] - g[6], g[3] - g[1]));
+  }
+}
+
+void probe_command(const ProbeArguments& a) {
+  const std::array<double, 3> place = read_place(a.at);
+  const double time = read_quantity("--time", a.time, Dimension::time);
+  const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
+  if (a.along.empty())
+    print_place(probe(setup, place, time));
+  else
+    print_line(setup, a, place, time);
+}
+
+}  // namespace
+
+void add_probe(CLI::App& app) {
+  CLI::App* verb =
+      app.add_subcommand("probe", "show the magnetic field at a place, its gradient and whose it is");
+  auto a = std::make_shared<ProbeArguments>();
+  a->experiment.add_without_scan_to(*verb);
+  verb->add_option("--at", a->at, "the place, such as '0 m,0.4 m,1 mm'")->type_name("X,Y,Z");
+  verb->add_option("--time", a->time, "when, for fields with a clock; random phases are taken as 0")
+      ->type_name("T");
+  CLI::Option* along =
+      verb->add_option("--along", a->along, "a table along x, y or z through the place")->type_name("AXIS");
+  verb->add_option("--from", a->from, "where the line begins")->type_name("PLACE")->needs(along);
+  verb->add_option("--to", a->to, "where it ends")->type_name("PLACE")->needs(along);
+  verb->add_option("--points", a->points, "how many places on the line")->type_name("N")->needs(along);
+  verb->callback([a] { probe_command(*a); });
+}
+
+}  // namespace rabiline

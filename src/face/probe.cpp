@@ -1,0 +1,104 @@
+#include "face/probe.hpp"
+
+#include "core/constants.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "section/magnet_field.hpp"
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+namespace {
+
+using Here = FieldHere<double>;
+
+void add_uniform(const Vector3& field, Here& sum) {
+  sum.field[0] += field.x;
+  sum.field[1] += field.y;
+  sum.field[2] += field.z;
+}
+
+/// Its slope along the beam is that of its envelope and its twist, by differences.
+void add_rotating(const RotatingTerm& term, double gamma, double y, double time, Here& sum) {
+  const auto field = [&](double at) {
+    const double angle =
+        term.oscillator.omega(gamma) * time + term.oscillator.phase + term.twist * (at - term.envelope.begin);
+    const Vector3 along = portable::cos(angle) * term.first;
+    return (term.amplitude * share_of(term.envelope, at)) *
+           (term.motion == FieldMotion::turns ? along + portable::sin(angle) * term.second : along);
+  };
+  constexpr double h = 1e-6;  // [m]
+  add_uniform(field(y), sum);
+  const Vector3 slope = (0.5 / h) * (field(y + h) - field(y - h));
+  sum.slope[1] += slope.x;
+  sum.slope[4] += slope.y;
+  sum.slope[7] += slope.z;
+}
+
+/// What some parts of a beamline make there together.
+Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart*>& parts,
+                    const Vector3& place, double time) {
+  SectionBuilder builder(Wall{});
+  for (const PlacedPart* part : parts)
+    std::visit([&](const auto& any) { contribute(any, part->placement, builder); }, part->part);
+  const Sections all = builder.build();
+  const double gamma = beamline.species.empty() ? 0 : beamline.species.front().species.gyromagnetic_ratio;
+  Here sum{};
+  bool in_magnet = false;
+  for (const Plane& plane : all.planes)
+    if (const auto* magnet = std::get_if<MagnetTerm>(&plane.term))
+      if (plane.y <= place.y && place.y < magnet->end) {
+        in_magnet = true;  // and its field on the axis, which `dorado` has instead, is left out
+        for (const ShapedTerm& term : field_terms_of(*magnet, plane.y))
+          add_field<HostMaths>(term, place.x, place.y, place.z, sum);
+      }
+  for (const Section& section : all.sections) {
+    if (place.y < section.begin || place.y >= section.end) continue;
+    if (!in_magnet) add_uniform(section.field, sum);
+    for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place.y, time, sum);
+    for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, place.x, place.y, place.z, sum);
+  }
+  return sum;
+}
+
+const PlacedPart* clock_part(const Beamline& beamline, const PlacedPart& part) {
+  const std::string* clock = clock_of(part.part);
+  if (!clock) return nullptr;
+  for (const PlacedPart& other : beamline.parts)
+    if (other.placement.name == *clock && &other != &part) return &other;
+  return nullptr;
+}
+
+bool is_zero(const Here& here) {
+  const auto zero = [](double x) { return x == 0; };
+  return std::all_of(std::begin(here.field), std::end(here.field), zero) &&
+         std::all_of(std::begin(here.slope), std::end(here.slope), zero);
+}
+
+}  // namespace
+
+Probed probe_of(const Beamline& beamline, const Vector3& place, double time) {
+  Probed out{{place.x, place.y, place.z}, {}, {}, {}};
+  for (const PlacedPart& part : beamline.parts) {
+    if (!traits_of(part.part).field) continue;
+    // A part that follows a clock cannot stand without it: both, less the clock's own.
+    const PlacedPart* clock = clock_part(beamline, part);
+    Here own = clock ? field_of_parts(beamline, {clock, &part}, place, time)
+                     : field_of_parts(beamline, {&part}, place, time);
+    if (clock) {
+      const Here other = field_of_parts(beamline, {clock}, place, time);
+      for (int i = 0; i < 3; ++i) own.field[i] -= other.field[i];
+      for (int i = 0; i < 9; ++i) own.slope[i] -= other.slope[i];
+    }
+    if (is_zero(own)) continue;
+    Probed::Contribution contribution{part.placement.name, {}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      contribution.field[i] = own.field[i];
+      out.field[i] += own.field[i];
+    }
+    for (std::size_t i = 0; i < 9; ++i) out.slope[i] += own.slope[i];
+    out.contributions.push_back(contribution);
+  }
+  return out;
+}
+
+}  // namespace rabiline

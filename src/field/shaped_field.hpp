@@ -1,0 +1,83 @@
+#pragma once
+// B and its nine derivatives at a place, of shaped terms, for any number type: what kernels and the host read
+// is one formula. `Maths` (field/host_maths.hpp, field/lane_maths.hpp) has what it needs beyond + - * /.
+#include "field/shaped_term.hpp"
+
+namespace rabiline {
+
+template <class Maths, class Number>
+[[gnu::always_inline]] inline FieldHere<Number> field_of(const LinearShape& linear, Number x, Number y,
+                                                         Number z) {
+  const Number none = x - x;
+  FieldHere<Number> here;
+  for (int i = 0; i < 3; ++i) {
+    const double* g = linear.slope + 3 * i;
+    here.field[i] = x * g[0] + y * g[1] + z * g[2] + linear.field[i];
+    for (int k = 0; k < 3; ++k) here.slope[3 * i + k] = none + g[k];
+  }
+  return here;
+}
+
+/// (x, y, z) of the laboratory in the term's own frame.
+template <class Number>
+[[gnu::always_inline]] inline void own_place(const ShapedTerm& term, const Number& x, const Number& y,
+                                             const Number& z, Number (&own)[3]) {
+  const double* axes = term.axes;
+  const Number from[3] = {x - term.x, y - term.y, z - term.z};
+  for (int i = 0; i < 3; ++i)
+    own[i] =
+        term.turned ? from[0] * axes[3 * i] + from[1] * axes[3 * i + 1] + from[2] * axes[3 * i + 2] : from[i];
+}
+
+/// 1 where a map ends that nothing may leave (`outside: error`), else 0.
+template <class Maths, class Number>
+[[gnu::always_inline]] inline Number is_lost(const ShapedTerm& term, const Number& x, const Number& y,
+                                             const Number& z) {
+  const Number none = x - x;
+  Number own[3], inside = none + 1.0;
+  own_place(term, x, y, z, own);
+  if (term.kind == ShapedKind::map && term.map.outside == MapOutside::error)
+    for (int a = 0; a < 3; ++a)
+      inside =
+          inside * spline_cell<Maths>(own[a], term.map.begin[a], term.map.scale[a], term.map.nodes[a]).inside;
+  if (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error) {
+    const RoundMapShape& map = term.round_map;
+    inside = spline_cell<Maths>(Maths::root(own[0] * own[0] + own[1] * own[1]), map.begin[0], map.scale[0],
+                                map.nodes[0])
+                 .inside *
+             spline_cell<Maths>(own[2], map.begin[1], map.scale[1], map.nodes[1]).inside;
+  }
+  return 1.0 - inside;
+}
+
+/// Adds one term's field at (x, y, z) of the laboratory. A function of its own for each number type, as it
+/// holds the formulas of all kinds.
+template <class Maths, class Number>
+[[gnu::noinline]] void add_field(const ShapedTerm& term, const Number& x, const Number& y, const Number& z,
+                                 FieldHere<Number>& sum) {
+  const double* axes = term.axes;
+  Number own[3];
+  own_place(term, x, y, z, own);
+  const FieldHere<Number> here =
+      with_shape(term, [&](const auto& shape) { return field_of<Maths>(shape, own[0], own[1], own[2]); });
+  if (!term.turned) {
+    for (int i = 0; i < 3; ++i) sum.field[i] = sum.field[i] + here.field[i];
+    for (int i = 0; i < 9; ++i) sum.slope[i] = sum.slope[i] + here.slope[i];
+    return;
+  }
+  // A^T B and A^T G A, the rows of A being the axes.
+  Number half[9];
+  for (int i = 0; i < 3; ++i)
+    for (int b = 0; b < 3; ++b)
+      half[3 * i + b] =
+          here.slope[b] * axes[i] + here.slope[3 + b] * axes[3 + i] + here.slope[6 + b] * axes[6 + i];
+  for (int i = 0; i < 3; ++i) {
+    sum.field[i] =
+        sum.field[i] + (here.field[0] * axes[i] + here.field[1] * axes[3 + i] + here.field[2] * axes[6 + i]);
+    for (int k = 0; k < 3; ++k)
+      sum.slope[3 * i + k] = sum.slope[3 * i + k] + (half[3 * i] * axes[k] + half[3 * i + 1] * axes[3 + k] +
+                                                     half[3 * i + 2] * axes[6 + k]);
+  }
+}
+
+}  // namespace rabiline

@@ -1,0 +1,102 @@
+#include "input/map_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "input/file.hpp"
+#include "input/map_rows.hpp"
+#include "input/reader.hpp"
+#include "storage/map_file.hpp"
+
+namespace rabiline {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Behind a plane at zero the map goes on where it ends there; four nodes are the fewest then.
+void require_axes(const MapNodes& nodes, const std::array<MapSymmetry, 3>& symmetry) {
+  const std::string_view names = nodes.axes.size() == 2 ? "rz" : "xyz";
+  for (std::size_t a = 0; a < nodes.axes.size(); ++a) {
+    const MapAxis& axis = nodes.axes[a];
+    const char name = names[a];
+    const bool ends_at_zero =
+        std::abs(axis.begin) <= 1e-6 * axis.step || std::abs(axis.end()) <= 1e-6 * axis.step;
+    const bool mirrored =
+        nodes.axes.size() == 2 ? name == 'r' && ends_at_zero : symmetry[a] != MapSymmetry::none;
+    if (nodes.axes.size() == 2 && (symmetry[a] != MapSymmetry::none || symmetry[2] != MapSymmetry::none))
+      throw MapFault("a map in r and z is symmetric about its axis and about no plane",
+                     "omit `x`, `y` and `z`, and give the map from end to end");
+    if (name == 'r' && axis.begin < -1e-6 * axis.step)
+      throw MapFault("`r` is below zero in a map about an axis", "r is the distance from the axis");
+    if (mirrored && !ends_at_zero)
+      throw MapFault(fmt::format("the map does not end at the plane {} = 0", name),
+                     fmt::format("omit `{}`, or give the half of the map on one side of the plane", name));
+    if (axis.nodes < (mirrored ? 3 : 4))
+      throw MapFault(fmt::format("there are {} places along {}, but a map has 4 or more", axis.nodes, name),
+                     "use a finer grid");
+  }
+}
+
+/// At zero to the bit where the map is mirrored.
+void put_planes_at_zero(MapNodes& nodes) {
+  for (MapAxis& axis : nodes.axes) {
+    if (std::abs(axis.begin) <= 1e-6 * axis.step) axis.begin = 0;
+    if (std::abs(axis.end()) <= 1e-6 * axis.step) axis.begin = -axis.step * (axis.nodes - 1);
+  }
+}
+
+MapText read_nodes(const fs::path& path) {
+  if (path.extension() == ".csv" || path.extension() == ".txt") return read_map_rows(path);
+  if (path.extension() != ".h5" && path.extension() != ".hdf5")
+    throw MapFault("a map is a CSV file, `.csv`, or an HDF5 file, `.h5`", "rename or convert it");
+  if (!fs::is_regular_file(path)) throw MapFault("there is no such file", "");
+  try {
+    StoredMap stored = read_map_file(path);
+    return {std::move(stored.nodes), stored.digest};
+  } catch (const StorageError& error) {
+    throw MapFault(
+        error.what(),
+        "it has 1-D datasets `x`, `y`, `z` and 3-D ones `Bx`, `By`, `Bz` (or `r`, `z`, `Br`, `Bz`), each "
+        "with an attribute `units`");
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const FieldMap> read_map(const Node& node, const Row& row, Reading& reading) {
+  MapFile spec;
+  if (node.is_scalar() ? !read_text(node, row, reading, spec.file)
+                       : !read_struct(node, node.place, row, reading, spec))
+    return nullptr;
+  const fs::path path = (fs::path(reading.folder) / spec.file).lexically_normal();
+  const std::array<MapSymmetry, 3> symmetry{spec.x, spec.y, spec.z};
+  Reading::File& file = reading.files[path.string()];
+  const auto known = file.maps.find(symmetry);
+  if (known != file.maps.end()) return known->second;
+  try {
+    MapText read = read_nodes(path);
+    require_axes(read.nodes, symmetry);
+    put_planes_at_zero(read.nodes);
+    // The file itself is not kept with results: it may be as large as the machine.
+    const std::string text =
+        fmt::format("a field map of {} bytes, digest {:016x}\n", fs::file_size(path), read.digest);
+    if (reading.stored && stored_text(*reading.stored, path.string()) != text)
+      throw MapFault("the map is not the one that the experiment was flown with", "");
+    file.source = make_source_text(path.string(), text);
+    file.text = text;
+    return file.maps[symmetry] =
+               std::make_shared<const FieldMap>(std::move(read.nodes), symmetry, path.string());
+  } catch (const MapFault& fault) {
+    if (!file.source) reading.files.erase(path.string());
+    reading.error(node.place, fmt::format("`{}`: {}", path.string(), fault.what()), fault.help);
+    return nullptr;
+  }
+}
+
+bool ValueType<LoadedMap>::read(const Node& node, const Row& row, Reading& reading, LoadedMap& out) {
+  out.map = read_map(node, row, reading);
+  return out.map != nullptr;
+}
+
+}  // namespace rabiline

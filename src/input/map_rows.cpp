@@ -1,0 +1,214 @@
+#include "input/map_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/units.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr std::string_view header_help =
+    "write `x [mm], y [mm], z [mm], Bx [mT], By [mT], Bz [mT]`, or `r [mm], z [mm], Br [mT], Bz [mT]`";
+constexpr double tolerance = 1e-6;  // of the step: numbers in text are rounded
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// Cells between commas, without the blanks around them.
+void split(std::string_view line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
+/// A column: what it is, and one of its unit in SI.
+struct Column {
+  std::string name;
+  double unit = 1;
+};
+std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
+  std::vector<Column> columns;
+  for (const std::string_view cell : cells) {
+    const std::size_t open = cell.find('['), close = cell.rfind(']');
+    const std::string name(trimmed(cell.substr(0, open)));
+    const bool field = name.starts_with("B");
+    if (open == cell.npos || close == cell.npos || close < open)
+      throw MapFault(fmt::format("the column `{}` does not say its unit", name), std::string(header_help));
+    const std::string_view unit = trimmed(cell.substr(open + 1, close - open - 1));
+    const Dimension dimension = field ? Dimension::magnetic_field : Dimension::length;
+    const ParsedQuantity one = parse_quantity(fmt::format("1 {}", unit), dimension);
+    if (!one.error.empty() || one.dimension != dimension)
+      throw MapFault(fmt::format("`{}` is no unit of the column `{}`", unit, name),
+                     one.suggestion.empty() ? std::string(header_help) : one.suggestion);
+    columns.push_back({name, one.value});
+  }
+  return columns;
+}
+
+/// Where the columns of a map are among those of the file: places first, then components.
+std::vector<std::size_t> order_of(const std::vector<Column>& columns) {
+  static const std::vector<std::string> box{"x", "y", "z", "Bx", "By", "Bz"}, round{"r", "z", "Br", "Bz"};
+  const bool is_round =
+      std::any_of(columns.begin(), columns.end(), [](const Column& c) { return c.name == "r"; });
+  const std::vector<std::string>& wanted = is_round ? round : box;
+  std::vector<std::size_t> order;
+  for (const std::string& name : wanted) {
+    const auto found =
+        std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+    if (found == columns.end())
+      throw MapFault(fmt::format("there is no column `{}`", name), std::string(header_help));
+    order.push_back(static_cast<std::size_t>(found - columns.begin()));
+  }
+  if (columns.size() != wanted.size())
+    throw MapFault(fmt::format("a map has {} columns, but here are {}", wanted.size(), columns.size()),
+                   std::string(header_help));
+  return order;
+}
+
+/// The rows as they stand in the file, in SI.
+struct Rows {
+  std::size_t axes = 3;
+  std::vector<double> places, field;   // `axes` numbers a row each
+  std::vector<std::uint32_t> lines{};  // where each row stands in the file, from 1
+  std::size_t size() const { return lines.size(); }
+};
+
+std::uint64_t mixed(std::uint64_t digest, std::string_view text) {  // FNV-1a
+  for (const char c : text) digest = (digest ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return (digest ^ '\n') * 0x100000001b3ULL;
+}
+
+double number_in(std::string_view cell, std::uint32_t line) {
+  double value = 0;
+  const std::from_chars_result end = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  if (end.ec != std::errc{} || end.ptr != cell.data() + cell.size())
+    throw MapFault(
+        cell.empty() ? fmt::format("line {}: a number is missing", line)
+                     : fmt::format("line {}: `{}` is not a number", line, cell.substr(0, 40)),
+        "numbers have a decimal point, commas stand between columns, units in the first line only");
+  if (!std::isfinite(value))
+    throw MapFault(fmt::format("line {}: `{}` is no finite number", line, cell),
+                   "compute or measure the field there, or make the map smaller");
+  return value;
+}
+
+Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
+  Rows rows;
+  std::vector<Column> columns;
+  std::vector<std::size_t> order;
+  std::vector<std::string_view> cells;
+  std::string line;
+  digest = 0xcbf29ce484222325ULL;
+  for (std::uint32_t number = 1; std::getline(file, line); ++number) {
+    digest = mixed(digest, line);
+    std::string_view text = trimmed(line);
+    if (number == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    if (text.empty() || text.starts_with('#')) continue;
+    split(text, cells);
+    if (columns.empty()) {
+      columns = columns_of(cells);
+      order = order_of(columns);
+      rows.axes = order.size() / 2;
+      continue;
+    }
+    if (cells.size() != columns.size())
+      throw MapFault(fmt::format("line {}: {} columns stand here, but the first line names {}", number,
+                                 cells.size(), columns.size()),
+                     "a comma stands between columns, and no row is shorter or longer");
+    for (std::size_t c = 0; c < order.size(); ++c)
+      (c < rows.axes ? rows.places : rows.field)
+          .push_back(number_in(cells[order[c]], number) * columns[order[c]].unit);
+    rows.lines.push_back(number);
+  }
+  if (columns.empty()) throw MapFault("the file has no map", std::string(header_help));
+  return rows;
+}
+
+/// The grid's axis from the places of all rows along it.
+MapAxis axis_of(const Rows& rows, std::size_t axis) {
+  std::vector<double> places;
+  places.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) places.push_back(rows.places[rows.axes * i + axis]);
+  std::sort(places.begin(), places.end());
+  const double extent = places.empty() ? 0 : places.back() - places.front();
+  const double same = extent / static_cast<double>(std::max<std::size_t>(rows.size(), 1)) * tolerance;
+  places.erase(std::unique(places.begin(), places.end(), [&](double a, double b) { return b - a <= same; }),
+               places.end());
+  std::string why;
+  const std::string_view names = rows.axes == 2 ? "rz" : "xyz";
+  const std::optional<MapAxis> found = even_axis(places, names.substr(axis, 1), why);
+  if (!found) throw MapFault(why, "a map stands on a regular grid: coordinates need enough digits");
+  return *found;
+}
+
+}  // namespace
+
+MapText read_map_rows(const std::filesystem::path& path) {
+  std::error_code problem;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
+  if (problem || !std::filesystem::is_regular_file(path)) throw MapFault("there is no such file", "");
+  if (bytes > most_map_text)
+    throw MapFault(
+        fmt::format("the file has {:.1f} GiB; maps are read as text up to {} GiB",
+                    static_cast<double>(bytes) / 0x1p30, most_map_text >> 30),
+        "store the map as HDF5, leave out rows that the beam does not need, or use a coarser grid");
+  std::ifstream file(path, std::ios::binary);
+  MapText out;
+  const Rows rows = rows_of(file, out.digest);
+  std::size_t nodes = 1;
+  for (std::size_t a = 0; a < rows.axes; ++a) {
+    out.nodes.axes.push_back(axis_of(rows, a));
+    nodes *= static_cast<std::size_t>(out.nodes.axes.back().nodes);
+    if (nodes > 64 * rows.size() + 64)
+      throw MapFault(fmt::format("the places of the {} rows do not stand on a regular grid", rows.size()),
+                     "every node of the grid has a row, with its coordinates as they are on the grid");
+  }
+  // Where each row belongs.
+  std::vector<std::uint32_t> line(nodes, 0);
+  out.nodes.field.assign(nodes * rows.axes, 0);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::size_t node = 0;
+    for (std::size_t a = 0; a < rows.axes; ++a) {
+      const MapAxis& axis = out.nodes.axes[a];
+      const double at = (rows.places[rows.axes * i + a] - axis.begin) / axis.step;
+      node = node * static_cast<std::size_t>(axis.nodes) + static_cast<std::size_t>(std::lround(at));
+    }
+    if (line[node] != 0)
+      throw MapFault(fmt::format("lines {} and {} are of the same place", line[node], rows.lines[i]),
+                     "every node of the grid has one row");
+    line[node] = rows.lines[i];
+    std::copy_n(rows.field.begin() + static_cast<std::ptrdiff_t>(rows.axes * i), rows.axes,
+                out.nodes.field.begin() + static_cast<std::ptrdiff_t>(rows.axes * node));
+  }
+  const auto missing = std::find(line.begin(), line.end(), 0U);
+  if (missing == line.end()) return out;
+  auto rest = static_cast<std::size_t>(missing - line.begin());
+  std::string where;
+  for (std::size_t a = rows.axes; a-- > 0;) {
+    const MapAxis& axis = out.nodes.axes[a];
+    const auto n = static_cast<std::size_t>(axis.nodes);
+    where = pretty_quantity(axis.begin + axis.step * static_cast<double>(rest % n), Dimension::length) +
+            (where.empty() ? "" : ", ") + where;
+    rest /= n;
+  }
+  throw MapFault(
+      fmt::format("{} of {} nodes are missing, the first at ({})", nodes - rows.size(), nodes, where),
+      "every node of the grid has a row");
+}
+
+}  // namespace rabiline

@@ -1,0 +1,41 @@
+#pragma once
+#include "parts/coil_strength.hpp"
+#include "parts/placement.hpp"
+
+namespace rabiline {
+
+class SectionBuilder;
+
+/// A thin ring of current with its centre at `at`: B in closed form by complete elliptic integrals
+/// (field/current_loop.hpp). It stops nothing.
+struct CurrentLoop {
+  static constexpr std::string_view kind = "current_loop",
+                                    meaning = "the field of a ring of current whose centre is at `at`";
+  static constexpr PartTraits traits{.field = true};
+  static constexpr std::string_view example = "radius: 50 mm, current: 10 A, turns: 20";
+  double radius = 0;  // [m]
+  CoilStrength strength;
+  UnitVector direction{0, 1, 0};
+  std::optional<double> reach{};  // [m]
+  Offset offset{};
+  Tilt tilt{};
+  bool operator==(const CurrentLoop&) const = default;
+};
+template <>
+inline constexpr auto parameters<CurrentLoop> = std::tuple{
+    param("radius", &CurrentLoop::radius, Dimension::length, range::positive, "of the ring"),
+    param("", &CurrentLoop::strength, "the current, or the field in the middle"),
+    param("direction", &CurrentLoop::direction, "of the field in the middle; the beam's where it is missing",
+          UnitVector{0, 1, 0}),
+    param("reach", &CurrentLoop::reach, Dimension::length, range::positive,
+          "how far the field is taken on both sides; where it is missing, up to 1e-4 of its largest"),
+    param("offset", &CurrentLoop::offset, "displacement of the centre from the axis", Offset{}),
+    param("tilt", &CurrentLoop::tilt, "how the ring is turned about its centre", Tilt{}),
+};
+
+void contribute(const CurrentLoop&, const Placement&, SectionBuilder&);
+
+/// [m] from a ring, along its axis, to where its field is 1e-4 of that in its middle: 21.5 radii.
+double reach_of_loop(double radius);
+
+}  // namespace rabiline

@@ -1,0 +1,31 @@
+#pragma once
+// A field that grows evenly from place to place.
+#include "field/shaped_term.hpp"
+#include "parameter/parameter.hpp"
+#include "parts/own_frame.hpp"
+
+namespace rabiline {
+
+/// How the field along its direction grows, without divergence or curl: the other components grow with it.
+struct FieldGradient {
+  double longitudinal = 0, transverse = 0, quadrupole = 0;  // [T/m]
+  bool operator==(const FieldGradient&) const = default;
+};
+template <>
+inline constexpr auto parameters<FieldGradient> = std::tuple{
+    param("longitudinal", &FieldGradient::longitudinal, Dimension::field_gradient, range::any,
+          "growth along the beam, from the middle of the field", 0.0),
+    param("transverse", &FieldGradient::transverse, Dimension::field_gradient, range::any,
+          "growth across the beam, across the field as well", 0.0),
+    param("quadrupole", &FieldGradient::quadrupole, Dimension::field_gradient, range::any,
+          "growth across the beam along the field, and as much decay of the component across both", 0.0),
+};
+
+/// The field beside B itself, zero at its origin; the direction is along or across the beam. Across: with w
+/// along the direction, y the beam and u = y x w: dB_w/dy = dB_y/dw, dB_w/du = dB_u/dw, dB_w/dw = -dB_u/du.
+/// Along the beam, with u = x, w = z: dB_y/dy = -2 dB_u/du = -2 dB_w/dw, dB_y/du = dB_u/dy, dB_w/dw =
+/// -dB_u/du.
+ShapedTerm gradient_term(const FieldGradient&, const UnitVector& direction, const Tilt&,
+                         const Vector3& origin);
+
+}  // namespace rabiline

@@ -1,0 +1,70 @@
+#pragma once
+// How a static field ends along the beam.
+#include <array>
+#include <optional>
+#include <variant>
+
+#include "field/fringed_field.hpp"
+#include "parameter/parameter.hpp"
+#include "parts/profile.hpp"
+
+namespace rabiline {
+
+struct HardFringe {
+  static constexpr std::string_view kind = "hard", meaning = "the field ends at once";
+  bool operator==(const HardFringe&) const = default;
+};
+/// (1 - tanh s)/2.
+struct TanhFringe {
+  static constexpr std::string_view kind = "tanh",
+                                    meaning =
+                                        "(1 - tanh(s))/2, s outwards from the edge in units of `length`";
+  double length = 0;  // [m]
+  bool operator==(const TanhFringe&) const = default;
+};
+template <>
+inline constexpr auto parameters<TanhFringe> = std::tuple{
+    param("length", &TanhFringe::length, Dimension::length, range::positive,
+          "the field is at 88 % a length inside the edge and at 12 % a length outside"),
+};
+/// The curve: H. A. Enge, in Focusing of Charged Particles, vol. 2, ed. A. Septier (1967). Defaults: those of
+/// dipoles in COSY INFINITY (M. Berz, K. Makino, Beam Physics Manual).
+struct EngeFringe {
+  static constexpr std::string_view kind = "enge",
+                                    meaning =
+                                        "Enge's curve 1/(1 + exp(a0 + a1 s + ... + a5 s^5)), s outwards from "
+                                        "the edge in units of `length`, the gap";
+  double length = 0;  // [m]
+  double a0 = 0.478959, a1 = 1.911289, a2 = -1.185953, a3 = 1.630554, a4 = -1.082657, a5 = 0.318111;
+  bool operator==(const EngeFringe&) const = default;
+};
+template <>
+inline constexpr auto parameters<EngeFringe> = std::tuple{
+    param("length", &EngeFringe::length, Dimension::length, range::positive, "unit of s: the magnet's gap"),
+    param("a0", &EngeFringe::a0, Dimension::number, range::any, "coefficient of the exponent", 0.478959),
+    param("a1", &EngeFringe::a1, Dimension::number, range::any, "coefficient of s", 1.911289),
+    param("a2", &EngeFringe::a2, Dimension::number, range::any, "coefficient of s^2", -1.185953),
+    param("a3", &EngeFringe::a3, Dimension::number, range::any, "coefficient of s^3", 1.630554),
+    param("a4", &EngeFringe::a4, Dimension::number, range::any, "coefficient of s^4", -1.082657),
+    param("a5", &EngeFringe::a5, Dimension::number, range::any, "coefficient of s^5", 0.318111),
+};
+struct SineFringe {
+  static constexpr std::string_view kind = "sine",
+                                    meaning = "half a sine from the full field to none, over `length`";
+  double length = 0;  // [m]
+  bool operator==(const SineFringe&) const = default;
+};
+template <>
+inline constexpr auto parameters<SineFringe> = std::tuple{
+    param("length", &SineFringe::length, Dimension::length, range::positive,
+          "from the full field to none; the edge is in its middle"),
+};
+using Fringe = std::variant<HardFringe, TanhFringe, EngeFringe, SineFringe>;
+
+/// The curve of a profile that is not rectangular, else of a fringe that is not hard; without size and
+/// length.
+FringeShape shape_of(const Fringe&, const AmplitudeProfile&);
+/// How far outside its edge [m] it falls below 1e-4 of the whole field for good; nothing where it never does.
+std::optional<double> reach_of(const FringeShape&);
+
+}  // namespace rabiline

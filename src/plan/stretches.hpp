@@ -1,0 +1,27 @@
+#pragma once
+// Stretches of the beam with fields that differ from place to place, and whether a species' levels stay
+// coherent there.
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "plan/sampled_tables.hpp"
+#include "section/section.hpp"
+#include "transport/region.hpp"
+
+namespace rabiline {
+
+/// Touching sections with fields that differ from place to place.
+struct Stretch {
+  double begin = 0, end = 0;  // [m]
+  StretchOutlook outlook{};
+};
+/// Whatever flies.
+std::vector<Stretch> stretches_of(const Sections&);
+/// As a species finds them.
+std::vector<Stretch> stretches_of(const Beamline&, const Species&, const Sections&);
+
+/// How a species feels fields that differ from place to place; and where each particle stays in its level.
+FieldCoupling coupling_of(const Beamline&, const Species&);
+FieldCoupling level_coupling_of(const Beamline&, const Species&, SampledTables&);
+
+}  // namespace rabiline

@@ -1,0 +1,140 @@
+#include "rules/field_lint.hpp"
+
+#include <algorithm>
+
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "rules/warning_room.hpp"
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+namespace {
+
+/// A field along the beam's axis, where it is taken.
+struct AxisField {
+  double begin = 0, end = 0;                // [m]
+  double largest = 0, first = 0, last = 0;  // [T] |B| in between and at either end
+  double step() const { return std::max(begin > 0 ? first : 0, last); }
+};
+
+double size_at(const std::vector<ShapedTerm>& terms, double y) {
+  FieldHere<double> sum{};
+  for (const ShapedTerm& term : terms) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
+  return portable::hypot(sum.field[0], sum.field[1], sum.field[2]);
+}
+
+/// Nothing where all of a part's field is uniform, or follows a clock.
+std::optional<AxisField> axis_field_of(const PlacedPart& part) {
+  if (!traits_of(part.part).field || clock_of(part.part)) return std::nullopt;
+  SectionBuilder builder(Wall{});
+  std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
+  std::optional<AxisField> out;
+  for (const Section& section : builder.build().sections) {
+    if (section.shaped.empty()) continue;
+    constexpr int places = 256;
+    const double hair = 1e-9 * (section.end - section.begin);  // its end itself may be rounded to outside
+    AxisField here{section.begin, section.end, 0, size_at(section.shaped, section.begin + hair),
+                   size_at(section.shaped, section.end - hair)};
+    for (int i = 0; i <= places; ++i)
+      here.largest =
+          std::max(here.largest, size_at(section.shaped, here.begin + (here.end - here.begin) * i / places));
+    if (!out) {
+      out = here;
+      continue;
+    }
+    out->largest = std::max(out->largest, here.largest);
+    out->end = here.end;
+    out->last = here.last;
+  }
+  return out;
+}
+
+/// Parts whose edges are hard by their nature.
+bool has_hard_edges(const Part& part) {
+  return std::visit(
+      [](const auto& any) {
+        return requires { any.length; };
+      },
+      part);
+}
+
+const FieldMap* map_of(const Part& part) {
+  const auto* mapped = std::get_if<MappedField>(&part);
+  return mapped ? mapped->map.map.get() : nullptr;
+}
+
+std::string text_of(const MapQuality& q) {
+  return fmt::format("{}, div {:.1g}, curl {:.1g}",
+                     !q.halved ? std::string("too few nodes for its error")
+                               : fmt::format("error {:.1g} (largest {:.1g}){}", q.error.rms, q.error.largest,
+                                             q.noisy ? ", noise" : ""),
+                     q.divergence.rms, q.curl.rms);
+}
+
+}  // namespace
+
+std::string report_of_fields(const Beamline& beamline) {
+  std::string out;
+  for (const PlacedPart& part : beamline.parts) {
+    const std::optional<AxisField> field = axis_field_of(part);
+    if (!field) continue;
+    out += fmt::format("  {}: {}, {} to {}, up to {} on the axis", part.placement.name, kind_of(part.part),
+                       metres(field->begin), metres(field->end),
+                       pretty_quantity(field->largest, Dimension::magnetic_field));
+    if (!has_hard_edges(part.part))
+      out += fmt::format(", {} where it ends", pretty_quantity(field->step(), Dimension::magnetic_field));
+    out += '\n';
+    if (const FieldMap* map = map_of(part.part)) {
+      std::string nodes;
+      for (const MapAxis& axis : map->axes())
+        nodes += fmt::format("{}{}", nodes.empty() ? "" : " x ", axis.nodes);
+      out += fmt::format("    {}: {} nodes, {:.1f} MiB; of its largest field: {}\n", map->path(), nodes,
+                         static_cast<double>(map->bytes()) / 1048576, text_of(quality_of(*map)));
+    }
+  }
+  return out.empty() ? out : "fields that differ from place to place\n" + out;
+}
+
+std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
+  constexpr double large_step = 1e-3, poor_map = 1e-3, wrong_map = 5e-3;
+  Faults out;
+  for (const PlacedPart& part : beamline.parts) {
+    const std::string& name = part.placement.name;
+    const std::optional<AxisField> field = axis_field_of(part);
+    if (!field) continue;
+    if (!has_hard_edges(part.part) && field->step() > large_step * field->largest)
+      out.push_back(warning(
+          name, "at",
+          fmt::format("the field of `{}` ends with a step of {:.1g} of its largest on the axis", name,
+                      field->step() / field->largest),
+          map_of(part.part) ? "supply a map that goes on until the field is gone" : "make `reach` larger"));
+    const FieldMap* map = map_of(part.part);
+    if (!map) continue;
+    const MapQuality quality = quality_of(*map);
+    if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
+      out.push_back(
+          warning(name, "map",
+                  fmt::format("the map of `{}` is no field without currents: div B is {:.1g} and curl B "
+                              "{:.1g} of its largest "
+                              "field over a step",
+                              name, quality.divergence.rms, quality.curl.rms),
+                  "look for a wrong unit, order or sign of its components; omit what has currents in it"));
+    else if (quality.noisy)
+      out.push_back(
+          warning(name, "map",
+                  fmt::format("the map of `{}` has noise of {:.1g} of its largest field, which its slopes "
+                              "take over one step",
+                              name, quality.error.rms),
+                  "smooth it as a field without divergence and curl, or use a coarser grid"));
+    else if (quality.halved && quality.error.largest > poor_map)
+      out.push_back(warning(
+          name, "map",
+          fmt::format(
+              "the map of `{}` is coarse: it misses up to {:.1g} of its largest field between its nodes",
+              name, quality.error.largest),
+          "use a finer grid"));
+  }
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,14 @@
+#pragma once
+// The fields of deflecting magnets as fields among others, with all components and slopes.
+#include <vector>
+
+#include "section/section.hpp"
+
+namespace rabiline {
+
+/// The terms that add up to the field of a magnet which begins there, in the laboratory: wires along the
+/// beam, poles, or an even gradient, which takes a component across the field with it, as Maxwell's equations
+/// have it.
+std::vector<ShapedTerm> field_terms_of(const MagnetTerm&, double begin);
+
+}  // namespace rabiline

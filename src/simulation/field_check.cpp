@@ -1,0 +1,191 @@
+#include "simulation/field_check.hpp"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "transport/vector_lanes.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr int particles_checked = 16, most_regions = 8;
+constexpr long most_evaluations = 4'000'000;
+
+/// x, z [m], t [s], velocity [m/s], S; y is the variable.
+constexpr int numbers = 9;
+using Row = std::array<double, numbers>;
+
+Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
+
+/// One particle in one zone, as an initial value problem.
+struct Problem {
+  const TurningRegion& region;
+  const RegionZone& zone;
+  const double* phases;
+  double part = 1;  // of the whole moment that pulls
+  long& evaluations;
+};
+
+struct Acting {
+  Vector3 spin, turn;
+  FieldHere<double> field{};
+};
+Acting acting_at(const Problem& p, double x, double y, double z, double t) {
+  const SpinZone& zone = p.zone.field;
+  const Vector3 axis = zone.turned ? vector_at(zone.frame + 6) : Vector3{0, 0, 1};
+  Acting at{zone.spin_rate * axis, zone.turn_rate * axis};
+  for (int i = 0; i < zone.drives; ++i) {
+    const DriveTerm& drive = zone.drive[i];
+    const double angle = drive.omega * t + drive.twist * (y - drive.envelope.begin) + p.phases[i];
+    const Vector3 along = share_of(drive.envelope, y) * (portable::cos(angle) * vector_at(drive.first) +
+                                                         portable::sin(angle) * vector_at(drive.second));
+    at.spin = at.spin + drive.spin_rate * along;
+    at.turn = at.turn + drive.turn_rate * along;
+  }
+  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i)
+    add_field<HostMaths>(p.region.shaped[static_cast<std::size_t>(i)], x, y, z, at.field);
+  const Vector3 b = vector_at(at.field.field);
+  at.spin = at.spin + p.region.feels.spin_per_tesla * b;
+  at.turn = at.turn + p.region.feels.turn_per_tesla * b;
+  return at;
+}
+
+int derivative(double y, const double* q, double* dq, void* with) {
+  const Problem& p = *static_cast<const Problem*>(with);
+  ++p.evaluations;
+  const Vector3 velocity = vector_at(q + 3), spin = vector_at(q + 6);
+  const Acting at = acting_at(p, q[0], y, q[1], q[2]);
+  const Vector3 turn = p.region.take_off_spin_component ? at.turn - dot(at.turn, spin) * spin : at.turn;
+  Vector3 a = cross(turn, velocity) + vector_at(p.region.feels.gravity);
+  const double pull = p.part * p.region.feels.pull, s[3] = {spin.x, spin.y, spin.z};
+  for (int i = 0; i < 3; ++i) a = a + (pull * s[i]) * vector_at(at.field.slope + 3 * i);
+  const Vector3 turned = cross(at.spin, spin);
+  const double per_y = 1 / velocity.y;
+  const double rates[numbers] = {velocity.x, velocity.z, 1, a.x, a.y, a.z, turned.x, turned.y, turned.z};
+  for (int i = 0; i < numbers; ++i) dq[i] = rates[i] * per_y;
+  return velocity.y > 0 && p.evaluations < most_evaluations ? GSL_SUCCESS : GSL_EBADFUNC;
+}
+
+/// Takes a state from the begin of a zone to its end; false where it turns back or takes too long.
+bool integrate(Problem& problem, Row& state) {
+  const SpinZone& zone = problem.zone.field;
+  const double length = zone.end - zone.begin, speed = length_of(vector_at(state.data() + 3));
+  if (!(length > 0)) return true;
+  constexpr double error = 1e-11;
+  gsl_odeiv2_system system{derivative, nullptr, numbers, &problem};
+  // Each number against its own size.
+  const double sizes[numbers] = {length, length, length / speed, speed, speed, speed, 1, 1, 1};
+  const std::unique_ptr<gsl_odeiv2_driver, decltype(&gsl_odeiv2_driver_free)> driver(
+      gsl_odeiv2_driver_alloc_scaled_new(&system, gsl_odeiv2_step_rk8pd, length / 64, error, 0, 0, 0, sizes),
+      gsl_odeiv2_driver_free);
+  gsl_odeiv2_driver_set_hmax(driver.get(), problem.zone.longest > 0 ? problem.zone.longest : length);
+  double y = zone.begin;
+  return gsl_odeiv2_driver_apply(driver.get(), &y, zone.end, state.data()) == GSL_SUCCESS;
+}
+
+Row state_of(const BatchView& b, int i) {
+  return {b.x[i], b.z[i], b.t[i], b.vx[i], b.vy[i], b.vz[i], b.sx[i], b.sy[i], b.sz[i]};
+}
+
+/// A drive's phase at the particle's emission, as kernels draw it.
+double phase_of(const DriveTerm& drive, const RandomKey& key, std::uint64_t particle) {
+  namespace lanes = isa_baseline;
+  return lanes::lane(lanes::oscillator_phase(drive, key, lanes::broadcast_word(particle)), 0);
+}
+
+bool through_field(const TurningRegion& region) {
+  return std::ranges::any_of(region.zones,
+                             [](const RegionZone& z) { return z.course == ZoneCourse::through_field; });
+}
+bool changes_state(const TurningRegion& region) {
+  return std::ranges::any_of(region.edges, [](const RegionEdge& e) { return e.kind == EdgeKind::align; });
+}
+
+class Checker {
+ public:
+  explicit Checker(Isa isa) : isa_(isa) {}
+
+  void fly(const PlanTree& tree) {
+    key_ = tree.source.key;
+    Batch batch;
+    batch.view().count = static_cast<int>(std::min<std::uint64_t>(particles_checked, tree.last - tree.first));
+    batch.view().padded = (batch.view().count + 7) / 8 * 8;
+    kernel::emit(isa_)(tree.source, tree.first, batch.view());
+    walk(tree.next, batch);
+  }
+  std::optional<FieldCheck> found() const { return regions_ > 0 ? std::optional(found_) : std::nullopt; }
+
+ private:
+  void walk(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
+    for (const PlanNode& node : nodes) {
+      if (regions_ >= most_regions) return;
+      if (!node.ways.empty()) continue;  // nothing is stepped behind a projection that splits
+      Batch batch;
+      batch.copy_from(at_begin);
+      std::vector<Sum> sums(sums_needed(node.stage));
+      StageContext context{isa_, key_, batch, sums.data()};
+      advance(node.stage, context);
+      if (const auto* region = std::get_if<TurningRegion>(&node.stage); region && through_field(*region))
+        compare(*region, at_begin.view(), batch.view());
+      walk(node.next, batch);
+    }
+  }
+
+  void compare(const TurningRegion& region, const BatchView& before, const BatchView& behind) {
+    if (changes_state(region)) return;
+    ++regions_;
+    found_.tolerance = region.feels.tolerance;
+    for (int i = 0; i < before.count; ++i) {
+      if (before.flying[i] == 0 || behind.flying[i] == 0) continue;
+      Row state = state_of(before, i);
+      if (follow(region, before, i, state)) note(region, state, state_of(behind, i));
+    }
+  }
+  /// The same flight by the other integrator.
+  bool follow(const TurningRegion& region, const BatchView& before, int i, Row& state) {
+    const int levels = region.feels.levels;
+    const double part = levels > 0 ? 1 - 2 * static_cast<double>(before.level[i]) / (levels - 1) : 1;
+    for (const RegionZone& zone : region.zones) {
+      double phases[most_drives] = {};
+      for (int k = 0; k < zone.field.drives; ++k)
+        phases[k] = phase_of(zone.field.drive[k], key_, before.particle[i]);
+      Problem problem{region, zone, phases, part, evaluations_};
+      if (!integrate(problem, state)) return false;
+    }
+    return true;
+  }
+  void note(const TurningRegion& region, const Row& a, const Row& b) {
+    const auto distance = [&](int from) {
+      return length_of(vector_at(a.data() + from) - vector_at(b.data() + from));
+    };
+    const double length = region.zones.back().field.end - region.zones.front().field.begin;
+    ++found_.particles;
+    found_.place = std::max(found_.place, portable::hypot(a[0] - b[0], a[1] - b[1], 0) / length);
+    found_.direction = std::max(found_.direction, distance(3) / length_of(vector_at(a.data() + 3)));
+    found_.spin = std::max(found_.spin, distance(6));
+  }
+
+  const Isa isa_;
+  RandomKey key_;
+  int regions_ = 0;
+  long evaluations_ = 0;
+  FieldCheck found_;
+};
+
+}  // namespace
+
+std::optional<FieldCheck> check_fields(const Plan& plan, Isa isa) {
+  Checker checker(isa);
+  for (const PlanTree& tree : plan.trees) checker.fly(tree);
+  return checker.found();
+}
+
+}  // namespace rabiline

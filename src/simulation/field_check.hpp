@@ -1,0 +1,16 @@
+#pragma once
+// Flights in steps held against an independent integration of the same equations, in every run.
+#include <optional>
+
+#include "plan/plan.hpp"
+#include "simulation/result.hpp"
+
+namespace rabiline {
+
+/// Flies the first few particles of the plan up to each region with fields that differ from place to place,
+/// and through it both ways: by the kernel, and by GSL's rk8pd with y as the variable (P. Prince and J.
+/// Dormand, J. Comput. Appl. Math. 7, 67 (1981)). Those that turn back or stop inside are left out. Nothing
+/// where there is no such region.
+std::optional<FieldCheck> check_fields(const Plan&, Isa);
+
+}  // namespace rabiline

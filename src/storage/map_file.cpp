@@ -1,0 +1,78 @@
+#include "storage/map_file.hpp"
+
+#include <fmt/format.h>
+#include <cmath>
+
+#include "core/units.hpp"
+#include "storage/digest.hpp"
+#include "storage/hdf5_reader.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr std::size_t most_places = 100000;
+constexpr std::size_t most_nodes = std::size_t{1} << 30;  // 24 GiB of components
+
+class MapReader {
+ public:
+  explicit MapReader(const std::filesystem::path& path) : file_(path), path_(path.string()) {}
+
+  StoredMap read() {
+    const bool is_round = file_.contains("r");
+    const std::vector<std::string> axes =
+        is_round ? std::vector<std::string>{"r", "z"} : std::vector<std::string>{"x", "y", "z"};
+    std::vector<std::size_t> sizes;
+    std::size_t nodes = 1;
+    for (const std::string& name : axes) {
+      const std::vector<double> places = numbers(name, Dimension::length, {}, most_places);
+      std::string why;
+      const std::optional<MapAxis> axis = even_axis(places, name, why);
+      if (!axis) throw StorageError(fmt::format("{}: /{}: {}", path_, name, why));
+      out_.nodes.axes.push_back(*axis);
+      sizes.push_back(places.size());
+      nodes *= places.size();
+      if (nodes > most_nodes)
+        throw StorageError(fmt::format("{}: the map has more than {:.2g} nodes", path_, double(most_nodes)));
+    }
+    const std::size_t m = axes.size();
+    for (std::size_t c = 0; c < m; ++c) {
+      const std::string name = "B" + axes[c];
+      const std::vector<double> component = numbers(name, Dimension::magnetic_field, sizes, nodes);
+      if (c == 0) out_.nodes.field.resize(nodes * m);
+      for (std::size_t i = 0; i < nodes; ++i) out_.nodes.field[i * m + c] = component[i];
+    }
+    return std::move(out_);
+  }
+
+ private:
+  /// In SI; the dataset has these sizes, or is one-dimensional where there are none.
+  std::vector<double> numbers(const std::string& name, Dimension dimension,
+                              const std::vector<std::size_t>& sizes, std::size_t most) {
+    if (!file_.contains(name)) throw StorageError(fmt::format("{}: there is no dataset /{}", path_, name));
+    std::vector<double> values =
+        sizes.empty() ? file_.reals_of_any_size(name, most) : file_.grid(name, sizes);
+    const std::string unit = file_.attribute(name, "units");
+    const ParsedQuantity one = parse_quantity("1 " + unit, dimension);
+    if (!one.error.empty() || one.dimension != dimension)
+      throw StorageError(
+          fmt::format("{}: /{}: `{}` is no unit of {}", path_, name, unit, with_article(name_of(dimension))));
+    out_.digest =
+        digest(std::as_bytes(std::span(values)), out_.digest == 0 ? digest_of_nothing : out_.digest);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] *= one.value;
+      if (!std::isfinite(values[i]))
+        throw StorageError(fmt::format("{}: /{}: number {} is not finite", path_, name, i));
+    }
+    return values;
+  }
+
+  hdf5::FileReader file_;
+  std::string path_;
+  StoredMap out_;
+};
+
+}  // namespace
+
+StoredMap read_map_file(const std::filesystem::path& path) { return MapReader(path).read(); }
+
+}  // namespace rabiline

@@ -1,0 +1,302 @@
+#pragma once
+// A visit to one zone of a region where fields differ from place to place, for kernels only. Each lane goes
+// in steps of its own length, which it chooses by what two halves of a step differ from the whole:
+//   dr/dt = v,  dS/dt = w x S,  dv/dt = W x v + a,  a = g + the force of the gradient on the moment,
+// w, W and a at the place of the lane and at its time. A step is of fourth order: they are taken at the two
+// Gauss points of the path, which is known there to third order from a at the begin and at the first point.
+#include "field/lane_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "transport/moment_lanes.hpp"
+#include "transport/plane_lanes.hpp"
+#include "transport/visit_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// S turned by the rotation vector o of any length.
+RABILINE_LANES Vector turned_by(const Vector& o, const Vector& v) {
+  const real q = dot(o, o);
+  const mask far = q > broadcast(1);
+  real sine, cosine;
+  rotation_coefficients(min(q, broadcast(1)), sine, cosine);
+  if (any(far)) {
+    const real angle = sqrt(select(far, q, broadcast(1)));
+    real s, c, half_s, half_c;
+    sincos(angle, s, c);
+    sincos(0.5 * angle, half_s, half_c);
+    sine = select(far, s / angle, sine);
+    cosine = select(far, 2.0 * half_s * half_s / (angle * angle), cosine);
+  }
+  const Vector u = cross(o, v);
+  return add(add(v, sine, u), cosine, cross(o, u));
+}
+/// The mean of v while it turns by o at an even rate: v + (1 - cos a)/a^2 o x v + (a - sin a)/a^3 o x (o x
+/// v).
+RABILINE_LANES Vector mean_of_turning(const Vector& o, const Vector& v) {
+  const real q = dot(o, o);
+  real sine, cosine;
+  rotation_coefficients(q, sine, cosine);
+  const real minus_integral = polynomial(q, {-1.0 / 1307674368000, 1.0 / 6227020800, -1.0 / 39916800,
+                                             1.0 / 362880, -1.0 / 5040, 1.0 / 120, -1.0 / 6});
+  const Vector u = cross(o, v);
+  return add(add(v, cosine, u), -minus_integral, cross(o, u));
+}
+
+/// An angular velocity that changes evenly over a step, known at its Gauss points.
+struct ChangingRate {
+  Vector mean, change;
+  real h;
+  RABILINE_LANES ChangingRate(const Vector& first, const Vector& second, real step)
+      : mean{0.5 * (first.x + second.x), 0.5 * (first.y + second.y), 0.5 * (first.z + second.z)},
+        change{root_3 * (second.x - first.x), root_3 * (second.y - first.y), root_3 * (second.z - first.z)},
+        h(step) {}
+  /// The rotation vector from one share of the step to another (Magnus, with the first commutator): h d w +
+  /// h^2 d^3/12 w' x w, d the length and w the rate in the middle.
+  RABILINE_LANES Vector between(double from, double to) const {
+    const double d = to - from, middle = 0.5 * (from + to) - 0.5;
+    const Vector c = cross(change, mean);
+    const real length = h * d, commutator = h * h * (d * d * d / 12);
+    return add(
+        {length * fma(change.x, broadcast(middle), mean.x), length * fma(change.y, broadcast(middle), mean.y),
+         length * fma(change.z, broadcast(middle), mean.z)},
+        commutator, c);
+  }
+  static constexpr double root_3 = 1.7320508075688772935;
+};
+
+/// What acts at one place and time.
+struct Influence {
+  Vector spin, turn;  // [rad/s] w, and W before its part along S is taken off
+  Vector slope[3];    // [m/s^2] what S along x, y, z accelerates by
+  Vector level;       // [m/s^2] what a level does
+};
+
+/// What two halves and a whole step of fourth order would come to with ever shorter steps.
+RABILINE_LANES State extrapolated(const State& whole, State halves) {
+  const auto on = [](const Vector& a, const Vector& b) {
+    return Vector{fma(b.x - a.x, broadcast(1.0 / 15), b.x), fma(b.y - a.y, broadcast(1.0 / 15), b.y),
+                  fma(b.z - a.z, broadcast(1.0 / 15), b.z)};
+  };
+  halves.place = on(whole.place, halves.place);
+  halves.velocity = on(whole.velocity, halves.velocity);
+  halves.spin = on(whole.spin, halves.spin);
+  return halves;
+}
+
+struct FieldStepper {
+  const Region& region;
+  const RegionZone& zone;
+  const real* phases;
+  real part;  // of the whole moment that pulls: (m/I) under `quantum`, else 1
+  words level;
+
+  bool turns() const {
+    return region.feels.turn_per_tesla != 0 || zone.field.turn_rate != 0 ||
+           (zone.field.drives > 0 && zone.field.drive[0].turn_rate != 0);
+  }
+  bool bends() const { return turns() || region.feels.pull != 0; }
+  RABILINE_LANES Vector gravity() const {
+    const double* g = region.feels.gravity;
+    return {broadcast(g[0]), broadcast(g[1]), broadcast(g[2])};
+  }
+
+  inline Influence at(real t, const Vector& r) const {
+    const Rates uniform = rates_at(zone.field, phases, t, r.y);
+    Influence here{uniform.spin, uniform.turn, {}, {}};
+    if (zone.shaped_begin == zone.shaped_end) return here;
+    FieldHere<real> field{};
+    for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
+      add_field<LaneMaths>(region.shaped[i], r.x, r.y, r.z, field);
+    const Vector b{field.field[0], field.field[1], field.field[2]};
+    here.spin = add(here.spin, broadcast(region.feels.spin_per_tesla), b);
+    here.turn = add(here.turn, broadcast(region.feels.turn_per_tesla), b);
+    if (region.feels.pull == 0) return here;
+    if (region.feels.follows_level) {
+      along_field(field, here);
+      return here;
+    }
+    const real pull = part * region.feels.pull;
+    for (int i = 0; i < 3; ++i)
+      here.slope[i] = {pull * field.slope[3 * i], pull * field.slope[3 * i + 1],
+                       pull * field.slope[3 * i + 2]};
+    return here;
+  }
+  /// mu grad |B| = mu (B . dB/dx_k)/|B|, zero where B is 0 and has no direction.
+  /// No spin is carried.
+  inline void along_field(const FieldHere<real>& field, Influence& here) const {
+    const real *b = field.field, size2 = fma(b[0], b[0], fma(b[1], b[1], b[2] * b[2]));
+    const real size = sqrt(size2), over = select(size > broadcast(0), 1.0 / size, broadcast(0));
+    const MomentLaw& moments = region.feels.moments;
+    const real pull = moments.coefficients == nullptr
+                          ? part * region.feels.pull
+                          : moment_of(moments, level, size) * (1 / region.feels.mass);
+    const auto grows = [&](int k) {
+      const real* g = field.slope + k;
+      return fma(b[0], g[0], fma(b[1], g[3], b[2] * g[6])) * over * pull;
+    };
+    here.spin = here.turn = Vector{};
+    here.level = {grows(0), grows(1), grows(2)};
+  }
+  /// F = grad (mu . B), mu along S, or that of a level.
+  RABILINE_LANES Vector pull_at(const Influence& here, const Vector& spin) const {
+    const Vector g = gravity();
+    if (region.feels.follows_level) return add(g, broadcast(1), here.level);
+    return region.feels.pull == 0
+               ? g
+               : add(add(add(g, spin.x, here.slope[0]), spin.y, here.slope[1]), spin.z, here.slope[2]);
+  }
+  RABILINE_LANES Vector acceleration(const Influence& here, const Vector& spin,
+                                     const Vector& velocity) const {
+    return add(cross(turning(here.turn, spin, region.take_off_spin_component), velocity), broadcast(1),
+               pull_at(here, spin));
+  }
+  RABILINE_LANES static Vector place_after(const State& s, real dt, const Vector& a, const Vector& jerk) {
+    const auto along = [&](real r, real v, real a0, real j) {
+      return fma(fma(fma(j * (1.0 / 6), dt, 0.5 * a0), dt, v), dt, r);
+    };
+    return {along(s.place.x, s.velocity.x, a.x, jerk.x), along(s.place.y, s.velocity.y, a.y, jerk.y),
+            along(s.place.z, s.velocity.z, a.z, jerk.z)};
+  }
+
+  /// One step of the length h.
+  inline State once(real h, State s) const {
+    const real dt1 = gauss_first * h, dt2 = gauss_second * h;
+    Vector a0 = gravity(), jerk{};
+    if (bends()) {
+      const Influence first = at(s.t, s.place);
+      a0 = acceleration(first, s.spin, s.velocity);
+      const Vector turned = turned_by({dt1 * first.spin.x, dt1 * first.spin.y, dt1 * first.spin.z}, s.spin);
+      const Vector a1 =
+          acceleration(at(s.t + dt1, place_after(s, dt1, a0, Vector{})), turned, add(s.velocity, dt1, a0));
+      const real over = 1.0 / select(dt1 != broadcast(0), dt1, broadcast(1));
+      jerk = {(a1.x - a0.x) * over, (a1.y - a0.y) * over, (a1.z - a0.z) * over};
+    }
+    const Influence at1 = at(s.t + dt1, place_after(s, dt1, a0, jerk)),
+                    at2 = at(s.t + dt2, place_after(s, dt2, a0, jerk));
+    const ChangingRate spin(at1.spin, at2.spin, h);
+    const Vector s0 = s.spin, velocity = s.velocity;
+    s.spin = turned_by(spin.between(0, 1), s0);
+    s.t = s.t + h;
+    const Vector s1 = turned_by(spin.between(0, gauss_first), s0),
+                 s2 = turned_by(spin.between(0, gauss_second), s0);
+    const Vector pull1 = pull_at(at1, s1), pull2 = pull_at(at2, s2);
+    const real half = 0.5 * h, late1 = half * h * (1 - gauss_first), late2 = half * h * (1 - gauss_second);
+    if (!turns()) {
+      s.place = add(add(add(s.place, h, velocity), late1, pull1), late2, pull2);
+      s.velocity = add(add(velocity, half, pull1), half, pull2);
+      return s;
+    }
+    const Vector w1 = turning(at1.turn, s1, region.take_off_spin_component),
+                 w2 = turning(at2.turn, s2, region.take_off_spin_component);
+    move(s, w1, w2, h);
+    const ChangingRate turn(w1, w2, h);
+    const Vector o1 = turn.between(gauss_first, 1), o2 = turn.between(gauss_second, 1);
+    s.place = add(add(s.place, late1, mean_of_turning(o1, pull1)), late2, mean_of_turning(o2, pull2));
+    s.velocity = add(add(s.velocity, half, rotate(o1, pull1)), half, rotate(o2, pull2));
+    return s;
+  }
+  /// Of two halves, without the error that the whole step tells.
+  inline State better(real h, const State& s) const { return extrapolated(once(h, s), twice(h, s)); }
+  inline State twice(real h, const State& s) const { return once(0.5 * h, once(0.5 * h, s)); }
+
+  /// No longer than a radian of the velocity's turning.
+  inline real longest(const State& s, real most) const {
+    if (!turns()) return most;
+    const Vector w = at(s.t, s.place).turn;
+    return min(most, 1.0 / max(sqrt(dot(w, w)), broadcast(0x1p-500)));
+  }
+
+  /// The state where a lane first comes to `plane` within its next step of the length h.
+  inline State at_plane(const State& before, real h, real plane) const {
+    real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
+    for (int i = 0; i < 8; ++i) {
+      const State there = better(length, before);
+      const real newton = max(broadcast(0), min(h, length + (plane - there.place.y) / there.velocity.y));
+      const real better = select(there.velocity.y != broadcast(0), newton, length);
+      const mask settled = abs(better - length) <= 1e-13 * h;
+      length = better;
+      if (all(settled)) break;
+    }
+    State there = better(length, before);
+    there.place.y = plane;
+    return there;
+  }
+};
+
+/// By how much two states of a step differ, over what is allowed of direction, spin and place.
+RABILINE_LANES real difference(const State& a, const State& b, double length) {
+  const auto size2 = [](const Vector& u, const Vector& v) {
+    const Vector d{u.x - v.x, u.y - v.y, u.z - v.z};
+    return dot(d, d);
+  };
+  const real speed2 = dot(b.velocity, b.velocity);
+  return sqrt(max(max(size2(a.spin, b.spin), size2(a.velocity, b.velocity) / speed2),
+                  size2(a.place, b.place) * (1 / (length * length))));
+}
+
+/// Flies the chosen lanes through one zone until each has left it, hit its wall or flown too long.
+template <bool looks>
+inline Visit visit_in_field(const Region& region, const RegionZone& zone, const real* phases,
+                            const State& start, mask chosen, Lookout& lookout, const StepRecorder* recorder) {
+  const real part = region.feels.levels > 0 ? fma(number_of(lookout.level),
+                                                  broadcast(-2.0 / (region.feels.levels - 1)), broadcast(1))
+                                            : broadcast(1);
+  const FieldStepper stepper{region, zone, phases, part, lookout.level};
+  const double length = zone.field.end - zone.field.begin;
+  const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end);
+  const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
+  const real speed = sqrt(dot(start.velocity, start.velocity)), stay = length / speed;
+  const real deadline = start.t + region.most_way / speed, most = zone.longest / speed;
+  State now = start, before = start;
+  real h = most, last_h = h, steps = broadcast(0);
+  mask going = chosen;
+  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  while (any(going)) {
+    // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
+    const real ahead = (end - now.place.y) / now.velocity.y;
+    const mask comes = now.velocity.y > broadcast(0);
+    const real free = stepper.longest(now, min(h, most)), trial = select(comes, min(free, ahead), free);
+    const State whole = stepper.once(trial, now), halves = stepper.twice(trial, now);
+    // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
+    // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
+    // by. A jump of the field may take a thousandth of the tolerance, or steps would become shorter for ever.
+    const real allowed = region.feels.tolerance * (0.25 * (trial / stay) + 1e-3),
+               error = difference(whole, halves, length) * (1.0 / 15) / allowed;
+    const mask rejected = error > broadcast(1), steps_on = going & ~rejected;
+    const real root = sqrt(sqrt(max(error, broadcast(1e-4))));
+    h = select(steps_on & (trial < 0.5 * free), free, max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root)));
+    const State old = now;
+    now = choose(steps_on, extrapolated(whole, halves), now);
+    now.spin = of_unit_length(now.spin);
+    steps = steps + 1.0;
+    if constexpr (looks)
+      lookout.look(now.place.y, steps_on, zone.sights_passed, [&](real y, mask crosses) {
+        return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
+      });
+    const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
+    const real from_axis2 = fma(from_x, from_x, from_z * from_z);
+    const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2);
+    const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
+    const mask arrives = now.place.y >= end - 1e-14 * (abs(end) + length);
+    const mask stays = inside & in_time & ~arrives;
+    const mask leaves = (steps_on & ~stays) | (going & ~in_time);
+    const mask forward = arrives & steps_on, backwards = (now.place.y < begin) & steps_on;
+    const mask wall = (from_axis2 > wall2) & steps_on & ~forward & ~backwards;
+    before = choose(leaves, old, before);
+    last_h = select(leaves, trial, last_h);
+    v.state = choose(leaves, now, v.state);
+    v.forward = v.forward | forward;
+    v.backwards = v.backwards | backwards;
+    v.wall = v.wall | wall;
+    v.gave_up = v.gave_up | (leaves & ~forward & ~backwards & ~wall);  // or is no number any more
+    going = going & ~leaves;
+    if (recorder != nullptr && lane((words)(going & steps_on), 0) != 0) record(*recorder, now);
+  }
+  const mask beyond = (v.forward & (v.state.place.y > end + 1e-14 * (abs(end) + length))) | v.backwards;
+  if (any(beyond))
+    v.state = choose(beyond, stepper.at_plane(before, last_h, select(v.forward, end, begin)), v.state);
+  v.state.place.y = select(v.forward, end, select(v.backwards, begin, v.state.place.y));
+  v.state = choose(chosen, v.state, start);
+  return v;
+}
+
+}  // namespace rabiline::RABILINE_ISA

@@ -1,0 +1,26 @@
+#pragma once
+// A field that differs from place to place, and sorts levels.
+#include "transport/stages/turning_region.hpp"
+
+namespace rabiline {
+
+/// Each particle stays in its level along the field and is pushed by mu grad |B|. What does not come through
+/// is stopped.
+struct SortingField {
+  TurningRegion region;  // whose coupling follows levels; without edges and sights
+  int part = 0;          // whose field it is
+  bool operator==(const SortingField&) const = default;
+
+  static constexpr StageTraits traits{
+      .ends_particles = true, .spins = SpinEffect::carried, .levels = LevelEffect::separated};
+  std::size_t sums() const;
+  void pass(StageContext&) const;
+  void list_sums(SumSink&) const;
+  double y() const;
+  double cost(double speed) const;
+  void explain(PlanReport&) const;
+  bool follows_paths() const;
+};
+static_assert(StageKind<SortingField>);
+
+}  // namespace rabiline

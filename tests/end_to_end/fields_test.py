@@ -1,0 +1,197 @@
+"""Fields that differ from place to place: `probe`, maps of both formats, and files that lie about themselves."""
+import csv
+import io
+import random
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from experiments import RABILINE as PROGRAM
+
+EXPERIMENT = """rabiline: 1
+species: neutron
+law: quantum
+source:
+  speed: {{kind: single, value: 1000 m/s}}
+  opening: {{width: 0.2 mm, height: 0.2 mm}}
+  direction: parallel
+parts:
+  - {{name: F, at: 1 m, {part}}}
+  - {{name: D, kind: detector, at: 2 m, width: 1 cm, height: 1 cm, bins: [10, 10]}}
+particles: 100
+seed: 1
+"""
+LOOP = "kind: current_loop, radius: 5 cm, field: 1 mT"
+X = np.arange(-4, 5) * 1e-3
+Y = np.arange(-10, 11) * 1e-3
+
+
+def experiment(folder: Path, part: str, name: str = "field.yaml") -> Path:
+    path = folder / name
+    path.write_text(EXPERIMENT.format(part=part))
+    return path
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess:
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+def line(path: Path, at: str, along: str, begin: str, end: str, points: int) -> np.ndarray:
+    out = run("probe", path, "--at", at, "--along", along, "--from", begin, "--to", end, "--points", points)
+    assert out.returncode == 0, out.stderr
+    return np.array([[float(cell) for cell in row] for row in list(csv.reader(io.StringIO(out.stdout)))[1:]])
+
+
+def loop_on_grid(tmp_path: Path) -> np.ndarray:
+    """B of the loop over (x, y, z), from `probe`."""
+    path = experiment(tmp_path, LOOP, "loop.yaml")
+    field = np.zeros((len(X), len(Y), len(X), 3))
+    for i, x in enumerate(X):
+        for k, z in enumerate(X):
+            field[i, :, k] = line(path, f"{x} m,0 m,{z} m", "y", "0.99 m", "1.01 m", len(Y))[:, 3:6]
+    return field
+
+
+def write_csv(path: Path, field: np.ndarray) -> None:
+    rows = [f"{1e6 * field[i, j, k, 2]:.12g}, {1e3 * z:.6g}, {1e2 * y:.6g}, {1e3 * field[i, j, k, 0]:.12g}, {1e3 * x:.6g}, "
+            f"{field[i, j, k, 1] * 1e4:.12g}"
+            for i, x in enumerate(X) for j, y in enumerate(Y) for k, z in enumerate(X)]
+    random.Random(1).shuffle(rows)
+    path.write_text("# a loop\nBz [uT], z [mm], y [cm], Bx [mT], x [mm], By [G]\n" + "\n".join(rows) + "\n")
+
+
+def write_hdf5(path: Path, field: np.ndarray) -> None:
+    with h5py.File(path, "w") as file:
+        for name, places in zip("xyz", (X, Y, X)):
+            file.create_dataset(name, data=places * 1e3).attrs["units"] = "mm"
+        for m, name in enumerate(("Bx", "By", "Bz")):
+            file.create_dataset(name, data=field[..., m] * 1e3, compression="gzip").attrs["units"] = np.bytes_("mT")
+
+
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("maps")
+    field = loop_on_grid(folder)
+    write_csv(folder / "loop.csv", field)
+    write_hdf5(folder / "loop.h5", field)
+    return folder
+
+
+def test_a_map_in_either_format_is_the_field_that_it_was_made_of(maps: Path) -> None:
+    exact = line(experiment(maps, LOOP), "0.7 mm,0 m,-1.3 mm", "y", "0.991 m", "1.0087 m", 57)
+    for name in ("loop.csv", "loop.h5"):
+        mapped = line(experiment(maps, f"kind: field_map, map: {name}", name + ".yaml"), "0.7 mm,0 m,-1.3 mm", "y", "0.991 m",
+                      "1.0087 m", 57)
+        assert np.abs(mapped[:, 3:6] - exact[:, 3:6]).max() < 1e-9  # of 1e-3 T: steps of h/R = 1/50
+        assert np.abs(mapped[:, 7:9]).max() < 2e-6  # T/m
+
+
+def test_check_says_what_a_map_is_worth(maps: Path) -> None:
+    out = run("check", experiment(maps, "kind: field_map, map: loop.csv", "check.yaml"))
+    assert "9 x 21 x 9 nodes" in out.stdout
+    assert "ends with a step" in out.stdout
+
+
+def test_probe_names_the_parts_and_their_shares(tmp_path: Path) -> None:
+    path = experiment(tmp_path, LOOP + "}\n  - {name: B, kind: uniform_field, at: 0.5 m, length: 1 m, field: 2 mT")
+    out = run("probe", path, "--at", "0 m,1 m,0 m")
+    assert "|B| = 2.236 mT" in out.stdout
+    assert [row.split()[0] for row in out.stdout.splitlines()[2:4]] == ["B", "F"]  # along the beam
+    assert run("probe", path, "--at", "0,1.6 m,0").stdout.splitlines()[2].split()[0] == "F"
+
+
+def test_probe_takes_a_clock_at_its_time(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: rotating_field, length: 0.2 m, amplitude: 1 uT, frequency: 1 kHz, sense: positive, phase: locked")
+    assert "B = (1 uT, 0 T, 0 T)" in run("probe", path, "--at", "0 m,1.1 m,0 m").stdout
+    later = run("probe", path, "--at", "0 m,1.1 m,0 m", "--time", "0.25 ms").stdout
+    assert "1 uT, 0 T), |B| = 1 uT" in later
+
+
+@pytest.mark.parametrize("argument", ["1 m", "1 m,2 m", "1 m,2 s,0 m", "1 m,2 m,3 m,4 m"])
+def test_probe_refuses_what_is_no_place(tmp_path: Path, argument: str) -> None:
+    out = run("probe", experiment(tmp_path, LOOP), "--at", argument)
+    assert out.returncode == 2
+    assert "--at" in out.stderr and "help:" in out.stderr
+
+
+def spoil_link(file: h5py.File) -> None:
+    del file["Bx"]
+    file["Bx"] = h5py.ExternalLink("loop.h5", "/By")
+
+
+def spoil_virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout(shape=file["Bx"].shape, dtype="f8")
+    layout[...] = h5py.VirtualSource("loop.h5", "By", shape=file["Bx"].shape)
+    del file["Bx"]
+    file.create_virtual_dataset("Bx", layout)
+    file["Bx"].attrs["units"] = "mT"
+
+
+def spoil_size(file: h5py.File) -> None:
+    for name in ("x", "y", "z"):
+        del file[name]
+        file.create_dataset(name, data=np.arange(1000.0)).attrs["units"] = "mm"
+    del file["Bx"]
+    file.create_dataset("Bx", shape=(1000, 1000, 1000), dtype="f8", chunks=(10, 10, 10)).attrs["units"] = "mT"
+
+
+def spoil_axis(file: h5py.File) -> None:
+    file["y"][3] = file["y"][5]
+
+
+def spoil_unit(file: h5py.File) -> None:
+    file["By"].attrs["units"] = "mm"
+
+
+def spoil_number(file: h5py.File) -> None:
+    file["Bz"][1, 2, 3] = np.nan
+
+
+def spoil_shape(file: h5py.File) -> None:
+    data = file["Bz"][:-1]
+    del file["Bz"]
+    file.create_dataset("Bz", data=data).attrs["units"] = "mT"
+
+
+def spoil_type(file: h5py.File) -> None:
+    data = file["Bz"][:].astype("i4")
+    del file["Bz"]
+    file.create_dataset("Bz", data=data).attrs["units"] = "mT"
+
+
+@pytest.mark.parametrize("spoil, said", [
+    (spoil_link, "/Bx: refused (it is a link to somewhere else)"), (spoil_virtual, "/Bx: refused (it is a virtual dataset)"),
+    (spoil_size, "/Bx: refused (it claims more than it stores)"), (spoil_axis, "the places along y do not ascend"),
+    (spoil_unit, "`mm` is no unit of a magnetic field"), (spoil_number, "/Bz: number"),
+    (spoil_shape, "/Bz: refused (it has 8 numbers where its axis has 9)"), (spoil_type, "/Bz: refused (it does not hold real numbers)"),
+    (lambda file: file.pop("Bz"), "there is no dataset /Bz"), (lambda file: file["x"].attrs.pop("units"), "/x, attribute units")])
+def test_a_map_that_lies_is_refused_before_it_is_read(maps: Path, tmp_path: Path, spoil, said: str) -> None:
+    (tmp_path / "loop.h5").write_bytes((maps / "loop.h5").read_bytes())
+    bad = tmp_path / "bad.h5"
+    bad.write_bytes((maps / "loop.h5").read_bytes())
+    with h5py.File(bad, "r+") as file:
+        spoil(file)
+    out = run("check", experiment(tmp_path, "kind: field_map, map: bad.h5"))
+    assert out.returncode == 2
+    assert said in out.stderr, out.stderr
+    assert "field.yaml:9" in out.stderr
+
+
+def test_a_text_that_is_too_large_is_refused_by_its_size(tmp_path: Path) -> None:
+    with (tmp_path / "big.csv").open("wb") as file:
+        file.truncate(10 << 30)  # holes only
+    out = run("check", experiment(tmp_path, "kind: field_map, map: big.csv"))
+    assert out.returncode == 2
+    assert "the file has 10.0 GiB; maps are read as text up to 2 GiB" in out.stderr
+
+
+def test_the_results_of_a_map_know_which_map_it_was(maps: Path) -> None:
+    path, output = experiment(maps, "kind: field_map, map: loop.csv", "run.yaml"), maps / "run.h5"
+    out = run("run", path, "-o", output, "--progress", "none")
+    assert out.returncode == 0, out.stderr
+    with h5py.File(output) as file:
+        texts = []
+        file.visititems(lambda _, node: texts.append(node[()]) if isinstance(node, h5py.Dataset) and node.dtype.kind in "SO" else None)
+    assert any(b"a field map of" in str(text).encode() for text in texts)

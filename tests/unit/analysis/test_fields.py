@@ -1,0 +1,33 @@
+"""Tables of `rabiline probe`, read and drawn."""
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rabiline.__main__ import main
+from rabiline.field_plots import read_field
+
+HEADER = "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m]\n"
+
+
+def write(path: Path, rows: int = 11, header: str = HEADER) -> Path:
+    path.write_text(header + "".join(f"0,{0.1 * i},0,1e-3,0,{1e-3 * i},{1e-3 * np.hypot(1, i)},0,0\n" for i in range(rows)))
+    return path
+
+
+def test_a_line_knows_which_way_it_runs(tmp_path: Path) -> None:
+    line = read_field(write(tmp_path / "b.csv"))
+    assert line.along == "y"
+    assert line.place[-1] == 1.0
+    assert line.field[3].tolist() == [1e-3, 0, 3e-3]
+
+
+def test_the_field_is_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "b.png"
+    assert main(["plot-field", str(write(tmp_path / "b.csv")), "-o", str(picture)]) == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("rows, header, said", [(11, "y,B\n", "no table of"), (1, HEADER, "fewer than two rows")])
+def test_what_is_no_table_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture, rows: int, header: str, said: str) -> None:
+    assert main(["plot-field", str(write(tmp_path / "b.csv", rows, header)), "-o", str(tmp_path / "b.png")]) == 2
+    assert said in capsys.readouterr().err

@@ -1,0 +1,69 @@
+#include "field/fringed_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include "checks.hpp"
+
+namespace rabiline::test {
+namespace {
+
+constexpr double pi = 3.14159265358979, size = 1e-3, half_length = 0.1, fringe = 0.02;
+ShapedTerm fringed(bool along, FringeCurve edge) {
+  return ShapedTerm(FringeShape{along, edge, size, half_length, fringe, {0, 2, 0, 0, 0, 0}});
+}
+double tanh_share(double z) {
+  return 0.25 * (1 + std::tanh((z + half_length) / fringe)) * (1 - std::tanh((z - half_length) / fringe));
+}
+
+TEST(FringedField, FallsAsItsCurveSaysOnTheAxis) {
+  for (const double z : {-0.13, -0.1, -0.05, 0.0, 0.09, 0.1, 0.14}) {
+    EXPECT_NEAR(field_at(fringed(false, FringeCurve::enge), {0, 0, z}).field[0], size * tanh_share(z), 1e-17);
+    EXPECT_NEAR(field_at(fringed(true, FringeCurve::enge), {0, 0, z}).field[2], size * tanh_share(z), 1e-17);
+  }
+  const ShapedTerm sine = fringed(false, FringeCurve::sine);
+  EXPECT_EQ(field_at(sine, {0, 0, 0.0899}).field[0], size);
+  EXPECT_DOUBLE_EQ(field_at(sine, {0, 0, 0.1}).field[0], size / 2);
+  EXPECT_NEAR(field_at(sine, {0, 0, 0.105}).field[0], size / 2 * (1 - std::sqrt(0.5)), 1e-17);
+  EXPECT_EQ(field_at(sine, {0, 0, 0.1101}).field[0], 0);
+}
+
+TEST(FringedField, RunsAsItsProfileSaysOnTheAxis) {
+  for (const double z : {-0.1001, -0.07, 0.0, 0.03, 0.0999}) {
+    const double inside = std::abs(z) < half_length ? 1 : 0;
+    EXPECT_NEAR(field_at(fringed(false, FringeCurve::half_sine), {0, 0, z}).field[0],
+                inside * size * std::cos(pi * z / (2 * half_length)), 1e-17);
+    EXPECT_NEAR(field_at(fringed(true, FringeCurve::gaussian), {0, 0, z}).field[2],
+                inside * size * std::exp(-z * z / (2 * fringe * fringe)), 1e-17);
+  }
+}
+
+TEST(FringedField, AlongTheBeamLeavesOutHighPowersOfTheDistanceFromTheAxis) {
+  const ShapedTerm term = fringed(true, FringeCurve::enge);
+  // What is left out of the slopes grows as r^5: five halvings of r take it from 1e-2 to 1e-10.
+  const auto error = [&](double r) {
+    return slope_error(term, {0.6 * r, 0.8 * r, 0.11}, 2e-5) / (size / fringe);
+  };
+  EXPECT_LT(error(0.1 * fringe), 1e-5);
+  const double order = std::log2(error(0.4 * fringe) / error(0.2 * fringe));
+  EXPECT_GT(order, 4.5);
+  EXPECT_LT(order, 6.5);
+  EXPECT_LT(std::abs(divergence(field_at(term, {0.003, 0.004, 0.11}))), 1e-15);
+}
+
+TEST(FringedField, StaysFiniteFarAway) {
+  for (const bool along : {false, true})
+    for (const FringeCurve edge :
+         {FringeCurve::enge, FringeCurve::sine, FringeCurve::half_sine, FringeCurve::gaussian})
+      for (const double z : {-100.0, 0.0, 100.0}) {
+        ShapedTerm term = fringed(along, edge);
+        const double a[6] = {0.478959, 1.911289, -1.185953, 1.630554, -1.082657, 0.318111};
+        for (int i = 0; i < 6; ++i) term.fringed.enge[i] = a[i];
+        const Here f = field_at(term, {0.001, 0.002, z});
+        for (const double b : f.field) EXPECT_TRUE(std::isfinite(b));
+        for (const double g : f.slope) EXPECT_TRUE(std::isfinite(g));
+        EXPECT_NEAR(f.field[along ? 2 : 0], z == 0 ? size : 0, 5e-3 * size);
+      }
+}
+
+}  // namespace
+}  // namespace rabiline::test

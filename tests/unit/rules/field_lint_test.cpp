@@ -1,0 +1,67 @@
+#include "rules/field_lint.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "physics/suggested.hpp"
+
+namespace rabiline {
+namespace {
+
+using test::place;
+using test::suggested;
+using testing::HasSubstr;
+
+Beamline with(const Part& part) {
+  Beamline beamline = suggested(291.6e3);
+  beamline.parts.push_back(place("F", 0.6, part));
+  return beamline;
+}
+
+/// B_z = 1 mT (1 + (x/1 cm)^3) with what makes it one without divergence and curl, or not.
+LoadedMap map_of(double wrong) {
+  MapNodes nodes;
+  for (int a = 0; a < 3; ++a) nodes.axes.push_back({9, -0.004, 0.001});
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j)
+      for (int k = 0; k < 9; ++k) {
+        const double x = -0.4 + 0.1 * i, z = -0.4 + 0.1 * k;  // [cm]; B_z - i B_x = 1 + (z + i x)^3
+        nodes.field.insert(nodes.field.end(), {1e-3 * (x * x * x - 3 * z * z * x) * (1 - wrong), 0,
+                                               1e-3 * (1 + z * z * z - 3 * z * x * x)});
+      }
+  return {std::make_shared<const FieldMap>(std::move(nodes), std::array<MapSymmetry, 3>{}, "m.csv")};
+}
+
+TEST(FieldLint, SaysNothingOfUniformFields) {
+  EXPECT_EQ(report_of_fields(suggested(291.6e3)), "");
+  EXPECT_TRUE(warnings_of_fields(suggested(291.6e3)).empty());
+}
+
+TEST(FieldLint, SaysWhereAFieldEndsAndHowLargeItStillIs) {
+  CurrentLoop loop{0.01, CoilField{1e-3}};
+  EXPECT_THAT(report_of_fields(with(loop)),
+              HasSubstr("F: current_loop, 384.8 mm to 815.2 mm, up to 1 mT on the axis, 100 nT"));
+  EXPECT_TRUE(warnings_of_fields(with(loop)).empty());
+  loop.reach = 0.05;
+  const std::vector<Fault> found = warnings_of_fields(with(loop));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].message, HasSubstr("a step of 0.008 of its largest"));
+  EXPECT_THAT(found[0].help, HasSubstr("`reach`"));
+}
+
+TEST(FieldLint, DoesNotMindEdgesThatAreHardByNature) {
+  EXPECT_TRUE(warnings_of_fields(with(MultipoleField{0.1, 4, 1e-3, 0.01})).empty());
+}
+
+TEST(FieldLint, TellsAMapThatIsNoFieldFromOneThatIs) {
+  MappedField right{map_of(0)}, wrong{map_of(2)};
+  EXPECT_THAT(report_of_fields(with(right)), HasSubstr("m.csv: 9 x 9 x 9 nodes"));
+  const auto blames_components = [](const std::vector<Fault>& faults) {
+    return std::any_of(faults.begin(), faults.end(), [](const Fault& fault) { return fault.key == "map"; });
+  };
+  EXPECT_FALSE(blames_components(warnings_of_fields(with(right))));
+  EXPECT_TRUE(blames_components(warnings_of_fields(with(wrong))));
+}
+
+}  // namespace
+}  // namespace rabiline
