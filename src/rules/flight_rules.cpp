@@ -132,7 +132,9 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
       return;
     }
     for (const Plane& plane : sections.planes) {
-      if (plane.y <= stretch.begin || plane.y >= stretch.end) continue;
+      const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+      const bool reaches_in = magnet != nullptr && plane.y < stretch.end && magnet->end > stretch.begin;
+      if (!reaches_in && (plane.y <= stretch.begin || plane.y >= stretch.end)) continue;
       const bool both_ways =
           std::holds_alternative<PlateTerm>(plane.term) || std::holds_alternative<ScreenTerm>(plane.term) ||
           std::holds_alternative<MonitorTerm>(plane.term) || std::holds_alternative<AlignTerm>(plane.term);

@@ -215,6 +215,48 @@ std::vector<StageSample> samples_of<Steering>() {
   return samples;
 }
 
+namespace {
+
+/// A ring across the beam, and a field that grows.
+TurningRegion shaped_region(ZoneKind kind) {
+  TurningRegion r;
+  RegionZone z{.field = zone(kind),
+               .wall_radius = 5e-3,
+               .wall_part = part,
+               .step = 1e-5,
+               .course = ZoneCourse::through_field,
+               .table = {},
+               .shaped_end = 2,
+               .longest = 0.02};
+  r.zones = {z};
+  ShapedTerm loop(LoopShape{1e-5, 0.02});
+  loop.y = 0.2;
+  ShapedTerm linear(LinearShape{{0, 0, 1e-3}, {-0.4, 0, 0, 0, 0, 0, 0, 0, 0.4}});
+  r.shaped = {loop, linear};
+  r.feels.spin_per_tesla = -gamma_n;
+  r.feels.turn_per_tesla = kind == ZoneKind::precession ? -gamma_n : 0;
+  r.feels.pull = 5;
+  r.feels.gravity[2] = -9.81;
+  r.most_way = 3;
+  return r;
+}
+
+}  // namespace
+
+template <>
+std::vector<StageSample> samples_of<SortingField>() {
+  static const MomentTable table(coupled_spins(*find_atom("Na-23")));
+  SortingField constant{shaped_region(ZoneKind::general), part};
+  constant.region.feels.turn_per_tesla = 0;
+  constant.region.feels.follows_level = true;
+  constant.region.feels.levels = 8;
+  for (RegionZone& z : constant.region.zones) z.field.drives = 0, z.field.turn_rate = 0;
+  SortingField atom = constant;
+  atom.region.feels.mass = 23 * atomic_mass;
+  atom.region.feels.moments = {table.coefficients().data(), table.cells(), table.scale()};
+  return {{"levels", constant, 8}, {"atoms", atom, 8}};
+}
+
 template <>
 std::vector<StageSample> samples_of<TurningRegion>() {
   // Fields in which the slowest go round in circles of a few cm, and leave through the walls or backwards.
@@ -278,6 +320,13 @@ std::vector<StageSample> samples_of<TurningRegion>() {
       }
       samples.push_back({fmt::format("{}{}", c.what, along_z ? "" : ", turned"), r});
     }
+  for (const ZoneKind kind :
+       {ZoneKind::precession, ZoneKind::rotating, ZoneKind::profiled, ZoneKind::general}) {
+    TurningRegion r = shaped_region(kind);
+    samples.push_back({fmt::format("through a field, zone {}", static_cast<int>(kind)), r});
+    r.feels.levels = 3;
+    samples.push_back({fmt::format("levels through a field, zone {}", static_cast<int>(kind)), r, 3});
+  }
   return samples;
 }
 

@@ -56,5 +56,7 @@ template <>
 std::vector<StageSample> samples_of<Chopping>();
 template <>
 std::vector<StageSample> samples_of<VelocitySelection>();
+template <>
+std::vector<StageSample> samples_of<SortingField>();
 
 }  // namespace rabiline::test
