@@ -1,5 +1,6 @@
 #include "storage/safe_file.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -8,7 +9,7 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
+#include <ctime>
 #include <random>
 #include <string>
 #include <system_error>
@@ -149,18 +150,21 @@ void flush_folder_of(const Path& target) {
 
 /// Removes temporary files that nobody writes any more: a process that was killed left them.
 void sweep(const Path& folder) {
-  using namespace std::chrono_literals;
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
+  constexpr std::time_t old_enough = 3600;  // [s]
+  DIR* const entries = ::opendir(folder.c_str());
+  if (entries == nullptr) return;
+  while (const dirent* entry = ::readdir(entries)) {
+    const std::string_view name = entry->d_name;
     if (!name.starts_with(temporary_begin) || !name.ends_with(temporary_end)) continue;
-    const auto age = std::filesystem::file_time_type::clock::now() - entry.last_write_time(error);
-    if (error || age < 1h) continue;
-    const int descriptor = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int descriptor = ::openat(::dirfd(entries), entry->d_name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
     if (descriptor < 0) continue;
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    struct stat status {};
+    if (::fstat(descriptor, &status) == 0 && status.st_mtime + old_enough < std::time(nullptr) &&
+        ::flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+      ::unlinkat(::dirfd(entries), entry->d_name, 0);
     ::close(descriptor);
   }
+  ::closedir(entries);
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, lon
     said = stop(slow_run(output), signal.SIGTERM)
     assert f"rabiline resume {output}" in said
     assert list(tmp_path.iterdir()) == [checkpoint]
-    stop(start_and_wait_for_progress("resume", output), signal.SIGINT)
+    stop(start_and_wait_for_progress("resume", output, "--threads", 1, "--batch", 8, "--progress", "json"), signal.SIGINT)
     assert list(tmp_path.iterdir()) == [checkpoint]
     resumed = rabiline("resume", output)
     assert resumed.returncode == DONE, resumed.stderr
