@@ -111,6 +111,7 @@ std::string schema_of_beamlines() {
   file.front().add("geometry", R"({"type": "string", "description": "path of a file with shared parts"})",
                    false);
   add_rows<Beamline>(file);
+  std::erase(file.front().required, in_quotes("parts"));  // all may stand in the geometry
   file.front().add("variables", schema_of_variables, false);
   const std::string entry = any_of(schemas_of_rows<ScanEntry>());
   file.front().add("scan", any_of({entry, fmt::format(R"({{"type": "array", "items": {}}})", entry)}), false);

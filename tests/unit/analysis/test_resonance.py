@@ -238,7 +238,7 @@ def test_the_variances_are_the_binomial_ones_and_nowhere_zero(tmp_path: Path) ->
 
 def test_of_fringes_only_the_central_one_is_measured() -> None:
     x = np.linspace(-1000.0, 1000.0, 201)
-    y = 0.1 + 0.06 * np.exp(-(x / 700) ** 2) * np.cos(2 * np.pi * (x - 7) / 500)
+    y = 0.1 + 0.06 * np.exp(-(x / 500) ** 2) * np.cos(2 * np.pi * (x - 7) / 500)
     curve = curve_of(y, np.diag(np.full(x.size, 1e-8)), x)
     (central,) = half_maxima(curve)
     assert central.centre.value == pytest.approx(7, abs=3) and central.kind == "peak"

@@ -110,7 +110,7 @@ TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "");
   EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);
   EXPECT_EQ(parse_quantity("1 pT/m", Dimension::field_gradient).suggestion, "write `1e-12 T/m`");
-  EXPECT_EQ(parse_quantity("-2.5e3 kT/m", Dimension::field_gradient).suggestion, "write `-2.5e6 T/m`");
+  EXPECT_EQ(parse_quantity("-2.5e3 GT/m", Dimension::field_gradient).suggestion, "write `-2.5e12 T/m`");
   EXPECT_EQ(parse_quantity("1 uTt", Dimension::magnetic_field).suggestion, "did you mean `uT`?");
 }
 
