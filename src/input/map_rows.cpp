@@ -95,6 +95,7 @@ std::uint64_t mixed(std::uint64_t digest, std::string_view text) {  // FNV-1a
 
 double number_in(std::string_view cell, std::uint32_t line) {
   double value = 0;
+  if (cell.starts_with('+')) cell.remove_prefix(1);
   const std::from_chars_result end = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (end.ec != std::errc{} || end.ptr != cell.data() + cell.size())
     throw MapFault(
@@ -112,11 +113,15 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
   std::vector<Column> columns;
   std::vector<std::size_t> order;
   std::vector<std::string_view> cells;
-  std::string line;
+  std::array<char, 4096> line;
   digest = 0xcbf29ce484222325ULL;
-  for (std::uint32_t number = 1; std::getline(file, line); ++number) {
-    digest = mixed(digest, line);
-    std::string_view text = trimmed(line);
+  for (std::uint32_t number = 1; file.getline(line.data(), line.size()) || file.gcount() > 0; ++number) {
+    if (file.fail() && !file.eof())
+      throw MapFault(fmt::format("line {} has {} characters or more", number, line.size() - 1),
+                     "a map of text has a row in each line");
+    const std::string_view whole(line.data());
+    digest = mixed(digest, whole);
+    std::string_view text = trimmed(whole);
     if (number == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     if (text.empty() || text.starts_with('#')) continue;
     split(text, cells);

@@ -11,7 +11,8 @@ namespace rabiline {
 namespace {
 
 constexpr std::size_t most_places = 100000;
-constexpr std::size_t most_nodes = std::size_t{1} << 30;  // 24 GiB of components
+constexpr std::size_t most_nodes = std::size_t{1} << 28;
+constexpr double bytes_per_node = 64;  // while it is read: a component, three components, four coefficients
 
 class MapReader {
  public:
@@ -30,10 +31,13 @@ class MapReader {
       if (!axis) throw StorageError(fmt::format("{}: /{}: {}", path_, name, why));
       out_.nodes.axes.push_back(*axis);
       sizes.push_back(places.size());
-      nodes *= places.size();
-      if (nodes > most_nodes)
-        throw StorageError(fmt::format("{}: the map has more than {:.2g} nodes", path_, double(most_nodes)));
+      nodes *= places.size();  // at most 1e15
     }
+    if (nodes > most_nodes)
+      throw StorageError(
+          fmt::format("{}: the map has {:.2g} nodes, which need {:.3g} GiB; {:.2g} are the most", path_,
+                      static_cast<double>(nodes), static_cast<double>(nodes) * bytes_per_node / 0x1p30,
+                      static_cast<double>(most_nodes)));
     const std::size_t m = axes.size();
     for (std::size_t c = 0; c < m; ++c) {
       const std::string name = "B" + axes[c];

@@ -129,12 +129,16 @@ def spoil_virtual(file: h5py.File) -> None:
     file["Bx"].attrs["units"] = "mT"
 
 
-def spoil_size(file: h5py.File) -> None:
+def spoil_size(file: h5py.File, nodes: int = 400) -> None:
     for name in ("x", "y", "z"):
         del file[name]
-        file.create_dataset(name, data=np.arange(1000.0)).attrs["units"] = "mm"
+        file.create_dataset(name, data=np.arange(float(nodes))).attrs["units"] = "mm"
     del file["Bx"]
-    file.create_dataset("Bx", shape=(1000, 1000, 1000), dtype="f8", chunks=(10, 10, 10)).attrs["units"] = "mT"
+    file.create_dataset("Bx", shape=(nodes, nodes, nodes), dtype="f8", chunks=(10, 10, 10)).attrs["units"] = "mT"
+
+
+def spoil_limit(file: h5py.File) -> None:
+    spoil_size(file, 1000)
 
 
 def spoil_axis(file: h5py.File) -> None:
@@ -163,7 +167,7 @@ def spoil_type(file: h5py.File) -> None:
 
 @pytest.mark.parametrize("spoil, said", [
     (spoil_link, "/Bx: refused (it is a link to somewhere else)"), (spoil_virtual, "/Bx: refused (it is a virtual dataset)"),
-    (spoil_size, "/Bx: refused (it claims more than it stores)"), (spoil_axis, "the places along y do not ascend"),
+    (spoil_size, "/Bx: refused (it claims more than it stores)"), (spoil_limit, "the map has 1e+09 nodes, which need 59.6 GiB"), (spoil_axis, "the places along y do not ascend"),
     (spoil_unit, "`mm` is no unit of a magnetic field"), (spoil_number, "/Bz: number"),
     (spoil_shape, "/Bz: refused (it has 8 numbers where its axis has 9)"), (spoil_type, "/Bz: refused (it does not hold real numbers)"),
     (lambda file: file.pop("Bz"), "there is no dataset /Bz"), (lambda file: file["x"].attrs.pop("units"), "/x, attribute units")])

@@ -50,6 +50,17 @@ TEST(FringedField, AlongTheBeamLeavesOutHighPowersOfTheDistanceFromTheAxis) {
   EXPECT_LT(std::abs(divergence(field_at(term, {0.003, 0.004, 0.11}))), 1e-15);
 }
 
+TEST(FringedField, AlongTheBeamIsBesselsWhereItsCurveIsACosine) {
+  // B_z = B_0 cos(k z) I_0(k r), B_r = B_0 sin(k z) I_1(k r); what is left out is (k r)^6/2304.
+  const double k = pi / (2 * half_length), r = 0.3 / k, z = 0.03;
+  const Here f = field_at(fringed(true, FringeCurve::half_sine), {0.6 * r, 0.8 * r, z});
+  const double i0 = std::cyl_bessel_i(0, k * r), i1 = std::cyl_bessel_i(1, k * r);
+  EXPECT_NEAR(f.field[2] / (size * std::cos(k * z) * i0), 1, 6e-7);
+  EXPECT_NEAR(f.field[0] / (0.6 * size * std::sin(k * z) * i1), 1, 2e-7);
+  EXPECT_NEAR(f.slope[8] / (-k * size * std::sin(k * z) * i0), 1, 6e-7);
+  EXPECT_NEAR(f.slope[2] / (0.6 * k * size * std::cos(k * z) * i1), 1, 5e-5);  // without (k r)^5/384
+}
+
 TEST(FringedField, StaysFiniteFarAway) {
   for (const bool along : {false, true})
     for (const FringeCurve edge :

@@ -46,9 +46,9 @@ TEST(PartOfTheHowTo, IsReadByItsTable) {
 }
 
 TEST(PartOfTheHowTo, HasMessagesForEachMistake) {
-  const std::string message =
-      render(read("{name: S, kind: long_solenoid, at: 0.2 m, length: 0 m, radius: 2 T, turn: 400, current: 25 mA}")
-                 .reading.errors);
+  const std::string message = render(
+      read("{name: S, kind: long_solenoid, at: 0.2 m, length: 0 m, radius: 2 T, turn: 400, current: 25 mA}")
+          .reading.errors);
   EXPECT_THAT(message, HasSubstr("`length` must be greater than zero"));
   EXPECT_THAT(message, HasSubstr("`radius` is a length"));
   EXPECT_THAT(message, HasSubstr("turns"));
