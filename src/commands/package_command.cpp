@@ -26,6 +26,7 @@ constexpr std::array package_verbs{
     PackageVerb{"plot-transit", "times of flight to a detector"},
     PackageVerb{"plot-tracks", "paths of single particles"},
     PackageVerb{"plot-motion", "motions of a model, or its findings"},
+    PackageVerb{"plot-field", "the field along a line"},
     PackageVerb{"summary", "what a file holds, in words"},
     PackageVerb{"export", "the numbers of a scan as CSV"},
     PackageVerb{"compare", "whether two results of one scan agree"},

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 #include <omp.h>
-#include <unistd.h>
 
 #include "core/isa.hpp"
 #include "core/version.hpp"
+#include "face/memory.hpp"
 #include "face/models.hpp"
 #include "face/probe.hpp"
 #include "face/record.hpp"
@@ -134,30 +134,6 @@ int batch_of(const RunSettings& settings) {
     throw std::invalid_argument(
         fmt::format("`batch` must be a multiple of 8 up to {}, or 0 for the most", Batch::capacity));
   return settings.batch == 0 ? Batch::capacity : settings.batch;
-}
-
-/// Histograms of all points in a result, and what is packed of them when it is written [bytes].
-double bytes_of_histograms(const Experiment& experiment) {
-  double bins = 0;
-  for (const PlacedPart& part : experiment.points.front().parts)
-    if (const Detector* detector = detector_in(part.part))
-      bins += static_cast<double>(detector->bins.x) * static_cast<double>(detector->bins.z);
-  return 2.5 * sizeof(double) * bins * static_cast<double>(experiment.points.size());
-}
-
-/// Sums of every thread and of the whole, what threads keep at planes, and what follows from all that must
-/// fit into the machine.
-void require_memory(const Experiment& experiment, const Plan& plan, int threads) {
-  const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
-                        static_cast<double>(bytes_of_stages(plan)) * threads +
-                        bytes_of_histograms(experiment);
-  const double there =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (needed > 0.7 * there)
-    throw std::invalid_argument(fmt::format(
-        "the histograms of {} scan points need {:.1f} GiB on {} threads, and this machine has {:.1f} GiB\n"
-        "  help: use fewer bins, fewer scan points or fewer threads",
-        plan.points, needed / 1073741824, threads, there / 1073741824));
 }
 
 /// All particles may have been too few.

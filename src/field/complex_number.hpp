@@ -1,21 +1,26 @@
 #pragma once
-// Complex numbers of any number type, for fields across two coordinates: std::complex is not for kernels.
+// ComplexNumber numbers of any number type, for fields across two coordinates: std::complex is not for
+// kernels.
 namespace rabiline {
 
 template <class Number>
-struct Complex {
+struct ComplexNumber {
   Number re, im;
-  [[gnu::always_inline]] friend Complex operator+(const Complex& a, const Complex& b) {
+  [[gnu::always_inline]] friend ComplexNumber operator+(const ComplexNumber& a, const ComplexNumber& b) {
     return {a.re + b.re, a.im + b.im};
   }
-  [[gnu::always_inline]] friend Complex operator-(const Complex& a, const Complex& b) {
+  [[gnu::always_inline]] friend ComplexNumber operator-(const ComplexNumber& a, const ComplexNumber& b) {
     return {a.re - b.re, a.im - b.im};
   }
-  [[gnu::always_inline]] friend Complex operator*(const Complex& a, const Complex& b) {
+  [[gnu::always_inline]] friend ComplexNumber operator*(const ComplexNumber& a, const ComplexNumber& b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
   }
-  [[gnu::always_inline]] friend Complex operator*(double s, const Complex& a) { return {s * a.re, s * a.im}; }
-  [[gnu::always_inline]] friend Complex operator+(const Complex& a, double b) { return {a.re + b, a.im}; }
+  [[gnu::always_inline]] friend ComplexNumber operator*(double s, const ComplexNumber& a) {
+    return {s * a.re, s * a.im};
+  }
+  [[gnu::always_inline]] friend ComplexNumber operator+(const ComplexNumber& a, double b) {
+    return {a.re + b, a.im};
+  }
 };
 
 }  // namespace rabiline

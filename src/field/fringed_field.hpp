@@ -24,7 +24,7 @@ struct FringeShape {
 };
 
 /// A function and its derivatives over factorials: the beginning of its Taylor series. `Value` is a Number or
-/// a Complex.
+/// a ComplexNumber.
 template <class Value, int n>
 struct Taylor {
   Value c[n];
@@ -45,7 +45,7 @@ template <class Number>
   return x;
 }
 template <class Number>
-[[gnu::always_inline]] inline Number real_part(const Complex<Number>& x) {
+[[gnu::always_inline]] inline Number real_part(const ComplexNumber<Number>& x) {
   return x.re;
 }
 template <class Maths, class Mask, class Number>
@@ -53,8 +53,8 @@ template <class Maths, class Mask, class Number>
   return Maths::select(mask, yes, no);
 }
 template <class Maths, class Mask, class Number>
-[[gnu::always_inline]] inline Complex<Number> choose(Mask mask, const Complex<Number>& yes,
-                                                     const Complex<Number>& no) {
+[[gnu::always_inline]] inline ComplexNumber<Number> choose(Mask mask, const ComplexNumber<Number>& yes,
+                                                           const ComplexNumber<Number>& no) {
   return {Maths::select(mask, yes.re, no.re), Maths::select(mask, yes.im, no.im)};
 }
 template <class Maths, class Number>
@@ -62,7 +62,7 @@ template <class Maths, class Number>
   return 1.0 / x;
 }
 template <class Maths, class Number>
-[[gnu::always_inline]] inline Complex<Number> inverse_of(const Complex<Number>& x) {
+[[gnu::always_inline]] inline ComplexNumber<Number> inverse_of(const ComplexNumber<Number>& x) {
   const Number per_square = 1.0 / (x.re * x.re + x.im * x.im);
   return {x.re * per_square, x.re - x.re - x.im * per_square};
 }
@@ -74,7 +74,7 @@ template <class Maths, class Number>
   return Maths::exponential(Maths::select(x < none - 300.0, none - 300.0, x));
 }
 template <class Maths, class Number>
-[[gnu::always_inline]] inline Complex<Number> bounded_exponential(const Complex<Number>& x) {
+[[gnu::always_inline]] inline ComplexNumber<Number> bounded_exponential(const ComplexNumber<Number>& x) {
   const Number size = bounded_exponential<Maths>(x.re);
   Number sine, cosine;
   Maths::sine_and_cosine(x.im, sine, cosine);
@@ -120,8 +120,9 @@ template <class Maths, class Number>
   Maths::sine_and_cosine(x, sine, cosine);
 }
 template <class Maths, class Number>
-[[gnu::always_inline]] inline void sine_and_cosine_of(const Complex<Number>& x, Complex<Number>& sine,
-                                                      Complex<Number>& cosine) {
+[[gnu::always_inline]] inline void sine_and_cosine_of(const ComplexNumber<Number>& x,
+                                                      ComplexNumber<Number>& sine,
+                                                      ComplexNumber<Number>& cosine) {
   const Number grown = bounded_exponential<Maths>(x.im), shrunk = 1.0 / grown;
   const Number even = 0.5 * (grown + shrunk), odd = 0.5 * (grown - shrunk);
   Number s, c;
@@ -213,7 +214,7 @@ template <class Maths, class Number>
                              b * (f.c[1] - 1.5 * r2 * f.c[3] + 1.875 * r4 * f.c[5]),
                              b * (1.5 * r2 * f.c[4] - f.c[2]));
   }
-  const auto f = fringed_share<2, Maths>(shape, Complex<Number>{z, x});
+  const auto f = fringed_share<2, Maths>(shape, ComplexNumber<Number>{z, x});
   FieldHere<Number> here;
   for (Number& component : here.field) component = none;
   for (Number& component : here.slope) component = none;

@@ -18,10 +18,10 @@ template <class Maths, class Number>
                                                          Number z) {
   const Number none = x - x;
   const double inverse = 1 / poles.radius;
-  const Complex<Number> place{z * inverse, x * inverse};
-  Complex<Number> lower{none + poles.field, none};  // B_0 (..)^(p - 1)
+  const ComplexNumber<Number> place{z * inverse, x * inverse};
+  ComplexNumber<Number> lower{none + poles.field, none};  // B_0 (..)^(p - 1)
   for (int k = 1; k < poles.power; ++k) lower = lower * place;
-  const Complex<Number> field = lower * place, slope = (poles.power * inverse) * lower;
+  const ComplexNumber<Number> field = lower * place, slope = (poles.power * inverse) * lower;
   FieldHere<Number> here;
   for (Number& component : here.field) component = none;
   for (Number& component : here.slope) component = none;

@@ -9,6 +9,7 @@ inline constexpr std::string_view stopped = "stopped",  // by a part, a bore or 
     detected = "detected",                              // by a detector
     passed = "passed",                                  // flew past the last part
     left_backwards = "left_backwards",                  // left a field against the beam
-    gave_up = "gave_up";  // was still circling in a field when its flight was cut off
+    gave_up = "gave_up",    // was still circling in a field when its flight was cut off
+    left_map = "left_map";  // flew out of a map of a field that nothing may leave
 
 }  // namespace rabiline::fate

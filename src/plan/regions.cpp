@@ -91,6 +91,8 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   zone.course = ZoneCourse::through_field;
   zone.longest = (section_->end - section_->begin) / fewest_steps;
   zone.step = zone.longest / speed_;
+  const Vector3 uniform = zones_.static_field(*section_);
+  zone.uniform[0] = uniform.x, zone.uniform[1] = uniform.y, zone.uniform[2] = uniform.z;
   zone.shaped_begin = static_cast<int>(region_.shaped.size());
   region_.shaped.insert(region_.shaped.end(), section_->shaped.begin(), section_->shaped.end());
   zone.shaped_end = static_cast<int>(region_.shaped.size());

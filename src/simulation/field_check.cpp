@@ -31,6 +31,7 @@ struct Problem {
   const RegionZone& zone;
   const double* phases;
   double part = 1;  // of the whole moment that pulls
+  std::uint64_t level = 0;
   long& evaluations;
 };
 
@@ -52,10 +53,29 @@ Acting acting_at(const Problem& p, double x, double y, double z, double t) {
   }
   for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i)
     add_field<HostMaths>(p.region.shaped[static_cast<std::size_t>(i)], x, y, z, at.field);
+  if (p.region.feels.follows_level) return at;
   const Vector3 b = vector_at(at.field.field);
   at.spin = at.spin + p.region.feels.spin_per_tesla * b;
   at.turn = at.turn + p.region.feels.turn_per_tesla * b;
   return at;
+}
+
+/// What the slopes of B_x, B_y and B_z are multiplied by: mu B/(|B| m).
+Vector3 pull_of_level(const Problem& p, const FieldHere<double>& field) {
+  const Vector3 b = vector_at(field.field) + vector_at(p.zone.uniform);
+  const double size = length_of(b);
+  if (size == 0) return {};
+  const FieldCoupling& feels = p.region.feels;
+  double pull = p.part * feels.pull;
+  if (feels.moments.coefficients != nullptr) {
+    const MomentLaw& law = feels.moments;
+    const double place = size / (size + law.scale) * law.cells,
+                 cell = std::min(std::floor(place), static_cast<double>(law.cells - 1)), t = place - cell;
+    const double* c = law.coefficients + 4 * (static_cast<std::ptrdiff_t>(p.level) * law.cells +
+                                              static_cast<std::ptrdiff_t>(cell));
+    pull = (((c[3] * t + c[2]) * t + c[1]) * t + c[0]) / feels.mass;
+  }
+  return (pull / size) * b;
 }
 
 int derivative(double y, const double* q, double* dq, void* with) {
@@ -65,8 +85,10 @@ int derivative(double y, const double* q, double* dq, void* with) {
   const Acting at = acting_at(p, q[0], y, q[1], q[2]);
   const Vector3 turn = p.region.take_off_spin_component ? at.turn - dot(at.turn, spin) * spin : at.turn;
   Vector3 a = cross(turn, velocity) + vector_at(p.region.feels.gravity);
-  const double pull = p.part * p.region.feels.pull, s[3] = {spin.x, spin.y, spin.z};
-  for (int i = 0; i < 3; ++i) a = a + (pull * s[i]) * vector_at(at.field.slope + 3 * i);
+  const Vector3 along =
+      p.region.feels.follows_level ? pull_of_level(p, at.field) : p.part * p.region.feels.pull * spin;
+  const double s[3] = {along.x, along.y, along.z};
+  for (int i = 0; i < 3; ++i) a = a + s[i] * vector_at(at.field.slope + 3 * i);
   const Vector3 turned = cross(at.spin, spin);
   const double per_y = 1 / velocity.y;
   const double rates[numbers] = {velocity.x, velocity.z, 1, a.x, a.y, a.z, turned.x, turned.y, turned.z};
@@ -127,7 +149,11 @@ class Checker {
   void walk(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
     for (const PlanNode& node : nodes) {
       if (regions_ >= most_regions) return;
-      if (!node.ways.empty()) continue;  // nothing is stepped behind a projection that splits
+      if (!node.ways
+               .empty()) {  // behind a projection that splits, particles stay in the levels that they had
+        walk(node.next, at_begin);
+        continue;
+      }
       Batch batch;
       batch.copy_from(at_begin);
       std::vector<Sum> sums(sums_needed(node.stage));
@@ -135,6 +161,8 @@ class Checker {
       advance(node.stage, context);
       if (const auto* region = std::get_if<TurningRegion>(&node.stage); region && through_field(*region))
         compare(*region, at_begin.view(), batch.view());
+      if (const auto* sorting = std::get_if<SortingField>(&node.stage))
+        compare(sorting->region, at_begin.view(), batch.view());
       walk(node.next, batch);
     }
   }
@@ -157,7 +185,7 @@ class Checker {
       double phases[most_drives] = {};
       for (int k = 0; k < zone.field.drives; ++k)
         phases[k] = phase_of(zone.field.drive[k], key_, before.particle[i]);
-      Problem problem{region, zone, phases, part, evaluations_};
+      Problem problem{region, zone, phases, part, before.level[i], evaluations_};
       if (!integrate(problem, state)) return false;
     }
     return true;
@@ -170,7 +198,7 @@ class Checker {
     ++found_.particles;
     found_.place = std::max(found_.place, portable::hypot(a[0] - b[0], a[1] - b[1], 0) / length);
     found_.direction = std::max(found_.direction, distance(3) / length_of(vector_at(a.data() + 3)));
-    found_.spin = std::max(found_.spin, distance(6));
+    if (!region.feels.follows_level) found_.spin = std::max(found_.spin, distance(6));
   }
 
   const Isa isa_;

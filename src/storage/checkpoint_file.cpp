@@ -36,10 +36,10 @@ void require_valid(const Snapshot& snapshot, const Path& path) {
   const KeptSums& sums = snapshot.sums;
   if (sums.high.size() != sums.at.size() || sums.low.size() != sums.at.size())
     refuse(path, "its sums are incomplete");
-  if (std::ranges::adjacent_find(sums.at, std::ranges::greater_equal()) != sums.at.end() || (!sums.at.empty() && sums.at.back() >= sums.size))
+  if (std::ranges::adjacent_find(sums.at, std::ranges::greater_equal()) != sums.at.end() ||
+      (!sums.at.empty() && sums.at.back() >= sums.size))
     refuse(path, "its sums are not in order");
-  if (sums.size > most_sums || snapshot.finished.size() > most_intervals)
-    refuse(path, "it is too large");
+  if (sums.size > most_sums || snapshot.finished.size() > most_intervals) refuse(path, "it is too large");
   if (snapshot.shard.number < 1 || snapshot.shard.number > snapshot.shard.of)
     refuse(path, "it is of no shard");
   std::uint64_t free_from = 0;
@@ -80,8 +80,11 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
     if (total_size(texts) > most_text) refuse(path, "its texts are too large");
     root.dataset(name, {texts.size()}, texts);
   };
-  const std::vector<std::uint64_t> numbers{checkpoint_version, snapshot.particles, snapshot.shard.number,
-                                           snapshot.shard.of, static_cast<std::uint64_t>(snapshot.transit),
+  const std::vector<std::uint64_t> numbers{checkpoint_version,
+                                           snapshot.particles,
+                                           snapshot.shard.number,
+                                           snapshot.shard.of,
+                                           static_cast<std::uint64_t>(snapshot.transit),
                                            snapshot.sums.size};
   root.dataset(
       "numbers", {numbers.size()}, numbers,

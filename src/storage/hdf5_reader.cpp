@@ -98,8 +98,10 @@ std::size_t length_within(hid_t dataset, std::size_t limit, const std::string& w
 
 }  // namespace
 
-FileReader::FileReader(const std::filesystem::path& path)
-    : file_name_(path.string()), digest_(require_seal(path)), file_(open_without_plugins(path)) {
+FileReader::FileReader(const std::filesystem::path& path, Writer writer)
+    : file_name_(path.string()),
+      digest_(writer == Writer::rabiline ? require_seal(path) : std::string()),
+      file_(open_without_plugins(path)) {
   Visit visit{file_name_};
   const herr_t visited = H5Lvisit(file_.id(), H5_INDEX_NAME, H5_ITER_NATIVE, visit_name, &visit);
   if (!visit.refusal.empty()) throw StorageError(visit.refusal);

@@ -10,10 +10,13 @@
 
 namespace rabiline::hdf5 {
 
+/// Who wrote a file: this program, with its seal (seal.hpp), or anybody.
+enum class Writer { rabiline, anybody };
+
 class FileReader {
  public:
-  /// Throws StorageError where the file is not what this program wrote (seal.hpp), or names any other file.
-  explicit FileReader(const std::filesystem::path&);
+  /// Throws StorageError where the file is not what this program wrote, or names any other file.
+  explicit FileReader(const std::filesystem::path&, Writer = Writer::rabiline);
 
   /// One-dimensional datasets by their paths, written by GroupWriter. Throws StorageError where the
   /// dataset is missing, is of another kind, is larger than the limit, or lies outside the file in any way.
@@ -28,7 +31,7 @@ class FileReader {
   /// One text.
   std::string text(const std::string& name, std::size_t most_bytes) const;
   bool contains(const std::string& name) const;
-  /// Of the whole file (seal.hpp).
+  /// Of the whole file, by its seal.
   const std::string& digest() const { return digest_; }
 
  private:

@@ -16,7 +16,8 @@ constexpr double bytes_per_node = 64;  // while it is read: a component, three c
 
 class MapReader {
  public:
-  explicit MapReader(const std::filesystem::path& path) : file_(path), path_(path.string()) {}
+  explicit MapReader(const std::filesystem::path& path)
+      : file_(path, hdf5::Writer::anybody), path_(path.string()) {}
 
   StoredMap read() {
     const bool is_round = file_.contains("r");

@@ -123,7 +123,9 @@ struct FieldStepper {
   /// mu grad |B| = mu (B . dB/dx_k)/|B|, zero where B is 0 and has no direction.
   /// No spin is carried.
   inline void along_field(const FieldHere<real>& field, Influence& here) const {
-    const real *b = field.field, size2 = fma(b[0], b[0], fma(b[1], b[1], b[2] * b[2]));
+    const real b[3] = {field.field[0] + zone.uniform[0], field.field[1] + zone.uniform[1],
+                       field.field[2] + zone.uniform[2]},
+               size2 = fma(b[0], b[0], fma(b[1], b[1], b[2] * b[2]));
     const real size = sqrt(size2), over = select(size > broadcast(0), 1.0 / size, broadcast(0));
     const MomentLaw& moments = region.feels.moments;
     const real pull = moments.coefficients == nullptr
@@ -197,6 +199,14 @@ struct FieldStepper {
   /// Of two halves, without the error that the whole step tells.
   inline State better(real h, const State& s) const { return extrapolated(once(h, s), twice(h, s)); }
   inline State twice(real h, const State& s) const { return once(0.5 * h, once(0.5 * h, s)); }
+
+  /// Which lanes are outside of a map that nothing may leave.
+  inline mask outside_maps(const Vector& r) const {
+    mask outside{};
+    for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
+      outside = outside | (is_lost<LaneMaths>(region.shaped[i], r.x, r.y, r.z) > broadcast(0));
+    return outside;
+  }
 
   /// No longer than a radian of the velocity's turning.
   inline real longest(const State& s, real most) const {
@@ -277,7 +287,8 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2);
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
     const mask arrives = now.place.y >= end - 1e-14 * (abs(end) + length);
-    const mask stays = inside & in_time & ~arrives;
+    const mask lost = stepper.outside_maps(now.place) & steps_on & ~arrives;
+    const mask stays = inside & in_time & ~arrives & ~lost;
     const mask leaves = (steps_on & ~stays) | (going & ~in_time);
     const mask forward = arrives & steps_on, backwards = (now.place.y < begin) & steps_on;
     const mask wall = (from_axis2 > wall2) & steps_on & ~forward & ~backwards;
@@ -287,7 +298,8 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     v.forward = v.forward | forward;
     v.backwards = v.backwards | backwards;
     v.wall = v.wall | wall;
-    v.gave_up = v.gave_up | (leaves & ~forward & ~backwards & ~wall);  // or is no number any more
+    v.left_map = v.left_map | (lost & ~backwards & ~wall);
+    v.gave_up = v.gave_up | (leaves & ~forward & ~backwards & ~wall & ~lost);  // or is no number any more
     going = going & ~leaves;
     if (recorder != nullptr && lane((words)(going & steps_on), 0) != 0) record(*recorder, now);
   }

@@ -52,6 +52,7 @@ struct RegionZone {
   ZoneCourse course = ZoneCourse::steps;
   SpanTable table;
   int shaped_begin = 0, shaped_end = 0;  // of the region's fields that differ from place to place
+  double uniform[3] = {};                // [T] the sum of all static fields that do not
   double longest = 0;                    // [m] way in one step through a field
   bool operator==(const RegionZone&) const = default;
 };
@@ -105,7 +106,7 @@ struct Region {
 /// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + zone or
 /// edge.
 namespace region_end {
-inline constexpr std::uint64_t forward = 0, backwards = 1, gave_up = 2;
+inline constexpr std::uint64_t forward = 0, backwards = 1, gave_up = 2, left_map = 3;
 inline constexpr std::uint64_t wall_of_zone = 16, stopped_at_edge = 1 << 16, caught_at_edge = 1 << 17;
 }  // namespace region_end
 

@@ -47,6 +47,7 @@ void cross_edge(const Region& region, int number, mask lanes, mask forward, word
 void leave_zone(const Region& region, int zone, mask chosen, const Visit& visit, words particle, Pack& pack) {
   pack.state = visit.state;
   finish(pack, chosen & visit.gave_up, code(region_end::gave_up, 0));
+  finish(pack, chosen & visit.left_map, code(region_end::left_map, 0));
   finish(pack, chosen & visit.wall, code(region_end::wall_of_zone, zone));
   const mask forward = chosen & visit.forward, backwards = chosen & visit.backwards;
   if (zone + 1 == region.zone_count) {

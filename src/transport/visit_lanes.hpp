@@ -67,6 +67,7 @@ struct Lookout {
 struct Visit {
   State state;
   mask forward, backwards, wall, gave_up;
+  mask left_map{};
 };
 
 /// Flies the chosen lanes through one zone, step by step, until each has left it, hit its wall or flown too

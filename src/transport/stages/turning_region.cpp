@@ -13,15 +13,16 @@
 namespace rabiline {
 namespace {
 
-/// The sums of a region: left backwards, gave up, stopped at each zone's wall, stopped at each edge, then one
-/// ScreenSums for each edge with a screen, then those of each sight: its census, its tallies.
+/// The sums of a region: left backwards, gave up, left a map, stopped at each zone's wall, stopped at each
+/// edge, then one ScreenSums for each edge with a screen, then those of each sight: its census, its tallies.
 struct RegionSums {
   std::size_t zones;
   static std::size_t backwards() { return 0; }
   static std::size_t gave_up() { return 1; }
-  static std::size_t wall(std::size_t zone) { return 2 + zone; }
-  std::size_t edge(std::size_t edge) const { return 2 + zones + edge; }
-  std::size_t screens() const { return 2 + zones + zones; }
+  static std::size_t left_map() { return 2; }
+  static std::size_t wall(std::size_t zone) { return 3 + zone; }
+  std::size_t edge(std::size_t edge) const { return 3 + zones + edge; }
+  std::size_t screens() const { return 3 + zones + zones; }
 };
 
 /// Where the sums of a region's sights begin among its own.
@@ -46,6 +47,8 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
     sums[RegionSums::backwards()] += weight;
   } else if (end == region_end::gave_up) {
     sums[RegionSums::gave_up()] += weight;
+  } else if (end == region_end::left_map) {
+    sums[RegionSums::left_map()] += weight;
   } else if ((end & region_end::caught_at_edge) != 0) {
     const std::size_t edge = end & 0xffffULL;
     Sum* at = sums + layout.screens();
@@ -233,6 +236,7 @@ void TurningRegion::list_sums(SumSink& sink) const {
   const RegionSums layout{zones.size()};
   sink.fate(fate::left_backwards, no_part, RegionSums::backwards());
   sink.fate(fate::gave_up, no_part, RegionSums::gave_up());
+  if (!shaped.empty()) sink.fate(fate::left_map, no_part, RegionSums::left_map());
   for (std::size_t i = 0; i < zones.size(); ++i)
     if (std::isfinite(zones[i].wall_radius))
       sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
