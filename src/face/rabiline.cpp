@@ -1,8 +1,6 @@
 #include "rabiline.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <span>
 #include <stdexcept>
 

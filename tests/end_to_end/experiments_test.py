@@ -549,7 +549,7 @@ def test_standard_laws_see_a_flat_line_in_the_experiments_of_the_hypothesis(run,
 @pytest.mark.experiment("frisch-segre")
 def test_a_bare_spin_past_a_wire_flips_as_an_integration_of_its_equations_does(run):
     file = run("frisch-segre")
-    flipped = file["entry/screen_levels/levels"][0]
+    flipped = file["entry/screen_levels/levels"][:, 0]
     # dS/dt = gamma S x B with the same field, by scipy's DOP853 to 1e-11
     expected = [0.06522171, 0.22508549, 0.40273464, 0.61433842, 0.731346, 0.84734518, 0.89549986, 0.93575899]
     assert np.abs(flipped - expected).max() < 2e-5
