@@ -1,6 +1,7 @@
 #include "rabiline.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <span>
 #include <stdexcept>
 
