@@ -19,8 +19,8 @@ namespace {
 /// phases.
 constexpr double one_path = 0.01, no_phase = 100;
 
-/// Integral of |grad |B|| along the axis [T].
-double gradient_along(const Sections& sections, const Stretch& stretch) {
+/// Integral of |grad |B|| along the beam at a place across it [T].
+double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
   constexpr int places = 64;
   double sum = 0;
   for (const Section& section : sections.sections) {
@@ -30,7 +30,7 @@ double gradient_along(const Sections& sections, const Stretch& stretch) {
       FieldHere<double> here{};
       here.field[0] = section.field.x, here.field[1] = section.field.y, here.field[2] = section.field.z;
       for (const ShapedTerm& term : section.shaped)
-        add_field<HostMaths>(term, 0.0, section.begin + (i + 0.5) * step, 0.0, here);
+        add_field<HostMaths>(term, x, section.begin + (i + 0.5) * step, z, here);
       const double *b = here.field, *g = here.slope, size = portable::hypot(b[0], b[1], b[2]);
       const auto grows = [&](int k) {
         return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
@@ -84,7 +84,10 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   const auto* law = std::get_if<QuantumLaw>(&beamline.law);
   if (law == nullptr || species.charge != 0) return out;
   const double speed = mean_speed(beamline.source.speed, species.mass),
-               integral = gradient_along(sections, stretch);
+               size = beam_size(beamline, sections, stretch.begin),
+               integral = std::max({gradient_along(sections, stretch, 0, 0),
+                                    gradient_along(sections, stretch, size, 0),
+                                    gradient_along(sections, stretch, 0, size)});
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
   double last = stretch.end;
   for (const Plane& plane : sections.planes)
@@ -93,8 +96,7 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
       2 * moment * integral / (species.mass * speed * speed);  // [1] of the two outer levels
   out.splitting = pushed * (last - (stretch.begin + stretch.end) / 2);
   out.feature = smallest_feature(sections, stretch.begin);
-  out.turns = 2 * moment * integral * beam_size(beamline, sections, stretch.begin) /
-              (constants::hbar * speed) / (2 * std::numbers::pi);
+  out.turns = 2 * moment * integral * size / (constants::hbar * speed) / (2 * std::numbers::pi);
   if (species.structure) {
     out.sorts = true;
   } else if (out.splitting > one_path * out.feature) {

@@ -17,7 +17,9 @@ void add_sums(Snapshot& to, const Snapshot& from) {
   to.begun = std::min(to.begun, from.begun);
 }
 
-Sum sum_at(const KeptSums& sums, std::size_t i) { return (static_cast<Sum>(sums.high[i]) << 64) | sums.low[i]; }
+Sum sum_at(const KeptSums& sums, std::size_t i) {
+  return (static_cast<Sum>(sums.high[i]) << 64) | sums.low[i];
+}
 
 void append(KeptSums& to, std::uint64_t at, Sum sum) {
   to.at.push_back(at);

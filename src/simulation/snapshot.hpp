@@ -45,7 +45,7 @@ struct Shard {
 
 /// Exact 128-bit sums, of which only those that are not zero are listed: high * 2^64 + low at each place.
 struct KeptSums {
-  std::uint64_t size = 0;                // those that are zero included
+  std::uint64_t size = 0;                          // those that are zero included
   std::vector<std::uint64_t> at{}, high{}, low{};  // ascending places
   bool operator==(const KeptSums&) const = default;
 };

@@ -70,8 +70,8 @@ struct FieldCoupling {
   double tolerance = 1e-6;  // of spin, direction, and place over the length of a zone
   bool operator==(const FieldCoupling&) const = default;
 };
-/// What becomes of a species' levels where a field differs from place to place, reckoned on the axis at the
-/// mean speed: their paths come apart, and their phases spread over the beam.
+/// What becomes of a species' levels where a field differs from place to place, reckoned on the axis and
+/// beside it at the mean speed: their paths come apart, and their phases spread over the beam.
 struct StretchOutlook {
   double splitting = 0;  // [m] of the outermost paths, at the last detector
   double feature = 0;    // [m] the smallest slit or bin behind it
@@ -83,7 +83,7 @@ struct StretchOutlook {
 /// What needs more of them through one zone gives up.
 inline constexpr double most_field_steps = 1e6;
 
-/// Seconds that one particle takes through a zone, on one core.
+/// Seconds that one particle takes through a zone with any course but `through_field`, on one core.
 double cost_of(const RegionZone&, double speed);
 
 /// Touching fields that turn the velocity: dv/dt = W x v, W = turn - (turn . S) S where `along_spin` is taken

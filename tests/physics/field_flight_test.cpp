@@ -185,6 +185,32 @@ TEST(FieldFlight, SortsTheLevelsOfANeutronInAFieldThatGrows) {
   EXPECT_NEAR(up, 500, 4 * std::sqrt(250));
 }
 
+/// On the axis of a sextupole nothing grows: levels come apart where the beam is.
+TEST(FieldFlight, SortsTheLevelsOfABeamAboutTheAxisOfASextupole) {
+  MultipoleField sextupole;
+  sextupole.length = 1;
+  sextupole.poles = 6;
+  sextupole.field = 1;
+  sextupole.radius = 0.01;
+  MultipoleMagnet magnet;
+  magnet.length = 1;
+  magnet.poles = 6;
+  magnet.pole_field = 1;
+  magnet.radius = 0.01;
+  const auto detected_by = [](Part part) {
+    Beamline b = neutrons(QuantumLaw{}, {place("Q", 0.2, std::move(part))}, 5e-3);
+    b.source.speed = SingleSpeed{200};
+    b.source.spin = UnpolarisedSpin{};
+    b.parts.back() = place("screen", 1.5, Detector{Rectangle{1e-3, 1e-3}, {1, 1}, {}});
+    b.particles = 4000;
+    return run_points({b}).detectors.at(0).detected.at(0);
+  };
+  const double by_magnet = detected_by(magnet);
+  EXPECT_NEAR(detected_by(sextupole), by_magnet, 1e-3);
+  EXPECT_GT(by_magnet, 0.1);
+  EXPECT_LT(by_magnet, 0.19);  // a fifth without a field
+}
+
 /// -g (L/v)^2/2.
 TEST(FreeFall, FollowsAParabola) {
   Beamline b = neutrons(QuantumLaw{}, {});

@@ -187,7 +187,6 @@ void explain_levels(const TurningRegion& region, PlanReport& report) {
 
 double cost_of(const RegionZone& zone, double speed) {
   const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
-  const double shaped = zone.shaped_end - zone.shaped_begin;
   const auto spans = [&] { return std::ceil(stay / zone.table.span); };
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -198,7 +197,7 @@ double cost_of(const RegionZone& zone, double speed) {
       return cost::crossing +
              spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
     case ZoneCourse::through_field:
-      return stay * speed / zone.longest * (cost::laboratory_step + shaped * cost::shaped_field);
+      break;  // depends on the region's fields
     case ZoneCourse::steps:
       break;
   }
@@ -265,9 +264,31 @@ void TurningRegion::list_sums(SumSink& sink) const {
 
 double TurningRegion::y() const { return zones.front().field.begin; }
 
+namespace {
+
+/// Steps follow what changes: a field that grows evenly takes the fewest, others about as many as their bends
+/// take, and drives some for each turn. A trial and its two halves ask for the fields a dozen times.
+double cost_through_field(const TurningRegion& region, const RegionZone& zone, double speed) {
+  constexpr double asked = 12, of_bends = 4, per_turn = 8;
+  const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
+  double steps = stay * speed / zone.longest, each = cost::zone;
+  for (int i = zone.shaped_begin; i < zone.shaped_end; ++i) {
+    const bool linear = region.shaped[static_cast<std::size_t>(i)].kind == ShapedKind::linear;
+    if (!linear) steps = std::max(steps, of_bends * stay * speed / zone.longest);
+    each += linear ? cost::linear_field : cost::shaped_field;
+  }
+  for (int i = 0; i < zone.field.drives; ++i)
+    steps += per_turn * std::abs(zone.field.drive[i].omega) * stay / (2 * std::numbers::pi);
+  return steps * asked * each;
+}
+
+}  // namespace
+
 double TurningRegion::cost(double speed) const {
   double flight = 0, planes = 0;
-  for (const RegionZone& zone : zones) flight += cost_of(zone, speed);
+  for (const RegionZone& zone : zones)
+    flight += zone.course == ZoneCourse::through_field ? cost_through_field(*this, zone, speed)
+                                                       : cost_of(zone, speed);
   for (const Sight& sight : sights) {
     planes += sight.census.cost(speed);
     for (const Histogram& tally : sight.tallies) planes += tally.cost(speed);

@@ -138,9 +138,15 @@ std::vector<Attack> attacks() {
       {"ParticlesWithoutEnd", [](hid_t file) { put_numbers(file, "finished_end", {5}); },
        "(its particles are incomplete)"},
       {"HalfASum", [](hid_t file) { put_numbers(file, "sums_low", {5}); }, "(its sums are incomplete)"},
-      {"SumsOutsideOfTheirSize", [](hid_t file) { put_numbers(file, "sums_at", {0, 1, 2, 3, 4, 5, 6, 7, 8, 20}); },
+      {"SumsOutsideOfTheirSize",
+       [](hid_t file) {
+         put_numbers(file, "sums_at", {0, 1, 2, 3, 4, 5, 6, 7, 8, 20});
+       },
        "(its sums are not in order)"},
-      {"SumsTwice", [](hid_t file) { put_numbers(file, "sums_at", {0, 1, 2, 2, 4, 5, 6, 7, 8, 9}); },
+      {"SumsTwice",
+       [](hid_t file) {
+         put_numbers(file, "sums_at", {0, 1, 2, 2, 4, 5, 6, 7, 8, 9});
+       },
        "(its sums are not in order)"},
       {"InputWithoutText", [](hid_t file) { put(file, "input_texts", fixed_text(), {1}); },
        "(its texts are incomplete)"},

@@ -175,8 +175,7 @@ bool same(const Snapshot& a, const Snapshot& b) {
   };
   return a.fingerprint == b.fingerprint && a.particles == b.particles && a.shard == b.shard &&
          a.changes == b.changes && a.transit == b.transit && a.begun == b.begun && a.seconds == b.seconds &&
-         a.finished == b.finished && a.sums == b.sums &&
-         a.arguments == b.arguments &&
+         a.finished == b.finished && a.sums == b.sums && a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
 
