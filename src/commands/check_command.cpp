@@ -21,6 +21,7 @@ std::string in_json(std::string_view text) {
 
 std::string in_json(const std::vector<Diagnostic>& diagnostics) {
   std::vector<std::string> out;
+  out.reserve(diagnostics.size());
   for (const Diagnostic& d : diagnostics)
     out.push_back(fmt::format(R"({{"file": {}, "line": {}, "column": {}, "message": {}, "help": {}}})",
                               in_json(d.place.text ? d.place.text->name : ""), d.place.line, d.place.column,

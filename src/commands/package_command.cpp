@@ -69,6 +69,7 @@ void start_package(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{RABILINE_PYTHON, "-m", "rabiline"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   execv(pointers.front(), pointers.data());

@@ -155,7 +155,7 @@ template <class Maths, class Number>
       for (int i = 0; i < 4; ++i) {
         double sum = 0, along = 0;
         for (int k = 0; k < 4; ++k) {
-          const double c = corner[i * row + 2 * k + m];
+          const double c = corner[i * row + 2L * k + m];
           sum += c * weight[1][k][p];
           along += c * slope[1][k][p];
         }

@@ -11,7 +11,7 @@ template <class Maths, class Number>
   const Number none = x - x;
   FieldHere<Number> here;
   for (int i = 0; i < 3; ++i) {
-    const double* g = linear.slope + 3 * i;
+    const double* g = &linear.slope[3 * i];
     here.field[i] = x * g[0] + y * g[1] + z * g[2] + linear.field[i];
     for (int k = 0; k < 3; ++k) here.slope[3 * i + k] = none + g[k];
   }
@@ -22,11 +22,11 @@ template <class Maths, class Number>
 template <class Number>
 [[gnu::always_inline]] inline void own_place(const ShapedTerm& term, const Number& x, const Number& y,
                                              const Number& z, Number (&own)[3]) {
-  const double* axes = term.axes;
   const Number from[3] = {x - term.x, y - term.y, z - term.z};
-  for (int i = 0; i < 3; ++i)
-    own[i] =
-        term.turned ? from[0] * axes[3 * i] + from[1] * axes[3 * i + 1] + from[2] * axes[3 * i + 2] : from[i];
+  for (int i = 0; i < 3; ++i) {
+    const double* axis = &term.axes[3 * i];
+    own[i] = term.turned ? from[0] * axis[0] + from[1] * axis[1] + from[2] * axis[2] : from[i];
+  }
 }
 
 /// 1 where a map ends that nothing may leave (`outside: error`), else 0.

@@ -16,7 +16,7 @@
 namespace rabiline {
 namespace {
 
-constexpr std::string_view header_help =
+constexpr std::string_view columns_help =
     "write `x [mm], y [mm], z [mm], Bx [mT], By [mT], Bz [mT]`, or `r [mm], z [mm], Br [mT], Bz [mT]`";
 constexpr double tolerance = 1e-6;  // of the step: numbers in text are rounded
 
@@ -48,13 +48,13 @@ std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
     const std::string name(trimmed(cell.substr(0, open)));
     const bool field = name.starts_with("B");
     if (open == cell.npos || close == cell.npos || close < open)
-      throw MapFault(fmt::format("the column `{}` does not say its unit", name), std::string(header_help));
+      throw MapFault(fmt::format("the column `{}` does not say its unit", name), std::string(columns_help));
     const std::string_view unit = trimmed(cell.substr(open + 1, close - open - 1));
     const Dimension dimension = field ? Dimension::magnetic_field : Dimension::length;
     const ParsedQuantity one = parse_quantity(fmt::format("1 {}", unit), dimension);
     if (!one.error.empty() || one.dimension != dimension)
       throw MapFault(fmt::format("`{}` is no unit of the column `{}`", unit, name),
-                     one.suggestion.empty() ? std::string(header_help) : one.suggestion);
+                     one.suggestion.empty() ? std::string(columns_help) : one.suggestion);
     columns.push_back({name, one.value});
   }
   return columns;
@@ -71,12 +71,12 @@ std::vector<std::size_t> order_of(const std::vector<Column>& columns) {
     const auto found =
         std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
     if (found == columns.end())
-      throw MapFault(fmt::format("there is no column `{}`", name), std::string(header_help));
+      throw MapFault(fmt::format("there is no column `{}`", name), std::string(columns_help));
     order.push_back(static_cast<std::size_t>(found - columns.begin()));
   }
   if (columns.size() != wanted.size())
     throw MapFault(fmt::format("a map has {} columns, but here are {}", wanted.size(), columns.size()),
-                   std::string(header_help));
+                   std::string(columns_help));
   return order;
 }
 
@@ -140,7 +140,7 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
           .push_back(number_in(cells[order[c]], number) * columns[order[c]].unit);
     rows.lines.push_back(number);
   }
-  if (columns.empty()) throw MapFault("the file has no map", std::string(header_help));
+  if (columns.empty()) throw MapFault("the file has no map", std::string(columns_help));
   return rows;
 }
 
@@ -207,8 +207,9 @@ MapText read_map_rows(const std::filesystem::path& path) {
   for (std::size_t a = rows.axes; a-- > 0;) {
     const MapAxis& axis = out.nodes.axes[a];
     const auto n = static_cast<std::size_t>(axis.nodes);
-    where = pretty_quantity(axis.begin + axis.step * static_cast<double>(rest % n), Dimension::length) +
-            (where.empty() ? "" : ", ") + where;
+    where = fmt::format(
+        "{}{}{}", pretty_quantity(axis.begin + axis.step * static_cast<double>(rest % n), Dimension::length),
+        where.empty() ? "" : ", ", where);
     rest /= n;
   }
   throw MapFault(

@@ -11,18 +11,20 @@ namespace rabiline {
 class SectionBuilder;
 
 template <>
-inline constexpr std::array choices<MapSymmetry>{
-    Choice{"none", MapSymmetry::none, "the map has no plane of symmetry there"},
-    Choice{"same_currents", MapSymmetry::same_currents,
-           "currents mirror into themselves: the field across the plane is even, that along it odd"},
-    Choice{"opposite_currents", MapSymmetry::opposite_currents,
-           "currents change sign in the mirror: the field across the plane is odd, that along it even"},
+inline constexpr auto choices<MapSymmetry> = std::array{
+    Choice<MapSymmetry>{"none", MapSymmetry::none, "the map has no plane of symmetry there"},
+    Choice<MapSymmetry>{
+        "same_currents", MapSymmetry::same_currents,
+        "currents mirror into themselves: the field across the plane is even, that along it odd"},
+    Choice<MapSymmetry>{
+        "opposite_currents", MapSymmetry::opposite_currents,
+        "currents change sign in the mirror: the field across the plane is odd, that along it even"},
 };
 template <>
-inline constexpr std::array choices<MapOutside>{
-    Choice{"zero", MapOutside::zero, "no field there"},
-    Choice{"error", MapOutside::error, "what flies there is lost"},
-    Choice{"clamp", MapOutside::clamp, "the field of the nearest place of the map"},
+inline constexpr auto choices<MapOutside> = std::array{
+    Choice<MapOutside>{"zero", MapOutside::zero, "no field there"},
+    Choice<MapOutside>{"error", MapOutside::error, "what flies there is lost"},
+    Choice<MapOutside>{"clamp", MapOutside::clamp, "the field of the nearest place of the map"},
 };
 
 /// Which file a map is in, and how it goes on behind planes at zero of its axes.

@@ -1,4 +1,6 @@
 // Errors as Python's exceptions: their text is what the command line prints, with line and caret.
+#include <utility>
+
 #include "python/bindings.hpp"
 
 namespace rabiline {
@@ -25,7 +27,7 @@ void add_errors(py::module_& module) {
       py::exception<StorageError>(module, "StorageError", PyExc_OSError).release();
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      if (thrown) std::rethrow_exception(thrown);
+      if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const InputError& error) {
       py::list diagnostics;
       for (const Diagnostic& diagnostic : error.diagnostics()) diagnostics.append(as_dict(diagnostic));

@@ -195,7 +195,7 @@ std::string FileReader::attribute(const std::string& name, const char* attribute
     const Handle memory = variable_text(place);
     check(H5Aread(attribute.id(), H5Tget_cset(type.id()) == H5T_CSET_ASCII ? type.id() : memory.id(), &text),
           place);
-    const std::string out = text == nullptr ? "" : std::string(text).substr(0, longest);
+    std::string out = text == nullptr ? "" : std::string(text).substr(0, longest);
     H5free_memory(text);
     return out;
   }

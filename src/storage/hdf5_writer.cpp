@@ -147,7 +147,7 @@ void GroupWriter::write(const std::string& name, const Shape& shape, const Eleme
                  H5Dclose, place);
   for (const auto& [key, value] : attributes) {
     write_text_attribute(dataset.id(), key, value, place);
-    add_to_content(name + "@" + key, std::as_bytes(std::span(value)));
+    add_to_content(fmt::format("{}@{}", name, key), std::as_bytes(std::span(value)));
   }
   check(H5Dwrite(dataset.id(), elements.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, elements.data), place);
   dataset.close(place);

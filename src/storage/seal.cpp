@@ -39,7 +39,7 @@ class Sha256 {
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
-[[noreturn]] void refuse(const Path& path, std::string_view why) {
+[[noreturn]] void reject(const Path& path, std::string_view why) {
   throw StorageError(fmt::format("{}: cannot be read ({})", path.string(), why));
 }
 
@@ -53,28 +53,28 @@ std::string seal_of(std::span<const std::byte> content) {
 
 std::string require_seal(const Path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) refuse(path, "there is no such file");
-  if (!std::filesystem::is_regular_file(path, error)) refuse(path, "it is not a regular file");
+  if (!std::filesystem::exists(path, error)) reject(path, "there is no such file");
+  if (!std::filesystem::is_regular_file(path, error)) reject(path, "it is not a regular file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) refuse(path, std::strerror(errno));
+  if (!file) reject(path, std::strerror(errno));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   Sha256 digest;
   std::vector<char> block(1 << 20);
   for (std::uintmax_t left = size < seal_size ? 0 : size - seal_size; left > 0;) {
     const auto step = static_cast<std::streamsize>(std::min<std::uintmax_t>(left, block.size()));
-    if (!file.read(block.data(), step)) refuse(path, "it ends early");
+    if (!file.read(block.data(), step)) reject(path, "it ends early");
     digest.add(std::as_bytes(std::span(block).first(static_cast<std::size_t>(step))));
     left -= static_cast<std::uintmax_t>(step);
   }
   std::string seal(std::min<std::uintmax_t>(size, seal_size), '\0');
   if (!file.read(seal.data(), static_cast<std::streamsize>(seal.size())) && !seal.empty())
-    refuse(path, "it ends early");
+    reject(path, "it ends early");
   if (!seal.starts_with(seal_begin))
-    refuse(path,
+    reject(path,
            "no seal of rabiline is at its end: it was cut short, or changed, or written by another program");
-  const std::string hex = digest.hex();
+  std::string hex = digest.hex();
   if (seal != fmt::format("{}{}\n", seal_begin, hex))
-    refuse(path, "it is damaged, or was changed since rabiline wrote it");
+    reject(path, "it is damaged, or was changed since rabiline wrote it");
   return hex;
 }
 
