@@ -11,7 +11,7 @@ template <class Maths, class Number>
   const Number none = x - x;
   FieldHere<Number> here;
   for (int i = 0; i < 3; ++i) {
-    const double* g = &linear.slope[3 * i];
+    const double* g = &linear.slope[3L * i];
     here.field[i] = x * g[0] + y * g[1] + z * g[2] + linear.field[i];
     for (int k = 0; k < 3; ++k) here.slope[3 * i + k] = none + g[k];
   }
@@ -24,7 +24,7 @@ template <class Number>
                                              const Number& z, Number (&own)[3]) {
   const Number from[3] = {x - term.x, y - term.y, z - term.z};
   for (int i = 0; i < 3; ++i) {
-    const double* axis = &term.axes[3 * i];
+    const double* axis = &term.axes[3L * i];
     own[i] = term.turned ? from[0] * axis[0] + from[1] * axis[1] + from[2] * axis[2] : from[i];
   }
 }

@@ -88,7 +88,7 @@ int derivative(double y, const double* q, double* dq, void* with) {
   const Vector3 along =
       p.region.feels.follows_level ? pull_of_level(p, at.field) : p.part * p.region.feels.pull * spin;
   const double s[3] = {along.x, along.y, along.z};
-  for (int i = 0; i < 3; ++i) a = a + s[i] * vector_at(&at.field.slope[3 * i]);
+  for (int i = 0; i < 3; ++i) a = a + s[i] * vector_at(&at.field.slope[3L * i]);
   const Vector3 turned = cross(at.spin, spin);
   const double per_y = 1 / velocity.y;
   const double rates[numbers] = {velocity.x, velocity.z, 1, a.x, a.y, a.z, turned.x, turned.y, turned.z};

@@ -196,8 +196,7 @@ double cost_of(const RegionZone& zone, double speed) {
     case ZoneCourse::slow_turns:
       return cost::crossing +
              spans() * (zone.field.turn_rate == zone.field.spin_rate ? cost::slow_span : 2 * cost::slow_span);
-    case ZoneCourse::through_field:
-      break;  // depends on the region's fields
+    case ZoneCourse::through_field:  // asked of the region
     case ZoneCourse::steps:
       break;
   }
