@@ -1,6 +1,7 @@
 #include "rules/field_lint.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -14,12 +15,14 @@ namespace {
 struct AxisField {
   double begin = 0, end = 0;                // [m]
   double largest = 0, first = 0, last = 0;  // [T] |B| in between and at either end
-  double step() const { return std::max(begin > 0 ? first : 0, last); }
+  /// What particles meet between the source and where the last of them are caught.
+  double step(double caught_at) const { return std::max(begin > 0 ? first : 0, end < caught_at ? last : 0); }
 };
 
-double size_at(const std::vector<ShapedTerm>& terms, double y) {
+double size_at(const Section& section, double y) {
   FieldHere<double> sum{};
-  for (const ShapedTerm& term : terms) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
+  sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
+  for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
   return portable::hypot(sum.field[0], sum.field[1], sum.field[2]);
 }
 
@@ -33,11 +36,11 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
     if (section.shaped.empty()) continue;
     constexpr int places = 256;
     const double hair = 1e-9 * (section.end - section.begin);  // its end itself may be rounded to outside
-    AxisField here{section.begin, section.end, 0, size_at(section.shaped, section.begin + hair),
-                   size_at(section.shaped, section.end - hair)};
+    AxisField here{section.begin, section.end, 0, size_at(section, section.begin + hair),
+                   size_at(section, section.end - hair)};
     for (int i = 0; i <= places; ++i)
       here.largest =
-          std::max(here.largest, size_at(section.shaped, here.begin + (here.end - here.begin) * i / places));
+          std::max(here.largest, size_at(section, here.begin + (here.end - here.begin) * i / places));
     if (!out) {
       out = here;
       continue;
@@ -47,6 +50,13 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
     out->last = here.last;
   }
   return out;
+}
+
+double caught_at(const Beamline& beamline) {
+  double last = 0;
+  for (const PlacedPart& part : beamline.parts)
+    if (std::holds_alternative<Detector>(part.part)) last = std::max(last, part.placement.at);
+  return last > 0 ? last : std::numeric_limits<double>::infinity();
 }
 
 /// Parts whose edges are hard by their nature.
@@ -75,6 +85,7 @@ std::string text_of(const MapQuality& q) {
 
 std::string report_of_fields(const Beamline& beamline) {
   std::string out;
+  const double end = caught_at(beamline);
   for (const PlacedPart& part : beamline.parts) {
     const std::optional<AxisField> field = axis_field_of(part);
     if (!field) continue;
@@ -82,7 +93,7 @@ std::string report_of_fields(const Beamline& beamline) {
                        metres(field->begin), metres(field->end),
                        pretty_quantity(field->largest, Dimension::magnetic_field));
     if (!has_hard_edges(part.part))
-      out += fmt::format(", {} where it ends", pretty_quantity(field->step(), Dimension::magnetic_field));
+      out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), Dimension::magnetic_field));
     out += '\n';
     if (const FieldMap* map = map_of(part.part)) {
       std::string nodes;
@@ -97,16 +108,17 @@ std::string report_of_fields(const Beamline& beamline) {
 
 std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
   constexpr double large_step = 1e-3, poor_map = 1e-3, wrong_map = 5e-3;
+  const double end = caught_at(beamline);
   Faults out;
   for (const PlacedPart& part : beamline.parts) {
     const std::string& name = part.placement.name;
     const std::optional<AxisField> field = axis_field_of(part);
     if (!field) continue;
-    if (!has_hard_edges(part.part) && field->step() > large_step * field->largest)
+    if (!has_hard_edges(part.part) && field->step(end) > large_step * field->largest)
       out.push_back(warning(
           name, "at",
           fmt::format("the field of `{}` ends with a step of {:.1g} of its largest on the axis", name,
-                      field->step() / field->largest),
+                      field->step(end) / field->largest),
           map_of(part.part) ? "supply a map that goes on until the field is gone" : "make `reach` larger"));
     const FieldMap* map = map_of(part.part);
     if (!map) continue;

@@ -2,6 +2,7 @@
 
 import re
 
+import field_experiments_test
 import numpy as np
 import paper_test
 import pytest
@@ -12,7 +13,7 @@ LARMOR = -GAMMA / (2 * np.pi) * 10e-3  # Hz, neutron in 10 mT
 
 
 def test_every_shipped_experiment_has_a_test_of_what_its_header_promises():
-    tests = [*globals().values(), *vars(paper_test).values()]
+    tests = [test for module in (paper_test, field_experiments_test) for test in vars(module).values()] + [*globals().values()]
     marks = [mark for test in tests for mark in getattr(test, "pytestmark", []) if mark.name == "experiment"]
     assert {path.stem for path in EXPERIMENTS.glob("*.yaml")} == {name for mark in marks for name in mark.args}
 
@@ -544,30 +545,3 @@ def test_standard_laws_see_a_flat_line_in_the_experiments_of_the_hypothesis(run,
     assert np.ptp(file["entry/scan/detected"][:]) == 0
     counts = file["entry/screen/counts"][:]
     assert (counts == counts[:1, :1]).all()
-
-
-@pytest.mark.experiment("frisch-segre")
-def test_a_bare_spin_past_a_wire_flips_as_an_integration_of_its_equations_does(run):
-    file = run("frisch-segre")
-    flipped = file["entry/screen_levels/levels"][:, 0]
-    # dS/dt = gamma S x B with the same field, by scipy's DOP853 to 1e-11
-    expected = [0.06522171, 0.22508549, 0.40273464, 0.61433842, 0.731346, 0.84734518, 0.89549986, 0.93575899]
-    assert np.abs(flipped - expected).max() < 2e-5
-    assert file["entry/field_check/spin"][()] < 1e-6
-    assert np.all(np.diff(flipped) > 0)  # the measured points fall from 0.1 A on
-
-
-@pytest.mark.experiment("neutron-spin-echo")
-def test_spins_come_back_where_both_fields_of_an_echo_are_equal(run):
-    file = run("neutron-spin-echo")
-    x, passed = file["entry/scan/second_field"][:], file["entry/scan/detected"][:]
-    assert abs(x[np.argmax(passed)] + 100e-6) < 1e-9 and passed.max() > 0.999
-    # gamma dB L/v of half a turn, L the integral of the field on the axis over its value in the middle
-    length, radius, reach = 0.4, 0.04, 0.5
-    ends = [np.hypot(reach + side * length / 2, radius) for side in (1, -1)]
-    on_axis = (ends[0] - ends[1]) * np.hypot(length / 2, radius) / (length / 2)
-    half_turn = np.pi * 500 / (GAMMA if GAMMA > 0 else -GAMMA) / on_axis
-    near = abs(x + 100e-6) < 16e-6
-    left, right = crossings(x[near], passed[near], 0.5)
-    assert abs((right - left) / half_turn - 1) < 0.03
-    assert file["entry/field_check/spin"][()] < 1e-6

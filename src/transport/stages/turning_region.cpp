@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
 #include "particle/fate.hpp"
 #include "transport/cost.hpp"
 #include "transport/plan_report.hpp"
@@ -95,12 +98,36 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
   }
 }
 
+/// The fields of a zone as they are on the axis on average: along what drives turn about, else along
+/// themselves.
+SpinZone on_axis(const TurningRegion& region, const RegionZone& zone) {
+  constexpr int places = 64;
+  SpinZone out = zone.field;
+  if (zone.shaped_begin == zone.shaped_end) return out;
+  double along = 0, size = 0;
+  for (int i = 0; i < places; ++i) {
+    const double y = out.begin + (out.end - out.begin) * (i + 0.5) / places;
+    FieldHere<double> here{};
+    for (int k = 0; k < 3; ++k) here.field[k] = zone.uniform[k];
+    for (int k = zone.shaped_begin; k < zone.shaped_end; ++k)
+      add_field<HostMaths>(region.shaped[static_cast<std::size_t>(k)], 0.0, y, 0.0, here);
+    const double* b = here.field;
+    along += (b[0] * out.frame[6] + b[1] * out.frame[7] + b[2] * out.frame[8]) / places;
+    size += portable::hypot(b[0], b[1], b[2]) / places;
+  }
+  out.spin_rate = region.feels.spin_per_tesla * (out.drives > 0 ? along : size);
+  out.turned = out.turned && out.drives > 0;
+  return out;
+}
+
 void explain_course(const RegionZone& zone, PlanReport& report) {
   const double rate = std::max(std::abs(zone.field.spin_rate), std::abs(zone.field.turn_rate)),
                turns = rate * zone.table.span / (2 * std::numbers::pi);
   if (zone.course == ZoneCourse::through_field)
-    return report.line("{:>16}each particle in steps of its own length, {} at most", "",
-                       pretty_quantity(zone.longest, Dimension::length));
+    return report.line(
+        "{:>16}each particle in steps of its own length, {} at most; the field told here is the mean on its "
+        "axis",
+        "", pretty_quantity(zone.longest, Dimension::length));
   if (rate == 0) return;
   switch (zone.course) {
     case ZoneCourse::constant:
@@ -266,9 +293,10 @@ double TurningRegion::y() const { return zones.front().field.begin; }
 namespace {
 
 /// Steps follow what changes: a field that grows evenly takes the fewest, others about as many as their bends
-/// take, and drives some for each turn. A trial and its two halves ask for the fields a dozen times.
+/// take, and precession and drives some for each turn. A trial and its two halves ask for the fields a dozen
+/// times.
 double cost_through_field(const TurningRegion& region, const RegionZone& zone, double speed) {
-  constexpr double asked = 12, of_bends = 4, per_turn = 8;
+  constexpr double asked = 12, of_bends = 4, per_turn = 8, per_precession = 12;
   const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
   double steps = stay * speed / zone.longest, each = cost::zone;
   for (int i = zone.shaped_begin; i < zone.shaped_end; ++i) {
@@ -276,6 +304,8 @@ double cost_through_field(const TurningRegion& region, const RegionZone& zone, d
     if (!linear) steps = std::max(steps, of_bends * stay * speed / zone.longest);
     each += linear ? cost::linear_field : cost::shaped_field;
   }
+  if (region.feels.follows_level) return steps * asked * each;
+  steps += per_precession * std::abs(on_axis(region, zone).spin_rate) * stay / (2 * std::numbers::pi);
   for (int i = 0; i < zone.field.drives; ++i)
     steps += per_turn * std::abs(zone.field.drive[i].omega) * stay / (2 * std::numbers::pi);
   return steps * asked * each;
@@ -300,7 +330,7 @@ void TurningRegion::explain(PlanReport& report) const {
               shaped.empty() ? "region that turns the velocity" : "flown through fields in steps",
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
-    explain_zone(zone.field, report);
+    explain_zone(on_axis(*this, zone), report);
     explain_course(zone, report);
   }
   for (const Sight& sight : sights) {

@@ -1,0 +1,110 @@
+"""Shipped experiments in fields that differ from place to place give what their headers promise."""
+
+import re
+import subprocess
+
+import numpy as np
+import pytest
+from constants import GAMMA
+from experiments import EXPERIMENTS, RABILINE, crossings
+
+
+@pytest.mark.experiment("frisch-segre")
+def test_a_bare_spin_past_a_wire_flips_as_an_integration_of_its_equations_does(run):
+    file = run("frisch-segre")
+    flipped = file["entry/screen_levels/levels"][:, 0]
+    # dS/dt = gamma S x B with the same field, by scipy's DOP853 to 1e-11
+    expected = [0.06522171, 0.22508549, 0.40273464, 0.61433842, 0.731346, 0.84734518, 0.89549986, 0.93575899]
+    assert np.abs(flipped - expected).max() < 2e-5
+    assert file["entry/field_check/spin"][()] < 1e-6
+    assert np.all(np.diff(flipped) > 0)  # the measured points fall from 0.1 A on
+
+
+@pytest.mark.experiment("neutron-spin-echo")
+def test_spins_come_back_where_both_fields_of_an_echo_are_equal(run):
+    file = run("neutron-spin-echo")
+    x, passed = file["entry/scan/second_field"][:], file["entry/scan/detected"][:]
+    assert abs(x[np.argmax(passed)] + 100e-6) < 1e-9 and passed.max() > 0.999
+    # gamma dB L/v of half a turn, L the integral of the field on the axis over its value in the middle
+    length, radius, reach = 0.4, 0.04, 0.5
+    ends = [np.hypot(reach + side * length / 2, radius) for side in (1, -1)]
+    on_axis = (ends[0] - ends[1]) * np.hypot(length / 2, radius) / (length / 2)
+    half_turn = np.pi * 500 / (GAMMA if GAMMA > 0 else -GAMMA) / on_axis
+    near = abs(x + 100e-6) < 16e-6
+    left, right = crossings(x[near], passed[near], 0.5)
+    assert abs((right - left) / half_turn - 1) < 0.03
+    assert file["entry/field_check/spin"][()] < 1e-6
+
+
+@pytest.mark.experiment("frisch-segre-quadrupole")
+def test_a_bare_spin_past_a_quadrupole_leaves_its_level_as_landau_and_zener_say(run):
+    file = run("frisch-segre-quadrupole")
+    gradient = file["entry/scan/zero_gradient_longitudinal"][:]
+    followed = file["entry/screen_levels/levels"][:, 0]
+    follows_not = np.exp(-np.pi * 2 * np.pi * 28.02495e9 * gradient * (105e-6) ** 2 / (2 * 800))
+    # The slab ends where B_y/B_z is 0.012, so that a swing of sin(angle) root(P(1 - P)) at either end is left.
+    assert np.abs(1 - followed - follows_not).max() < 0.012
+    # dS/dt = gamma S x B in the same slab, by scipy's DOP853 to 1e-11
+    expected = [0.05971536, 0.09885556, 0.14632567, 0.28058721, 0.50105504, 0.66837121, 0.81647111, 0.96755288]
+    assert np.abs(followed - expected).max() < 2e-5
+    assert file["entry/field_check/spin"][()] < 1e-6
+
+
+@pytest.mark.experiment("adiabatic-flipper")
+def test_an_adiabatic_flipper_leaves_what_its_closed_form_says(run):
+    file = run("adiabatic-flipper")
+    k = abs(GAMMA) * 65e-6 * 0.4 / file["entry/scan/source_speed_value"][:] / np.pi
+    left = np.sin(np.pi / 2 * np.sqrt(1 + k**2)) ** 2 / (1 + k**2)
+    levels = file["entry/screen_levels/levels"][:]
+    assert np.abs(levels[:, 0] - left).max() < 2e-6
+    assert np.abs(levels[:, 0] - np.sin(np.pi / 2 * np.sqrt(1 + (1.01 * k) ** 2)) ** 2 / (1 + (1.01 * k) ** 2)).max() > 1e-3
+
+
+@pytest.mark.experiment("majorana-losses")
+def test_spins_close_to_a_zero_of_the_field_are_lost_as_landau_and_zener_say(run):
+    file = run("majorana-losses")
+    gradient = file["entry/scan/reversal_gradient_longitudinal"][:][:, None]
+    speed = 500 + 50 * np.linspace(-5, 5, 201)
+    weight = np.exp(-(((speed - 500) / 50) ** 2) / 2)
+    u = np.pi * abs(GAMMA) * gradient * (2e-3) ** 2 / (8 * speed)
+    expected = ((1 - np.exp(-u)) / u) @ weight / weight.sum()
+    lost, errors = file["entry/scan/detected"][:], file["entry/scan/detected_errors"][:]
+    assert np.abs((lost - expected) / errors).max() < 4
+    assert errors.max() < 0.01
+
+
+@pytest.mark.experiment("neutron-ramsey-map")
+def test_fringes_in_a_mapped_field_stand_at_its_mean_along_the_falling_path(run):
+    falling = run("neutron-ramsey-map")
+    x, here = falling["entry/scan/RF1_frequency"][:], falling["entry/screen_levels/levels"][:, 1]
+    straight = run("neutron-ramsey-map", "--set", "gravity=0 m/s^2")["entry/screen_levels/levels"][:, 1]
+    slope = np.gradient(straight, x)
+    inner = slice(1, -1)
+    shift = -np.sum(((here - straight) * slope)[inner]) / np.sum((slope**2)[inner])
+    table = np.loadtxt(EXPERIMENTS.parent / "geometries" / "guide-field.csv", delimiter=",", skiprows=1)
+    axis = table[table[:, 0] == 0]
+    y, z = np.unique(axis[:, 1]), np.unique(axis[:, 2])
+    size = 1e-6 * np.linalg.norm(axis[:, 3:], axis=1).reshape(len(y), len(z))
+    steps = (y >= 150) & (y <= 1050)  # between the middles of the zones
+    fall = 0.5 * 9.81 * (y * 1e-3 / 50) ** 2 * 1e3
+    below = np.array([np.interp(-drop, z, row) for drop, row in zip(fall, size, strict=True)])
+    expected = abs(GAMMA) / (2 * np.pi) * np.mean((below - size[:, z == 0][:, 0])[steps])
+    assert abs(shift / expected - 1) < 0.1
+    # One neutron on the axis through the coils themselves instead of their map, by scipy's DOP853: 0.253165 of it flips at 1290 Hz.
+    one = run("neutron-ramsey-map", "--no-scan", "--set", "source.speed={kind: single, value: 50 m/s}", "--set", "source.opening.radius=1 nm",
+              "--set", "RF1.frequency=1290 Hz", "--set", "RF1.phase=locked", "--particles", "8")
+    assert np.abs(one["entry/screen_levels/levels"][:].reshape(-1)[1] - 0.253165) < 2e-5
+    assert one["entry/field_check/spin"][()] < 1e-6
+
+
+def test_check_tells_larmor_frequency_and_detuning_in_a_mapped_field():
+    page = subprocess.run([RABILINE, "check", EXPERIMENTS / "neutron-ramsey-map.yaml"], capture_output=True, text=True, check=True)
+    assert page.stderr == ""
+    table = np.loadtxt(EXPERIMENTS.parent / "geometries" / "guide-field.csv", delimiter=",", skiprows=1)
+    axis = table[(table[:, 0] == 0) & (table[:, 2] == 0)]
+    y = np.linspace(100, 200, 101)
+    size = np.interp(y, axis[:, 1], 1e-6 * np.linalg.norm(axis[:, 3:], axis=1)).mean()
+    larmor = abs(GAMMA) / (2 * np.pi) * size
+    told = re.search(r"0\.1000 to 0\.2000 m, 2 ms: Larmor ([\d.]+) kHz.*?off resonance by ([-+\d.]+) Hz", page.stdout, re.DOTALL)
+    assert abs(1e3 * float(told[1]) - larmor) < 1
+    assert abs(float(told[2]) - (1250 - larmor)) < 1
