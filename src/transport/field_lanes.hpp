@@ -269,7 +269,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
     // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
     // by. A jump of the field may take a thousandth of the tolerance, or steps would become shorter for ever.
-    const real allowed = region.feels.tolerance * (0.25 * (trial / stay) + 1e-3),
+    const real allowed = region.feels.tolerance * (0.1 * (trial / stay) + 1e-3),
                error = difference(whole, halves, length) * (1.0 / 15) / allowed;
     const mask rejected = error > broadcast(1), steps_on = going & ~rejected;
     const real root = sqrt(sqrt(max(error, broadcast(1e-4))));

@@ -199,3 +199,10 @@ def test_the_results_of_a_map_know_which_map_it_was(maps: Path) -> None:
         texts = []
         file.visititems(lambda _, node: texts.append(node[()]) if isinstance(node, h5py.Dataset) and node.dtype.kind in "SO" else None)
     assert any(b"a field map of" in str(text).encode() for text in texts)
+
+
+def test_random_flights_through_random_fields_agree_with_an_independent_integration():
+    script = Path(__file__).resolve().parents[2] / "tools" / "random-fields"
+    told = subprocess.run([script, PROGRAM, "--count", "50"], capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert int(told.stdout.split()[0]) > 35
