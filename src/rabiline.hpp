@@ -27,6 +27,7 @@
 #include "core/diagnostics.hpp"
 #include "input/changes.hpp"
 #include "models/solved_model.hpp"
+#include "simulation/ranks.hpp"
 #include "simulation/result.hpp"
 #include "simulation/snapshot.hpp"
 #include "storage/storage_error.hpp"
@@ -96,19 +97,26 @@ struct RunSettings {
   const std::atomic<bool>* stop = nullptr;  // looked at every few hundredths of a second of a flight
   /// Called before the flight with what deserves a word; what it throws ends the run.
   std::function<void(const std::vector<Diagnostic>& warnings)> planned{};
-  std::function<void(const Progress&)> progress{};  // by one thread at a time, a few times a second
+  std::function<void(const Progress&)> progress{};  // by the calling thread, a few times a second
   std::function<void(Snapshot)> snapshot{};         // likewise, every snapshot_seconds and at the end
   double snapshot_seconds = 60;                     // [s]
   const Snapshot* start = nullptr;                  // goes on from here
   std::vector<std::string> arguments{};             // noted in the result as the command line
   KeptTransit transit = KeptTransit::if_small;
-  Shard shard{};  // of the work; the last snapshot then holds its sums
+  Shard shard{};           // of the work; the last snapshot then holds its sums
+  Ranks* ranks = nullptr;  // processes that fly together; the others call `assist`
 };
 
 /// Flies an experiment; nothing where it was stopped, or where it is one shard of several. Throws
 /// std::invalid_argument where the settings or the snapshot do not fit, the machine has not the memory, or it
 /// is a model.
 std::optional<Result> run(const Setup&, const RunSettings& = {});
+
+/// Of ranks that do not lead: flies along in every run of the leader, until it dismisses them. Returns the
+/// exit code that came with that.
+int assist(Ranks&, const std::atomic<bool>* stop = nullptr);
+/// By the leader, once.
+void dismiss(Ranks&, int exit_code);
 
 /// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
 /// level. `changes` come on top of those of the flight; particles and seed are its own. Of the settings,

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <sstream>
 
 #include <fmt/ranges.h>
 
+#include "commands/mpi_ranks.hpp"
 #include "commands/stop.hpp"
 #include "core/isa.hpp"
 #include "core/version.hpp"
@@ -27,19 +29,10 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
                                                : fmt::format("did you mean `{}`?", near)));
 }
 
-int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
+/// Calls it; what went wrong is told, and its exit code returned.
+int explained(const std::function<int()>& call) {
   try {
-    require_known_verb(app, arguments);
-    if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
-    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
-    app.parse(reversed);
-    return exit_code::done;
-  } catch (const CLI::ParseError& error) {
-    std::ostringstream out, err;
-    const int code = app.exit(error, out, err);
-    put(stdout, out.str());
-    put(stderr, err.str());
-    return code == 0 ? exit_code::done : exit_code::bad_input;
+    return call();
   } catch (const InputError& error) {
     say(stderr, "{}", render(error.diagnostics()));
     return exit_code::bad_input;
@@ -52,6 +45,10 @@ int parse_and_run(CLI::App& app, const std::vector<std::string>& arguments) {
   } catch (const StorageError& error) {
     say(stderr, "error: {}\n", error.what());
     return exit_code::not_written;
+  } catch (const RankFailure& error) {
+    say(stderr, "error: {}\n  help: mend that, and start again: `rabiline run` goes on from its checkpoint\n",
+        error.what());
+    return exit_code::bad_input;
   } catch (const Stopped&) {
     say(stderr, "stopped; nothing was written\n");
     return exit_code::stopped;
@@ -157,8 +154,9 @@ void require_place(const std::filesystem::path& output, const std::vector<InputT
   require_writable(output);
 }
 
-int run_program(const std::vector<std::string>& arguments) {
-  ignore_failed_writes();
+namespace {
+
+int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   CLI::App app{"rabiline: particle beams with spin through magnetic fields, by Monte Carlo", "rabiline"};
   app.set_version_flag("--version", std::string("rabiline ") + version);
   app.require_subcommand(1);
@@ -169,19 +167,48 @@ int run_program(const std::vector<std::string>& arguments) {
       "Exit codes: 0 done, 2 bad input or arguments, 3 a file could not be written or read, 4 stopped with a "
       "checkpoint, 1 a mistake of the program.");
   int exit = exit_code::done;
-  add_run(app, arguments, exit);
+  add_run(app, arguments, ranks, exit);
   add_check(app, exit);
   add_describe(app);
   add_trace(app);
   add_probe(app);
-  add_resume(app, exit);
-  add_merge(app, exit);
+  add_resume(app, ranks, exit);
+  add_merge(app, ranks, exit);
   add_verify(app);
-  add_reproduce(app, exit);
+  add_reproduce(app, ranks, exit);
   add_rescan(app, arguments, exit);
   add_package_verbs(app);
-  const int parsed = parse_and_run(app, arguments);
-  const int code = parsed == exit_code::done ? exit : parsed;
+  require_known_verb(app, arguments);
+  if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
+    app.parse(reversed);
+    return exit;
+  } catch (const CLI::ParseError& error) {
+    std::ostringstream out, err;
+    const int code = app.exit(error, out, err);
+    put(stdout, out.str());
+    put(stderr, err.str());
+    return code == 0 ? exit_code::done : exit_code::bad_input;
+  }
+}
+
+/// One that does not lead is stopped by signals as the leader is.
+int fly_along(Ranks& ranks) {
+  watch_signals();
+  return assist(ranks, &stop_requested());
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& arguments) {
+  ignore_failed_writes();
+  std::unique_ptr<Ranks> ranks;
+  const int code = explained([&] {
+    ranks = launched_ranks(arguments);
+    return ranks && !ranks->leads() ? fly_along(*ranks) : parse_and_run(arguments, ranks.get());
+  });
+  if (ranks && ranks->leads()) dismiss(*ranks, code);
   const std::string lost = lost_text();
   if (lost.empty() || code != exit_code::done) return code;
   say(stderr, "error: what was to be printed could not be written ({})\n", lost);

@@ -65,16 +65,17 @@ void print_summary(const Result&, const std::filesystem::path& output);
 /// Throws ArgumentError and StorageError.
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs);
 
-/// Each verb adds itself to the command line; `exit` gets its exit code when it has run.
-void add_run(CLI::App&, const std::vector<std::string>& arguments, int& exit);
+/// Each verb adds itself to the command line; `exit` gets its exit code when it has run. `ranks` fly along
+/// where there are any.
+void add_run(CLI::App&, const std::vector<std::string>& arguments, Ranks* ranks, int& exit);
 void add_check(CLI::App&, int& exit);
 void add_describe(CLI::App&);
 void add_trace(CLI::App&);
 void add_probe(CLI::App&);
-void add_resume(CLI::App&, int& exit);
-void add_merge(CLI::App&, int& exit);
+void add_resume(CLI::App&, Ranks* ranks, int& exit);
+void add_merge(CLI::App&, Ranks* ranks, int& exit);
 void add_verify(CLI::App&);
-void add_reproduce(CLI::App&, int& exit);
+void add_reproduce(CLI::App&, Ranks* ranks, int& exit);
 void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 
 struct FlightOptions;

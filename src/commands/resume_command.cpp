@@ -5,19 +5,20 @@ namespace rabiline {
 namespace {
 
 /// The arguments are those that the run began with.
-int finish(Snapshot flown, const std::filesystem::path& output, const FlightOptions& options) {
+int finish(Snapshot flown, const std::filesystem::path& output, const FlightOptions& options, Ranks* ranks) {
   const Setup setup = load(flown);
   RunSettings settings = options.settings();
   settings.transit = flown.transit;
   settings.shard = flown.shard;
   settings.arguments = flown.arguments;
+  settings.ranks = ranks;
   require_place(output, {});
   return fly(setup, output, options, settings, std::move(flown));
 }
 
 }  // namespace
 
-void add_resume(CLI::App& app, int& exit) {
+void add_resume(CLI::App& app, Ranks* ranks, int& exit) {
   CLI::App* verb = app.add_subcommand("resume", "continue a stopped run, bit-identical");
   auto output = std::make_shared<std::string>();
   auto options = std::make_shared<FlightOptions>();
@@ -25,15 +26,15 @@ void add_resume(CLI::App& app, int& exit) {
       ->required();
   options->add_to(*verb);
   verb->add_flag("--strict", options->strict, "take warnings for errors: exit code 2");
-  verb->callback([output, options, &exit] {
+  verb->callback([output, options, ranks, &exit] {
     const std::filesystem::path checkpoint = checkpoint_of(*output);
     if (!std::filesystem::exists(checkpoint))
       throw ArgumentError(fmt::format("there is no {}: nothing to resume", checkpoint.string()));
-    exit = finish(read_snapshot(checkpoint), *output, *options);
+    exit = finish(read_snapshot(checkpoint), *output, *options, ranks);
   });
 }
 
-void add_merge(CLI::App& app, int& exit) {
+void add_merge(CLI::App& app, Ranks* ranks, int& exit) {
   CLI::App* verb =
       app.add_subcommand("merge", "join the shards of a run, bit-identical to the run in one piece");
   auto output = std::make_shared<std::string>();
@@ -42,14 +43,14 @@ void add_merge(CLI::App& app, int& exit) {
   verb->add_option("OUT.h5", *output, "where the result goes")->required();
   verb->add_option("PARTS.h5", *parts, "what `rabiline run --shard` wrote, in any order")->required();
   options->add_to(*verb);
-  verb->callback([output, parts, options, &exit] {
+  verb->callback([output, parts, options, ranks, &exit] {
     Merger merger;
     for (const std::string& part : *parts) {
       if (std::filesystem::path(part) == std::filesystem::path(*output))
         throw ArgumentError(fmt::format("{} is what is merged\n  help: name the new file first", part));
       merger.add(part, read_snapshot(part));
     }
-    exit = finish(merger.finish(), *output, *options);
+    exit = finish(merger.finish(), *output, *options, ranks);
   });
 }
 

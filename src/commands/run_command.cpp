@@ -1,6 +1,4 @@
 // rabiline run: flies the experiment, or solves the model, and writes one HDF5 file.
-#include <cstdlib>
-
 #include "commands/flight.hpp"
 #include "input/settings.hpp"
 
@@ -47,20 +45,8 @@ RunSettings settings_of(const RunArguments& a) {
   return settings;
 }
 
-/// Every process that a launcher starts would fly all of it and write the same file.
-void refuse_launcher() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}) {
-    const char* size = std::getenv(name);
-    if (size != nullptr && std::atoi(size) > 1)
-      throw ArgumentError(
-          fmt::format("{} processes were started to fly the same ({}={}), and each of them would fly all of "
-                      "it\n  help: give each its "
-                      "own shard, --shard NUMBER/{} and another OUT.h5, and join them with `rabiline merge`",
-                      size, name, size, size));
-  }
-}
-
-int run_command(RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments) {
+int run_command(RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
+                Ranks* ranks) {
   a.flight.strict = a.experiment.strict;
   const std::filesystem::path output = verb.count("-o") == 0
                                            ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
@@ -68,19 +54,19 @@ int run_command(RunArguments& a, const CLI::App& verb, const std::vector<std::st
   const Setup setup = load(a.experiment.file, a.experiment.changes);
   if (setup.is_model()) refuse_for_a_model(verb);
   RunSettings settings = settings_of(a);
-  if (a.shard.empty()) refuse_launcher();
   require_place(output, setup.inputs());
   if (setup.is_model()) {
     run_model(setup, output, a.flight, arguments);
     return exit_code::done;
   }
   settings.arguments = arguments;
+  settings.ranks = ranks;
   return fly(setup, output, a.flight, settings, {});
 }
 
 }  // namespace
 
-void add_run(CLI::App& app, const std::vector<std::string>& arguments, int& exit) {
+void add_run(CLI::App& app, const std::vector<std::string>& arguments, Ranks* ranks, int& exit) {
   CLI::App* verb =
       app.add_subcommand("run", "fly the experiment, or solve the model, and write an HDF5 file");
   auto a = std::make_shared<RunArguments>();
@@ -97,7 +83,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, int& exit
           "--shard", a->shard,
           "fly one share of the work, such as 2/8, and write its sums; `rabiline merge` joins all of them")
       ->type_name("NUMBER/OF");
-  verb->callback([a, verb, &arguments, &exit] { exit = run_command(*a, *verb, arguments); });
+  verb->callback([a, verb, &arguments, ranks, &exit] { exit = run_command(*a, *verb, arguments, ranks); });
 }
 
 }  // namespace rabiline

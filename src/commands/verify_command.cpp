@@ -11,8 +11,9 @@ struct ReproduceArguments {
   MachineOptions machine;
 };
 
-int reproduce_command(const ReproduceArguments& a) {
+int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
   RunSettings settings = a.machine.settings();
+  settings.ranks = ranks;
   settings.stop = &stop_requested();
   watch_signals();
   const Reproduced again = reproduce(a.file, settings);
@@ -48,13 +49,13 @@ void add_verify(CLI::App& app) {
   });
 }
 
-void add_reproduce(CLI::App& app, int& exit) {
+void add_reproduce(CLI::App& app, Ranks* ranks, int& exit) {
   CLI::App* verb =
       app.add_subcommand("reproduce", "fly or solve again what a file was made from, and compare bit by bit");
   auto a = std::make_shared<ReproduceArguments>();
   verb->add_option("OUT.h5", a->file, "what `rabiline run` wrote")->required();
   a->machine.add_to(*verb);
-  verb->callback([a, &exit] { exit = reproduce_command(*a); });
+  verb->callback([a, ranks, &exit] { exit = reproduce_command(*a, ranks); });
 }
 
 }  // namespace rabiline

@@ -7,20 +7,25 @@
 
 #include <fmt/format.h>
 #include <omp.h>
+#include <unistd.h>
 
 #include "core/isa.hpp"
 #include "core/version.hpp"
 #include "face/memory.hpp"
 #include "face/models.hpp"
+#include "face/order.hpp"
 #include "face/probe.hpp"
 #include "face/record.hpp"
+#include "face/warnings.hpp"
 #include "input/parameter_value.hpp"
+#include "input/resolved.hpp"
 #include "plan/explain.hpp"
 #include "rules/field_lint.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/field_check.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/overflow.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
@@ -76,56 +81,15 @@ const LoadedExperiment& experiment_of(const Setup& setup) {
   return std::get<LoadedExperiment>(setup.contents().loaded);
 }
 
-std::vector<Diagnostic> located(const std::vector<Fault>& faults, const Places& places) {
-  std::vector<Diagnostic> out;
-  out.reserve(faults.size());
-  for (const Fault& fault : faults) out.push_back(places.locate(fault));
-  return out;
-}
-
-/// A file that was cut short may still be read, as a different experiment.
-std::vector<Diagnostic> warnings_of_texts(const std::vector<InputText>& inputs) {
-  std::vector<Diagnostic> out;
-  for (const InputText& input : inputs) {
-    if (input.text.empty() || input.text.back() == '\n') continue;
-    const auto source = make_source_text(input.path, input.text);
-    const int lines = static_cast<int>(source->lines.size());
-    out.push_back({{source, lines, static_cast<int>(source->lines.back().size()) + 1, 1},
-                   "the last line has no end: is the file whole?",
-                   "end the file with a newline",
-                   Severity::warning});
-  }
-  return out;
-}
-
-/// Of the texts, and of what they say.
-std::vector<Diagnostic> warnings_before(const LoadedExperiment& loaded, const Experiment& experiment,
-                                        const Plan& plan) {
-  std::vector<Diagnostic> out = warnings_of_texts(loaded.inputs);
-  std::ranges::move(located(warnings_of(experiment, plan), loaded.places), std::back_inserter(out));
-  return out;
-}
-
-/// Fractions of nothing are no numbers.
-void require_emission(const Result& result) {
-  for (std::size_t point = 0; point < result.emitted.size(); ++point)
-    if (!(result.emitted[point] > 0))
-      throw std::invalid_argument(fmt::format(
-          "none of the {} particles has a weight at scan point {}: hardly any direction that the source "
-          "draws leads along "
-          "the beam\n  help: move what the source is aimed at away from it, or choose another `direction`",
-          result.particles, point));
-}
-
-std::string text_of(const Diagnostic& warning) {
-  return warning.suggestion.empty() ? warning.message
-                                    : fmt::format("{}\n  help: {}", warning.message, warning.suggestion);
-}
-
 int threads_of(const RunSettings& settings) {
   if (settings.threads < 0 || settings.threads > 1024)
     throw std::invalid_argument("`threads` must be from 1 to 1024, or 0 for as many as the process may use");
-  return settings.threads == 0 ? omp_get_num_procs() : settings.threads;
+  if (settings.threads > 0) return settings.threads;
+  // Processes that were bound to no cores of their own share those of the machine.
+  const int sharing = settings.ranks != nullptr && omp_get_num_procs() == sysconf(_SC_NPROCESSORS_ONLN)
+                          ? settings.ranks->neighbours()
+                          : 1;
+  return std::max(1, omp_get_num_procs() / sharing);
 }
 
 int batch_of(const RunSettings& settings) {
@@ -133,17 +97,6 @@ int batch_of(const RunSettings& settings) {
     throw std::invalid_argument(
         fmt::format("`batch` must be a multiple of 8 up to {}, or 0 for the most", Batch::capacity));
   return settings.batch == 0 ? Batch::capacity : settings.batch;
-}
-
-/// All particles may have been too few.
-void warn_unless_precise(const Beamline& beamline, const Result& result, Provenance& provenance) {
-  const double largest = largest_error(result), wanted = beamline.until->detected_error;
-  if (largest <= wanted) return;
-  const double needed = static_cast<double>(beamline.particles) * (largest / wanted) * (largest / wanted);
-  provenance.warnings.push_back(
-      fmt::format("all {} particles have flown, and the largest error of `detected` is {:.2g}, not {:.2g} as "
-                  "`until` wants\n  help: `particles` of {:.2g} may be enough",
-                  beamline.particles, largest, wanted, needed));
 }
 
 /// What a run goes on from is its own beginning.
@@ -155,6 +108,15 @@ void require_same_run(const Snapshot& start, const Setup& setup, const RunSettin
     refuse(setup.inputs().front().path + " or the program has changed since it was written");
   if (!(start.shard == settings.shard)) refuse("of another shard");
   if (start.transit != settings.transit) refuse("other moments of the slowness are kept");
+}
+
+/// What a run goes on from, but for the sums.
+Snapshot beginning_of(const Plan& plan, const Snapshot* start) {
+  Snapshot out;
+  for (const PlanTree& tree : plan.trees) out.particles += tree.last - tree.first;
+  out.sums.size = plan.sums;
+  if (start != nullptr) out.finished = start->finished;
+  return out;
 }
 
 /// Whether a file begins as HDF5 does (HDF5 File Format Specification, section II.A).
@@ -255,22 +217,26 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.stop = settings.stop;
   options.snapshot_seconds = settings.snapshot_seconds;
   options.start = settings.start;
+  options.ranks = settings.ranks;
+  const bool leads = settings.ranks == nullptr || settings.ranks->leads();
   Record record(setup.inputs(), options_of(setup.contents().changes), settings.arguments);
   if (settings.start != nullptr) record.continue_from(*settings.start);
+  const auto described = [&](Snapshot snapshot) {
+    snapshot.fingerprint = setup.fingerprint();
+    snapshot.arguments = settings.arguments;
+    snapshot.inputs = setup.inputs();
+    snapshot.changes = record->changes;
+    snapshot.transit = settings.transit;
+    snapshot.begun = record->start_time;
+    snapshot.seconds = record.seconds();
+    return snapshot;
+  };
   if (settings.snapshot)
-    options.snapshot = [&](Snapshot snapshot) {
-      snapshot.fingerprint = setup.fingerprint();
-      snapshot.arguments = settings.arguments;
-      snapshot.inputs = setup.inputs();
-      snapshot.changes = record->changes;
-      snapshot.transit = settings.transit;
-      snapshot.begun = record->start_time;
-      snapshot.seconds = record.seconds();
-      settings.snapshot(std::move(snapshot));
-    };
+    options.snapshot = [&](Snapshot snapshot) { settings.snapshot(described(std::move(snapshot))); };
 
   record->instruction_set = name_of(options.isa);
   record->threads = options.threads;
+  record->ranks = settings.ranks == nullptr ? 1 : settings.ranks->size();
   record->transit = settings.transit;
   MomentsWanted moments;
   moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
@@ -283,15 +249,20 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.error = precision.error();
       settings.progress(progress);
     };
-  require_memory(loaded.experiment, plan, options.threads);
+  require_memory(loaded.experiment, plan,
+                 options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()));
   if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
-  const std::vector<Diagnostic> warnings = warnings_before(loaded, loaded.experiment, plan);
-  if (settings.planned) settings.planned(warnings);
+  std::vector<Diagnostic> warnings;
+  if (leads) {
+    warnings = warnings_before(loaded, loaded.experiment, plan);
+    if (settings.planned) settings.planned(warnings);
+    if (settings.ranks != nullptr) give_order(described(beginning_of(plan, settings.start)), settings);
+  }
 
   RunOutcome outcome = run(plan, options);
   Provenance provenance = record.finish();
-  if (!outcome.finished || settings.shard.of > 1) return std::nullopt;
+  if (!leads || !outcome.finished || settings.shard.of > 1) return std::nullopt;
   std::optional<FlightRecord> flight;
   std::string_view why_not_kept;
   const int halvings = outcome.halvings;
@@ -307,8 +278,12 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
+  result.parameters = resolved_parameters(loaded.experiment);
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  if (std::string warning = warning_of_overflow(loaded.experiment, plan, result, options.isa);
+      !warning.empty())
+    provenance.warnings.push_back(std::move(warning));
   if (moments.everywhere && !result.flight)
     provenance.warnings.push_back(fmt::format(
         "nothing is kept for `rabiline rescan`: {}\n  help: omit --transit, or change that", why_not_kept));
@@ -331,6 +306,7 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
       located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
   if (settings.planned) settings.planned(warnings);
   Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa);
+  result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);

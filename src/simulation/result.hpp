@@ -112,6 +112,14 @@ struct Provenance {
   double seconds = 0;
   KeptTransit transit = KeptTransit::if_small;
   std::string commit{}, processor{};  // of the program's source; as the machine calls it
+  int ranks = 1;                      // processes, each with so many threads
+};
+
+/// A parameter of the experiment as it was flown.
+struct ResolvedParameter {
+  std::string name, unit;      // "H0.frequency"; of SI, empty for plain numbers and words
+  std::vector<double> values;  // [SI] one where all points agree, else [points]; NaN for a word, or where a
+  std::vector<std::string> words;  // point has no such parameter; the same of words, empty for a number
 };
 
 /// The largest deviations of flights in steps from an independent integration, over a sample of particles.
@@ -146,6 +154,7 @@ struct Result {
   std::vector<double> emitted_by_level;    // [points][levels] in particles; NaN where a point has no ledger
   std::optional<FlightRecord> flight;      // for other scans of it, where moments serve all points
   std::optional<FieldCheck> field_check;   // where particles were flown in steps
+  std::vector<ResolvedParameter> parameters;
   Provenance provenance;
 };
 

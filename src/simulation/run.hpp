@@ -5,6 +5,7 @@
 #include <string>
 
 #include "plan/plan.hpp"
+#include "simulation/ranks.hpp"
 #include "simulation/snapshot.hpp"
 
 namespace rabiline {
@@ -15,7 +16,7 @@ struct RunOptions {
   int batch = Batch::capacity;  // particles that go through the loops together; a multiple of 8
   double grain = 0.025;         // [s] of work that a thread takes at once, but never less than 8 particles
   const std::atomic<bool>* stop = nullptr;        // looked at between them
-  std::function<void(const Progress&)> progress;  // by one thread at a time, a few times a second
+  std::function<void(const Progress&)> progress;  // by the calling thread, a few times a second
   std::function<void(Snapshot)> snapshot;         // likewise, every snapshot_seconds and at the end
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here; must fit
@@ -24,6 +25,9 @@ struct RunOptions {
   /// one part after the other until they are.
   int halvings = 0;
   std::function<bool(const Sums&, int halvings)> enough;
+  /// That fly it together; the leader alone calls the functions above and has sums in the end. Of what a run
+  /// starts from, all know what has flown, the leader its sums.
+  Ranks* ranks = nullptr;
 };
 
 /// What a run leaves: its sums, and whether all particles are in them.
@@ -42,7 +46,9 @@ inline bool is_of(const Straggler& s, const Plan& plan) {
 bool fits(const Snapshot&, const Plan&);
 
 /// Flies every particle of the plan through its tree. The sums are the same bits for any number of threads,
-/// any batch size, any instruction set, and however often the run was stopped and went on.
+/// any batch size, any instruction set, any number of ranks, and however often the run was stopped and went
+/// on. Where a thread fails, what the others have flown goes to the snapshot first; then its exception is
+/// thrown, or RankFailure where there are several ranks.
 RunOutcome run(const Plan&, const RunOptions&);
 
 }  // namespace rabiline

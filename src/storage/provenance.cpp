@@ -26,6 +26,8 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   if (!provenance.instruction_set.empty()) simulation.text("instruction_set", provenance.instruction_set);
   simulation.text("host", provenance.host);
   simulation.number("threads", static_cast<std::uint64_t>(provenance.threads), {{"units", "1"}});
+  simulation.number("ranks", static_cast<std::uint64_t>(provenance.ranks),
+                    {{"units", "1"}, {"long_name", "processes that flew together, each with its threads"}});
   simulation.number("seconds", provenance.seconds,
                     {{"units", "s"}, {"long_name", "time that the run took (s)"}});
   simulation.text("start_time", provenance.start_time);

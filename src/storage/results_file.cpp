@@ -10,6 +10,7 @@
 #include "particle/batch.hpp"
 #include "storage/flight_file.hpp"
 #include "storage/nexus.hpp"
+#include "storage/parameters_group.hpp"
 #include "storage/provenance.hpp"
 #include "storage/tally_groups.hpp"
 
@@ -78,7 +79,7 @@ std::vector<Axis> behind(std::vector<Axis> axes, const std::vector<Axis>& more) 
 nexus::Names names_of_entry() {
   return nexus::Names({"title", "program_name", "law", "species", "particles", "solid_angle",
                        "aimed_fraction", "rate", "scan", "instrument", "fates", "flight", "field_check",
-                       "simulation"});
+                       "parameters", "simulation"});
 }
 std::vector<std::string> group_names(const Result& result, nexus::Names& names) {
   std::vector<std::string> claimed;
@@ -360,6 +361,7 @@ void write_content(const GroupWriter& entry, const Result& result) {
   write_instrument(entry, names, result);
   write_fates(entry, result);
   if (result.field_check) write_field_check(entry, *result.field_check);
+  nexus::write_parameters(entry, result.parameters);
 }
 
 GroupWriter entry_of(hdf5::FileWriter& file, const Result& result, const std::filesystem::path& path) {

@@ -365,6 +365,53 @@ def test_a_result_is_flown_again_from_what_it_holds(tmp_path: Path) -> None:
     assert rabiline("check", result).stdout == rabiline("check", EXPERIMENT, *FEW[:2], *FEW[4:], "--set", "H0.amplitude=0.4 uT").stdout
 
 
+def test_every_parameter_is_in_the_file_as_it_was_flown(tmp_path: Path) -> None:
+    output = run(tmp_path / "a.h5", "--particles", "64", "--scan", "H0.frequency=270 kHz,288.1 kHz", "--scan", "law=dorado,classical,quantum",
+                 "--set", "H0.amplitude=0.4 uT")
+    with h5py.File(output) as file:
+        group = file["entry/parameters"]
+        found = {name.decode(): (value, unit.decode(), word.decode())
+                 for name, value, unit, word in zip(*(group[key][()] for key in ("name", "value", "unit", "word")))}
+        assert found["H0.amplitude"][:2] == (pytest.approx(0.4e-6, rel=1e-15), "T")
+        assert found["source.speed.mean"][:2] == (1000, "m/s") and found["screen.bins.x"][0] == 80 and found["particles"][0] == 64
+        assert found["species.mass"][0] == pytest.approx(1.67492750056e-27) and found["H0.sense"][2] == "co"
+        assert "H0.frequency" not in found and "law.name" not in found
+        scanned = group["scanned"]
+        assert scanned["H0.frequency"].attrs["units"] == b"Hz" or scanned["H0.frequency"].attrs["units"] == "Hz"
+        assert sorted(set(scanned["H0.frequency"][()])) == [270e3, 288.1e3]
+        assert set(scanned["law.name"].asstr()[()]) == {"dorado", "classical", "quantum"}
+        closures = scanned["law.closure"].asstr()[()]
+        assert set(closures[scanned["law.name"].asstr()[()] != "dorado"]) == {""}
+
+
+def test_numbers_that_overflow_are_a_fate_with_an_example(tmp_path: Path) -> None:
+    """A map whose field is too large for the square of a number."""
+    rows = [f"{x},{y},{z},{1e200 if x > 0 else 1e-6},0,0" for x in (-0.01, 0.01) for y in (0.0, 0.05, 0.1) for z in (-0.01, 0.01)]
+    (tmp_path / "map.csv").write_text("x [m],y [m],z [m],Bx [T],By [T],Bz [T]\n" + "\n".join(rows) + "\n")
+    (tmp_path / "e.yaml").write_text("""rabiline: 1
+title: too strong
+species: neutron
+law: {name: classical}
+source:
+  speed: {kind: gaussian, mean: 1000 m/s, sigma: 10 m/s}
+  opening: {width: 1 mm, height: 1 mm}
+  direction: parallel
+parts:
+  - {name: map, kind: field_map, at: 0.1 m, map: map.csv, outside: zero}
+  - {name: screen, kind: detector, at: 1 m, width: 4 mm, height: 4 mm, bins: [4, 4]}
+particles: 200
+seed: 1
+""")
+    output = run(tmp_path / "a.h5", experiment=tmp_path / "e.yaml")
+    with h5py.File(output) as file:
+        fates = dict(zip(file["entry/fates/fate"].asstr()[()], file["entry/fates/particles"][:, 0]))
+        warnings = " ".join(file["entry/simulation/warnings"].asstr()[()])
+    assert fates["overflowed"] > 0 and "--particle" in warnings
+    number = warnings.split("--particle ")[1].split("`")[0]
+    traced = rabiline("trace", output, "--particle", number, "-o", tmp_path / "t.h5")
+    assert "overflowed" in traced.stdout, traced
+
+
 def test_what_a_title_holds_does_not_steer_a_terminal(tmp_path: Path) -> None:
     experiment = tmp_path / "mine.yaml"
     experiment.write_text(EXPERIMENT.read_text().replace("title: ", 'title: "\\x1b]0;x\\x07\\u009b31m" #', 1))

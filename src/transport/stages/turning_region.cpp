@@ -16,16 +16,18 @@
 namespace rabiline {
 namespace {
 
-/// The sums of a region: left backwards, gave up, left a map, stopped at each zone's wall, stopped at each
-/// edge, then one ScreenSums for each edge with a screen, then those of each sight: its census, its tallies.
+/// The sums of a region: left backwards, gave up, left a map, overflowed, stopped at each zone's wall,
+/// stopped at each edge, then one ScreenSums for each edge with a screen, then those of each sight: its
+/// census, its tallies.
 struct RegionSums {
   std::size_t zones;
   static std::size_t backwards() { return 0; }
   static std::size_t gave_up() { return 1; }
   static std::size_t left_map() { return 2; }
-  static std::size_t wall(std::size_t zone) { return 3 + zone; }
-  std::size_t edge(std::size_t edge) const { return 3 + zones + edge; }
-  std::size_t screens() const { return 3 + zones + zones; }
+  static std::size_t overflowed() { return 3; }
+  static std::size_t wall(std::size_t zone) { return 4 + zone; }
+  std::size_t edge(std::size_t edge) const { return 4 + zones + edge; }
+  std::size_t screens() const { return 4 + zones + zones; }
 };
 
 /// Where the sums of a region's sights begin among its own.
@@ -41,10 +43,22 @@ std::uint64_t counted_of(const Screen& screen, std::uint64_t weight) {
   return static_cast<std::uint64_t>(std::floor(static_cast<double>(weight) * screen.efficiency));
 }
 
+/// Whether a particle is beyond what numbers carry. Who met a wall or a screen had a place there.
+bool has_overflowed(const BatchView& batch, int i, std::uint64_t end) {
+  double sum = batch.sx[i] + batch.sy[i] + batch.sz[i];
+  if (end == region_end::forward || end == region_end::gave_up)
+    sum += batch.x[i] + batch.z[i] + batch.t[i] + batch.vx[i] + batch.vy[i] + batch.vz[i];
+  return !std::isfinite(sum);
+}
+
 /// Books the end of one particle's flight through a region; returns whether it flies on.
 bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
   const RegionSums layout{region.zones.size()};
   const std::uint64_t end = batch.scratch[i] & 0xffffffffULL, weight = batch.weight[i];
+  if (has_overflowed(batch, i, end)) {
+    sums[RegionSums::overflowed()] += weight;
+    return false;
+  }
   if (end == region_end::forward) return true;
   if (end == region_end::backwards) {
     sums[RegionSums::backwards()] += weight;
@@ -262,6 +276,7 @@ void TurningRegion::list_sums(SumSink& sink) const {
   sink.fate(fate::left_backwards, no_part, RegionSums::backwards());
   sink.fate(fate::gave_up, no_part, RegionSums::gave_up());
   if (!shaped.empty()) sink.fate(fate::left_map, no_part, RegionSums::left_map());
+  sink.fate(fate::overflowed, no_part, RegionSums::overflowed());
   for (std::size_t i = 0; i < zones.size(); ++i)
     if (std::isfinite(zones[i].wall_radius))
       sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));

@@ -1,0 +1,38 @@
+#pragma once
+// What has flown, by threads and in all.
+#include <mutex>
+#include <vector>
+
+#include "plan/plan.hpp"
+#include "simulation/ranks.hpp"
+#include "simulation/snapshot.hpp"
+#include "simulation/work.hpp"
+
+namespace rabiline {
+
+/// What one thread has flown since it was asked last. The lock is held while particles fly, so that whole
+/// stretches only are seen.
+struct ThreadSums {
+  std::mutex lock;
+  Sums sums;
+  Intervals finished;
+  std::vector<Straggler> stragglers;
+  bool torn = false;  // an exception came out of a stretch, of which the sums have a part
+};
+
+/// What has flown in all. Of several ranks the leader has it; the others only hand over what is theirs.
+struct Flown {
+  Sums sums;
+  Intervals finished;
+  std::vector<Straggler> stragglers;  // ascending, each once
+
+  Flown() = default;
+  /// Of a run that begins, or goes on from there.
+  Flown(const Plan&, const Snapshot* start);
+  /// Takes everything from all threads of all ranks. What a torn one has is lost.
+  void collect(std::vector<ThreadSums>&, Ranks&);
+  /// Of it, without what is known of the run.
+  Snapshot snapshot() const;
+};
+
+}  // namespace rabiline
