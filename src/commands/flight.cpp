@@ -134,8 +134,10 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   };
   settings.progress = [&](const Progress& p) { progress(p); };
   settings.snapshot = [&](Snapshot snapshot) {
-    if (!snapshot.complete && !stop_requested()) return write_or_warn(snapshot, checkpoint_of(output));
-    last = std::move(snapshot);
+    const bool is_last = snapshot.complete || stop_requested();
+    if (!is_last) write_or_warn(snapshot, checkpoint_of(output));
+    // Where several fly, another one may have been asked to stop.
+    if (is_last || settings.ranks != nullptr) last = std::move(snapshot);
   };
   settings.stop = &stop_requested();
   settings.start = start ? &*start : nullptr;

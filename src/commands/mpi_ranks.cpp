@@ -160,6 +160,7 @@ std::unique_ptr<Ranks> launched_ranks(const std::vector<std::string>& arguments)
   auto ranks = std::make_unique<MpiRanks>();
   if (ranks->size() == started) return ranks;
   const std::string why = fmt::format("MPI joins {} of them", ranks->size());
+  ranks.reset();
   const std::string help = "start them with `mpirun`, or `srun --mpi=pmix`";
 #else
   const std::string why = "this rabiline was built without MPI";

@@ -81,7 +81,7 @@ class Leaves {
     }  // else a table of numbers from a file, whose text is among the inputs
   }
 
-  void add(const std::string& name, const std::vector<Component>& components) {
+  void add(const std::string& name, const std::vector<Component>& components, Dimension) {
     for (std::size_t i = 0; i < components.size(); ++i) {
       const std::string here = components.size() == 1 ? name : fmt::format("{}.{}", name, i);
       const Species& species = components[i].species;
@@ -94,7 +94,7 @@ class Leaves {
       add(here + ".structure", species.structure);
     }
   }
-  void add(const std::string& /*key*/, const std::vector<PlacedPart>& parts) {
+  void add(const std::string& /*key*/, const std::vector<PlacedPart>& parts, Dimension) {
     for (const PlacedPart& part : parts) {
       add(part.placement.name, part.placement);
       add(part.placement.name, part.part);

@@ -386,7 +386,8 @@ def test_every_parameter_is_in_the_file_as_it_was_flown(tmp_path: Path) -> None:
 
 def test_numbers_that_overflow_are_a_fate_with_an_example(tmp_path: Path) -> None:
     """A map whose field is too large for the square of a number."""
-    rows = [f"{x},{y},{z},{1e200 if x > 0 else 1e-6},0,0" for x in (-0.01, 0.01) for y in (0.0, 0.05, 0.1) for z in (-0.01, 0.01)]
+    rows = [f"{x},{y},{z},{1e200 if x > 0 else 1e-6},0,0" for x in (-0.03, -0.01, 0.01, 0.03)
+            for y in (0.0, 0.05, 0.1, 0.15) for z in (-0.03, -0.01, 0.01, 0.03)]
     (tmp_path / "map.csv").write_text("x [m],y [m],z [m],Bx [T],By [T],Bz [T]\n" + "\n".join(rows) + "\n")
     (tmp_path / "e.yaml").write_text("""rabiline: 1
 title: too strong

@@ -123,7 +123,9 @@ TEST(Ranks, EndTogetherWhereOneFailsAndKeepWhatHasFlown) {
       run(plan, options);
     } catch (const RankFailure& failure) {
       ++failures;
-      if (own.leads()) EXPECT_STREQ(failure.what(), "rank 0 of 3 failed: the disk is gone");
+      if (own.leads()) {
+        EXPECT_STREQ(failure.what(), "rank 0 of 3 failed: the disk is gone");
+      }
     }
   });
   EXPECT_EQ(failures, 3);
