@@ -25,8 +25,10 @@ enum class Dimension {
   area,            // m^2
   number_density,  // 1/m^3
   pressure,        // Pa
-  acceleration     // m/s^2
+  acceleration,    // m/s^2
+  angle_per_length,  // rad/m
+  per_length         // 1/m
 };
-inline constexpr Dimension last_dimension = Dimension::acceleration;
+inline constexpr Dimension last_dimension = Dimension::per_length;
 
 }  // namespace rabiline

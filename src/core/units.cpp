@@ -45,6 +45,8 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::number_density, "number density", "1e12 1/cm^3", "1/m^3"},
     DimensionRow{Dimension::pressure, "pressure", "1 mPa", "Pa"},
     DimensionRow{Dimension::acceleration, "acceleration", "9.81 m/s^2", "m/s^2"},
+    DimensionRow{Dimension::angle_per_length, "angle per length", "5 deg/mm", "rad/m"},
+    DimensionRow{Dimension::per_length, "growth per length", "0.1 1/mm", "1/m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -133,6 +135,17 @@ constexpr std::array unit_rows{
     UnitRow{Dimension::acceleration, "m/s^2", "-"},
     UnitRow{Dimension::acceleration, "cm/s^2", "-", 1, -2},
     UnitRow{Dimension::pressure, "Torr", "-m", 101325.0 / 760},
+    UnitRow{Dimension::angle_per_length, "rad/m", "-mu"},
+    UnitRow{Dimension::angle_per_length, "rad/mm", "-mu", 1, 3},
+    UnitRow{Dimension::angle_per_length, "deg/m", "-", two_pi / 360},
+    UnitRow{Dimension::angle_per_length, "deg/cm", "-", 100 * (two_pi / 360)},
+    UnitRow{Dimension::angle_per_length, "deg/mm", "-", 1000 * (two_pi / 360)},
+    UnitRow{Dimension::per_length, "1/m", "-"},
+    UnitRow{Dimension::per_length, "1/cm", "-", 1, 2},
+    UnitRow{Dimension::per_length, "1/mm", "-", 1, 3},
+    UnitRow{Dimension::per_length, "%/m", "-", 1, -2},
+    UnitRow{Dimension::per_length, "%/cm", "-"},
+    UnitRow{Dimension::per_length, "%/mm", "-", 1, 1},
 };
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -334,7 +347,9 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "m^2|cm^2|mm^2|nm^2|angstrom^2",
                                                     "1/cm^3|1/m^3",
                                                     "kPa|Pa|mPa|uPa",
-                                                    "m/s^2|cm/s^2"};
+                                                    "m/s^2|cm/s^2",
+                                                    "rad/mm|rad/m|mrad/m",
+                                                    "1/mm|1/m"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

@@ -1,5 +1,7 @@
 #include "face/probe.hpp"
 
+#include <numbers>
+
 #include "core/constants.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -18,17 +20,21 @@ void add_uniform(const Vector3& field, Here& sum) {
 }
 
 /// Its slope along the beam is that of its envelope and its twist, by differences.
-void add_rotating(const RotatingTerm& term, double gamma, double y, double time, Here& sum) {
+void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, double time, Here& sum) {
+  const Oscillator& clock = term.oscillator;
+  const double sense = term.motion == FieldMotion::turns ? clock.sense(gamma) : 1;
+  const double of_place = phase_of(term.slopes, place.x, place.z),
+               share = is_on(term.gate, time) ? share_of(term.slopes, place.x, place.z) : 0;
   const auto field = [&](double at) {
-    const double angle =
-        term.oscillator.omega(gamma) * time + term.oscillator.phase + term.twist * (at - term.envelope.begin);
+    const double angle = clock.omega(gamma) * time + clock.phase + term.twist * (at - term.envelope.begin) +
+                         2 * std::numbers::pi * sense * swept(clock.sweep, time) + of_place;
     const Vector3 along = portable::cos(angle) * term.first;
-    return (term.amplitude * share_of(term.envelope, at)) *
+    return (term.amplitude * share * share_of(term.envelope, at)) *
            (term.motion == FieldMotion::turns ? along + portable::sin(angle) * term.second : along);
   };
   constexpr double h = 1e-6;  // [m]
-  add_uniform(field(y), sum);
-  const Vector3 slope = (0.5 / h) * (field(y + h) - field(y - h));
+  add_uniform(field(place.y), sum);
+  const Vector3 slope = (0.5 / h) * (field(place.y + h) - field(place.y - h));
   sum.slope[1] += slope.x;
   sum.slope[4] += slope.y;
   sum.slope[7] += slope.z;
@@ -54,7 +60,7 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
   for (const Section& section : all.sections) {
     if (place.y < section.begin || place.y >= section.end) continue;
     if (!in_magnet) add_uniform(section.field, sum);
-    for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place.y, time, sum);
+    for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place, time, sum);
     for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, place.x, place.y, place.z, sum);
   }
   return sum;

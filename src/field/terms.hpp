@@ -1,5 +1,6 @@
 #pragma once
 // Fields as plain values: B(y, t) inside one section of the beam. Fields that overlap add up.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -29,7 +30,33 @@ inline double share_of(const Envelope& envelope, double y) {
     const double sigmas = (y - envelope.begin - envelope.length / 2) / envelope.sigma;
     return envelope.sigma > 0 ? portable::exp(-sigmas * sigmas / 2) : 0;
   }
+  if (envelope.shape == Shape::standing_wave) {
+    if (!(y > envelope.begin && y < envelope.begin + envelope.length)) return 0;
+    const double angle = envelope.half_waves * std::numbers::pi * (y - envelope.begin) / envelope.length;
+    return envelope.is_cosine ? portable::cos(angle) : portable::sin(angle);
+  }
   return 1;
+}
+/// What a sweep has added to the angle of a clock by the time t, in units of its rate times s^2.
+inline double swept(const Sweep& sweep, double t) {
+  const double all = sweep.end - sweep.begin, within = std::clamp(t - sweep.begin, 0.0, all);
+  return sweep.rate * (within * within / 2 + all * std::max(0.0, t - sweep.end));
+}
+/// Whether a field is on at the time t.
+inline bool is_on(const Gate& gate, double t) {
+  if (gate.begin == gate.end) return true;
+  double since = t - gate.begin;
+  if (gate.period > 0)
+    since -= gate.period * std::clamp(std::floor(since / gate.period), 0.0, gate.times - 1);
+  return since >= 0 && since < gate.end - gate.begin;
+}
+/// The factor of a field's size beside its centre.
+inline double share_of(const Slopes& slopes, double x, double z) {
+  return 1 + slopes.size_x * (x - slopes.x) + slopes.size_z * (z - slopes.z);
+}
+/// What is added to its phase there.
+inline double phase_of(const Slopes& slopes, double x, double z) {
+  return slopes.phase_x * (x - slopes.x) + slopes.phase_z * (z - slopes.z);
 }
 
 /// The clock that fields follow: its angle is omega t + phase, t the time in the laboratory from a particle's
@@ -40,24 +67,28 @@ struct Oscillator {
   double phase = 0;           // [rad], the field's own included
   int part = 0;               // number of the part whose clock it is
   bool random_phase = false;  // the phase at emission is drawn for each particle
+  Sweep sweep{};
   bool operator==(const Oscillator&) const = default;
 
-  /// Signed angular velocity [rad/s] about first x second of a field, for a species with that gamma; a
-  /// species without a moment counts as one with gamma > 0.
-  double omega(double gyromagnetic_ratio) const {
-    constexpr double two_pi = 6.283185307179586476925;
+  /// The sense of turning about first x second of a field, +1 or -1, for a species with that gamma; a species
+  /// without a moment counts as one with gamma > 0.
+  double sense(double gyromagnetic_ratio) const {
     const double precession = gyromagnetic_ratio < 0 ? 1 : -1;
     switch (turn) {
       case Turn::positive:
-        return two_pi * frequency;
+        return 1;
       case Turn::negative:
-        return -two_pi * frequency;
+        return -1;
       case Turn::with_precession:
-        return precession * two_pi * frequency;
+        return precession;
       case Turn::against_precession:
         break;
     }
-    return -precession * two_pi * frequency;
+    return -precession;
+  }
+  /// Signed angular velocity [rad/s], where nothing sweeps it.
+  double omega(double gyromagnetic_ratio) const {
+    return sense(gyromagnetic_ratio) * 2 * std::numbers::pi * frequency;
   }
 };
 
@@ -75,6 +106,8 @@ struct RotatingTerm {
   Vector3 first{1, 0, 0}, second{0, 1, 0};  // the plane
   double twist = 0;                         // [rad/m] along the beam, from envelope.begin
   Envelope envelope;
+  Gate gate{};
+  Slopes slopes{};
   bool operator==(const RotatingTerm&) const = default;
 };
 

@@ -140,6 +140,10 @@ bool read_value(const Node& node, const Place& named_at, const Row& row, Reading
     for (const Node& item : node.items) good = read_component(item, reading, out.emplace_back()) && good;
     return good;
   }
+  if (const Mixture* mixture = node.is_scalar() ? find_mixture(node.scalar) : nullptr) {
+    out = mixture->components;
+    return true;
+  }
   Component& only = out.emplace_back();
   if (node.is_scalar()) return find_in_library(node, reading, only.species);
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);

@@ -177,7 +177,7 @@ const std::vector<Topic>& topics() {
     out.push_back({"species", "what flies", describe_species});
     out.push_back({"structure", "the levels of a species", describe_structure});
     out.push_back({"profile", "how the size of an alternating field runs along it", [] {
-                     return describe_variant<AmplitudeProfile>(
+                     return describe_variant<DriveProfile>(
                          "profile", "how the size of an alternating field runs along it");
                    }});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});

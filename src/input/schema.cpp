@@ -81,12 +81,16 @@ std::string schema_of_species() {
   named.add("name", schema_of_words(names), true);
   named.add("fraction", fraction, true);
   share.add("fraction", fraction, true);
+  std::vector<Word> mixtures;
+  for (const Mixture& mixture : natural_mixtures())
+    mixtures.push_back({mixture.name, "isotopes in the shares in which nature has them"});
   std::vector<std::string> items = schemas_of_rows<SpeciesWithMoment>(share);
   for (std::string& item : schemas_of_rows<SpeciesWithLevels>(share)) items.push_back(std::move(item));
   items.push_back(named.schema());
   std::vector<std::string> out = schemas_of_rows<SpeciesWithMoment>();
   for (std::string& own : schemas_of_rows<SpeciesWithLevels>()) out.push_back(std::move(own));
   out.push_back(schema_of_words(names));
+  out.push_back(schema_of_words(mixtures));
   out.push_back(alone.schema());
   out.push_back(fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})", any_of(items)));
   return any_of(out);

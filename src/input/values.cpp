@@ -206,7 +206,8 @@ std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span
 bool ValueType<HalfInteger>::read(const Node& node, const Row& row, Reading& reading, HalfInteger& out) {
   static constexpr std::array<std::string_view, 10> written{"0",   "1/2", "1",   "3/2", "2",
                                                             "5/2", "3",   "7/2", "4",   "9/2"};
-  for (std::size_t twice = 1; node.is_scalar() && twice < written.size(); ++twice)
+  const bool may_vanish = row.key == "I";  // of an atom whose nucleus has no spin
+  for (std::size_t twice = may_vanish ? 0 : 1; node.is_scalar() && twice < written.size(); ++twice)
     if (node.scalar == written[twice]) {
       out.twice = static_cast<int>(twice);
       return true;
@@ -216,12 +217,12 @@ bool ValueType<HalfInteger>::read(const Node& node, const Row& row, Reading& rea
   const double twice = 2 * parsed.value;
   if (parsed.error.empty() && twice >= 1 && twice <= 9 && twice == std::floor(twice))
     help = fmt::format("write it as `{}`", written[static_cast<std::size_t>(twice)]);
-  if ((row.key == "I" || row.key == "J") && parsed.error.empty() && twice == 0)
+  if (row.key == "J" && parsed.error.empty() && twice == 0)
     help = "a species without it is a point: give `spin` and `gyromagnetic_ratio` instead of `structure`";
-  reading.error(
-      node.place,
-      fmt::format("`{}` is a whole or half number from 1/2 to 9/2, but {} stands here", row.key, quote(node)),
-      std::move(help));
+  reading.error(node.place,
+                fmt::format("`{}` is a whole or half number from {} to 9/2, but {} stands here", row.key,
+                            may_vanish ? "0" : "1/2", quote(node)),
+                std::move(help));
   return false;
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <tuple>
 #include <variant>
+#include <vector>
 
 #include "parameter/parameter.hpp"
 #include "spin/coupled_spins.hpp"
@@ -25,16 +26,16 @@ struct Structure {
 };
 template <>
 inline constexpr auto parameters<Structure> = std::tuple{
-    param("I", &Structure::i, "nuclear spin, 1/2 to 9/2"),
+    param("I", &Structure::i, "nuclear spin, 0 to 9/2"),
     param("J", &Structure::j, "the other angular momentum: of the electrons, or of a rotating molecule"),
     param("coupling", &Structure::coupling, Dimension::frequency, range::any,
-          "A of the interaction A I.J; negative where the largest F is the lowest"),
+          "A of the interaction A I.J; negative where the largest F is the lowest", 0.0),
     param("quadrupole", &Structure::quadrupole, Dimension::frequency, range::any,
           "B of the interaction of quadrupole type, for I and J of 1 or more", 0.0),
     param("g_J", &Structure::g_j, Dimension::number, range::any,
           "g factor of J in Bohr magnetons, positive for an electron"),
     param("g_I", &Structure::g_i, Dimension::number, range::any,
-          "g factor g_I' of I in Bohr magnetons, negative for a positive moment"),
+          "g factor g_I' of I in Bohr magnetons, negative for a positive moment", 0.0),
 };
 CoupledSpins coupled_spins(const Structure&);
 
@@ -135,10 +136,20 @@ struct Component {
   bool operator==(const Component&) const = default;
 };
 
+/// Isotopes in the shares in which an element has them.
+struct Mixture {
+  std::string name;
+  std::vector<Component> components;
+};
+
 /// The built-in species with one moment: free particles, then atoms with the moment of their nucleus.
 std::span<const Species> species_library();
 /// The built-in atoms and molecules with levels: "H atom", "ortho-H2".
 std::span<const Species> species_with_levels();
+/// "natural K", whose nuclei are points, and "natural K atom".
+std::span<const Mixture> natural_mixtures();
+/// The built-in mixture of that name, or nullptr.
+const Mixture* find_mixture(std::string_view name);
 /// A neutral species with the levels of a structure, and the spin and gamma that the vector laws take from
 /// it.
 Species with_levels(std::string name, double mass, const Structure&, std::string source);

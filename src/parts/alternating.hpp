@@ -18,15 +18,63 @@ void add_alternating(const Part& part, const Placement& place, RotatingTerm term
   const double end = place.at + part.length;
   term.amplitude = part.amplitude;
   term.envelope = envelope_of(part.profile, place.at, part.length);
+  term.gate = gate_of(part.pulses);
+  term.slopes = slopes_of(part.phase_gradient, part.amplitude_gradient, part.offset);
   if (part.oscillator)
     term.oscillator.phase = part.phase.angle;
   else
     builder.oscillator(place.name, {.frequency = part.frequency.value(),
                                     .turn = turn,
                                     .phase = part.phase.angle,
-                                    .random_phase = part.phase.kind == Phase::Kind::random});
+                                    .random_phase = part.phase.kind == Phase::Kind::random,
+                                    .sweep = sweep_of(part.sweep, part.frequency.value())});
   builder.zone(place.at, end, term, part.oscillator.value_or(place.name));
   if (part.bore) builder.bore(place.at, end, part.bore->radius, part.offset);
+}
+
+/// What a sweep cannot mean; it is the clock's.
+template <class Part>
+void check_sweep(const Part& part, const std::string& name, std::vector<Fault>& out) {
+  if (!part.sweep) return;
+  const FrequencySweep& sweep = *part.sweep;
+  if (part.oscillator)
+    out.push_back({name, "sweep",
+                   fmt::format("`{}` has a `sweep` of its own, but it follows the clock of `{}`", name,
+                               *part.oscillator),
+                   "omit `sweep`, or `oscillator`"});
+  else if (sweep.end <= sweep.begin)
+    out.push_back({name, "sweep.end", fmt::format("the sweep of `{}` ends before it begins", name),
+                   "make `end` later than `begin`"});
+  else if (part.frequency && (sweep.to <= 0 || *part.frequency <= 0))
+    out.push_back(
+        {name, "sweep.to",
+         fmt::format("the sweep of `{}` from {} to {} goes through zero frequency, where a field neither "
+                     "turns nor swings",
+                     name, pretty_quantity(*part.frequency, Dimension::frequency),
+                     pretty_quantity(sweep.to, Dimension::frequency)),
+         "keep both ends above zero; a field that turns the other way has the other `sense`"});
+}
+
+/// What a train of pulses cannot mean.
+template <class Part>
+void check_pulses(const Part& part, const std::string& name, std::vector<Fault>& out) {
+  if (!part.pulses) return;
+  const PulseTrain& train = *part.pulses;
+  const double length = train.end - train.begin;
+  if (length <= 0)
+    out.push_back({name, "pulses.end", fmt::format("`{}` is switched off before it is switched on", name),
+                   "make `end` later than `begin`"});
+  else if (train.times && *train.times > 1 && !train.period)
+    out.push_back(
+        {name, "pulses.times",
+         fmt::format("`{}` does not say how soon its {} pulses follow each other", name, *train.times),
+         "add `period`, or omit `times` for one pulse"});
+  else if (train.period && *train.period < length)
+    out.push_back({name, "pulses.period",
+                   fmt::format("pulses of {} that follow each other every {} would overlap",
+                               pretty_quantity(length, Dimension::time),
+                               pretty_quantity(*train.period, Dimension::time)),
+                   "make `period` longer, or omit `pulses` for a field that is always on"});
 }
 
 /// A clock of its own has a frequency and, of a field that turns, a sense; one that is followed gives both.
@@ -51,6 +99,8 @@ std::vector<Fault> faults_of_clock(const Part& part, const Placement& place) {
         {name, "oscillator", fmt::format("`{}` cannot follow its own clock", name), "omit `oscillator`"});
   check("frequency", part.frequency.has_value(), "291.6 kHz");
   if constexpr (requires { part.sense; }) check("sense", part.sense.has_value(), "co");
+  check_sweep(part, name, out);
+  check_pulses(part, name, out);
   if (part.oscillator && part.phase.kind == Phase::Kind::random)
     out.push_back({name, "phase",
                    fmt::format("the phase of `{}` cannot be random: it follows the clock of `{}`", name,

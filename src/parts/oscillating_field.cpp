@@ -10,6 +10,7 @@ void contribute(const OscillatingField& part, const Placement& place, SectionBui
       part.approximation == Approximation::none ? FieldMotion::swings : FieldMotion::swings_in_rotating_wave;
   term.first = turned(part.direction, part.tilt);
   term.second = {};
+  term.twist = part.phase_advance / part.length;
   add_alternating(part, place, term, Turn::positive, builder);
 }
 

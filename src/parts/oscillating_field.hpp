@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "parts/drive_shape.hpp"
 #include "parts/phase.hpp"
 #include "parts/placement.hpp"
 #include "parts/profile.hpp"
@@ -34,8 +35,13 @@ struct OscillatingField {
   Phase phase;                            // at emission
   std::optional<std::string> oscillator;  // name of the oscillating_field whose clock this zone follows
   UnitVector direction{1, 0, 0};
-  AmplitudeProfile profile{};
+  double phase_advance = 0;  // [rad]
+  DriveProfile profile{};
   std::optional<Bore> bore;
+  std::optional<FrequencySweep> sweep;  // of its own clock
+  std::optional<PulseTrain> pulses;
+  PhaseGradient phase_gradient{};
+  AmplitudeGradient amplitude_gradient{};
   Offset offset{};
   Tilt tilt{};
   bool operator==(const OscillatingField&) const = default;
@@ -54,9 +60,21 @@ inline constexpr auto parameters<OscillatingField> = std::tuple{
     param("direction", &OscillatingField::direction, "axis along which it oscillates; x where it is missing",
           UnitVector{1, 0, 0}),
     param("profile", &OscillatingField::profile,
-          "how its amplitude runs along its length; rectangular where it is missing", AmplitudeProfile{}),
+          "how its amplitude runs along its length; rectangular where it is missing", DriveProfile{}),
+    param("phase_advance", &OscillatingField::phase_advance, Dimension::angle, range::any,
+          "angle by which its phase gets ahead over its length: a wave that travels against the beam", 0.0),
     param("bore", &OscillatingField::bore, "wall around the field; none where it is missing"),
-    param("offset", &OscillatingField::offset, "displacement of the bore's centre from the axis", Offset{}),
+    param("sweep", &OscillatingField::sweep,
+          "how its frequency changes in time; not at all where it is missing"),
+    param("pulses", &OscillatingField::pulses, "when it is on; always where it is missing"),
+    param("phase_gradient", &OscillatingField::phase_gradient,
+          "how its phase differs across the beam, from its axis; not at all where it is missing",
+          PhaseGradient{}),
+    param("amplitude_gradient", &OscillatingField::amplitude_gradient,
+          "how its amplitude differs across the beam, from its axis; not at all where it is missing",
+          AmplitudeGradient{}),
+    param("offset", &OscillatingField::offset, "displacement of its axis and of the bore from the beam's",
+          Offset{}),
     param("tilt", &OscillatingField::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 

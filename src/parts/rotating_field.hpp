@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "parts/drive_shape.hpp"
 #include "parts/phase.hpp"
 #include "parts/placement.hpp"
 #include "parts/profile.hpp"
@@ -34,8 +35,12 @@ struct RotatingField {
   Phase phase;                            // at emission
   std::optional<std::string> oscillator;  // name of the rotating_field whose clock this zone follows
   std::optional<Bore> bore;
-  AmplitudeProfile profile{};
-  double twist = 0;  // [rad]
+  DriveProfile profile{};
+  double twist = 0;                     // [rad]
+  std::optional<FrequencySweep> sweep;  // of its own clock
+  std::optional<PulseTrain> pulses;
+  PhaseGradient phase_gradient{};
+  AmplitudeGradient amplitude_gradient{};
   Offset offset{};
   Tilt tilt{};
   bool operator==(const RotatingField&) const = default;
@@ -54,10 +59,20 @@ inline constexpr auto parameters<RotatingField> = std::tuple{
           "name of the rotating_field whose clock this zone follows; its own where it is missing"),
     param("bore", &RotatingField::bore, "wall around the field; none where it is missing"),
     param("profile", &RotatingField::profile,
-          "how its size runs along its length; rectangular where it is missing", AmplitudeProfile{}),
+          "how its size runs along its length; rectangular where it is missing", DriveProfile{}),
     param("twist", &RotatingField::twist, Dimension::angle, range::any,
           "angle by which the field's direction also turns over its length, right-handed about +z", 0.0),
-    param("offset", &RotatingField::offset, "displacement of the bore's centre from the axis", Offset{}),
+    param("sweep", &RotatingField::sweep,
+          "how its frequency changes in time; not at all where it is missing"),
+    param("pulses", &RotatingField::pulses, "when it is on; always where it is missing"),
+    param("phase_gradient", &RotatingField::phase_gradient,
+          "how its phase differs across the beam, from its axis; not at all where it is missing",
+          PhaseGradient{}),
+    param("amplitude_gradient", &RotatingField::amplitude_gradient,
+          "how its amplitude differs across the beam, from its axis; not at all where it is missing",
+          AmplitudeGradient{}),
+    param("offset", &RotatingField::offset, "displacement of its axis and of the bore from the beam's",
+          Offset{}),
     param("tilt", &RotatingField::tilt, "how the field is turned inside its slab", Tilt{}),
 };
 

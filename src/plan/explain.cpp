@@ -75,6 +75,7 @@ class Explainer {
     seen_component_[static_cast<std::size_t>(tree.component)] = true;
     const Species& s = beamline_.species[static_cast<std::size_t>(tree.component)].species;
     report_.species = &s;
+    component_ = tree.component;
     line("");
     const bool of_atom = s.structure && law_traits(beamline_.law).has_levels;
     report_.of_atom = of_atom;
@@ -140,8 +141,8 @@ class Explainer {
   }
   /// What drives an atom's levels before a part asks for them, once for each.
   void tell_driven(int part) {
-    if (!told_.insert(part).second) return;
-    for (const std::string& text : driven_.lines(part, report_.speed)) line("{:>16}{}", "", text);
+    if (!told_.insert({component_, part}).second) return;
+    for (const std::string& text : driven_.lines(component_, part, report_.speed)) line("{:>16}{}", "", text);
   }
   std::string reuse(std::size_t shared) const {
     if (plan_.points == 1) return "";
@@ -163,7 +164,8 @@ class Explainer {
   const Beamline& beamline_;
   const Plan& plan_;
   const DrivenParts driven_;
-  std::set<int> told_;
+  int component_ = 0;                   // of the beam, that is told of
+  std::set<std::pair<int, int>> told_;  // component and part
   std::vector<bool> seen_component_;
   PlanReport report_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -73,14 +74,30 @@ std::string left_out(double neglected) {
 }
 std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_field); }
 
-/// The nearest transitions, a line each.
-void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t most,
-                      std::vector<std::string>& out) {
+/// What of a field is along B and leaves m as it is, and what turns right-handed and left-handed about it: m
+/// + 1 and m - 1 of the upper level.
+std::string parts_of(const RotatingTerm& drive) {
+  const double swings = drive.amplitude * portable::hypot(drive.first.x, drive.first.y) / 2;
+  const int sense = sense_of(drive);
+  return fmt::format("pi {}, sigma+ {}, sigma- {}",
+                     tesla(sense == 0 ? drive.amplitude * std::abs(drive.first.z) : 0),
+                     tesla(sense == 0  ? swings
+                           : sense > 0 ? drive.amplitude
+                                       : 0),
+                     tesla(sense == 0  ? swings
+                           : sense < 0 ? drive.amplitude
+                                       : 0));
+}
+
+/// The nearest transitions, a line each: so many, and all within 100 widths where `all`.
+void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t least,
+                      bool all, std::vector<std::string>& out) {
   const std::vector<Transition> near = transitions_near(structure, zone);
   const Eigen::VectorXd shifts = shifts_of(structure, zone);
   if (near.empty()) out.emplace_back("    no transition turns with it");
-  for (std::size_t i = 0; i < near.size() && i < most; ++i) {
+  for (std::size_t i = 0; i < near.size(); ++i) {
     const Transition& t = near[i];
+    if (i >= least && !(all && std::abs(t.detuning) <= 100 * width)) break;
     std::string flips;
     if (const double rate = portable::hypot(t.rabi, t.detuning);
         zone.drive->envelope.shape == Shape::rectangular && rate > 0)
@@ -122,24 +139,24 @@ std::string headline_of(const Species& atom) {
 
 DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
     : experiment_(experiment), plan_(plan) {
-  for (const PlanTree& tree : plan.trees) collect(tree.next);
+  for (const PlanTree& tree : plan.trees) collect(tree.component, tree.next);
 }
 
-void DrivenParts::collect(const std::vector<PlanNode>& nodes) {
+void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
   for (const PlanNode& node : nodes) {
-    collect(node.stage, node.points);
-    for (const PlanNode::Way& way : node.ways) collect(way.stage, way.points);
-    collect(node.next);
+    collect(component, node.stage, node.points);
+    for (const PlanNode::Way& way : node.ways) collect(component, way.stage, way.points);
+    collect(component, node.next);
   }
 }
 
-void DrivenParts::collect(const Stage& stage, const std::vector<int>& points) {
+void DrivenParts::collect(int component, const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
   if (path == nullptr || path->transitions == nullptr) return;
   // Numbers of parts differ between the points where one is moved or not enabled.
   const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
   std::vector<const Driven*>& at =
-      parts_[beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name];
+      parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
   at.resize(experiment_.points.size());
   const Driven* driven = &plan_.tables->driven_by(path->transitions);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
@@ -153,9 +170,10 @@ std::string DrivenParts::name_at(double y) const {
   return fmt::format("the field at {:.4g} m", y);
 }
 
-double DrivenParts::speed_at(std::size_t point) const {
+double DrivenParts::speed_at(std::size_t point, int component) const {
   const Beamline& beamline = experiment_.points[point];
-  return mean_speed(beamline.source.speed, beamline.species.front().species.mass);
+  return mean_speed(beamline.source.speed,
+                    beamline.species[static_cast<std::size_t>(component)].species.mass);
 }
 
 void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
@@ -174,14 +192,15 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),
                               megahertz(zone.drive->oscillator.frequency),
                               pretty_quantity(width, Dimension::frequency)));
-    tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, out);
+    if (point == 0) out.push_back(fmt::format("    its parts about B: {}", parts_of(*zone.drive)));
+    tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, point == 0, out);
   }
 }
 
-std::vector<std::string> DrivenParts::lines(int part, double speed) const {
+std::vector<std::string> DrivenParts::lines(int component, int part, double speed) const {
   std::vector<std::string> out;
-  const auto found =
-      parts_.find(experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name);
+  const auto found = parts_.find(
+      {component, experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name});
   if (found == parts_.end()) return out;
   const std::vector<const Driven*>& at = found->second;
   const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
@@ -226,9 +245,11 @@ std::vector<Fault> DrivenParts::warnings() const {
     double distance = 0;  // in widths and Rabi frequencies
     const LevelZone* zone = nullptr;
     const Structure* structure = nullptr;
-    bool useful = false;
   };
-  for (const auto& [name, at] : parts_) {
+  std::set<std::string> useful;  // fields that drive some species of the beam
+  std::vector<Best> all;
+  for (const auto& [where, at] : parts_) {
+    const auto& [component, name] = where;
     std::vector<Best> best;
     const Driven* before = nullptr;
     double neglected = 0;
@@ -240,30 +261,32 @@ std::vector<Fault> DrivenParts::warnings() const {
       const std::vector<const LevelZone*> zones = driven_zones_of(*driven);
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
-        const double width = speed_at(point) / (zones[i]->end - zones[i]->begin);
+        const double width = speed_at(point, component) / (zones[i]->end - zones[i]->begin);
         std::vector<Transition> near = transitions_near(driven->structure, *zones[i]);
-        for (const Transition& t : near) best[i].useful = best[i].useful || !is_far(t, width);
-        if (best[i].useful) continue;
+        for (const Transition& t : near)
+          if (!is_far(t, width)) useful.insert(name_at(zones[i]->begin));
+        if (useful.contains(name_at(zones[i]->begin))) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
         best[i] = {std::move(near), distance, zones[i], &driven->structure};
       }
     }
-    for (const Best& b : best) {
-      if (b.useful || b.zone == nullptr) continue;
-      std::string list;
-      for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
-        list += fmt::format("{}{} at {}", i == 0 ? "" : ", ", name_of(*b.structure, b.near[i]),
-                            megahertz(b.near[i].frequency));
-      add(name_at(b.zone->begin), "frequency",
-          fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
-                      experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
-                      megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
-    }
+    std::ranges::move(best, std::back_inserter(all));
     if (neglected > 0.1)
       add(name, "",
           fmt::format("the rotating-wave approximation before `{}` is poor: {}", name, left_out(neglected)),
           "a smaller field helps, or one that turns: a `rotating_field`");
+  }
+  for (const Best& b : all) {
+    if (b.zone == nullptr || useful.contains(name_at(b.zone->begin))) continue;
+    std::string list;
+    for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
+      list += fmt::format("{}{} at {}", i == 0 ? "" : ", ", name_of(*b.structure, b.near[i]),
+                          megahertz(b.near[i].frequency));
+    add(name_at(b.zone->begin), "frequency",
+        fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
+                    experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
+                    megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
   }
   return out;
 }

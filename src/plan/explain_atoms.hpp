@@ -2,6 +2,7 @@
 // What a plan does to the levels of atoms, in words.
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "beamline/experiment.hpp"
@@ -18,24 +19,26 @@ class DrivenParts {
  public:
   DrivenParts(const Experiment&, const Plan&);
 
-  /// The fields that drive transitions before a part of the first scan point, and how well they are known; a
-  /// line each, without indentation. At the first, the middle and the last scan point.
-  std::vector<std::string> lines(int part, double speed) const;
+  /// The fields that drive transitions of a component of the beam before a part of the first scan point, and
+  /// how well they are known; a line each, without indentation. At the first, the middle and the last scan
+  /// point.
+  std::vector<std::string> lines(int component, int part, double speed) const;
   /// Fields that drive nothing at any point; tables that are not as exact as they should be.
   std::vector<Fault> warnings() const;
 
  private:
   using Driven = SampledTables::Driven;
-  void collect(const std::vector<PlanNode>&);
-  void collect(const Stage&, const std::vector<int>& points);
+  void collect(int component, const std::vector<PlanNode>&);
+  void collect(int component, const Stage&, const std::vector<int>& points);
   std::string name_at(double y) const;
   void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;
-  double speed_at(std::size_t point) const;
+  double speed_at(std::size_t point, int component) const;
 
   const Experiment& experiment_;
   const Plan& plan_;
-  std::map<std::string, std::vector<const Driven*>> parts_;  // [points], null where nothing drives them
+  /// Of a component before a part, by name: [points], null where nothing drives them.
+  std::map<std::pair<int, std::string>, std::vector<const Driven*>> parts_;
 };
 
 /// Where no field is between two that are, and an atom's levels keep their labels; empty where there is none.

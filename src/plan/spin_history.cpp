@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "plan/period.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -57,7 +59,9 @@ std::vector<SpinZone> SpinHistory::zones_between(double from, double to) const {
     SpinZone zone = zones_.zone_of(section);
     zone.begin = std::max(zone.begin, from);
     zone.end = std::min(zone.end, to);
-    if (zone.begin < zone.end && (zone.spin_rate != 0 || zone.drives > 0)) zones.push_back(zone);
+    if (zone.begin >= zone.end || (zone.spin_rate == 0 && zone.drives == 0)) continue;
+    repeat_period(zone, zones_.speed());
+    zones.push_back(zone);
   }
   return zones;
 }

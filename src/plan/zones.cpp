@@ -23,7 +23,22 @@ void put(const Vector3& v, double* to) {
 }
 Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
 
+/// [rad/s] At its begin or its end.
+double fastest_of(const DriveTerm& drive) {
+  return std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive)));
+}
+
 }  // namespace
+
+double swept_in_all(const DriveTerm& drive) {
+  return drive.sweep.rate * (drive.sweep.end - drive.sweep.begin);
+}
+
+bool is_shaped_otherwise(const DriveTerm& drive) {
+  const Slopes& slopes = drive.slopes;
+  return drive.sweep.rate != 0 || drive.gate.begin != drive.gate.end || slopes.phase_x != 0 ||
+         slopes.phase_z != 0 || slopes.size_x != 0 || slopes.size_z != 0;
+}
 
 Turning turning_of(const Law& law, const Species& species) {
   // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
@@ -63,13 +78,16 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
     double rate = rate_of(zone), shortest = std::numeric_limits<double>::infinity();
     if (zone.kind == ZoneKind::profiled) {
       const DriveTerm& drive = zone.drive[0];
+      const double detuned = zone.spin_rate - drive.omega - drive.twist * speed_;
       rate =
-          std::max(std::abs(zone.spin_rate - drive.omega - drive.twist * speed_), std::abs(drive.spin_rate));
+          std::max({std::abs(detuned), std::abs(detuned - swept_in_all(drive)), std::abs(drive.spin_rate)});
     }
     for (int i = 0; i < zone.drives; ++i) {
       const Envelope& envelope = zone.drive[i].envelope;
       if (envelope.shape == Shape::gaussian) shortest = std::min(shortest, 6 * envelope.sigma);
       if (envelope.shape == Shape::half_sine) shortest = std::min(shortest, envelope.length);
+      if (envelope.shape == Shape::standing_wave)
+        shortest = std::min(shortest, envelope.length / envelope.half_waves);
     }
     zone.step = std::min(two_pi / (steps_per_turn * rate), shortest / speed_ / steps_per_profile);
   }
@@ -85,8 +103,12 @@ DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, dou
   drive.oscillator = term.oscillator.random_phase ? term.oscillator.part : -1;
   drive.twist = term.twist;
   drive.envelope = term.envelope;
+  drive.gate = term.gate;
+  drive.slopes = term.slopes;
+  double sense = term.oscillator.sense(species_.gyromagnetic_ratio);
   Vector3 first = term.first, second = term.second;
   if (term.motion == FieldMotion::swings) {
+    sense = 1;
     drive.omega = two_pi * term.oscillator.frequency;
     second = {};
   }
@@ -94,15 +116,19 @@ DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, dou
     // A cos(angle) a = A/2 [turning with +angle] + A/2 [turning with -angle], both from a across the axis.
     const Vector3 across = first - dot(first, axis) * axis;
     const double part = length_of(across);
-    const double sense =
-        species_.gyromagnetic_ratio * static_field > 0 ? -1 : 1;  // of the precession -gamma B
+    sense = species_.gyromagnetic_ratio * static_field > 0 ? -1 : 1;  // of the precession -gamma B
     amplitude *= part / 2;
     first = part > square_to ? (1 / part) * across : some_normal(axis);
     second = cross(axis, first);
     drive.omega = sense * two_pi * term.oscillator.frequency;
     drive.phase *= sense;
     drive.random_turn *= sense;
+    drive.twist *= sense;
+    drive.slopes.phase_x *= sense;
+    drive.slopes.phase_z *= sense;
   }
+  drive.sweep = term.oscillator.sweep;
+  drive.sweep.rate *= sense * two_pi;
   drive.spin_rate = -species_.gyromagnetic_ratio * amplitude;
   drive.turn_rate = turning_.rate_per_tesla * amplitude;
   put(first, drive.first);
@@ -130,7 +156,8 @@ void ZoneMaker::choose_frame(SpinZone& zone, const Vector3& axis, bool is_static
     zone.kind = ZoneKind::general;
     return;
   }
-  zone.kind = drive.envelope.shape == Shape::rectangular ? ZoneKind::rotating : ZoneKind::profiled;
+  zone.kind = drive.envelope.shape == Shape::rectangular && !is_shaped_otherwise(drive) ? ZoneKind::rotating
+                                                                                        : ZoneKind::profiled;
   if (drive.in_xy && !zone.turned) return;
   // The frame's third axis is the plane's normal; a field against it turns every rate about it round.
   if (cosine < 0 && is_static) {
@@ -149,14 +176,14 @@ double ZoneMaker::rate_of(const SpinZone& zone) const {
     const DriveTerm& drive = zone.drive[i];
     spin += std::abs(drive.spin_rate);
     turn += std::abs(drive.turn_rate);
-    fastest = std::max(fastest, std::abs(drive.omega) + std::abs(drive.twist) * speed_);
+    fastest = std::max(fastest, fastest_of(drive) + std::abs(drive.twist) * speed_);
   }
   return std::max({spin, turn, fastest});
 }
 
 double ZoneMaker::phase_behind(const SpinZone& zone) const {
   double drive = 0;  // only what moves by itself knows the time of emission
-  for (int i = 0; i < zone.drives; ++i) drive = std::max(drive, std::abs(zone.drive[i].omega));
+  for (int i = 0; i < zone.drives; ++i) drive = std::max(drive, fastest_of(zone.drive[i]));
   return rate_of(zone) * zone.end / speed_ + drive * latest_start_;
 }
 

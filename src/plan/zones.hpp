@@ -38,6 +38,7 @@ class ZoneMaker {
   double phase_behind(const SpinZone&) const;
   /// Sum of everything static in a section [T].
   Vector3 static_field(const Section&) const;
+  double speed() const { return speed_; }
   /// The fastest turning in a zone [rad/s], of field, spin or velocity.
   double rate_of(const SpinZone&) const;
 
@@ -55,6 +56,10 @@ class ZoneMaker {
 /// The one for a species of a beam, which must outlive it.
 ZoneMaker zone_maker(const Beamline&, const Species&);
 
+/// [rad/s] What its sweep adds to the rate of a drive in all.
+double swept_in_all(const DriveTerm&);
+/// Whether a drive differs in time, by a sweep or a gate, or across the beam.
+bool is_shaped_otherwise(const DriveTerm&);
 /// Whether anything but a static field along z acts on spins there.
 bool moves_spin_along_z(const SpinZone&);
 

@@ -17,18 +17,7 @@ std::string some_level(const Species& atom) {
   return weak_field_name(labels[labels.size() / 2]);
 }
 
-// ---- laws and mixtures ----
-
-/// Levels are counted by their numbers, which mean the same for all particles.
-void check_mixture(const Beamline& beamline, const Species& atom, Faults& out) {
-  if (beamline.species.size() < 2) return;
-  for (std::size_t i = 0; i < beamline.species.size(); ++i)
-    if (&beamline.species[i].species == &atom)
-      out.push_back(
-          {"species", key_of_species(i, "name"),
-           fmt::format("`{}` has levels of its own and cannot fly in one beam with other species", atom.name),
-           "make one run for each species, or scan `species`"});
-}
+// ---- species ----
 
 void check_structures(const Beamline& beamline, Faults& out) {
   for (std::size_t i = 0; i < beamline.species.size(); ++i) {
@@ -156,6 +145,29 @@ void check_drive(const Field& field, const std::string& name, const Species& ato
            "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
            "for m - 1"});
   }
+  if constexpr (requires { field.sweep; }) {
+    const char* key = field.sweep                                       ? "sweep"
+                      : field.pulses                                    ? "pulses"
+                      : field.phase_gradient != PhaseGradient{}         ? "phase_gradient"
+                      : field.amplitude_gradient != AmplitudeGradient{} ? "amplitude_gradient"
+                                                                        : nullptr;
+    if (key != nullptr)
+      out.push_back(
+          {name, key,
+           fmt::format("`{}` changes in time or across the beam, and the levels of `{}` are driven by "
+                       "fields that do so along the beam only",
+                       name, atom.name),
+           fmt::format("omit `{}`, or define a species with the moment and the spin of the two levels",
+                       key)});
+  }
+  if constexpr (requires { field.phase_advance; })
+    if (field.phase_advance != 0)
+      out.push_back(
+          {name, "phase_advance",
+           fmt::format("the phase of `{}` runs along the beam, and the levels of `{}` are driven by "
+                       "fields of one phase",
+                       name, atom.name),
+           "omit `phase_advance`"});
   if constexpr (requires { field.approximation; })
     if (field.approximation == Approximation::none)
       out.push_back({name, "approximation",
@@ -215,23 +227,23 @@ void check_spin_tallies(const Beamline& beamline, const Species& atom, Faults& o
 }  // namespace
 
 void check_atoms(const Beamline& beamline, Faults& out) {
-  const Species* atom = atom_of(beamline);
-  if (atom == nullptr) return;
+  const Species* first = atom_of(beamline);
+  if (first == nullptr) return;
   if (!law_traits(beamline.law).deflects)  // the hypothesis knows one gamma for each particle
     out.push_back({"law", "name",
                    fmt::format("the law dorado turns the velocity with one spin and its gamma, but `{}` has "
                                "{} levels and no single gamma",
-                               atom->name, atom->levels()),
+                               first->name, first->levels()),
                    "define a species with the gyromagnetic ratio of the level: "
                    "`{name: ..., mass: ..., charge: 0 e, spin: 1/2, gyromagnetic_ratio: ...}`"});
   if (!is_quantum(beamline)) return;
-  check_mixture(beamline, *atom, out);
   check_structures(beamline, out);
-  check_parts(beamline, *atom, out);
-  check_static_fields(beamline, *atom, out);
-  check_sizes(beamline, *atom, out);
-  check_drives(beamline, *atom, out);
-  check_spin_tallies(beamline, *atom, out);
+  // What stands in the way of one atom stands in that of all.
+  check_parts(beamline, *first, out);
+  check_static_fields(beamline, *first, out);
+  check_sizes(beamline, *first, out);
+  check_drives(beamline, *first, out);
+  check_spin_tallies(beamline, *first, out);
 }
 
 }  // namespace rabiline

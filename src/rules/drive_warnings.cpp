@@ -33,6 +33,12 @@ bool is_on(const Part& part) {
       part);
 }
 
+/// [rad/s] The rate of a drive that comes nearest to the precession, of those that it sweeps through.
+double nearest_rotation(const SpinZone& zone) {
+  const double from = zone.drive[0].omega, to = from + swept_in_all(zone.drive[0]);
+  return std::clamp(zone.spin_rate, std::min(from, to), std::max(from, to));
+}
+
 std::vector<Drive> drives_of(const Beamline& beamline, const Species& species) {
   std::vector<Drive> out;
   const ZoneMaker maker = zone_maker(beamline, species);
@@ -43,7 +49,7 @@ std::vector<Drive> drives_of(const Beamline& beamline, const Species& species) {
     const double middle = (section.begin + section.end) / 2;
     for (const PlacedPart& part : beamline.parts)
       if (is_on(part.part) && part.placement.at < middle && middle < end_of(part))
-        out.push_back({&part, zone, speed, zone.drive[0].omega + zone.drive[0].twist * speed,
+        out.push_back({&part, zone, speed, nearest_rotation(zone) + zone.drive[0].twist * speed,
                        std::abs(zone.drive[0].spin_rate)});
   }
   return out;
@@ -146,6 +152,15 @@ void judge_rotating_wave(const Beamline& beamline, const Species& species, Fault
                               "{:.2g} of the static field",
                               name, share),
                   "`approximation: none` integrates the whole field"));
+    else if (const double shift = std::abs(d.larmor()) / two_pi * share * share / 4; shift > d.width())
+      out.push_back(warning(
+          name, "approximation",
+          fmt::format(
+              "what the rotating-wave approximation of `{}` leaves out would shift the resonance by {}, more "
+              "than the line's width, 1/T = {}",
+              name, pretty_quantity(shift, Dimension::frequency),
+              pretty_quantity(d.width(), Dimension::frequency)),
+          "`approximation: none` takes the whole field"));
   }
 }
 

@@ -46,6 +46,12 @@ void check_structure(const Species& species, std::size_t number, Faults& out) {
         fmt::format("the quadrupole interaction acts on spins of 1 or more, but I is {} and J is {}",
                     write_half(s.i.twice), write_half(s.j.twice)),
         "omit `quadrupole`");
+  if (s.i.twice == 0) {
+    if (s.coupling != 0 || s.quadrupole != 0)
+      add(s.coupling != 0 ? "coupling" : "quadrupole",
+          fmt::format("`{}` has I = 0, which nothing couples to", species.name), "omit it");
+    return;
+  }
   if (s.coupling == 0 && s.quadrupole == 0)
     add("coupling",
         fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),

@@ -45,9 +45,12 @@ Acting acting_at(const Problem& p, double x, double y, double z, double t) {
   Acting at{zone.spin_rate * axis, zone.turn_rate * axis};
   for (int i = 0; i < zone.drives; ++i) {
     const DriveTerm& drive = zone.drive[i];
-    const double angle = drive.omega * t + drive.twist * (y - drive.envelope.begin) + p.phases[i];
-    const Vector3 along = share_of(drive.envelope, y) * (portable::cos(angle) * vector_at(drive.first) +
-                                                         portable::sin(angle) * vector_at(drive.second));
+    const double angle = drive.omega * t + drive.twist * (y - drive.envelope.begin) + p.phases[i] +
+                         swept(drive.sweep, t) + phase_of(drive.slopes, x, z);
+    const double share =
+        is_on(drive.gate, t) ? share_of(drive.envelope, y) * share_of(drive.slopes, x, z) : 0;
+    const Vector3 along = share * (portable::cos(angle) * vector_at(drive.first) +
+                                   portable::sin(angle) * vector_at(drive.second));
     at.spin = at.spin + drive.spin_rate * along;
     at.turn = at.turn + drive.turn_rate * along;
   }

@@ -237,7 +237,8 @@ class BlockBuilder {
       return alone.amplitudes(largest_slowness);
     };
     constexpr double aim = 3e-9, regular = 1e-5;
-    constexpr int least = 8, most = 1 << 13;
+    constexpr int most = 1 << 13;
+    const int least = 8 * static_cast<int>(stretch.drive->envelope.half_waves);
     int steps = least;
     Eigen::MatrixXcd coarse = amplitudes(steps);
     double error = 1;

@@ -18,6 +18,11 @@ double length_of_second(const DriveTerm& drive) {
 /// Mean of a drive's size over its length.
 double mean_size(const DriveTerm& drive) {
   if (drive.envelope.shape == Shape::half_sine) return 2 / std::numbers::pi;
+  if (drive.envelope.shape == Shape::standing_wave) {
+    const double half_waves = drive.envelope.half_waves;
+    const bool even = std::fmod(half_waves, 2) == 0;
+    return drive.envelope.is_cosine || even ? 0 : 2 / (std::numbers::pi * half_waves);
+  }
   if (drive.envelope.shape == Shape::gaussian) {
     const double ends = drive.envelope.length / (2 * drive.envelope.sigma);
     return std::sqrt(two_pi) * portable::erf(ends / std::numbers::sqrt2) / (2 * ends);
@@ -38,6 +43,25 @@ double width_of_line(double w1, double time) {
   }
   return 2 * inside / two_pi;
 }
+/// What differs in time or across the beam.
+void explain_shape(const DriveTerm& drive, PlanReport& report) {
+  const auto seconds = [](double t) { return pretty_quantity(t, Dimension::time); };
+  if (const Sweep& sweep = drive.sweep; sweep.rate != 0)
+    report.line("{:>16}its frequency goes from {} to {} between {} and {}, by {:.4g} Hz/s", "",
+                hertz(drive.omega), hertz(drive.omega + sweep.rate * (sweep.end - sweep.begin)),
+                seconds(sweep.begin), seconds(sweep.end),
+                std::copysign(sweep.rate / two_pi, sweep.rate * drive.omega));
+  if (const Gate& gate = drive.gate; gate.begin != gate.end)
+    report.line("{:>16}on from {} to {}{}", "", seconds(gate.begin), seconds(gate.end),
+                gate.times > 1 ? fmt::format(", again every {}", seconds(gate.period)) : "");
+  const Slopes& slopes = drive.slopes;
+  if (slopes.phase_x != 0 || slopes.phase_z != 0)
+    report.line("{:>16}phase ahead by {:.4g} deg/mm towards +x, {:.4g} deg/mm towards +z", "",
+                slopes.phase_x * 0.18 / std::numbers::pi, slopes.phase_z * 0.18 / std::numbers::pi);
+  if (slopes.size_x != 0 || slopes.size_z != 0)
+    report.line("{:>16}amplitude grows by {:.4g} %/mm towards +x, {:.4g} %/mm towards +z", "",
+                slopes.size_x / 10, slopes.size_z / 10);
+}
 void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, PlanReport& report) {
   const double omega = drive.omega + drive.twist * report.speed, detuning = omega - zone.spin_rate;
   const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
@@ -47,6 +71,7 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
                 drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
                 std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
   if (drive.omega == 0) return;
+  explain_shape(drive, report);
   if (!closed) {
     report.line("{:>16}{} at {}, {:.4g} deg of precession in its full size", "",
                 length_of_second(drive) > 0 ? "turns" : "oscillates", hertz(drive.omega),
@@ -103,9 +128,14 @@ void explain_zone(const SpinZone& zone, PlanReport& report) {
                   ? fmt::format(" about ({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2])
                   : "");
   for (int i = 0; i < zone.drives; ++i) explain_drive(zone, zone.drive[i], stay, report);
-  if (zone.step > 0)
+  if (zone.kind == ZoneKind::periodic)
+    report.line("{:>16}one period of {} is worked out and repeated, {} harmonics (Floquet)", "",
+                hertz(zone.floquet.omega), zone.floquet.harmonics);
+  else if (zone.step > 0)
     report.line("{:>16}{}: about {:.0f} steps", "",
-                zone.kind == ZoneKind::profiled ? "its size runs along the beam" : "no closed form",
+                zone.kind != ZoneKind::profiled                      ? "no closed form"
+                : zone.drive[0].envelope.shape != Shape::rectangular ? "its size runs along the beam"
+                                                                     : "it changes on the way",
                 stay / zone.step);
   explain_neglected(zone, report);
 }

@@ -100,7 +100,7 @@ struct FieldStepper {
   }
 
   inline Influence at(real t, const Vector& r) const {
-    const Rates uniform = rates_at(zone.field, phases, t, r.y);
+    const Rates uniform = rates_at(zone.field, phases, t, r);
     Influence here{uniform.spin, uniform.turn, {}, {}};
     if (zone.shaped_begin == zone.shaped_end) return here;
     FieldHere<real> field{};

@@ -91,7 +91,7 @@ struct Caught {
 };
 
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,
-/// angle = omega t + twist (y - envelope.begin) + phase.
+/// angle = omega t + twist (y - envelope.begin) + phase, and what a sweep and slopes add to it.
 struct DriveTerm {
   double spin_rate = 0;                    // [rad/s] -gamma H0: turns the spin
   double turn_rate = 0;                    // [rad/s] turns the velocity, strength included
@@ -101,7 +101,10 @@ struct DriveTerm {
   double random_turn = 6.283185307179586;  // [rad] that a random number in (0, 1) adds, times it
   double twist = 0;                        // [rad/m]
   Envelope envelope{};                     // of the whole field, not only of this zone
-  bool in_xy = true;                       // first and second are x and y
+  Sweep sweep{};                           // of omega
+  Gate gate{};
+  Slopes slopes{};
+  bool in_xy = true;                                   // first and second are x and y
   double first[3] = {1, 0, 0}, second[3] = {0, 1, 0};  // in the laboratory
   bool operator==(const DriveTerm&) const = default;
 };
@@ -111,8 +114,21 @@ inline constexpr int most_drives = 8;  // rotating fields that may overlap at on
 enum class ZoneKind {
   precession,  // one turn about the static field
   rotating,    // one field turns across the static one: closed form in the frame that turns with it
-  profiled,    // the same with a size that runs along the beam: steps in that frame
+  profiled,    // the same with a size or a rate that changes on the way: steps in that frame
+  periodic,    // fields of one clock, the same everywhere: Floquet's form
   general      // steps in the laboratory
+};
+inline constexpr int most_harmonics = 24;
+/// A spin's turning in fields of one period, by Floquet (1883): from the clock's angle a to b it is P(b) R
+/// P(a)^-1, R right-handed about the axis by rate (b - a)/omega, and P a rotation that has the fields'
+/// period. P is given as the quaternion sum_k cosine_k cos(k a) + sine_k sin(k a).
+struct FloquetForm {
+  int harmonics = 0;
+  double omega = 0;  // [rad/s] of the clock
+  double rate = 0;   // [rad/s]
+  double axis[3] = {0, 0, 1};
+  double cosine[most_harmonics + 1][4] = {}, sine[most_harmonics + 1][4] = {};
+  bool operator==(const FloquetForm&) const = default;
 };
 /// The fields of one section as one species sees them. w = -gamma B turns the spin (dS/dt = w x S).
 struct SpinZone {
@@ -124,7 +140,8 @@ struct SpinZone {
   double frame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // its axes, one after the other; the drive's plane first
   int drives = 0;
   DriveTerm drive[most_drives];
-  double step = 0;  // [s] at most, of what is carried by steps
+  double step = 0;        // [s] at most, of what is carried by steps
+  FloquetForm floquet{};  // of a periodic zone; its angle is the first drive's without its own phase
   bool operator==(const SpinZone&) const = default;
 };
 

@@ -38,54 +38,138 @@ inline Vector through_twisted(const SpinZone& zone, real phase, real t, real sta
   return turn_about_z(phasor(stay * omega), turn_about_z(in, r));
 }
 
-/// Calls step(i, h, from) for as many equal steps as each particle's stay asks for.
+/// Calls step(from, h, spin) for as many equal steps as a piece of each particle's stay asks for.
 template <class Step>
-RABILINE_LANES Vector in_steps(const SpinZone& zone, real stay, Vector s, const Step& step) {
-  const real steps = max(broadcast(1), -floor(stay * (-1 / zone.step)));
-  const real h = stay / steps;
-  for (real i = broadcast(0); any(i < steps); i = i + 1.0) s = select(i < steps, step(h * i, h, s), s);
+RABILINE_LANES Vector in_even_steps(const SpinZone& zone, real begin, real length, Vector s,
+                                    const Step& step) {
+  const real steps = max(broadcast(1), -floor(length * (-1 / zone.step)));
+  const real h = length / steps;
+  for (real i = broadcast(0); any(i < steps); i = i + 1.0)
+    s = select(i < steps, step(fma(h, i, begin), h, s), s);
   return s;
 }
 
-/// A field whose size runs along the beam: fourth-order steps in the frame that turns with it.
-inline Vector through_profiled(const SpinZone& zone, real phase, real t, real stay, real slowness,
+/// Steps through a whole zone that is entered at time t; they end where a drive is switched or a sweep begins
+/// or ends.
+template <class Step>
+RABILINE_LANES Vector in_steps(const SpinZone& zone, real t, real stay, Vector s, const Step& step) {
+  bool switched = false;
+  for (int k = 0; k < zone.drives; ++k)
+    switched =
+        switched || zone.drive[k].sweep.rate != 0 || zone.drive[k].gate.begin != zone.drive[k].gate.end;
+  if (!switched) return in_even_steps(zone, broadcast(0), stay, s, step);
+  const real end = t + stay;
+  for (real now = t; any(now < end);) {
+    real next = end;
+    for (int k = 0; k < zone.drives; ++k) next = next_change(zone.drive[k], now, next);
+    s = select(now < end, in_even_steps(zone, now - t, max(broadcast(0), next - now), s, step), s);
+    now = max(now, next);
+  }
+  return s;
+}
+
+/// A field whose size or rate changes on the way: fourth-order steps in the frame that turns with it.
+inline Vector through_profiled(const SpinZone& zone, real phase, real t, real stay, const Way& way,
                                const Vector& s) {
   const DriveTerm& drive = zone.drive[0];
-  const real v = 1.0 / slowness, omega = broadcast(drive.omega) + drive.twist * v,
-             detuned = zone.spin_rate - omega;
-  const Phasor in = phasor(angle_at(drive, phase, t, broadcast(zone.begin)));
-  const Vector r = in_steps(zone, stay, turn_back_about_z(in, s), [&](real from, real h, const Vector& now) {
-    const real y1 = fma(fma(broadcast(gauss_first), h, from), v, broadcast(zone.begin)),
-               y2 = fma(fma(broadcast(gauss_second), h, from), v, broadcast(zone.begin));
-    const real zero = broadcast(0);
-    const Vector w1{drive.spin_rate * share_of(drive.envelope, y1), zero, detuned},
-        w2{drive.spin_rate * share_of(drive.envelope, y2), zero, detuned};
-    return rotate(magnus(w1, w2, h), now);
-  });
-  return turn_about_z(phasor(stay * omega), turn_about_z(in, r));
+  real omega = broadcast(drive.omega) + drive.twist * way.v;
+  if (drive.slopes.phase_x != 0 || drive.slopes.phase_z != 0)
+    omega = omega + fma(broadcast(drive.slopes.phase_x), way.vx, drive.slopes.phase_z * way.vz);
+  const real detuned = zone.spin_rate - omega, zero = broadcast(0);
+  const bool sweeps = drive.sweep.rate != 0;
+  const Phasor in = phasor(angle_at(drive, phase, t, way.place(zero)));
+  const auto rates = [&](real dt) {
+    const real off = sweeps ? detuned - swept_rate(drive.sweep, t + dt) : detuned;
+    return Vector{drive.spin_rate * share_of(drive, t + dt, way.place(dt)), zero, off};
+  };
+  const Vector r =
+      in_steps(zone, t, stay, turn_back_about_z(in, s), [&](real from, real h, const Vector& now) {
+        return rotate(magnus(rates(fma(broadcast(gauss_first), h, from)),
+                             rates(fma(broadcast(gauss_second), h, from)), h),
+                      now);
+      });
+  real turn = stay * omega;
+  if (sweeps) turn = turn + (swept_angle(drive.sweep, t + stay) - swept_angle(drive.sweep, t));
+  return turn_about_z(phasor(turn), turn_about_z(in, r));
+}
+
+/// v turned by a unit quaternion, or turned back.
+RABILINE_LANES Vector turned_by_quaternion(const real (&q)[4], bool back, const Vector& v) {
+  const Vector u{q[1], q[2], q[3]};
+  const Vector across = cross(u, v);
+  const real w = (back ? -2.0 : 2.0) * q[0];
+  return add(add(v, w, across), broadcast(2), cross(u, across));
+}
+/// P at an angle of the clock.
+RABILINE_LANES void periodic_part(const FloquetForm& form, real angle, real (&q)[4]) {
+  const Phasor one = phasor(angle);
+  Phasor now{broadcast(1), broadcast(0)};
+  for (int i = 0; i < 4; ++i) q[i] = broadcast(form.cosine[0][i]);
+  for (int k = 1; k <= form.harmonics; ++k) {
+    now = now * one;
+    for (int i = 0; i < 4; ++i)
+      q[i] = fma(now.c, broadcast(form.cosine[k][i]), fma(now.s, broadcast(form.sine[k][i]), q[i]));
+  }
+}
+/// Fields of one period.
+inline Vector through_periodic(const SpinZone& zone, real phase, real t, real stay, const Vector& s) {
+  const FloquetForm& form = zone.floquet;
+  const real in = fma(broadcast(form.omega), t, phase - zone.drive[0].phase);
+  real q[4];
+  periodic_part(form, in, q);
+  Vector r = turned_by_quaternion(q, true, s);
+  r = turned_about({broadcast(form.axis[0]), broadcast(form.axis[1]), broadcast(form.axis[2])},
+                   stay * form.rate, r);
+  periodic_part(form, fma(broadcast(form.omega), stay, in), q);
+  return turned_by_quaternion(q, false, r);
 }
 
 /// Any sum of fields: fourth-order steps in the laboratory.
-inline Vector through_any(const SpinZone& zone, const real* phases, real t, real stay, real slowness,
+inline Vector through_any(const SpinZone& zone, const real* phases, real t, real stay, const Way& way,
                           const Vector& s) {
-  const Way way{broadcast(zone.begin), 1.0 / slowness, broadcast(0), broadcast(0)};
-  return in_steps(zone, stay, s, [&](real from, real h, const Vector& now) {
+  return in_steps(zone, t, stay, s, [&](real from, real h, const Vector& now) {
     return step_spin(zone, phases, t, way, from, h, now);
   });
 }
 
+/// Whether fields differ across the beam.
+RABILINE_LANES bool differs_across(const SpinZone& zone) {
+  for (int k = 0; k < zone.drives; ++k)
+    if (const Slopes& s = zone.drive[k].slopes;
+        s.phase_x != 0 || s.phase_z != 0 || s.size_x != 0 || s.size_z != 0)
+      return true;
+  return false;
+}
+
+/// The straight way of particles i... through a zone; across the beam only where something depends on it. A
+/// fall is the chord of its parabola.
+RABILINE_LANES Way way_through(const SpinZone& zone, const BatchView& batch, int i, real slowness) {
+  Way way{broadcast(zone.begin), 1.0 / slowness, broadcast(0), broadcast(0)};
+  if (!differs_across(zone)) return way;
+  const real from = (zone.begin - batch.y) * slowness, to = (zone.end - batch.y) * slowness;
+  const real vx = load(batch.vx + i), vz = load(batch.vz + i);
+  way.vx = fma(broadcast(0.5 * batch.fall.x), from + to, vx);
+  way.vz = fma(broadcast(0.5 * batch.fall.z), from + to, vz);
+  way.x = fma(fma(broadcast(0.5 * batch.fall.x), from, vx), from, load(batch.x + i));
+  way.z = fma(fma(broadcast(0.5 * batch.fall.z), from, vz), from, load(batch.z + i));
+  return way;
+}
+
 /// The spin after a zone, entered at time t by a straight flight.
-inline Vector through_zone(const SpinZone& zone, const RandomKey& key, words particle, real t, real slowness,
-                           const Vector& s) {
+inline Vector through_zone(const SpinZone& zone, const RandomKey& key, const BatchView& batch, int i, real t,
+                           real slowness, const Vector& s) {
   const real stay = slowness * (zone.end - zone.begin);
+  const words particle = load(batch.particle + i);
   real phases[most_drives];
-  for (int i = 0; i < zone.drives; ++i) phases[i] = oscillator_phase(zone.drive[i], key, particle);
-  if (zone.kind == ZoneKind::general) return through_any(zone, phases, t, stay, slowness, s);
+  for (int k = 0; k < zone.drives; ++k) phases[k] = oscillator_phase(zone.drive[k], key, particle);
+  if (zone.kind == ZoneKind::periodic) return through_periodic(zone, phases[0], t, stay, s);
+  if (zone.kind == ZoneKind::general)
+    return through_any(zone, phases, t, stay, way_through(zone, batch, i, slowness), s);
   Vector r = to_frame(zone, s);
   if (zone.kind == ZoneKind::precession)
     r = turn_about_z(phasor(stay * zone.spin_rate), r);
   else if (zone.kind == ZoneKind::profiled)
-    r = through_profiled(zone, phases[0], t, stay, slowness, r);
+    r = through_profiled(zone, phases[0], t, stay, way_through(zone, batch, i, slowness), r);
   else if (zone.drive[0].twist != 0)
     r = through_twisted(zone, phases[0], t, stay, slowness, r);
   else
@@ -101,7 +185,7 @@ inline Vector spin_after(const SpinZone* zones, int zone_count, const RandomKey&
   const real t0 = load(batch.t + i);
   for (int k = 0; k < zone_count; ++k) {
     const real t = fma(broadcast(zones[k].begin - batch.y), slowness, t0);
-    s = through_zone(zones[k], key, load(batch.particle + i), t, slowness, s);
+    s = through_zone(zones[k], key, batch, i, t, slowness, s);
   }
   return s;
 }

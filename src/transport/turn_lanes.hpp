@@ -156,22 +156,22 @@ RABILINE_LANES bool depends_on_place(const SpinZone& zone) {
 /// One step under any sum of rotating fields; everything in the laboratory frame.
 inline State step_in_laboratory(const SpinZone& zone, bool take_off, const real* phases, real h, State s) {
   const real dt1 = broadcast(gauss_first) * h, dt2 = broadcast(gauss_second) * h, t = s.t;
-  // Where fields depend on the place, it must be known to third order within the step: the acceleration at
-  // its begin, and again at the first Gauss point.
+  // Where fields depend on the place along the beam, it must be known to third order within the step: the
+  // acceleration at its begin, and again at the first Gauss point. None here differs across the beam.
   Way way{s.place.y, s.velocity.y, broadcast(0), broadcast(0)};
   if (depends_on_place(zone)) {
-    const Vector w0 = turning(rates_at(zone, phases, t, s.place.y).turn, s.spin, take_off),
+    const Vector w0 = turning(rates_at(zone, phases, t, s.place).turn, s.spin, take_off),
                  a0 = cross(w0, s.velocity);
     way.half_a = 0.5 * a0.y;
     const Vector s1 = step_spin(zone, phases, t, way, broadcast(0), dt1, s.spin);
-    const Vector w1 = turning(rates_at(zone, phases, t + dt1, way.at(dt1)).turn, s1, take_off);
+    const Vector w1 = turning(rates_at(zone, phases, t + dt1, way.place(dt1)).turn, s1, take_off);
     const real gained = cross(w1, add(s.velocity, dt1, a0)).y - a0.y;
     way.sixth_jerk = select(dt1 != broadcast(0), gained / (6.0 * dt1), broadcast(0));
   }
   const Vector s1 = step_spin(zone, phases, t, way, broadcast(0), dt1, s.spin),
                s2 = step_spin(zone, phases, t, way, dt1, dt2 - dt1, s1);
-  const Vector w1 = turning(rates_at(zone, phases, t + dt1, way.at(dt1)).turn, s1, take_off);
-  const Vector w2 = turning(rates_at(zone, phases, t + dt2, way.at(dt2)).turn, s2, take_off);
+  const Vector w1 = turning(rates_at(zone, phases, t + dt1, way.place(dt1)).turn, s1, take_off);
+  const Vector w2 = turning(rates_at(zone, phases, t + dt2, way.place(dt2)).turn, s2, take_off);
   move(s, w1, w2, h);
   s.spin = step_spin(zone, phases, t, way, dt2, h - dt2, s2);
   s.t = t + h;

@@ -92,8 +92,79 @@ RABILINE_LANES real share_of(const Envelope& envelope, real y) {
     sincos((y - envelope.begin) * (3.141592653589793 / envelope.length), s, c);
     return s;
   }
+  if (envelope.shape == Shape::standing_wave) {
+    real s, c;
+    sincos((y - envelope.begin) * (envelope.half_waves * 3.141592653589793 / envelope.length), s, c);
+    return envelope.is_cosine ? c : s;
+  }
   const real off = (y - (envelope.begin + 0.5 * envelope.length)) * (1 / envelope.sigma);
   return exp(off * off * -0.5);
+}
+
+/// What a sweep has added to omega by the time t.
+RABILINE_LANES real swept_rate(const Sweep& sweep, real t) {
+  return sweep.rate * max(broadcast(0), min(t - sweep.begin, broadcast(sweep.end - sweep.begin)));
+}
+/// And to the angle.
+RABILINE_LANES real swept_angle(const Sweep& sweep, real t) {
+  const double all = sweep.end - sweep.begin;
+  const real within = max(broadcast(0), min(t - sweep.begin, broadcast(all)));
+  return sweep.rate * fma(0.5 * within, within, all * max(broadcast(0), t - sweep.end));
+}
+/// The begin of the last time before t that a gate opens, or of its first.
+RABILINE_LANES real opening_before(const Gate& gate, real t) {
+  const real begin = broadcast(gate.begin);
+  if (!(gate.period > 0)) return begin;
+  const real number = floor((t - begin) * (1 / gate.period));
+  return fma(max(broadcast(0), min(number, broadcast(gate.times - 1))), broadcast(gate.period), begin);
+}
+/// Nearest moment after t at which a drive changes for others than reasons of place, at most `latest`.
+RABILINE_LANES real next_change(const DriveTerm& drive, real t, real latest) {
+  const auto consider = [&](real moment) { latest = select(moment > t, min(moment, latest), latest); };
+  if (drive.sweep.rate != 0) {
+    consider(broadcast(drive.sweep.begin));
+    consider(broadcast(drive.sweep.end));
+  }
+  const Gate& gate = drive.gate;
+  if (gate.begin == gate.end) return latest;
+  // Rounding may put t behind an edge before which it stands: one period farther is looked at, too.
+  const real opens = opening_before(gate, t), width = broadcast(gate.end - gate.begin);
+  const real last = broadcast(gate.begin + (gate.times - 1) * gate.period);
+  consider(opens);
+  consider(opens + width);
+  if (gate.period > 0) {
+    const real again = min(opens + gate.period, last);
+    consider(again);
+    consider(again + width);
+  }
+  return latest;
+}
+/// Angle of a drive at time t and place r.
+RABILINE_LANES real angle_at(const DriveTerm& drive, real phase, real t, const Vector& r) {
+  real angle = angle_at(drive, phase, t, r.y);
+  if (drive.sweep.rate != 0) angle = angle + swept_angle(drive.sweep, t);
+  const Slopes& slopes = drive.slopes;
+  if (slopes.phase_x != 0) angle = fma(broadcast(slopes.phase_x), r.x - slopes.x, angle);
+  if (slopes.phase_z != 0) angle = fma(broadcast(slopes.phase_z), r.z - slopes.z, angle);
+  return angle;
+}
+/// Whether its size is the same everywhere and always.
+RABILINE_LANES bool has_one_size(const DriveTerm& drive) {
+  return drive.envelope.shape == Shape::rectangular && drive.gate.begin == drive.gate.end &&
+         drive.slopes.size_x == 0 && drive.slopes.size_z == 0;
+}
+/// The share of its highest size on the axis at time t and place r.
+RABILINE_LANES real share_of(const DriveTerm& drive, real t, const Vector& r) {
+  real share = share_of(drive.envelope, r.y);
+  const Slopes& slopes = drive.slopes;
+  if (slopes.size_x != 0 || slopes.size_z != 0)
+    share = share * fma(broadcast(slopes.size_x), r.x - slopes.x,
+                        fma(broadcast(slopes.size_z), r.z - slopes.z, broadcast(1)));
+  const Gate& gate = drive.gate;
+  if (gate.begin == gate.end) return share;
+  const real since = t - opening_before(gate, t);
+  const mask on = (since >= broadcast(0)) & (since < broadcast(gate.end - gate.begin));
+  return select(on, share, broadcast(0));
 }
 
 RABILINE_LANES Vector third_axis(const SpinZone& zone) {
@@ -118,7 +189,7 @@ RABILINE_LANES Vector from_frame(const SpinZone& zone, const Vector& v) {
 struct Rates {
   Vector spin, turn;
 };
-RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, real y) {
+RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, const Vector& place) {
   const real zero = broadcast(0), spin_rate = broadcast(zone.spin_rate),
              turn_rate = broadcast(zone.turn_rate);
   Rates r{{zero, zero, spin_rate}, {zero, zero, turn_rate}};
@@ -129,9 +200,9 @@ RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, 
   }
   for (int i = 0; i < zone.drives; ++i) {
     const DriveTerm& drive = zone.drive[i];
-    Phasor p = phasor(angle_at(drive, phases[i], t, y));
-    if (drive.envelope.shape != Shape::rectangular) {
-      const real size = share_of(drive.envelope, y);
+    Phasor p = phasor(angle_at(drive, phases[i], t, place));
+    if (!has_one_size(drive)) {
+      const real size = share_of(drive, t, place);
       p = {p.c * size, p.s * size};
     }
     const real spin = broadcast(drive.spin_rate), turn = broadcast(drive.turn_rate);
@@ -164,18 +235,21 @@ RABILINE_LANES Vector magnus(const Vector& w1, const Vector& w2, real h) {
   return {fma(k, c.x, half * (w1.x + w2.x)), fma(k, c.y, half * (w1.y + w2.y)),
           fma(k, c.z, half * (w1.z + w2.z))};
 }
-/// Where a particle is along the beam, dt after a moment: y + v dt + a dt^2/2.
+/// Where a particle is dt after a moment: along the beam y + v dt + a dt^2/2 + ..., across it on a straight
+/// line.
 struct Way {
   real y, v, half_a, sixth_jerk;
+  real x{}, z{}, vx{}, vz{};
   RABILINE_LANES real at(real dt) const { return fma(fma(fma(sixth_jerk, dt, half_a), dt, v), dt, y); }
+  RABILINE_LANES Vector place(real dt) const { return {fma(vx, dt, x), at(dt), fma(vz, dt, z)}; }
 };
 /// The spin one Magnus step later, for any sum of fields; the step begins `from` after the time t0 of the
 /// way.
 RABILINE_LANES Vector step_spin(const SpinZone& zone, const real* phases, real t0, const Way& way, real from,
                                 real h, const Vector& s) {
   const real dt1 = fma(broadcast(gauss_first), h, from), dt2 = fma(broadcast(gauss_second), h, from);
-  const Vector w1 = rates_at(zone, phases, t0 + dt1, way.at(dt1)).spin;
-  const Vector w2 = rates_at(zone, phases, t0 + dt2, way.at(dt2)).spin;
+  const Vector w1 = rates_at(zone, phases, t0 + dt1, way.place(dt1)).spin;
+  const Vector w2 = rates_at(zone, phases, t0 + dt2, way.place(dt2)).spin;
   return rotate(magnus(w1, w2, h), s);
 }
 

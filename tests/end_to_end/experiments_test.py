@@ -545,3 +545,74 @@ def test_standard_laws_see_a_flat_line_in_the_experiments_of_the_hypothesis(run,
     assert np.ptp(file["entry/scan/detected"][:]) == 0
     counts = file["entry/screen/counts"][:]
     assert (counts == counts[:1, :1]).all()
+
+
+@pytest.mark.experiment("bloch-siegert")
+def test_the_whole_field_shifts_the_resonance_as_bloch_and_siegert_say(run):
+    def centre(*arguments):
+        file = run("bloch-siegert", *arguments)
+        x, flipped = file["entry/scan/RF_frequency"][:] - 10e3, file["entry/screen_levels/levels"][:, 1]
+        assert abs(flipped.max() - 0.5) < 0.01
+        # averaged over time 1/P = 2 (1 + (detuning/w1)^2)
+        curve, slope, _ = np.polyfit(x, 1 / flipped, 2)
+        assert abs(np.sqrt(2 / curve) / 1002.5 - 1) < 0.01
+        return -slope / (2 * curve)
+
+    assert abs(centre() - 25.14) < 1.5
+    assert abs(centre("--set", "RF.approximation=rotating_wave")) < 1.5
+
+
+@pytest.mark.experiment("millman")
+def test_a_field_that_turns_along_the_beam_tells_the_sign_of_the_moment(run):
+    def shifts(*arguments, middle=LARMOR):
+        file = run("millman", *arguments)
+        x, flipped = file["entry/scan/H0_frequency"][:], file["entry/screen_levels/levels"][..., 0]
+        assert flipped.max(axis=1).min() > 0.99
+        return [sum(crossings(x, curve, 0.5)) / 2 - middle for curve in flipped]
+
+    for found, expected in zip(shifts(), (1250, 0, -1250)):
+        assert abs(found - expected) < 8
+    helium = 32.43604e6 * 10e-3
+    changes = ("--set", "species=He-3", "--set", f"H0.amplitude={85.719 * LARMOR / helium} uT", "--no-scan", "--scan", "H0.twist=-90 deg,0 deg,90 deg",
+               "--scan", f"H0.frequency={helium - 5e3} Hz:{helium + 5e3} Hz:101")
+    for found, expected in zip(shifts(*changes, middle=helium), (1250, 0, -1250)):
+        assert abs(found - expected) < 10
+
+
+@pytest.mark.experiment("dressed-spin")
+def test_dressed_spins_precess_by_the_bessel_function_of_the_field(run):
+    file = run("dressed-spin")
+    x = -GAMMA * file["entry/scan/dressing_amplitude"][:] / (2 * np.pi * 50e3)
+    outcomes = file["entry/screen_along_x/counts"][:]
+    along = (outcomes[:, 1] - outcomes[:, 0]) / outcomes.sum(axis=1)
+    angles = np.linspace(0, np.pi, 2001)
+    bessel = np.cos(np.outer(x, np.sin(angles)))[:, 1::2].mean(axis=1)  # J0(x) = <cos(x sin(angle))>
+    assert abs(along - np.cos(4 * np.pi * bessel)).max() < 0.01
+    assert abs(along - np.cos(4 * np.pi * 1.01 * bessel)).max() > 0.05
+    # H = w0/2 sigma_z + x w/2 cos(wt) sigma_x turns at .674523 w0 for x = 1.189007 and w0 = w/10, by scipy
+    amplitude = 1.189007 * 50e3 / 29.1646935e6
+    file = run("dressed-spin", "--no-scan", "--set", f"dressing.amplitude={amplitude} T", "--set", "B.field=171.44017 uT",
+               "--scan", "B.length,dressing.length=0.4 m:2.4 m:251")
+    time, outcomes = file["entry/scan/B_length"][:] / 1000, file["entry/screen_along_x/counts"][:]
+    along = (outcomes[:, 1] - outcomes[:, 0]) / outcomes.sum(axis=1)
+
+    def misfit(rate):
+        waves = np.stack([np.cos(2 * np.pi * rate * time), np.sin(2 * np.pi * rate * time)]).T
+        return np.linalg.lstsq(waves, along, rcond=None)[1][0]
+
+    rates = 2.4e3 + np.arange(0, 2e3, 0.5)
+    assert abs(rates[np.argmin([misfit(rate) for rate in rates])] - 3372.6) < 3  # J0 alone: 3383
+
+
+@pytest.mark.experiment("strip-line-cavity")
+def test_a_strip_line_cavity_splits_the_line_of_hydrogen(run):
+    for species in ("H atom", "antihydrogen"):
+        file = run("strip-line-cavity", "--set", f"species={species}")
+        x, flipped = file["entry/scan/cavity_frequency"][:] - 1420405751.768, file["entry/screen_levels/levels"][:, 1]
+        peak, width = 0.64174 * 900 / 0.1055, x[1] - x[0]
+        for side in (-1, 1):
+            half = side * x > 0
+            assert abs(x[half][np.argmax(flipped[half])] - side * peak) < width
+            assert flipped[half].max() > 0.998
+        assert flipped[abs(x) < width].max() < 2e-3
+        assert abs(flipped - flipped[::-1]).max() < 5e-3

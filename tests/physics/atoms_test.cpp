@@ -112,7 +112,7 @@ TEST(ZeemanResonance, OfAFieldThatSwingsIsThatOfItsTurningHalf) {
 TEST(ZeemanResonance, OfAProfileTurnsByItsArea) {
   const double field = 1e-6, speed = 600, length = 0.8, sigma = 0.1, w1 = 2000;
   const double per_tesla = zeeman("H", 2);
-  const auto stays = [&](const AmplitudeProfile& profile) {
+  const auto stays = [&](const DriveProfile& profile) {
     Beamline b = atoms("H atom", speed, in_level(1, 1));
     RotatingField rf = turning(length, w1 / (two_pi * per_tesla), per_tesla * field, Sense::positive);
     rf.profile = profile;
@@ -352,6 +352,33 @@ TEST(WideSource, OfAtomsSpendsInAFieldWhatEachDirectionNeeds) {
     return sum;
   };
   expect_agreement(levels_of(b).at(0), expected, 2.5e-3, "cone");
+}
+
+// ---- isotopes in one beam ----
+
+TEST(MixedIsotopes, EachFlyAsTheyWouldAlone) {
+  const auto beam = [](std::vector<Component> species) {
+    Beamline b = atoms("K-39 atom", 500, UnpolarisedSpin{});
+    b.species = std::move(species);
+    b.particles = 64;
+    b.parts = {place("C", 0.1, UniformField{0.2, 10e-6, {}}),
+               place("R", 0.15, turning(0.1, 0.6e-6, 461.72e6, Sense::positive)), wide_screen(1)};
+    return b;
+  };
+  const Species &k39 = *find_species("K-39 atom"), &k41 = *find_species("K-41 atom");
+  const std::vector<double> both = levels_of(beam({{k39, 0.75}, {k41, 0.25}})),
+                            first = levels_of(beam({{k39, 1}})), second = levels_of(beam({{k41, 1}}));
+  ASSERT_EQ(both.size(), first.size() + second.size());
+  double changed = 0;  // the line of K-39 is far from that of K-41
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_NEAR(both[k], 0.75 * first[k], 1e-9) << k;
+    EXPECT_NEAR(both[first.size() + k], 0.25 * second[k], 1e-9) << k;
+    EXPECT_NEAR(second[k], 0.125, 1e-3) << k;
+    changed = std::max(changed, std::abs(first[k] - 0.125));
+  }
+  EXPECT_GT(changed, 0.01);
+  Beamline natural = beam(find_mixture("natural Li atom")->components);  // of different nuclear spins
+  EXPECT_EQ(levels_of(natural).size(), 6u + 8u);
 }
 
 }  // namespace

@@ -133,8 +133,8 @@ TEST(RotatingField, WithATwistIsResonantForTheFrequencyThatAParticleSees) {
 
 TEST(RotatingField, OfAnyProfileAgreesWithTheIntegration) {
   const double field = 1e-3, amplitude = 0.8 * pi / stay / -gamma_n, frequency = 30e3;
-  for (const AmplitudeProfile& profile :
-       {AmplitudeProfile{HalfSineProfile{}}, AmplitudeProfile{GaussianProfile{30e-3}}}) {
+  for (const DriveProfile& profile :
+       {DriveProfile{HalfSineProfile{}}, DriveProfile{GaussianProfile{30e-3}}}) {
     RotatingField part = rotating(amplitude, frequency);
     part.profile = profile;
     part.phase = {Phase::Kind::angle, 0.7};

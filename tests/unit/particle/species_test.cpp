@@ -138,5 +138,68 @@ TEST(SpeciesLibrary, GivesAtomsTheMassOfTheirPartsLessTheirBinding) {
   EXPECT_NEAR(species("muon+").mass / species("electron").mass, 206.7682827, 5e-6);
 }
 
+double mass_of_energy(double electronvolts) {
+  return electronvolts * elementary_charge / (speed_of_light * speed_of_light);
+}
+
+// f_HFS(2S) is an eighth of f_HFS(1S) but for relativity and radiation: 8 f(2S) - f(1S) = 48.923(54) kHz in H
+// and 11.280(56) kHz in D (Kolachevsky et al. 2009, 2004).
+TEST(MetastableSpecies, HaveAnEighthOfTheSplittingOfTheGroundStateAndNearlyItsMoments) {
+  const struct {
+    const char *excited, *ground;
+    double splitting, above;
+  } rows[] = {{"H(2S) atom", "H atom", 177556834.3, 48.923e3}, {"D(2S) atom", "D atom", 40924454, 11.28e3}};
+  for (const auto& row : rows) {
+    const Structure &excited = *species(row.excited).structure, &ground = *species(row.ground).structure;
+    const double of_coupling = excited.i.value() + 0.5;
+    EXPECT_NEAR(excited.coupling * of_coupling, row.splitting, 0.1);
+    EXPECT_NEAR((8 * excited.coupling - ground.coupling) * of_coupling, row.above, 100) << row.excited;
+    // g_J = g_e (1 - alpha^2/(3 n^2)): 3/4 of the 17.75e-6 that 1S lacks are there again.
+    EXPECT_NEAR(excited.g_j / ground.g_j - 1, 0.75 * 17.75e-6, 0.1e-6);
+    EXPECT_NEAR(excited.g_i / ground.g_i - 1, 0.75 * 17.75e-6, 0.1e-6);
+    EXPECT_NEAR((species(row.excited).mass - species(row.ground).mass) / mass_of_energy(10.2), 1, 1e-3);
+  }
+}
+
+TEST(MetastableSpecies, OfHeliumHasThreeLevelsOfAnElectronicSpinOfOne) {
+  const Species& helium = species("He-4(2S)");
+  EXPECT_EQ(helium.levels(), 3);
+  EXPECT_EQ(helium.structure->i.twice, 0);
+  EXPECT_NEAR(helium.structure->g_j, 2.0022372, 2e-7);
+  EXPECT_NEAR(helium.mass / atomic_mass, 4.002603275, 1e-9);  // 4.002603254 u and 19.82 eV
+  EXPECT_NEAR(helium.gyromagnetic_ratio / two_pi / 1e9, -28.0238, 1e-4);
+}
+
+TEST(Antihydrogen, HasTheMomentsOfHydrogenWithOppositeSignsAndItsCoupling) {
+  const Structure &anti = *species("antihydrogen").structure, &hydrogen = *species("H atom").structure;
+  EXPECT_EQ(anti.coupling, hydrogen.coupling);
+  EXPECT_EQ(anti.g_j, -hydrogen.g_j);
+  EXPECT_EQ(anti.g_i, -hydrogen.g_i);
+  EXPECT_EQ(species("antihydrogen").mass, species("H").mass);
+  EXPECT_GT(species("antihydrogen").gyromagnetic_ratio, 0);  // the positron's moment is along its spin
+}
+
+TEST(NaturalMixtures, ShareAllParticlesAmongTheIsotopesOfAnElement) {
+  for (const Mixture& mixture : natural_mixtures()) {
+    double sum = 0;
+    for (const Component& component : mixture.components) sum += component.fraction;
+    EXPECT_NEAR(sum, 1, 1e-12) << mixture.name;
+    for (const Component& component : mixture.components)
+      EXPECT_EQ(component.species.structure.has_value(), mixture.name.ends_with(" atom")) << mixture.name;
+  }
+  // Their mean is the element's atomic weight: Li 6.94, K 39.098, Rb 85.468, Ag 107.868.
+  const auto weight = [](std::string_view name) {
+    double mass = 0;
+    for (const Component& component : find_mixture(name)->components)
+      mass += component.fraction * component.species.mass / atomic_mass;
+    return mass;
+  };
+  EXPECT_NEAR(weight("natural Li"), 6.94, 3e-3);
+  EXPECT_NEAR(weight("natural K atom"), 39.0983, 2e-4);
+  EXPECT_NEAR(weight("natural Rb"), 85.4678, 4e-4);
+  EXPECT_NEAR(weight("natural Ag atom"), 107.8682, 2e-4);
+  EXPECT_EQ(find_mixture("natural Cs"), nullptr);
+}
+
 }  // namespace
 }  // namespace rabiline

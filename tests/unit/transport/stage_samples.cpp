@@ -84,6 +84,30 @@ SpinZone twisted(SpinZone z) {
   z.drive[0].twist = 20;
   return z;
 }
+/// Swept, in pulses, and different across the beam.
+SpinZone shaped(SpinZone z) {
+  DriveTerm& d = z.drive[0];
+  d.sweep = {3e7, 0.15e-3, 0.25e-3};
+  d.gate = {0.11e-3, 0.14e-3, 0.05e-3, 4};
+  d.slopes = {200, -100, 30, 50, 1e-4, -2e-4};
+  d.envelope.shape = Shape::standing_wave;
+  d.envelope.half_waves = 3;
+  d.envelope.is_cosine = true;
+  return z;
+}
+SpinZone periodic() {
+  SpinZone z = zone(ZoneKind::rotating);
+  z.kind = ZoneKind::periodic;
+  z.floquet.harmonics = 1;
+  z.floquet.omega = z.drive[0].omega;
+  z.floquet.rate = 3e3;
+  z.floquet.axis[0] = 0.6;
+  z.floquet.axis[2] = 0.8;
+  z.floquet.cosine[1][0] = 1;
+  z.floquet.sine[1][2] = 0.6;
+  z.floquet.sine[1][3] = 0.8;
+  return z;
+}
 struct NamedZones {
   const char* what;
   std::vector<SpinZone> zones;
@@ -95,6 +119,9 @@ std::vector<NamedZones> all_zones() {
           {"rotating, twisted", {twisted(zone(ZoneKind::rotating))}},
           {"profiled", {zone(ZoneKind::profiled)}},
           {"general", {zone(ZoneKind::general)}},
+          {"profiled, shaped", {shaped(zone(ZoneKind::profiled))}},
+          {"general, shaped", {shaped(zone(ZoneKind::general))}},
+          {"periodic", {periodic()}},
           {"two", {zone(ZoneKind::rotating), zone(ZoneKind::precession)}}};
 }
 
