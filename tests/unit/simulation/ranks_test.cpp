@@ -136,7 +136,7 @@ TEST(Ranks, EndTogetherWhereOneFailsAndKeepWhatHasFlown) {
 }
 
 TEST(Dealer, GivesEachPlaceToOneAndSharesOutTheRest) {
-  const Plan plan = make_plan(small(1000));
+  const Plan plan = make_plan(small(10000));
   const ParticleRow row(plan);
   const Intervals flown({{10, 30}, {500, 2000}});
   Dealer dealer(plan, row, flown);
