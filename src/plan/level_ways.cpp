@@ -120,7 +120,7 @@ double far_apart(const Beamline& beamline, const Species& species, const LevelFi
       rate = std::max(rate, driving + speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
     }
   }
-  const double amplitude = 0.1 * std::sqrt(fields.tolerance);
+  const double amplitude = 0.5 * std::sqrt(fields.tolerance);
   return std::max(rate / (2 * std::numbers::pi * scale_of(coupled_spins(*species.structure)) * amplitude),
                   2 * frequency);
 }

@@ -172,7 +172,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
   const auto row_of = [&](const Manifold& manifold, const StatesAlong& at) {
     const std::size_t levels = manifold.number.size();
     Eigen::VectorXd row =
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>((levels + manifold.to.size() + 7) / 8 * 8));
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>((3 * levels + manifold.to.size() + 7) / 8 * 8));
     double mean = 0;
     for (const int n : manifold.number) mean += at.energy(n) / static_cast<double>(levels);
     for (std::size_t k = 0; k < levels; ++k)
@@ -185,6 +185,21 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
       const double gap = at.energy(from) - at.energy(to);
       row(static_cast<Eigen::Index>(levels + c)) = ladder ? element : gap != 0 ? element / gap : 0;
     }
+    // What other manifolds shift these levels by, to second order.
+    const Eigen::MatrixXd lowers = at.states.transpose() * minus * at.states,
+                          stretches = at.states.transpose() * at.slope * at.states;
+    for (std::size_t k = 0; k < levels; ++k)
+      for (int q = 0; q < spins.levels(); ++q) {
+        const int n = manifold.number[k];
+        const double gap = at.energy(n) - at.energy(q);
+        if (manifold_of_[static_cast<std::size_t>(q)] == manifold_of_[static_cast<std::size_t>(n)] ||
+            gap == 0)
+          continue;
+        const double over = 1 / (2 * std::numbers::pi * gap),
+                     turned = portable::hypot(lowers(q, n), lowers(n, q)), stretched = stretches(q, n) / gap;
+        row(static_cast<Eigen::Index>(levels + manifold.to.size() + k)) += turned * turned / 4 * over;
+        row(static_cast<Eigen::Index>(2 * levels + manifold.to.size() + k)) += stretched * stretched * over;
+      }
     return row;
   };
 
@@ -232,7 +247,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     view.levels = static_cast<int>(f.number.size());
     view.ladders = f.ladders;
     view.couplings = static_cast<int>(f.to.size());
-    view.width = (view.levels + view.couplings + 7) / 8 * 8;
+    view.width = (3 * view.levels + view.couplings + 7) / 8 * 8;
     view.is_chain = view.couplings == view.levels - 1 && view.ladders == view.couplings;
     for (int k = 0; k < view.levels; ++k)
       view.most_of_one = std::max(

@@ -78,7 +78,7 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
   const real place = fma(theta, broadcast(f.cells / pi), broadcast(0.5 * f.cells));
   const real cell = max(broadcast(0), min(floor(place), broadcast(f.cells - 1)));
   const real x = fma(place - cell, broadcast(2), broadcast(-1));
-  constexpr int widest = most_levels + most_couplings + 8;
+  constexpr int widest = 3 * most_levels + most_couplings + 8;
   alignas(64) double found[lane_count][(widest + 7) / 8 * 8];
   for (int k = 0; k < lane_count; ++k) {
     const double* row = f.rows + static_cast<long>(lane(cell, k)) * (level_powers * f.width);
@@ -90,7 +90,7 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
       store(found[k] + i, sum);
     }
   }
-  for (int i = 0; i < f.levels + f.couplings; ++i) {
+  for (int i = 0; i < 3 * f.levels + f.couplings; ++i) {
     real value = broadcast(0);
     for (int k = 0; k < lane_count; ++k) set_lane(value, k, found[k][i]);
     values[i] = value;
@@ -99,14 +99,19 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
 
 /// H in the frame, in rad/s times `weight`, added to what is there.
 inline void add_matrix(const LevelManifold& f, const FollowedField& at, real weight, LevelMatrix& h) {
-  real values[most_levels + most_couplings];
+  real values[3 * most_levels + most_couplings];
   const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1));
   look_up(f, atan(ratio), values);
-  const real energy = weight * sqrt(fma(ratio, ratio, broadcast(1))), about = weight * at.turn_3;
+  const real root = sqrt(fma(ratio, ratio, broadcast(1))), energy = weight * root, about = weight * at.turn_3;
+  const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = energy * over,
+             turning = cosine * fma(at.turn_1, at.turn_1, at.turn_2 * at.turn_2),
+             stretching = cosine * theta_rate * theta_rate;
+  const real *shift_1 = values + f.levels + f.couplings, *shift_2 = shift_1 + f.levels;
   for (int k = 0; k < f.levels; ++k)
-    h.diagonal[k] = fma(energy, values[k], fnma(about, broadcast(f.m[k]), h.diagonal[k]));
-  const real re = -0.5 * weight * at.turn_1, im = -0.5 * weight * at.turn_2,
-             stretch = -weight * at.size_rate * over * (1 / f.scale);
+    h.diagonal[k] = fma(
+        energy, values[k],
+        fma(turning, shift_1[k], fma(stretching, shift_2[k], fnma(about, broadcast(f.m[k]), h.diagonal[k]))));
+  const real re = -0.5 * weight * at.turn_1, im = -0.5 * weight * at.turn_2, stretch = -weight * theta_rate;
   const real* coupled = values + f.levels;
   for (int j = 0; j < f.ladders; ++j) {
     h.re[j] = fma(re, coupled[j], h.re[j]);

@@ -232,6 +232,21 @@ TEST(LevelWay, IsSchroedingersEquationOfAFieldThatTurnsInTime) {
   EXPECT_LT(p[0], 0.9);
 }
 
+TEST(LevelWay, IsShiftedByTheOtherFThatADriveMixesIn) {
+  // Potassium at 30 G and 18.4 MHz, near a line of F=2, for ten Rabi periods; F=1 is left to second order.
+  Flight f = flight(of("K-39 atom"), 1000, 0.02, linear(0, 0, 3e-3, 0, 0, 0), 0);
+  CourseSection& section = f.fields.sections[0];
+  section.field.drives = 1;
+  section.field.drive[0].spin_rate = 60e-6;
+  section.field.drive[0].omega = two_pi * 18.4e6;
+  section.field.drive[0].second[1] = 0;
+  section.field.drive[0].in_xy = false;
+  section.moment = 1e-3 / section.field.drive[0].omega;
+  const std::vector<double> p = carried(f, 1);
+  EXPECT_LT(worst_difference(p, Laboratory(f).carried(1)), 1e-6);
+  EXPECT_LT(p[1], 0.9);
+}
+
 /// Landau-Zener: what leaves its level is exp(-pi gamma B_t^2/(2 |dB_l/dt|)), here with gamma B_t = 1 and
 /// gamma dB_l/dt = 1; then Majorana for more levels.
 TEST(LevelWay, FlipsASpinAsLandauZenerAndMajoranaSay) {
