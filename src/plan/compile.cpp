@@ -35,7 +35,7 @@ class Compiler {
         quantum_(law_traits(beamline.law).has_levels),
         turning_(turning_of(beamline.law, species)),
         zones_(zone_maker(beamline, species)),
-        stretches_(stretches_of(beamline, species, sections_)),
+        stretches_(flown_in_steps(stretches_of(beamline, species, sections_), beamline.law, species)),
         spins_(sections_, zones_, beamline.source, stretches_),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
@@ -186,7 +186,7 @@ class Compiler {
       histogram.caught = caught;
       if (of_spin && quantum_ && species_.structure) {
         histogram.spins.of_atom = true;
-        histogram.spins.transitions = questions_.transitions_before(plane);
+        questions_.carry_levels(plane, histogram.spins);
       } else if (of_spin && straight_) {
         histogram.spins.zones = zones_seen_by(histogram, plane);
       }
@@ -240,7 +240,7 @@ class Compiler {
   void fly_straight_or_in_steps(std::span<const Section> touching) {
     for (std::size_t i = 0; i < touching.size();) {
       std::size_t end = i;
-      while (end < touching.size() && !touching[end].shaped.empty()) ++end;
+      while (end < touching.size() && is_flown_in_steps(touching[end])) ++end;
       if (end > i) {
         fly_in_steps(touching.subspan(i, end - i));
         i = end;
@@ -248,6 +248,12 @@ class Compiler {
         fly_straight_through(touching[i++]);
       }
     }
+  }
+  /// Where its levels stay coherent an atom flies straight, and they are carried when they are asked for.
+  bool is_flown_in_steps(const Section& section) const {
+    return std::ranges::any_of(stretches_, [&](const Stretch& stretch) {
+      return stretch.begin <= section.begin && section.end <= stretch.end;
+    });
   }
   void fly_in_steps(std::span<const Section> touching) {
     const double begin = touching.front().begin;

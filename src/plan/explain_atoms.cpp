@@ -295,6 +295,8 @@ std::string field_free_gaps(const Beamline& beamline) {
   std::vector<std::pair<double, double>> fields;
   for (const PlacedPart& part : beamline.parts)
     if (holds_spins(part.part)) fields.emplace_back(part.placement.at, end_of(part));
+  for (const Section& section : sections_of(beamline).sections)
+    if (!section.shaped.empty()) fields.emplace_back(section.begin, section.end);
   std::sort(fields.begin(), fields.end());
   std::string gaps;
   double reach = fields.empty() ? 0 : fields.front().second;

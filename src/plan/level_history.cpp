@@ -9,14 +9,6 @@ namespace {
 /// [m] Where parts touch, rounding may leave a section of this length between them.
 constexpr double rounding = 1e-12;
 
-/// What drives levels: a rule refuses everything else.
-[[maybe_unused]] bool can_drive(const RotatingTerm& term) {
-  if (term.twist != 0 || term.motion == FieldMotion::swings) return false;
-  if (term.motion == FieldMotion::swings_in_rotating_wave) return true;
-  return term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0} &&
-         (term.oscillator.turn == Turn::positive || term.oscillator.turn == Turn::negative);
-}
-
 LevelZone zone_of(const Section& section) {
   assert(section.coils.empty() && section.field.x == 0 && section.field.y == 0 && section.field.z >= 0);
   LevelZone zone;
@@ -25,13 +17,20 @@ LevelZone zone_of(const Section& section) {
   zone.field = section.field.z;
   for (const RotatingTerm& term : section.rotating) {
     if (term.amplitude == 0) continue;
-    assert(!zone.drive && can_drive(term));
+    assert(!zone.drive && has_standing_frame(term));
     zone.drive = term;
   }
   return zone;
 }
 
 }  // namespace
+
+bool has_standing_frame(const RotatingTerm& term) {
+  if (term.twist != 0 || term.motion == FieldMotion::swings) return false;
+  if (term.motion == FieldMotion::swings_in_rotating_wave) return true;
+  return term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0} &&
+         (term.oscillator.turn == Turn::positive || term.oscillator.turn == Turn::negative);
+}
 
 std::vector<LevelZone> driven_zones(const std::vector<Section>& sections, double from, double to) {
   std::vector<LevelZone> zones;

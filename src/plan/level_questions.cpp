@@ -1,9 +1,9 @@
 #include "plan/level_questions.hpp"
 
-#include "plan/level_history.hpp"
-
 #include <algorithm>
 
+#include "plan/level_history.hpp"
+#include "plan/level_ways.hpp"
 #include "spin/majorana.hpp"
 
 namespace rabiline {
@@ -26,6 +26,16 @@ const DrivenLevels* LevelQuestions::transitions_before(const Plane& plane) const
   return &tables_.transitions(*species_.structure, zones, 1 / std::max(slow, slowest));
 }
 
+void LevelQuestions::carry_levels(const Plane& plane, SpinPath& path) const {
+  const double known = spins_.known_before(plane);
+  if (!needs_way(sections_.sections, known, plane.y)) {
+    path.transitions = transitions_before(plane);
+    return;
+  }
+  const LevelFields fields = level_fields(beamline_, species_, sections_.sections, known, plane.y);
+  path.way = &tables_.way(*species_.structure, fields, far_apart(beamline_, species_, fields));
+}
+
 std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) const {
   if (!quantum_) return std::nullopt;
   LevelProjection asked;
@@ -33,7 +43,7 @@ std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) con
   asked.at = plane.y;
   asked.spins.levels = species_.levels();
   if (species_.structure) {
-    asked.spins.transitions = transitions_before(plane);
+    carry_levels(plane, asked.spins);
     return asked.spins.is_idle() ? std::nullopt : std::optional(asked);
   }
   asked.spins.from_level = spins_.start_before(plane) == UnitVector{};
@@ -51,7 +61,7 @@ SpinStretch LevelQuestions::at_detector(const Plane& plane) const {
   spins.levels = quantum_ ? species_.levels() : 2;
   if (quantum_ && species_.structure) {
     spins.of_atom = true;
-    spins.transitions = transitions_before(plane);
+    carry_levels(plane, spins);
     return stretch;
   }
   if (straight_) spins.zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);

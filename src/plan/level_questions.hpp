@@ -20,10 +20,13 @@ class LevelQuestions {
   std::optional<LevelProjection> at_magnet(const Plane&) const;
   SpinStretch at_detector(const Plane&) const;
 
-  /// Of an atom since its level was known last; null where nothing drives its levels before that plane.
-  const DrivenLevels* transitions_before(const Plane&) const;
+  /// What acts on the levels of an atom since they were known last.
+  void carry_levels(const Plane&, SpinPath&) const;
 
  private:
+  /// Null where nothing drives levels before that plane.
+  const DrivenLevels* transitions_before(const Plane&) const;
+
   const Beamline& beamline_;
   const Species& species_;
   const Sections& sections_;

@@ -241,6 +241,10 @@ std::size_t bytes_of_stages(const Plan& plan) {
 void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
   reach.resize(static_cast<std::size_t>(projection.levels));
   for (std::size_t from = 0; from < reach.size(); ++from) {
+    if (projection.way != nullptr) {
+      reach[from] |= projection.way->reach(static_cast<int>(from));
+      continue;
+    }
     if (projection.transitions == nullptr) {
       reach[from] = (std::uint64_t{1} << projection.levels) - 1;
       continue;

@@ -1,6 +1,7 @@
 #pragma once
 // Tables that kernels read, made once for a plan however many scan points and species use them.
 #include <list>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "spin/driven_levels.hpp"
 #include "spin/moment_table.hpp"
 #include "transport/kernels.hpp"
+#include "transport/level_way.hpp"
 
 namespace rabiline {
 
@@ -31,10 +33,19 @@ class SampledTables {
   /// Works out the transitions that were asked for, on so many threads; 0: on all cores.
   void work_out_transitions(int threads);
   const MomentTable& moments(const Structure&);
+  /// A way of an atom whose levels F exchange nothing where they are more than `apart` [Hz] from each other.
+  const LevelWay& way(const Structure&, const LevelFields&, double apart);
 
  private:
   std::list<Driven> driven_;
   std::list<std::pair<Structure, MomentTable>> moments_;
+  struct Manifolds {
+    Structure structure;
+    std::vector<int> of;  // manifolds_of()
+    std::shared_ptr<const LevelTable> table;
+  };
+  std::list<Manifolds> manifolds_;
+  std::list<LevelWay> ways_;
 };
 
 }  // namespace rabiline

@@ -97,9 +97,7 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   out.splitting = pushed * (last - (stretch.begin + stretch.end) / 2);
   out.feature = smallest_feature(sections, stretch.begin);
   out.turns = 2 * moment * integral * size / (constants::hbar * speed) / (2 * std::numbers::pi);
-  if (species.structure) {
-    out.sorts = true;
-  } else if (out.splitting > one_path * out.feature) {
+  if (out.splitting > one_path * out.feature) {
     out.between = out.turns <= no_phase;
     out.sorts =
         !out.between || (law->outcomes != Outcomes::coherent && law->outcomes != Outcomes::coherent_drawn);
@@ -108,6 +106,12 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
 }
 
 }  // namespace
+
+std::vector<Stretch> flown_in_steps(std::vector<Stretch> stretches, const Law& law, const Species& species) {
+  if (law_traits(law).has_levels && species.structure)
+    std::erase_if(stretches, [](const Stretch& stretch) { return !stretch.outlook.sorts; });
+  return stretches;
+}
 
 FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   FieldCoupling feels;

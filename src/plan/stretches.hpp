@@ -20,6 +20,9 @@ std::vector<Stretch> stretches_of(const Sections&);
 /// As a species finds them.
 std::vector<Stretch> stretches_of(const Beamline&, const Species&, const Sections&);
 
+/// Those through which particles go in steps: all, but for atoms only those that sort their levels.
+std::vector<Stretch> flown_in_steps(std::vector<Stretch>, const Law&, const Species&);
+
 /// How a species feels fields that differ from place to place; and where each particle stays in its level.
 FieldCoupling coupling_of(const Beamline&, const Species&);
 FieldCoupling level_coupling_of(const Beamline&, const Species&, SampledTables&);

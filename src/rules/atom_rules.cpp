@@ -56,39 +56,17 @@ void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
   }
 }
 
-// ---- static fields ----
+// ---- fields ----
 
-bool is_along_z(const Vector3& field) { return field.x == 0 && field.y == 0 && field.z >= 0; }
-
-/// Fields add up where they overlap: only their sum must point along +z.
-void check_static_fields(const Beamline& beamline, const Species& atom, Faults& out) {
-  std::vector<std::pair<const PlacedPart*, StaticField>> fields;
-  SectionBuilder builder(Wall{});
+/// A magnet finds levels along +z and pushes them along its gradient.
+void check_magnets(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
     const std::optional<StaticField> own = static_field_of(part.part);
-    if (!own) continue;
-    if (!own->turns) {
-      fields.emplace_back(&part, *own);
-      builder.uniform(part.placement.at, end_of(part), {own->field});
-    } else if (own->field != Vector3{}) {
-      out.push_back({part.placement.name, std::string(own->blame),
-                     fmt::format("`{}` turns its field along the beam, and `{}` is followed through fields "
-                                 "along +z only",
-                                 part.placement.name, atom.name),
-                     "a `uniform_field` along z keeps the levels that they are"});
-    }
-  }
-  const std::vector<Section> sections = builder.build().sections;
-  for (const auto& [part, own] : fields) {
-    const double begin = part->placement.at, end = end_of(*part);
-    const bool wrong = std::any_of(sections.begin(), sections.end(), [&](const Section& s) {
-      return s.begin < end && s.end > begin && !is_along_z(s.field);
-    });
-    if (!wrong || is_along_z(own.field)) continue;
-    out.push_back({part->placement.name, std::string(own.blame),
-                   fmt::format("`{}` does not point along +z, and `{}` is followed through fields along +z "
-                               "only",
-                               part->placement.name, atom.name),
+    if (!own || !is_magnet(part.part) || (own->field.x == 0 && own->field.y == 0 && own->field.z >= 0))
+      continue;
+    out.push_back({part.placement.name, std::string(own->blame),
+                   fmt::format("`{}` does not point along +z, where magnets find the levels of `{}`",
+                               part.placement.name, atom.name),
                    "turn the axes of the experiment so that its field is along +z"});
   }
 }
@@ -120,23 +98,10 @@ void check_sizes(const Beamline& beamline, const Species& atom, Faults& out) {
 
 // ---- fields that drive transitions ----
 
-/// A field drives levels by what turns or swings in time, about z.
+/// A field that drives levels turns one way, whatever precesses.
 template <class Field>
 void check_drive(const Field& field, const std::string& name, const Species& atom, Faults& out) {
-  if constexpr (requires { field.twist; }) {
-    if (field.twist != 0)
-      out.push_back(
-          {name, "twist",
-           fmt::format("`{}` turns along the beam, and the levels of `{}` are driven by fields that "
-                       "turn in time only",
-                       name, atom.name),
-           "omit `twist`"});
-    if (!(field.tilt == Tilt{}))
-      out.push_back({name, "tilt",
-                     fmt::format("`{}` turns in a tilted plane, and the levels of `{}` are driven by fields "
-                                 "that turn about z",
-                                 name, atom.name),
-                     "omit `tilt`"});
+  if constexpr (requires { field.sense; }) {
     if (field.sense == Sense::co || field.sense == Sense::counter)
       out.push_back(
           {name, "sense",
@@ -168,45 +133,11 @@ void check_drive(const Field& field, const std::string& name, const Species& ato
                        "fields of one phase",
                        name, atom.name),
            "omit `phase_advance`"});
-  if constexpr (requires { field.approximation; })
-    if (field.approximation == Approximation::none)
-      out.push_back({name, "approximation",
-                     fmt::format("`{}` acts on the levels of `{}` in the rotating-wave approximation only",
-                                 name, atom.name),
-                     "write `rotating_wave`; `rabiline check` tells how much it leaves out"});
-}
-
-/// Whether a field with a clock is on.
-bool drives(const Part& part) {
-  return std::visit(
-      [](const auto& any) {
-        if constexpr (requires { any.oscillator; }) return any.amplitude != 0;
-        return false;
-      },
-      part);
 }
 
 void check_drives(const Beamline& beamline, const Species& atom, Faults& out) {
-  const PlacedPart* last = nullptr;  // that reaches farthest
-  std::vector<const PlacedPart*> drivers;
-  for (const PlacedPart& part : beamline.parts) {
+  for (const PlacedPart& part : beamline.parts)
     std::visit([&](const auto& any) { check_drive(any, part.placement.name, atom, out); }, part.part);
-    if (drives(part.part)) drivers.push_back(&part);
-  }
-  std::stable_sort(drivers.begin(), drivers.end(), [](const PlacedPart* a, const PlacedPart* b) {
-    return a->placement.at < b->placement.at;
-  });
-  for (const PlacedPart* part : drivers) {
-    if (last && part->placement.at < end_of(*last))
-      out.push_back(
-          {part->placement.name, "at",
-           fmt::format("`{}` ({} to {}) and `{}` ({} to {}) would drive the levels of `{}` at one "
-                       "place",
-                       last->placement.name, metres(last->placement.at), metres(end_of(*last)),
-                       part->placement.name, metres(part->placement.at), metres(end_of(*part)), atom.name),
-           "place them one behind the other"});
-    if (!last || end_of(*part) > end_of(*last)) last = part;
-  }
 }
 
 // ---- what is asked ----
@@ -240,7 +171,7 @@ void check_atoms(const Beamline& beamline, Faults& out) {
   check_structures(beamline, out);
   // What stands in the way of one atom stands in that of all.
   check_parts(beamline, *first, out);
-  check_static_fields(beamline, *first, out);
+  check_magnets(beamline, *first, out);
   check_sizes(beamline, *first, out);
   check_drives(beamline, *first, out);
   check_spin_tallies(beamline, *first, out);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "plan/level_history.hpp"
+#include "plan/level_ways.hpp"
 #include "plan/plan.hpp"
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
@@ -151,13 +152,45 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
   }
 }
 
+SpinHistory history_of(const Beamline& beamline, const Species& atom, const Sections& sections,
+                       const ZoneMaker& zones) {
+  return {sections, zones, beamline.source,
+          flown_in_steps(stretches_of(beamline, atom, sections), beamline.law, atom)};
+}
+
+/// Where fields are followed in steps, each period takes many.
+void check_cycles(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
+  const ZoneMaker zones = zone_maker(beamline, atom);
+  const SpinHistory spins = history_of(beamline, atom, sections, zones);
+  for (const Plane& plane : sections.planes) {
+    const double known = spins.known_before(plane);
+    if (!asks_for_spin(plane) || !needs_way(sections.sections, known, plane.y)) continue;
+    const LevelFields fields = level_fields(beamline, atom, sections.sections, known, plane.y);
+    const double cycles = cycles_on(beamline, atom, fields);
+    if (cycles <= most_cycles) continue;
+    const auto driven =
+        std::ranges::find_if(fields.sections, [](const auto& s) { return s.field.drives > 0; });
+    const std::string& name =
+        fields_at(beamline, (driven->field.begin + driven->field.end) / 2, true).back()->placement.name;
+    out.push_back(
+        {name, "frequency",
+         fmt::format(
+             "`{}` swings {:.3g} times while the levels of `{}` pass fields without a closed form, and "
+             "{:.0e} times are the most",
+             name, cycles, atom.name, most_cycles),
+         "levels have a closed form where all fields up to the next magnet or detector are uniform along +z, "
+         "and one drives at a place"});
+    return;
+  }
+}
+
 /// Transitions are tabulated in the slowness alone: two clocks must not differ by the time of emission.
 void check_clocks(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
   if (!beamline.source.pulse) return;
   const ZoneMaker zones = zone_maker(beamline, atom);
-  const SpinHistory spins(sections, zones, beamline.source, stretches_of(beamline, atom, sections));
+  const SpinHistory spins = history_of(beamline, atom, sections, zones);
   for (const Plane& plane : sections.planes) {
-    if (!asks_for_spin(plane)) continue;
+    if (!asks_for_spin(plane) || needs_way(sections.sections, spins.known_before(plane), plane.y)) continue;
     const Oscillator* first = nullptr;
     const std::vector<LevelZone> driven = driven_zones(sections.sections, spins.known_before(plane), plane.y);
     for (const LevelZone& zone : driven) {
@@ -187,9 +220,10 @@ void check_flight(const Beamline& beamline, Faults& out) {
   check_stepped(beamline, sections, out);
   if (!out.empty()) return;
   for (const Component& component : beamline.species) {
-    if (is_quantum(beamline) && component.species.structure)
+    if (is_quantum(beamline) && component.species.structure) {
       check_clocks(beamline, component.species, sections, out);
-    else
+      check_cycles(beamline, component.species, sections, out);
+    } else
       check_phases(beamline, component.species, sections, out);
   }
 }

@@ -173,6 +173,8 @@ struct Transitions {
   const double* numbers = nullptr;
 };
 
+struct LevelCourse;  // transport/level_course.hpp
+
 /// How spins are carried on a straight flight, and in which level along the field they are then found: the
 /// image of z tells of a point moment, the transitions of an atom (SpinPath).
 struct SpinPathView {
@@ -183,6 +185,7 @@ struct SpinPathView {
   int zone_count = 0;
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
   Transitions transitions;
+  const LevelCourse* course = nullptr;  // of an atom, instead, through fields without a closed form
 };
 
 /// The levels of what a detector caught.

@@ -1,4 +1,5 @@
 // In which level along the field a state is found: shared out among all levels, or drawn.
+#include "transport/level_lanes.hpp"
 #include "transport/outcome_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -155,11 +156,57 @@ void share_by_transitions(const SpinPathView& q, const BatchView& batch, const s
   }
 }
 
+/// Particles that begin in one level, through fields of any direction.
+void share_by_course(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
+                     std::uint64_t* shares) {
+  const LevelCourse& course = *q.course;
+  for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
+  const ByLevel ordered(batch, weights, q.levels);
+  for (int level = 0; level < q.levels; ++level) {
+    const int* particles = ordered.particles + ordered.begin[level];
+    const int count = ordered.begin[level + 1] - ordered.begin[level];
+    const LevelManifold& manifold = course.manifolds[course.manifold_of[level]];
+    if (manifold.couplings == 0) {
+      for (int i = 0; i < count; ++i) shares[level * batch.padded + particles[i]] = weights[particles[i]];
+      continue;
+    }
+    for (int begin = 0; begin < count; begin += lane_count) {
+      words weight_words{}, number{};
+      real t{}, parts[most_levels];
+      Vector place{}, velocity{};
+      for (int k = 0; k < lane_count; ++k) {
+        const int i = particles[begin + k < count ? begin + k : begin];
+        if (begin + k < count) set_lane(weight_words, k, weights[i]);
+        set_lane(number, k, batch.particle[i]);
+        set_lane(place.x, k, batch.x[i]);
+        set_lane(place.z, k, batch.z[i]);
+        set_lane(velocity.x, k, batch.vx[i]);
+        set_lane(velocity.y, k, batch.vy[i]);
+        set_lane(velocity.z, k, batch.vz[i]);
+        set_lane(t, k, batch.t[i]);
+      }
+      LevelFlight flight(course, manifold, q.key, batch.y, place, velocity, t, batch.fall, number);
+      flight.fly(course.place_of[level], weight_words != words{});
+      flight.probabilities(parts, q.levels);
+      const real weight = number_of(weight_words);
+      for (int to = 0; to < q.levels; ++to) parts[to] = floor(weight * parts[to]);
+      give_rest_to_largest(parts, q.levels, weight);
+      for (int to = 0; to < q.levels; ++to) {
+        const words part = weight_of(parts[to]);
+        for (int k = 0; k < lane_count && begin + k < count; ++k)
+          shares[to * batch.padded + particles[begin + k]] = lane(part, k);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void outcomes(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
               std::uint64_t* shares) {
-  if (q.transitions.block_of != nullptr)
+  if (q.course != nullptr)
+    share_by_course(q, batch, weights, shares);
+  else if (q.transitions.block_of != nullptr)
     share_by_transitions(q, batch, weights, shares);
   else
     share_by_flip(q, batch, weights, shares);

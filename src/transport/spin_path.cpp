@@ -22,7 +22,8 @@ SpinPathView SpinPath::view(const RandomKey& key) const {
           zones.data(),
           static_cast<int>(zones.size()),
           polynomials.data(),
-          view_of(transitions)};
+          view_of(transitions),
+          way != nullptr ? &way->course() : nullptr};
 }
 
 double cost_of(const std::vector<SpinZone>& zones, double speed) {
@@ -34,12 +35,13 @@ double cost_of(const std::vector<SpinZone>& zones, double speed) {
 
 double SpinPath::cost(double speed) const {
   const double levels_mixed = transitions != nullptr ? cost::operation * transitions->work() : 0;
-  return cost::closed_form * std::max(2, levels) + cost_of(zones, speed) + levels_mixed;
+  return cost::closed_form * std::max(2, levels) + cost_of(zones, speed) + levels_mixed +
+         (way != nullptr ? way->cost() : 0);
 }
 
-void share_levels(const SpinPath& path, Isa isa, const BatchView& batch, const std::uint64_t* weights,
+void share_levels(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch, const std::uint64_t* weights,
                   std::uint64_t* shares) {
-  if (path.transitions != nullptr) return kernel::outcomes(isa)(path.view({}), batch, weights, shares);
+  if (!path.is_idle()) return kernel::outcomes(isa)(path.view(key), batch, weights, shares);
   std::fill_n(shares, path.levels * batch.padded, 0);
   for (int i = 0; i < batch.count; ++i)
     shares[static_cast<int>(batch.level[i]) * batch.padded + i] = weights[i];

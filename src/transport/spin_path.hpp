@@ -4,6 +4,7 @@
 
 #include "spin/driven_levels.hpp"
 #include "transport/kernels.hpp"
+#include "transport/level_way.hpp"
 
 namespace rabiline {
 
@@ -14,10 +15,11 @@ struct SpinPath {
   std::vector<double> polynomials{};          // MajoranaTable::coefficients
   bool of_atom = false;                       // whose levels no field turns
   const DrivenLevels* transitions = nullptr;  // of an atom that fields drive; a plan makes each once
+  const LevelWay* way = nullptr;              // of an atom, instead, through fields without a closed form
   bool operator==(const SpinPath&) const = default;
 
   /// Nothing on the way acts on spins.
-  bool is_idle() const { return zones.empty() && transitions == nullptr; }
+  bool is_idle() const { return zones.empty() && transitions == nullptr && way == nullptr; }
   /// What kernels see of it, which it must outlive.
   SpinPathView view(const RandomKey&) const;
   double cost(double speed) const;
@@ -26,9 +28,9 @@ struct SpinPath {
 /// Time for the turning of spins in zones [s].
 double cost_of(const std::vector<SpinZone>&, double speed);
 
-/// The weights of atoms shared out over their levels, a column for each: by the transitions, or where there
-/// are none by the level that each is in.
-void share_levels(const SpinPath&, Isa, const BatchView&, const std::uint64_t* weights,
+/// The weights of atoms shared out over their levels, a column for each: by what acts on the way, or where
+/// nothing does by the level that each is in.
+void share_levels(const SpinPath&, const RandomKey&, Isa, const BatchView&, const std::uint64_t* weights,
                   std::uint64_t* shares);
 
 }  // namespace rabiline

@@ -616,3 +616,41 @@ def test_a_strip_line_cavity_splits_the_line_of_hydrogen(run):
             assert flipped[half].max() > 0.998
         assert flipped[abs(x) < width].max() < 2e-3
         assert abs(flipped - flipped[::-1]).max() < 5e-3
+
+
+@pytest.mark.experiment("frisch-segre-potassium")
+def test_potassium_past_a_wire_leaves_its_levels_as_an_independent_integration_says(run):
+    file = run("frisch-segre-potassium")
+    states = file["entry/screen_states/counts"][:]
+    stays = states[4, 0, 0] / states[4, 0].sum()  # F=2 m=2 at 0.1 A
+    assert abs(stays - 0.000197) < 5e-7  # spin F turned by steps of its own, with Breit and Rabi's energies between
+    flipped = file["entry/screen_levels/levels"][:, 4]
+    assert np.all(np.diff(flipped) > 0) and 0.24 < flipped[-1] < 0.28  # the measured points fall from 0.1 A on
+    assert abs(states[:, :, 5:].sum()) < 1e-9 * states.sum()
+
+
+@pytest.mark.experiment("sona-unit")
+def test_metastable_hydrogen_leaves_a_zero_of_the_field_as_majorana_says(run):
+    file = run("sona-unit")
+    r, levels = file["entry/ioniser_levels/source_offset_x"][:], file["entry/ioniser_levels/levels"][:]
+    assert levels[0, 1] + levels[0, 2] > 1 - 1e-6
+    zero, one = levels[0, 1], levels[0, 2]  # the parts that began in m = 0 and m = 1
+
+    def field(y):  # of a solenoid on its axis, from its middle
+        ends = np.array([y + 0.2, y - 0.2])
+        return 57.5e-3 * np.diff(-ends / np.hypot(ends, 0.06))[0] / (2 * 0.2 / np.hypot(0.2, 0.06))
+
+    slope = abs(field(0.5005) - field(0.4995)) / 1e-3 * 2
+    for k in (1, 2, 3):
+        across, change = r[k] / 2 * slope, 310e3 * slope
+        q = 1 - np.exp(-np.pi * 2 * np.pi * 14.0e9 * across**2 / (2 * change))
+        expected = one * q**2 + zero * 2 * q * (1 - q)
+        assert abs(levels[k, 0] / expected - 1) < 0.02
+
+
+@pytest.mark.experiment("rf-transition-unit")
+def test_a_weak_field_unit_turns_every_level_of_deuterium_round(run):
+    states = run("rf-transition-unit")["entry/behind_states/counts"][:]
+    for level in range(3):
+        assert states[0, level, level] > 0.9999 * states[0, level].sum()
+        assert states[1, level, 3 - level] > 0.99 * states[1, level].sum()

@@ -145,7 +145,7 @@ class Filler {
       if (is_measured(axis) && measured_) continue;  // the checks let pass one direction only
       measured_ = is_measured(axis);
       if (histogram_.spins.of_atom) {
-        share_levels(histogram_.spins, context_.isa, batch_, weights_, shares_);
+        share_levels(histogram_.spins, context_.key, context_.isa, batch_, weights_, shares_);
         continue;
       }
       spin.quantity = axis.quantity;

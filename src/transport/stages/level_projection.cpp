@@ -27,6 +27,7 @@ void LevelProjection::explain(PlanReport& report) const {
     report.on_axis.resize(static_cast<std::size_t>(spins.levels));
     std::iota(report.on_axis.begin(), report.on_axis.end(), 0);
   }
+  if (spins.way != nullptr) report.line("{:>16}its levels are {}", "", describe(*spins.way));
   for (const SpinZone& zone : spins.zones) explain_zone(zone, report);
   report.tell_driven(part);
 }

@@ -32,7 +32,7 @@ void count_levels_of_atoms(const SpinStretch& stretch, StageContext& context) {
   alignas(64) std::uint64_t weights[Batch::capacity], shares[most_levels * Batch::capacity];
   for (int i = 0; i < batch.padded; ++i)
     weights[i] = batch.caught_by[i] == static_cast<std::uint64_t>(stretch.part) + 1 ? batch.weight[i] : 0;
-  share_levels(stretch.spins, context.isa, batch, weights, shares);
+  share_levels(stretch.spins, context.key, context.isa, batch, weights, shares);
   const LevelLayout layout = layout_of(stretch);
   for (int i = 0; i < batch.count; ++i) {
     if (weights[i] == 0) continue;
@@ -95,7 +95,8 @@ void SpinStretch::pass(StageContext& context) const {
 
 void SpinStretch::explain(PlanReport& report) const {
   report.line("            spins at {}: {} levels, {}{}", report.name_of(part), spins.levels,
-              spins.transitions != nullptr ? "coherent through the fields below, which drive them"
+              spins.way != nullptr         ? describe(*spins.way)
+              : spins.transitions != nullptr ? "coherent through the fields below, which drive them"
               : spins.zones.empty()        ? "as they arrive"
               : spins.from_level && spins.zones.size() == 1 && spins.zones.front().kind == ZoneKind::rotating
                   ? "closed form"

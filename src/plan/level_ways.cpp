@@ -1,0 +1,138 @@
+#include "plan/level_ways.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "plan/level_history.hpp"
+#include "plan/zones.hpp"
+
+namespace rabiline {
+namespace {
+
+/// [m] Where parts touch, rounding may leave a section of this length between them.
+constexpr double no_length = 1e-12;
+/// Of the shortest time in which anything drives: B's rate is taken from neighbours that far away.
+constexpr double short_time = 1e-3;
+
+double speed_of(const Beamline& beamline, const Species& species) {
+  return mean_speed(beamline.source.speed, species.mass);
+}
+
+/// What passes for a species with gamma = -1 rad/(s T) sees fields in tesla as rates.
+Species in_tesla(const Species& atom) {
+  Species species = atom;
+  species.structure.reset();
+  species.charge = 0;
+  species.gyromagnetic_ratio = -1;
+  return species;
+}
+
+/// The whole of an oscillating field.
+Section whole_fields(Section section) {
+  for (RotatingTerm& term : section.rotating)
+    if (term.motion == FieldMotion::swings_in_rotating_wave) term.motion = FieldMotion::swings;
+  return section;
+}
+
+bool has_field(const Section& section) {
+  return section.field != Vector3{} || !section.shaped.empty() ||
+         std::ranges::any_of(section.rotating, [](const RotatingTerm& term) { return term.amplitude != 0; });
+}
+
+double angular_frequency(const DriveTerm& drive, double speed) {
+  double rate = std::abs(drive.omega) + std::abs(drive.twist) * speed;
+  if (drive.envelope.shape == Shape::gaussian) rate += speed / drive.envelope.sigma;
+  if (drive.envelope.shape == Shape::half_sine) rate += std::numbers::pi * speed / drive.envelope.length;
+  return rate;
+}
+
+}  // namespace
+
+bool needs_way(const Section& section) {
+  int drives = 0;
+  for (const RotatingTerm& term : section.rotating) {
+    if (term.amplitude == 0) continue;
+    if (!has_standing_frame(term)) return true;
+    ++drives;
+  }
+  return drives > 1 || !section.shaped.empty() || section.field.x != 0 || section.field.y != 0 ||
+         section.field.z < 0;
+}
+
+bool needs_way(const std::vector<Section>& sections, double from, double to) {
+  return std::ranges::any_of(sections, [&](const Section& section) {
+    return std::max(section.begin, from) + no_length < std::min(section.end, to) && needs_way(section);
+  });
+}
+
+LevelFields level_fields(const Beamline& beamline, const Species& species,
+                         const std::vector<Section>& sections, double from, double to) {
+  const Species unit = in_tesla(species);
+  const double speed = speed_of(beamline, species);
+  const ZoneMaker zones(unit, unit, {}, speed, 0);
+  LevelFields out;
+  out.tolerance = tolerance_of(beamline.law);
+  for (const Section& section : sections) {
+    const double begin = std::max(section.begin, from), end = std::min(section.end, to);
+    if (begin + no_length >= end || !has_field(section)) continue;
+    CourseSection part;
+    part.field = zones.zone_of(whole_fields(section));
+    part.field.begin = begin;
+    part.field.end = end;
+    part.longest = (end - begin) / 8;
+    double fastest = 0;
+    for (int i = 0; i < part.field.drives; ++i)
+      fastest = std::max(fastest, angular_frequency(part.field.drive[i], speed));
+    if (fastest > 0) part.moment = short_time / fastest;
+    part.shaped_begin = static_cast<int>(out.shaped.size());
+    out.shaped.insert(out.shaped.end(), section.shaped.begin(), section.shaped.end());
+    part.shaped_end = static_cast<int>(out.shaped.size());
+    out.sections.push_back(part);
+  }
+  out.begins_in_field = out.sections.front().field.begin <= from + no_length;
+  out.ends_in_field = out.sections.back().field.end >= to - no_length;
+  return out;
+}
+
+double far_apart(const Beamline& beamline, const Species& species, const LevelFields& fields) {
+  constexpr int places = 256;
+  const double speed = speed_of(beamline, species);
+  double rate = 0, frequency = 0;
+  for (const CourseSection& section : fields.sections) {
+    double driving = 0;
+    for (int i = 0; i < section.field.drives; ++i) {
+      const DriveTerm& drive = section.field.drive[i];
+      driving += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
+      frequency = std::max(frequency, std::abs(drive.omega) / (2 * std::numbers::pi));
+    }
+    rate = std::max(rate, driving);
+    for (int place = 0; place < places; ++place) {
+      FieldHere<double> here{};
+      for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+        add_field<HostMaths>(
+            fields.shaped[static_cast<std::size_t>(i)], 0.0,
+            section.field.begin + (place + 0.5) / places * (section.field.end - section.field.begin), 0.0,
+            here);
+      rate = std::max(rate, driving + speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
+    }
+  }
+  const double amplitude = 0.5 * std::sqrt(fields.tolerance);
+  return std::max(rate / (2 * std::numbers::pi * scale_of(coupled_spins(*species.structure)) * amplitude),
+                  2 * frequency);
+}
+
+double cycles_on(const Beamline& beamline, const Species& species, const LevelFields& fields) {
+  const double speed = speed_of(beamline, species);
+  double cycles = 0;
+  for (const CourseSection& section : fields.sections)
+    for (int i = 0; i < section.field.drives; ++i)
+      cycles += std::abs(section.field.drive[i].omega) / (2 * std::numbers::pi) *
+                (section.field.end - section.field.begin) / speed;
+  return cycles;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,31 @@
+#pragma once
+// Ways through fields in which an atom's levels have no closed form: of any direction, differing from place
+// to place, or with drives that no frame makes stand still.
+#include <optional>
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "plan/sampled_tables.hpp"
+#include "section/section.hpp"
+
+namespace rabiline {
+
+/// Whether a field needs one, however weak.
+bool needs_way(const Section&);
+/// Between two places, where any field on the way needs it.
+bool needs_way(const std::vector<Section>&, double from, double to);
+
+/// The fields between two places as the levels of an atom see them; only where needs_way().
+LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from,
+                         double to);
+/// Zero-field energies that are more than this apart exchange amplitudes of less than a tenth of what the
+/// tolerance allows: about |dB/dt|/(scale 2 pi distance), scale_of() and the largest rate along the beam
+/// [Hz].
+double far_apart(const Beamline&, const Species&, const LevelFields&);
+/// Periods of all drives on the way, at the mean speed.
+double cycles_on(const Beamline&, const Species&, const LevelFields&);
+
+/// More than this and direct steps are refused.
+inline constexpr double most_cycles = 1e4;
+
+}  // namespace rabiline

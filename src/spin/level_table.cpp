@@ -1,0 +1,267 @@
+#include "spin/level_table.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "core/portable_math.hpp"
+#include "spin/angular_momentum.hpp"
+#include "spin/hamiltonian.hpp"
+#include "spin/level_labels.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double energy_error = 3e-14, coupling_error = 1e-10;
+constexpr int fewest_theta_cells = 64, most_theta_cells = 2048;
+constexpr double half_pi = std::numbers::pi / 2;
+
+/// F with their energies at B = 0, from the lowest on.
+std::vector<std::pair<double, int>> zero_field_levels(const CoupledSpins& spins) {
+  std::vector<std::pair<double, int>> out;
+  for (int f = std::abs(spins.twice_i - spins.twice_j); f <= spins.twice_i + spins.twice_j; f += 2)
+    out.emplace_back(zero_field_energy(spins, f), f);
+  std::ranges::stable_sort(out, {}, &std::pair<double, int>::first);
+  return out;
+}
+double spread_of(const CoupledSpins& spins) {
+  const auto levels = zero_field_levels(spins);
+  return levels.back().first - levels.front().first;
+}
+
+/// The states and energies with theta; columns are levels. Signs go on from one call to the next.
+class StatesAlong {
+ public:
+  StatesAlong(const CoupledSpins& spins, double scale)
+      : states(Eigen::MatrixXd::Zero(spins.levels(), spins.levels())),
+        energy(Eigen::VectorXd::Zero(spins.levels())),
+        spins_(spins),
+        labels_(level_labels(spins)) {
+    CoupledSpins free = spins;
+    free.coupling = free.coupling_squared = free.offset = 0;
+    zero_ = hamiltonian(spins, 0);
+    zeeman_ = hamiltonian(free, 1) * scale;
+    const auto order = zero_field_levels(spins);
+    for (int twice_m = spins.twice_i + spins.twice_j; twice_m >= -spins.twice_i - spins.twice_j;
+         twice_m -= 2) {
+      Block block;
+      for (int m_j = -spins.twice_j; m_j <= spins.twice_j; m_j += 2)
+        if (std::abs(twice_m - m_j) <= spins.twice_i)
+          block.products.push_back(spins.product_index(m_j, twice_m - m_j));
+      for (const auto& [unused, f] : order)
+        if (f >= std::abs(twice_m)) block.levels.push_back(*find_weak_field_level(labels_, f, twice_m));
+      blocks_.push_back(block);
+    }
+    if (is_free())
+      for (int level = 0; level < spins.levels(); ++level) {
+        const LevelLabel& label = labels_[static_cast<std::size_t>(level)];
+        states(spins.product_index(label.twice_m_j, label.twice_m_i), level) = 1;
+      }
+  }
+
+  void go_to(double theta) {
+    const double cosine = portable::cos(theta), sine = portable::sin(theta);
+    const Eigen::MatrixXd h = cosine * zero_ + sine * zeeman_;
+    slope = -sine * zero_ + cosine * zeeman_;
+    if (is_free()) {
+      energy = (states.transpose() * h * states).diagonal();
+      return;
+    }
+    for (const Block& block : blocks_) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(h(block.products, block.products));
+      for (std::size_t k = 0; k < block.levels.size(); ++k) {
+        Eigen::VectorXd state = solver.eigenvectors().col(static_cast<Eigen::Index>(k));
+        const auto before = states(block.products, block.levels[k]);
+        const double along = before.dot(state);
+        if (along < 0 || (along == 0 && state(0) < 0)) state = -state;
+        states(block.products, block.levels[k]) = state;
+        energy(block.levels[k]) = solver.eigenvalues()(static_cast<Eigen::Index>(k));
+      }
+    }
+  }
+
+  Eigen::MatrixXd states, slope;  // slope: dH/dtheta in products
+  Eigen::VectorXd energy;
+
+ private:
+  struct Block {
+    std::vector<int> products, levels;
+  };
+  bool is_free() const { return spins_.coupling == 0 && spins_.coupling_squared == 0; }
+
+  const CoupledSpins& spins_;
+  const std::vector<LevelLabel> labels_;
+  Eigen::MatrixXd zero_, zeeman_;
+  std::vector<Block> blocks_;
+};
+
+/// F_- in products.
+Eigen::MatrixXd lowering(const CoupledSpins& spins) {
+  const AngularMomentum i = angular_momentum(spins.twice_i), j = angular_momentum(spins.twice_j);
+  const Eigen::MatrixXd one_i = Eigen::MatrixXd::Identity(spins.twice_i + 1, spins.twice_i + 1),
+                        one_j = Eigen::MatrixXd::Identity(spins.twice_j + 1, spins.twice_j + 1);
+  return kronecker(j.x - j.i_times_y, one_i) + kronecker(one_j, i.x - i.i_times_y);
+}
+
+}  // namespace
+
+double scale_of(const CoupledSpins& spins) {
+  const double spread = spread_of(spins),
+               zeeman = std::max(std::abs(spins.zeeman_j - spins.zeeman_i),
+                                 1e-3 * std::max(std::abs(spins.zeeman_j), std::abs(spins.zeeman_i)));
+  return spread > 0 && zeeman > 0 ? spread / zeeman : 1e-4;
+}
+
+std::vector<int> manifolds_of(const CoupledSpins& spins, double apart) {
+  const auto order = zero_field_levels(spins);
+  std::vector<int> group(static_cast<std::size_t>(spins.twice_i + spins.twice_j + 1));
+  int groups = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k > 0 && order[k].first - order[k - 1].first > apart) ++groups;
+    group[static_cast<std::size_t>(order[k].second)] = groups;
+  }
+  std::vector<int> out;
+  for (const LevelLabel& label : level_labels(spins))
+    out.push_back(group[static_cast<std::size_t>(label.twice_f)]);
+  return out;
+}
+
+LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
+    : scale_(scale_of(spins)), manifold_of_(std::move(manifold_of)) {
+  const std::vector<LevelLabel> labels = level_labels(spins);
+  const std::size_t count = labels.size();
+  place_of_.resize(count);
+  manifolds_.resize(static_cast<std::size_t>(std::ranges::max(manifold_of_) + 1));
+  for (std::size_t n = 0; n < count; ++n) {
+    Manifold& manifold = manifolds_[static_cast<std::size_t>(manifold_of_[n])];
+    place_of_[n] = static_cast<int>(manifold.number.size());
+    manifold.number.push_back(static_cast<int>(n));
+    manifold.m.push_back(labels[n].twice_m / 2.0);
+    const bool free = spins.coupling == 0 && spins.coupling_squared == 0;
+    manifold.mirror.push_back(
+        free ? *find_strong_field_level(labels, -labels[n].twice_m_j, -labels[n].twice_m_i)
+             : *find_weak_field_level(labels, labels[n].twice_f, -labels[n].twice_m));
+  }
+  for (Manifold& manifold : manifolds_) {
+    const int levels = static_cast<int>(manifold.number.size());
+    const auto couple = [&](double by) {
+      for (int from = 0; from < levels; ++from)
+        for (int to = 0; to < levels; ++to)
+          if (manifold.m[static_cast<std::size_t>(to)] == manifold.m[static_cast<std::size_t>(from)] - by &&
+              (by != 0 || to > from)) {
+            manifold.to.push_back(to);
+            manifold.from.push_back(from);
+          }
+    };
+    couple(1);
+    manifold.ladders = static_cast<int>(manifold.to.size());
+    couple(0);
+  }
+
+  const Eigen::MatrixXd minus = lowering(spins);
+  Eigen::VectorXd points(level_powers);
+  for (int k = 0; k < level_powers; ++k) points(k) = -portable::cos((2 * k + 1) * half_pi / level_powers);
+  Eigen::MatrixXd powers(level_powers, level_powers);
+  for (int k = 0; k < level_powers; ++k)
+    for (int p = 0; p < level_powers; ++p) powers(k, p) = p == 0 ? 1 : powers(k, p - 1) * points(k);
+  const Eigen::MatrixXd solve = powers.inverse();
+  // What a row has, at the states of the moment.
+  const auto row_of = [&](const Manifold& manifold, const StatesAlong& at) {
+    const std::size_t levels = manifold.number.size();
+    Eigen::VectorXd row =
+        Eigen::VectorXd::Zero(static_cast<Eigen::Index>((3 * levels + manifold.to.size() + 7) / 8 * 8));
+    double mean = 0;
+    for (const int n : manifold.number) mean += at.energy(n) / static_cast<double>(levels);
+    for (std::size_t k = 0; k < levels; ++k)
+      row(static_cast<Eigen::Index>(k)) = 2 * std::numbers::pi * (at.energy(manifold.number[k]) - mean);
+    for (std::size_t c = 0; c < manifold.to.size(); ++c) {
+      const int to = manifold.number[static_cast<std::size_t>(manifold.to[c])],
+                from = manifold.number[static_cast<std::size_t>(manifold.from[c])];
+      const bool ladder = static_cast<int>(c) < manifold.ladders;
+      const double element = at.states.col(to).dot((ladder ? minus : at.slope) * at.states.col(from));
+      const double gap = at.energy(from) - at.energy(to);
+      row(static_cast<Eigen::Index>(levels + c)) = ladder ? element : gap != 0 ? element / gap : 0;
+    }
+    // What other manifolds shift these levels by, to second order.
+    const Eigen::MatrixXd lowers = at.states.transpose() * minus * at.states,
+                          stretches = at.states.transpose() * at.slope * at.states;
+    for (std::size_t k = 0; k < levels; ++k)
+      for (int q = 0; q < spins.levels(); ++q) {
+        const int n = manifold.number[k];
+        const double gap = at.energy(n) - at.energy(q);
+        if (manifold_of_[static_cast<std::size_t>(q)] == manifold_of_[static_cast<std::size_t>(n)] ||
+            gap == 0)
+          continue;
+        const double over = 1 / (2 * std::numbers::pi * gap),
+                     turned = portable::hypot(lowers(q, n), lowers(n, q)), stretched = stretches(q, n) / gap;
+        row(static_cast<Eigen::Index>(levels + manifold.to.size() + k)) += turned * turned / 4 * over;
+        row(static_cast<Eigen::Index>(2 * levels + manifold.to.size() + k)) += stretched * stretched * over;
+      }
+    return row;
+  };
+
+  const double largest = 2 * std::numbers::pi *
+                         (spread_of(spins) + scale_ * (std::abs(spins.zeeman_i) * spins.twice_i +
+                                                       std::abs(spins.zeeman_j) * spins.twice_j));
+  double worst = 2;
+  for (cells_ = fewest_theta_cells / 2; worst > 1 && cells_ < most_theta_cells;) {
+    cells_ *= 2;
+    worst = 0;
+    StatesAlong states(spins, scale_);
+    for (Manifold& manifold : manifolds_) manifold.rows.clear();
+    for (int cell = 0; cell < cells_; ++cell) {
+      const double width = 2 * half_pi / cells_, middle = -half_pi + (cell + 0.5) * width;
+      std::vector<Eigen::MatrixXd> seen(manifolds_.size());
+      std::vector<Eigen::VectorXd> between(manifolds_.size());
+      for (int k = 0; k < level_powers; ++k) {
+        if (k == level_powers / 2) {
+          states.go_to(middle);
+          for (std::size_t f = 0; f < manifolds_.size(); ++f) between[f] = row_of(manifolds_[f], states);
+        }
+        states.go_to(middle + points(k) * width / 2);
+        for (std::size_t f = 0; f < manifolds_.size(); ++f) {
+          const Eigen::VectorXd row = row_of(manifolds_[f], states);
+          if (k == 0) seen[f].resize(level_powers, row.size());
+          seen[f].row(k) = row.transpose();
+        }
+      }
+      for (std::size_t f = 0; f < manifolds_.size(); ++f) {
+        const Eigen::MatrixXd fitted = solve * seen[f];
+        const auto levels = static_cast<Eigen::Index>(manifolds_[f].number.size());
+        for (Eigen::Index i = 0; i < fitted.cols(); ++i) {
+          const double off = std::abs(fitted(0, i) - between[f](i));
+          worst =
+              std::max(worst, i < levels ? off / (energy_error * largest)
+                                         : off / (coupling_error * std::max(1.0, std::abs(between[f](i)))));
+        }
+        for (Eigen::Index p = 0; p < level_powers; ++p)
+          for (Eigen::Index i = 0; i < fitted.cols(); ++i) manifolds_[f].rows.push_back(fitted(p, i));
+      }
+    }
+  }
+  for (const Manifold& f : manifolds_) {
+    LevelManifold view;
+    view.levels = static_cast<int>(f.number.size());
+    view.ladders = f.ladders;
+    view.couplings = static_cast<int>(f.to.size());
+    view.width = (3 * view.levels + view.couplings + 7) / 8 * 8;
+    view.is_chain = view.couplings == view.levels - 1 && view.ladders == view.couplings;
+    for (int k = 0; k < view.levels; ++k)
+      view.most_of_one = std::max(
+          view.most_of_one, static_cast<int>(std::ranges::count(f.to, k) + std::ranges::count(f.from, k)));
+    view.number = f.number.data();
+    view.mirror = f.mirror.data();
+    view.m = f.m.data();
+    view.to = f.to.data();
+    view.from = f.from.data();
+    view.rows = f.rows.data();
+    view.cells = cells_;
+    view.scale = scale_;
+    views_.push_back(view);
+  }
+}
+
+}  // namespace rabiline
