@@ -27,6 +27,7 @@ LevelZone zone_of(const Section& section) {
 
 bool has_standing_frame(const RotatingTerm& term) {
   if (term.twist != 0 || term.motion == FieldMotion::swings) return false;
+  if (term.oscillator.sweep != Sweep{} || term.gate != Gate{} || term.slopes != Slopes{}) return false;
   if (term.motion == FieldMotion::swings_in_rotating_wave) return true;
   return term.first == Vector3{1, 0, 0} && term.second == Vector3{0, 1, 0} &&
          (term.oscillator.turn == Turn::positive || term.oscillator.turn == Turn::negative);

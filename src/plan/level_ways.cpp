@@ -44,9 +44,12 @@ bool has_field(const Section& section) {
 }
 
 double angular_frequency(const DriveTerm& drive, double speed) {
-  double rate = std::abs(drive.omega) + std::abs(drive.twist) * speed;
+  double rate = std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive))) +
+                std::abs(drive.twist) * speed;
   if (drive.envelope.shape == Shape::gaussian) rate += speed / drive.envelope.sigma;
   if (drive.envelope.shape == Shape::half_sine) rate += std::numbers::pi * speed / drive.envelope.length;
+  if (drive.envelope.shape == Shape::standing_wave)
+    rate += drive.envelope.half_waves * std::numbers::pi * speed / drive.envelope.length;
   return rate;
 }
 
@@ -107,7 +110,7 @@ double far_apart(const Beamline& beamline, const Species& species, const LevelFi
     for (int i = 0; i < section.field.drives; ++i) {
       const DriveTerm& drive = section.field.drive[i];
       driving += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
-      frequency = std::max(frequency, std::abs(drive.omega) / (2 * std::numbers::pi));
+      frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
     }
     rate = std::max(rate, driving);
     for (int place = 0; place < places; ++place) {
@@ -130,7 +133,7 @@ double cycles_on(const Beamline& beamline, const Species& species, const LevelFi
   double cycles = 0;
   for (const CourseSection& section : fields.sections)
     for (int i = 0; i < section.field.drives; ++i)
-      cycles += std::abs(section.field.drive[i].omega) / (2 * std::numbers::pi) *
+      cycles += angular_frequency(section.field.drive[i], speed) / (2 * std::numbers::pi) *
                 (section.field.end - section.field.begin) / speed;
   return cycles;
 }

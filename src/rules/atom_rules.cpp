@@ -110,29 +110,15 @@ void check_drive(const Field& field, const std::string& name, const Species& ato
            "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
            "for m - 1"});
   }
-  if constexpr (requires { field.sweep; }) {
-    const char* key = field.sweep                                       ? "sweep"
-                      : field.pulses                                    ? "pulses"
-                      : field.phase_gradient != PhaseGradient{}         ? "phase_gradient"
-                      : field.amplitude_gradient != AmplitudeGradient{} ? "amplitude_gradient"
-                                                                        : nullptr;
-    if (key != nullptr)
+  if constexpr (requires { field.pulses; })
+    if (field.pulses)
       out.push_back(
-          {name, key,
-           fmt::format("`{}` changes in time or across the beam, and the levels of `{}` are driven by "
-                       "fields that do so along the beam only",
-                       name, atom.name),
-           fmt::format("omit `{}`, or define a species with the moment and the spin of the two levels",
-                       key)});
-  }
-  if constexpr (requires { field.phase_advance; })
-    if (field.phase_advance != 0)
-      out.push_back(
-          {name, "phase_advance",
-           fmt::format("the phase of `{}` runs along the beam, and the levels of `{}` are driven by "
-                       "fields of one phase",
-                       name, atom.name),
-           "omit `phase_advance`"});
+          {name, "pulses",
+           fmt::format(
+               "`{}` is switched in time, and the levels of `{}` are driven by fields that go on all the "
+               "time",
+               name, atom.name),
+           "omit `pulses`, or define a species with the moment and the spin of the two levels"});
 }
 
 void check_drives(const Beamline& beamline, const Species& atom, Faults& out) {

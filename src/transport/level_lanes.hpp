@@ -66,16 +66,16 @@ class LevelFlight {
   [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
     const Vector v{fma(broadcast(fall_.x), s, velocity_.x), velocity_.y,
                    fma(broadcast(fall_.z), s, velocity_.z)};
-    const real x = fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
-               y = fma(velocity_.y, s, broadcast(y_)),
-               z = fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z);
-    FieldAtTime at{rates_at(section.field, phases_, t_ + s, y).spin,
+    const Vector r{fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
+                   fma(velocity_.y, s, broadcast(y_)),
+                   fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
+    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r).spin,
                    {broadcast(0), broadcast(0), broadcast(0)}};
     if (section.moment > 0) {
       // Four neighbours: to (moment x rate)^4/30 of itself.
       const auto near = [&](double moments) {
         const double ds = moments * section.moment;
-        return rates_at(section.field, phases_, t_ + s + ds, fma(velocity_.y, broadcast(ds), y)).spin;
+        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v)).spin;
       };
       const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
       const double over = 1 / (12 * section.moment);
@@ -86,7 +86,7 @@ class LevelFlight {
     if (section.shaped_begin == section.shaped_end) return at;
     FieldHere<real> field{};
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<LaneMaths>(course_.shaped[i], x, y, z, field);
+      add_field<LaneMaths>(course_.shaped[i], r.x, r.y, r.z, field);
     at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
     const real* g = field.slope;
     at.rate = add(at.rate, broadcast(1),
