@@ -91,14 +91,16 @@ inline double fraction_error(const Moments& counted, double variance, const Mome
   return alike || counted.q == 0 ? std::sqrt(variance) / particles(emitted.q) : std::sqrt(scatter);
 }
 
+/// Of more points nobody reads a matrix.
+inline constexpr std::size_t most_points_of_covariance = 2048;
+
 /// Between points that fly the same particles: from how far each group is from what its size lets expect, and
 /// what is known otherwise; nothing where there is no such thing. `deviations`: [points][groups].
 template <class Known>
 std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations, ScanParticles mode,
                                   Known known) {
-  constexpr std::size_t most_points = 2048;
   const std::size_t points = deviations.size();
-  if (points < 2 || points > most_points || mode != ScanParticles::shared) return {};
+  if (points < 2 || points > most_points_of_covariance || mode != ScanParticles::shared) return {};
   std::vector<double> covariance(points * points);
   for (std::size_t a = 0; a < points; ++a)
     for (std::size_t b = 0; b <= a; ++b)

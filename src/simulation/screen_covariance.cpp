@@ -1,9 +1,13 @@
 #include "simulation/screen_covariance.hpp"
 
+#include <algorithm>
+
+#include "simulation/counting.hpp"
+
 namespace rabiline {
 namespace {
 
-constexpr double quanta = static_cast<double>(quanta_per_particle);
+constexpr double one_particle = static_cast<double>(quanta_per_particle);  // [quanta]
 
 /// P(from -> to) is a polynomial in the flip probability p of a spin 1/2 (MajoranaTable): of a power of p.
 double coefficient(const SpinPath& path, std::size_t from, int to, int power) {
@@ -59,14 +63,14 @@ Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const
 }
 
 /// How few they are in a group varies by Poisson's law, so their sums vary between groups as sum of w^2 P P'.
-/// In sum of w^2 P they weigh w as all particles do on average.
-void add_stragglers(const Eigen::MatrixXd& in_groups, double weight, Eigen::MatrixXd& together,
-                    Eigen::VectorXd& weighted) {
-  if (in_groups.isZero(0)) return;
+/// In sum of w^2 P they weigh w as all particles do on average. `together`: between the ways from `first` on.
+void add_stragglers(const Eigen::MatrixXd& in_groups, Eigen::Index first, Eigen::MatrixXd& together) {
+  const Eigen::Index ways = std::min(together.rows(), in_groups.rows() - first);
+  if (ways <= 0) return;
   const auto groups = static_cast<double>(in_groups.cols());
-  const Eigen::MatrixXd off = in_groups.colwise() - in_groups.rowwise().mean();
-  together.topLeftCorner(off.rows(), off.rows()) += off * off.transpose() * (groups / (groups - 1));
-  weighted.head(off.rows()) += in_groups.rowwise().sum() * weight;
+  const Eigen::MatrixXd here = in_groups.middleRows(first, ways);
+  const Eigen::MatrixXd off = here.colwise() - here.rowwise().mean();
+  together.topLeftCorner(ways, ways) += off * off.transpose() * (groups / (groups - 1));
 }
 
 }  // namespace
@@ -88,35 +92,57 @@ ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection,
   power[1] = flips;
   for (std::size_t i = 2; i < power.size(); ++i) power[i] = power[i - 1].cwiseProduct(flips);
 
-  Eigen::MatrixXd together = Eigen::MatrixXd::Constant(ways, ways, products[0][0].sum());
   Eigen::VectorXd weighted = Eigen::VectorXd::Constant(ways, singles[0].sum());
-  for (std::size_t i = 1; i < power.size(); ++i) {
-    const Eigen::VectorXd with_one = power[i] * products[i][0];
-    together.colwise() += with_one;
-    together.rowwise() += with_one.transpose();
-    weighted += power[i] * singles[i];
-    Eigen::MatrixXd others = Eigen::MatrixXd::Zero(ways, nodes.size());
-    for (std::size_t j = 1; j < power.size(); ++j) others += power[j] * products[i][j].asDiagonal();
-    kernel::add_products(best_isa())(power[i].data(), others.data(), ways, nodes.size(), together.data());
-  }
-  together *= share * share / quanta;
-  weighted *= share / quanta;
-
-  const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / quanta,
-               emitted2 = static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / quanta / quanta;
-  add_stragglers(stragglers, emitted2 / emitted, together, weighted);
+  for (std::size_t i = 1; i < power.size(); ++i) weighted += power[i] * singles[i];
+  weighted *= share / one_particle;
+  const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / one_particle,
+               emitted2 =
+                   static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / one_particle / one_particle;
+  const bool some_strayed = !stragglers.isZero(0);
+  if (some_strayed) weighted.head(stragglers.rows()) += stragglers.rowwise().sum() * (emitted2 / emitted);
   counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
   if (!sums_of(tree.source).weights_differ) weighted = counted;
   const Eigen::VectorXd rate = counted / emitted;
-  ScreenCovariance out{part, {}, {}};
+
+  /// Between the ways of a block.
+  const auto between = [&](Eigen::Index first, Eigen::Index count) {
+    Eigen::MatrixXd together = Eigen::MatrixXd::Constant(count, count, products[0][0].sum());
+    for (std::size_t i = 1; i < power.size(); ++i) {
+      const Eigen::MatrixXd own = power[i].middleRows(first, count);
+      const Eigen::VectorXd with_one = own * products[i][0];
+      together.colwise() += with_one;
+      together.rowwise() += with_one.transpose();
+      Eigen::MatrixXd others = Eigen::MatrixXd::Zero(count, nodes.size());
+      for (std::size_t j = 1; j < power.size(); ++j)
+        others += power[j].middleRows(first, count) * products[i][j].asDiagonal();
+      kernel::add_products(best_isa())(own.data(), others.data(), count, nodes.size(), together.data());
+    }
+    together *= share * share / one_particle;
+    if (some_strayed) add_stragglers(stragglers, first, together);
+    const Eigen::VectorXd w = weighted.segment(first, count), r = rate.segment(first, count);
+    Eigen::MatrixXd covariance =
+        together - w * r.transpose() - r * w.transpose() + emitted2 * r * r.transpose();
+    covariance.diagonal() = covariance.diagonal().cwiseMax(0);
+    return covariance;
+  };
+
+  ScreenCovariance out{part};
   for (std::size_t way = 0; way < projection.ways.size(); ++way)
     for (const int point : projection.ways[way].points) {
       out.way_of.resize(std::max(out.way_of.size(), static_cast<std::size_t>(point) + 1));
       out.way_of[static_cast<std::size_t>(point)] = static_cast<Eigen::Index>(way);
     }
-  out.between_ways = together - weighted * rate.transpose() - rate * weighted.transpose() +
-                     emitted2 * rate * rate.transpose();
-  out.between_ways.diagonal() = out.between_ways.diagonal().cwiseMax(0);
+  if (projection.ways.size() <= most_points_of_covariance) {
+    out.between_ways = between(0, ways);
+    out.of_ways = out.between_ways.diagonal();
+    return out;
+  }
+  constexpr Eigen::Index at_once = 64;
+  out.of_ways.resize(ways);
+  for (Eigen::Index first = 0; first < ways; first += at_once) {
+    const Eigen::Index count = std::min(at_once, ways - first);
+    out.of_ways.segment(first, count) = between(first, count).diagonal();
+  }
   return out;
 }
 

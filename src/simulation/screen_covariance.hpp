@@ -9,8 +9,11 @@ namespace rabiline {
 struct ScreenCovariance {
   int part = 0;                        // the screen's, at the first point
   std::vector<Eigen::Index> way_of{};  // [points]
-  Eigen::MatrixXd between_ways{};      // particles^2
-  double between(std::size_t a, std::size_t b) const { return between_ways(way_of[a], way_of[b]); }
+  Eigen::VectorXd of_ways{};           // particles^2
+  Eigen::MatrixXd between_ways{};      // the same; empty where there are more than anybody asks for
+  double between(std::size_t a, std::size_t b) const {
+    return way_of[a] == way_of[b] ? of_ways(way_of[a]) : between_ways(way_of[a], way_of[b]);
+  }
 };
 
 /// Of a screen behind the projection. `share`: what it counts of each weight that it catches; `counted`:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 
 namespace rabiline {
 
@@ -26,6 +27,11 @@ ParticleRow::ParticleRow(const Plan& plan, int halvings) : plan_(plan), halvings
   for (std::size_t part = 0; part <= static_cast<std::size_t>(halvings); ++part)
     for (std::size_t tree = 0; tree < plan.trees.size(); ++tree) {
       const auto [first, last] = added(part, tree);
+      if (last - first > std::numeric_limits<std::uint64_t>::max() / 2 - begin_.back())
+        throw std::invalid_argument(
+            "all points of the scan together have more than 9e18 particles\n  help: let the points share "
+            "them, with "
+            "`particles: shared` of the scan");
       begin_.push_back(begin_.back() + last - first);
     }
 }
