@@ -38,8 +38,8 @@ struct OscillatingField {
   double phase_advance = 0;  // [rad]
   DriveProfile profile{};
   std::optional<Bore> bore;
-  std::optional<FrequencySweep> sweep;  // of its own clock
-  std::optional<PulseTrain> pulses;
+  std::optional<FrequencySweep> sweep{};  // of its own clock
+  std::optional<PulseTrain> pulses{};
   PhaseGradient phase_gradient{};
   AmplitudeGradient amplitude_gradient{};
   Offset offset{};

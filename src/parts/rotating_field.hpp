@@ -36,9 +36,9 @@ struct RotatingField {
   std::optional<std::string> oscillator;  // name of the rotating_field whose clock this zone follows
   std::optional<Bore> bore;
   DriveProfile profile{};
-  double twist = 0;                     // [rad]
-  std::optional<FrequencySweep> sweep;  // of its own clock
-  std::optional<PulseTrain> pulses;
+  double twist = 0;                       // [rad]
+  std::optional<FrequencySweep> sweep{};  // of its own clock
+  std::optional<PulseTrain> pulses{};
   PhaseGradient phase_gradient{};
   AmplitudeGradient amplitude_gradient{};
   Offset offset{};

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "core/vector3.hpp"
 #include "plan/zones.hpp"
@@ -12,7 +12,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 constexpr int samples = 128;  // of the period: of harmonics beyond 64 none is left
 
 /// (cos(a/2), u sin(a/2)) of a right-handed turn by a about u.

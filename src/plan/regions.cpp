@@ -90,13 +90,6 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   constexpr double fewest_steps = 8;
   zone.course = ZoneCourse::through_field;
   zone.longest = (section_->end - section_->begin) / fewest_steps;
-  // No step may pass over a pulse or a pause unseen.
-  for (int i = 0; i < zone.field.drives; ++i) {
-    const Gate& gate = zone.field.drive[i].gate;
-    double shortest = gate.end - gate.begin;
-    if (gate.times > 1) shortest = std::min(shortest, gate.period - shortest);
-    if (shortest > 0) zone.longest = std::min(zone.longest, shortest * speed_ / 4);
-  }
   zone.step = zone.longest / speed_;
   const Vector3 uniform = zones_.static_field(*section_);
   zone.uniform[0] = uniform.x, zone.uniform[1] = uniform.y, zone.uniform[2] = uniform.z;

@@ -47,10 +47,9 @@ void check_structure(const Species& species, std::size_t number, Faults& out) {
                     write_half(s.i.twice), write_half(s.j.twice)),
         "omit `quadrupole`");
   if (s.i.twice == 0) {
-    const std::string_view key = s.coupling != 0 ? "coupling" : "quadrupole";
-    if (s.coupling != 0 || s.quadrupole != 0)
-      add(key, fmt::format("`{}` has I = 0, which nothing couples to", species.name),
-          fmt::format("omit `{}`", key));
+    if (s.coupling != 0)
+      add("coupling", fmt::format("`{}` has I = 0, which nothing couples to", species.name),
+          "write `coupling: 0 Hz`");
     return;
   }
   if (s.coupling == 0 && s.quadrupole == 0)

@@ -67,7 +67,8 @@ void explain_drive(const SpinZone& zone, const DriveTerm& drive, double stay, Pl
   const double w1 = drive.spin_rate, rate = portable::hypot(detuning, w1);
   const bool closed = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
   if (drive.twist != 0)
-    report.line("{:>16}turns by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
+    report.line("{:>16}{} by {:.4g} deg/m along the beam: {} at this speed, {:.3g} of its precession", "",
+                length_of_second(drive) > 0 ? "turns" : "its phase gets ahead",
                 drive.twist * 180 / std::numbers::pi, hertz(drive.twist * report.speed),
                 std::abs(drive.twist * report.speed / (zone.spin_rate != 0 ? zone.spin_rate : w1)));
   if (drive.omega == 0) return;

@@ -215,6 +215,15 @@ struct FieldStepper {
     return min(most, 1.0 / max(sqrt(dot(w, w)), broadcast(0x1p-500)));
   }
 
+  /// Nor beyond a moment at which a drive is switched: a step would not see it between its Gauss points. One
+  /// that rounding leaves just ahead is passed over.
+  inline real until_change(const State& s, real most) const {
+    const real latest = s.t + most, from = fma(abs(s.t), broadcast(1e-14), s.t);
+    real next = latest;
+    for (int k = 0; k < zone.field.drives; ++k) next = next_change(zone.field.drive[k], from, next);
+    return select(next < latest, next - s.t, most);
+  }
+
   /// The state where a lane first comes to `plane` within its next step of the length h.
   inline State at_plane(const State& before, real h, real plane) const {
     real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
@@ -259,12 +268,14 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
   mask going = chosen;
+  const bool switched = is_switched(zone.field);
   Visit v{now, mask{}, mask{}, mask{}, mask{}};
   while (any(going)) {
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
     const real ahead = (end - now.place.y) / now.velocity.y;
     const mask comes = now.velocity.y > broadcast(0);
-    const real free = stepper.longest(now, min(h, most)), trial = select(comes, min(free, ahead), free);
+    const real free = stepper.longest(now, min(h, most)), to_end = select(comes, min(free, ahead), free);
+    const real trial = switched ? stepper.until_change(now, to_end) : to_end;
     const State whole = stepper.once(trial, now), halves = stepper.twice(trial, now);
     // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
     // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen

@@ -53,11 +53,7 @@ RABILINE_LANES Vector in_even_steps(const SpinZone& zone, real begin, real lengt
 /// or ends.
 template <class Step>
 RABILINE_LANES Vector in_steps(const SpinZone& zone, real t, real stay, Vector s, const Step& step) {
-  bool switched = false;
-  for (int k = 0; k < zone.drives; ++k)
-    switched =
-        switched || zone.drive[k].sweep.rate != 0 || zone.drive[k].gate.begin != zone.drive[k].gate.end;
-  if (!switched) return in_even_steps(zone, broadcast(0), stay, s, step);
+  if (!is_switched(zone)) return in_even_steps(zone, broadcast(0), stay, s, step);
   const real end = t + stay;
   for (real now = t; any(now < end);) {
     real next = end;

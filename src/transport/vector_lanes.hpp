@@ -118,6 +118,12 @@ RABILINE_LANES real opening_before(const Gate& gate, real t) {
   const real number = floor((t - begin) * (1 / gate.period));
   return fma(max(broadcast(0), min(number, broadcast(gate.times - 1))), broadcast(gate.period), begin);
 }
+/// Whether a zone's drives are switched or swept.
+RABILINE_LANES bool is_switched(const SpinZone& zone) {
+  for (int k = 0; k < zone.drives; ++k)
+    if (zone.drive[k].sweep.rate != 0 || zone.drive[k].gate.begin != zone.drive[k].gate.end) return true;
+  return false;
+}
 /// Nearest moment after t at which a drive changes for others than reasons of place, at most `latest`.
 RABILINE_LANES real next_change(const DriveTerm& drive, real t, real latest) {
   const auto consider = [&](real moment) { latest = select(moment > t, min(moment, latest), latest); };

@@ -186,6 +186,42 @@ TEST(PhaseGradient, InTheSecondZoneIsThePhaseOfWhereTheParticleIs) {
         [&](double scale) { return std::pow(std::cos(scale * 500 * (x - 0.2e-3) / 2), 2); }, 1e-9, "phase");
 }
 
+// A phase that differs over a cavity shifts the fringe of each path by phi/(2 pi (T + 4 tau/pi)) (N. Ramsey
+// 1950).
+TEST(PhaseGradient, OfACavityShiftsTheFringeOfEachPath) {
+  const double between = 0.55 / speed, effective = between - stay / 10 + 4 / pi * stay / 10, x = 1.5e-3;
+  RotatingField first = turning_field(0, pi / 2);
+  first.length = length / 10;
+  first.amplitude *= 10;
+  RotatingField second = first;
+  second.frequency.reset();
+  second.sense.reset();
+  second.oscillator = "first";
+  second.phase = {Phase::Kind::locked, 0};
+  second.phase_gradient = {200, 0};
+  const auto flipped = [&](double shift) {
+    first.frequency = w0 / two_pi + shift;
+    return (1 + final_sz(beside({place("first", begin, first), place("second", begin + 0.55, second)}, x))) /
+           2;
+  };
+  const double centre = -200 * x / (two_pi * effective);
+  const auto odd_part = [&](double at) { return flipped(at + 200) - flipped(at - 200); };
+  EXPECT_NEAR(odd_part(centre), 0, 2e-4);
+  EXPECT_GT(std::abs(odd_part(1.01 * centre)), 4e-4);
+}
+
+// What leaks out of a zone, in phase with it, turns spins on: P = sin^2(angle/2) of all angles.
+TEST(LeakingZone, TurnsSpinsOnBetweenTheZones) {
+  RotatingField zone = turning_field(w0 / two_pi, 0.9), leak = turning_field(0, 0.2);
+  leak.frequency.reset();
+  leak.sense.reset();
+  leak.oscillator = "zone";
+  leak.phase = {Phase::Kind::locked, 0};
+  expect_agreement(
+      final_sz(line({place("zone", begin, zone), place("leak", begin + length, leak)})),
+      [&](double scale) { return -std::cos(0.9 + scale * 0.2); }, 1e-9, "leak");
+}
+
 // What crosses it sees another frequency: gradient times the speed across.
 TEST(PhaseGradient, ThatAParticleCrossesShiftsItsResonance) {
   const double tilt = 2e-3, gradient = 3e3;

@@ -101,9 +101,9 @@ TEST(Describe, SuggestsSpeciesAsWellAsKinds) {
 
 TEST(Describe, ListsSpeciesWithLevels) {
   const std::string text = describe("species");
-  EXPECT_THAT(text, HasSubstr("  Cs-133 atom  7/2  1/2  16      F=3, F=4 at +9192.63177 MHz"));
-  EXPECT_THAT(text, HasSubstr("  Ag-107 atom  1/2  1/2  4       F=1, F=0 at +1712.51211 MHz"));
-  EXPECT_THAT(text, HasSubstr("  ortho-H2     1    1    9 "));
+  EXPECT_THAT(text, HasSubstr("  Cs-133 atom   7/2  1/2  16      F=3, F=4 at +9192.63177 MHz"));
+  EXPECT_THAT(text, HasSubstr("  Ag-107 atom   1/2  1/2  4       F=1, F=0 at +1712.51211 MHz"));
+  EXPECT_THAT(text, HasSubstr("  ortho-H2      1    1    9 "));
   EXPECT_THAT(describe("Cs-133"), HasSubstr("`rabiline describe \"Cs-133 atom\"`"));
   for (const Species& s : species_with_levels())
     EXPECT_THAT(describe(s.name), testing::StartsWith(s.name + ": a species"));
