@@ -72,9 +72,6 @@ struct ParameterValue {
 std::optional<ParameterValue> value_of(const Setup&, const std::string& name);
 
 /// The parts of an experiment by their place, without its scan; none of a model.
-struct PartName {
-  std::string name, kind, label;  // the label is the name where the file has none
-};
 std::vector<PartName> parts_of(const Setup&);
 
 /// What is known before anything is flown or solved.
@@ -152,11 +149,13 @@ SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {},
 /// StorageError.
 void write(const Result&, const std::filesystem::path&);
 void write(const SolvedModel&, const std::filesystem::path&);
-void write(const std::vector<Track>&, const std::string& title, const std::filesystem::path&);
+void write(const std::vector<Track>&, const std::string& title, const std::filesystem::path&,
+           const std::vector<PartName>& = {});
 /// The bytes of these files, for who keeps them elsewhere.
 std::vector<std::byte> image_of(const Result&);
 std::vector<std::byte> image_of(const SolvedModel&);
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&);
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&,
+                                const std::vector<PartName>& = {});
 /// Snapshots on disk, likewise.
 void write(const Snapshot&, const std::filesystem::path&);
 Snapshot read_snapshot(const std::filesystem::path&);

@@ -56,8 +56,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
             from . import style
-            with style.here():
-                _save(options.command(options), options.output, options.dpi)
+            with style.here(getattr(options, "size", None)):
+                figure = options.command(options)
+                if VERBS[verb][0] == "pictures":
+                    figure = import_module(".pictures", __package__).limited(figure, options)
+                _save(figure, options.output, options.dpi)
         else:
             options.command(options)
         sys.stdout.flush()

@@ -16,13 +16,16 @@ from matplotlib.patches import Rectangle
 from . import style
 from .errors import InputError
 from .style import GREY, INK, LAWS, OTHERS
-from .units import format_value
+from .units import Scale, fitting_scale, format_value
 
 if TYPE_CHECKING:
     from .experiment import Experiment
     from .tracks import Tracks
 
 PATHS = 50
+PLACES = 600  # along the beam, where fields are probed
+FAR = 100.0  # between fields that are drawn on a logarithmic axis
+MOST_RECORDS = 2000  # of a path
 FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
@@ -66,15 +69,19 @@ def draw(options: argparse.Namespace) -> Figure:
 
 
 def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None = None) -> Figure:
-    """Side (z) and top (x) view over y, and the static field along the beam."""
+    """Side (z) and top (x) view over y, and the fields along the beam."""
     pieces = pieces_of(experiment)
     if not pieces:
         raise InputError(f"{experiment.path}: no parts to draw")
     tracks = experiment.trace(paths) if paths > 0 else None
     end = max(piece.begin + piece.length for piece in pieces) * 1.02
-    figure, (names, side, top) = plt.subplots(3, 1, figsize=(9.0, 6.4), sharex=True, layout="constrained",
-                                              height_ratios=(1.1, 2, 2))
+    fields = fields_along(experiment, pieces, end)
+    figure, panels = plt.subplots(4 if fields else 3, 1, figsize=(9.0, 7.8 if fields else 6.4), sharex=True, layout="constrained",
+                                  height_ratios=(1.1, *((1.3,) if fields else ()), 2, 2))
+    names, side, top = panels[0], panels[-2], panels[-1]
     _write_names(names, pieces, end)
+    if fields:
+        _draw_fields(panels[1], fields)
     for axes, across in ((side, "z"), (top, "x")):
         half = _extent(pieces, across, tracks)
         _draw_view(axes, pieces, across, half, end)
@@ -86,9 +93,53 @@ def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None
     top.set_xlim(-0.01 * end, end)
     if tracks is not None:
         handles, labels = side.get_legend_handles_labels()
-        top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
+        legend = top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
+        for line in legend.get_lines():
+            line.set(linewidth=2, alpha=1)
     style.write_title(figure, title or experiment.title)
     return figure
+
+
+@dataclass(frozen=True)
+class FieldsAlong:
+    """B on the axis of the beam, SI."""
+
+    y: np.ndarray  # [n]
+    static: np.ndarray  # [n] its size
+    drives: np.ndarray  # [n] the size of what has a clock, at time 0
+
+
+def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> FieldsAlong | None:
+    """Where it changes most it is probed most; None where there is none."""
+    edges = [place for piece in pieces for at in (piece.begin, piece.begin + piece.length) for place in (at - 1e-6, at + 1e-6)]
+    y = np.unique(np.clip([*np.linspace(0, end, PLACES), *edges], 0, end))
+    places = [(0.0, float(place), 0.0) for place in y]
+    drives = {name for name, *_, drives in experiment._setup.parts if drives}
+    fields = experiment.field(places)
+    static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), np.zeros((y.size, 3)))
+                      for wanted in (False, True))
+    found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1))
+    return found if found.static.any() or found.drives.any() else None
+
+
+def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
+    """Logarithmic where the fields of the apparatus differ by far."""
+    sizes = np.concatenate([fields.static, fields.drives])
+    plateaus = [values[values > 0.01 * values.max()] for values in (fields.static, fields.drives) if values.any()]
+    far = sizes.max() > FAR * min(np.median(values) for values in plateaus) or \
+        fields.static.any() and fields.static.max() > FAR * np.median(fields.static[fields.static > 0])
+    scale = Scale("T") if far else fitting_scale(sizes, "T")
+    for values, colour, label in ((fields.static, INK, "|B|, static"), (fields.drives, LAWS["dorado"][0], "|B|, oscillating")):
+        if values.any():
+            shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
+            axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)
+    if far:
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0)
+    axes.set_ylabel(scale.label("B on axis"))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.grid(axis="y")
 
 
 def pieces_of(experiment: Experiment) -> list[Piece]:
@@ -100,7 +151,7 @@ def pieces_of(experiment: Experiment) -> list[Piece]:
         return None if found is None else found[0]
 
     pieces = []
-    for name, kind, label in experiment._setup.parts:
+    for name, kind, label, *_ in experiment._setup.parts:
         opening = f"{name}.gap" if number(f"{name}.gap.width") or number(f"{name}.gap.height") else name
         radius = next(filter(None, (number(f"{name}.{key}") for key in ("radius", "bore.radius", "pole_radius"))), None)
         half = {across: number(f"{opening}.{key}") for across, key in (("x", "width"), ("z", "height"))}
@@ -166,7 +217,8 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
         number = min(fates.index(fate), len(colours) - 1)
         label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
         shown.add(number)
-        axes.plot(track.position[:, 1], 1e3 * track.position[:, index].clip(-2 * half, 2 * half), color=colours[number],
+        few = slice(None, None, -(-track.time.size // MOST_RECORDS))
+        axes.plot(track.position[few, 1], 1e3 * track.position[few, index].clip(-2 * half, 2 * half), color=colours[number],
                   linewidth=0.7, alpha=0.8, zorder=4, label=label)
 
 

@@ -9,8 +9,18 @@ import numpy as np
 from .csv_table import Table, read_table
 from .hdf5 import FileError
 
-COLUMNS = ("the scanned parameter, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
+COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
            "`detector`")
+
+
+@dataclass(frozen=True)
+class Across:
+    """A second scanned parameter: its value at each row of the table."""
+
+    parameter: str
+    places: tuple[str, ...]  # [n]
+    x: np.ndarray  # [n]
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -26,18 +36,21 @@ class Counts:
     seconds: np.ndarray | None  # [n] time at each point
     emitted: np.ndarray | None  # [n] particles that left the source, or started towards its target
     detector: str | None
+    across: Across | None = None  # a second scanned parameter
 
 
 def read_counts(path: Path | str, detector: str | None = None) -> Counts:
     """From a table; raises FileError. Of several detectors in it, one is chosen."""
     table = read_table(path)
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
-    if "counts" not in table.names or len(others) != 1:
+    if "counts" not in table.names or len(others) not in (1, 2):
         wrong = "no column `counts`" if "counts" not in table.names else \
             "no column of the scanned parameter" if not others else \
-            f"one parameter is scanned, and there are {', '.join(name for name, _ in others)}"
+            f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
-    (parameter, unit), = others
+    if len(others) == 2:  # along the one that has more values
+        others.sort(key=lambda one: -len(set(table.column(one[0]))))
+    parameter, unit = others[0]
     kept = np.ones(len(table.rows), dtype=bool)
     if "detector" in table.names:
         named = table.column("detector")
@@ -49,11 +62,13 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
     counts = _column(table, "counts", kept, 0.0)
     if (counts != np.rint(counts)).any():
         raise FileError(table.path, "counts must be whole numbers, as they were counted, background included")
-    if x.size < 2 or len(set(x.tolist())) < x.size:
+    columns = [np.array(table.numbers(name))[kept] for name, _ in others]
+    if x.size < 2 or len(set(zip(*(column.tolist() for column in columns)))) < x.size:
         raise FileError(table.path, "a scan has two points or more, each once")
-    places = tuple(f"{text} {unit}".strip() for text, use in zip(table.column(parameter), kept) if use)
+    written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
+    across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
-    return Counts(str(table.path), parameter, places, x, unit, counts, optional["seconds"], optional["emitted"], detector)
+    return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
 
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:

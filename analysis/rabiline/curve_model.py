@@ -3,11 +3,15 @@
 Every evaluation flies the same random numbers, so that the curve follows a parameter smoothly where this turns spins. Where
 it moves particles across edges the curve moves in steps of one particle: derivatives are therefore differences over about
 one standard deviation of the parameter, and wide enough that `MOVED` particles are counted differently.
+
+How the curve changes with the parameters is found with some of the particles, `EXPLORED` at most, as what these do
+differently is known well; the curve itself with all of them, where a fit has come to rest.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Sequence
+import time
+from dataclasses import dataclass, field, replace
+from typing import Callable, Sequence
 
 import numpy as np
 
@@ -16,7 +20,11 @@ from .errors import BadInput
 from .experiment import Experiment
 
 MOVED = 1000  # particles
+MOST_UNUSED = 4  # times as many places in a grid as a table has
 LARGEST_STEP = 0.2  # of the parameter's value
+EXPLORED = 5000  # particles at most, and a quarter of all of them
+LEAST_EXPLORED = 500
+PART, LEAST_PART, SMOOTH = 0.1, 0.001, 0.2  # of a step, over which slopes are compared, and by how much they may differ
 
 
 class NoFit(BadInput):
@@ -41,11 +49,17 @@ class CurveModel:
     names: Sequence[str]
     detector: str | None = None
     threads: int = 0
+    across: tuple[str, Sequence[str]] | None = None  # a second scanned parameter and its value at each place
+    explored: int = 0  # particles; 0: as many as serve
+    told: Callable[[int, int, float], None] | None = None  # hears the flights made, their particles and the seconds of the last
     flights: int = 0
-    _known: dict[tuple[float, ...], Evaluated] = field(default_factory=dict)
+    _known: dict[tuple[bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        scanned = self.experiment.scan().scan(self.parameter, ",".join(self.places))
+        scanned, self._rows = self._grid()
+        self.particles = int(self.experiment.value("particles"))
+        self.chosen = self.explored > 0  # by the user
+        self.explored = min(self.explored or max(LEAST_EXPLORED, min(EXPLORED, self.particles // 4)), self.particles)
         first = scanned.set(particles=1).fly()
         detectors = first.core.detectors
         if self.detector is None and len(detectors) > 1:
@@ -54,11 +68,24 @@ class CurveModel:
         if self.detector not in detectors:
             raise NoFit(f"{self.experiment.path}: no detector `{self.detector}` (there is {', '.join(detectors)})")
         for name in self.names:
-            if self.parameter in name.split("+"):
+            if {self.parameter, self.across and self.across[0]} & set(name.split("+")):
                 raise NoFit(f"`{name}` is scanned, so it is not free")
         # Counts are of whole detectors; images would only cost time.
         self.scanned = scanned.set({f"{name}.bins": [1, 1] for name in detectors})
         self.units = [self._unit(name) for name in self.names]
+
+    def _grid(self) -> tuple[Experiment, np.ndarray]:
+        """The experiment with its scan, and the scan point of each place."""
+        experiment = self.experiment.scan()
+        if self.across is None:
+            return experiment.scan(self.parameter, ",".join(self.places)), np.arange(len(self.places))
+        name, values = self.across
+        outer, inner = list(dict.fromkeys(values)), list(dict.fromkeys(self.places))
+        if len(outer) * len(inner) > MOST_UNUSED * len(self.places):
+            raise NoFit(f"{len(outer)} values of {name} and {len(inner)} of {self.parameter} make a grid of which the table "
+                        f"has only {len(self.places)} places: measure on a grid, or fit one scan at a time")
+        rows = np.array([outer.index(one) * len(inner) + inner.index(other) for one, other in zip(values, self.places)])
+        return experiment.scan(name, ",".join(outer)).scan(self.parameter, ",".join(inner)), rows
 
     def _unit(self, name: str) -> str:
         try:
@@ -67,23 +94,26 @@ class CurveModel:
             raise NoFit(f"`{name}` is no number that the file states: write it there, or give its dotted name as in --set") \
                 from None
 
-    def at(self, values: Sequence[float]) -> Evaluated:
-        """Flies it, with the parameters in SI."""
-        key = tuple(map(float, values))
+    def at(self, values: Sequence[float], whole: bool = False) -> Evaluated:
+        """Flies it, with the parameters in SI: `explored` particles, or the `whole` of them."""
+        changed = self.changes(values)
+        key = whole or self.explored == self.particles, tuple(map(float, values))
         if key not in self._known:
             self.flights += 1
-            changed = self.changes(key)
-            result = self.scanned.set(changed).fly(self.threads).core
+            begun = time.monotonic()
+            particles = self.particles if key[0] else self.explored
+            result = self.scanned.set({**changed, "particles": particles}).fly(self.threads).core
+            if self.told is not None:
+                self.told(self.flights, particles, time.monotonic() - begun)
             i = result.detectors.index(self.detector)
-            y = result.detected[i]
-            covariance = result.covariance[i]
-            spread = Spread.of(y, result.errors[i], covariance.reshape(y.size, y.size) if covariance.size else None,
-                               np.array(result.particles))
+            y, covariance = result.detected[i], result.covariance[i]
+            covariance = covariance.reshape(y.size, y.size)[np.ix_(self._rows, self._rows)] if covariance.size else None
+            y, errors = y[self._rows], result.errors[i][self._rows]
+            spread = Spread.of(y, errors, covariance, np.array(result.particles))
             covariance = spread.covariance
             unseen = np.flatnonzero(y <= 0)  # what would be seen there is not known, at each place by itself
             covariance[np.ix_(unseen, unseen)] = np.diag(spread.errors[unseen]**2)
             self._known[key] = Evaluated(y, covariance)
-            self.particles = result.particles
         return self._known[key]
 
     def changes(self, values: Sequence[float]) -> dict[str, str]:
@@ -103,13 +133,34 @@ class CurveModel:
         step = min(wanted, largest)
         here = self.at(values).y
         while True:
-            moved = np.abs(self.at(_moved(values, number, step)).y - here).sum() * self.particles
+            moved = np.abs(self.at(_moved(values, number, step)).y - here).sum() * self.explored
             if moved >= MOVED or step >= largest:
                 break
             step = min(step * (10 if moved < MOVED / 30 else 2), largest)
         if moved == 0:
             raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts")
         return step
+
+    def first_steps(self, values: np.ndarray) -> np.ndarray:
+        """One for each parameter, and the choice of how many particles explore."""
+        steps = [self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)]
+        if not self.explore(values, steps):
+            return self.first_steps(values)
+        return np.array(steps)
+
+    def explore(self, values: np.ndarray, steps: Sequence[float]) -> bool:
+        """Whether few particles show how the curve changes: it does so smoothly, as where spins turn, and no particle crosses an
+        edge. Else all particles are flown from here on."""
+        def slope(i: int, part: float) -> np.ndarray:
+            return (self.at(_moved(values, i, part * steps[i])).y - self.at(values).y) / part
+
+        def is_smooth(i: int) -> bool:
+            return bool(np.abs(slope(i, LEAST_PART) - slope(i, PART)).sum() < SMOOTH * np.abs(slope(i, PART)).sum())
+
+        if self.chosen or self.explored == self.particles or all(map(is_smooth, range(len(steps)))):
+            return True
+        self.explored = self.particles
+        return False
 
 
 def _moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
@@ -145,7 +196,12 @@ class Surface:
             for j in range(i):
                 both = model.at(_moved(_moved(centre, i, steps[i]), j, steps[j])).y
                 bends[i, j] = bends[j, i] = (both - above[i] - above[j] + here.y) / 2
-        return cls(centre, steps, here.y, slopes, bends, here.covariance, np.abs(slopes).sum(axis=1) * model.particles)
+        return cls(centre, steps, here.y, slopes, bends, here.covariance, np.abs(slopes).sum(axis=1) * model.explored)
+
+    def whole(self, model: CurveModel) -> Surface:
+        """About the same place with all particles; how it bends is that of those explored."""
+        here = model.at(self.centre, whole=True)
+        return replace(self, y=here.y, covariance=here.covariance)
 
     def at(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The curve [n] and its derivatives [k, n] by the parameters."""

@@ -32,6 +32,8 @@ class Curve:
     errors: np.ndarray  # [n] one standard error
     spread: Spread  # errors and correlation, fit for use
     detector: str = ""
+    rate: tuple[float, float] | None = None  # counts per second of a fraction of 1, and without a beam; None: not known
+    aimed: bool = False  # its fraction is of what starts towards the target of the source
     covariance_missing: bool = False  # its points share particles, and the file does not say how they correlate
 
     @property
@@ -43,6 +45,13 @@ class Curve:
     def covariance(self) -> np.ndarray:
         """[n, n] of y."""
         return self.spread.covariance
+
+    def piece(self, part: slice) -> Curve:
+        """A part of it."""
+        spread = Spread(self.spread.errors[part], self.spread.correlation[part, part], self.spread.freedom,
+                        self.spread.particle[part])
+        return replace(self, axis=replace(self.axis, values=self.axis.values[part]), points=self.points[part], y=self.y[part],
+                       errors=self.errors[part], spread=spread)
 
 
 @dataclass(frozen=True)
@@ -97,10 +106,22 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
             errors=scan.errors[number, points],
             spread=spread_of(results, number, points),
             detector=scan.detectors[number],
+            rate=_rate(results, number),
+            aimed=results.aimed_fraction is not None,
             covariance_missing=results.covariance_missing,
         )
         for row, points in enumerate(rows)
     ]
+
+
+def _rate(results: Results, detector: int) -> tuple[float, float] | None:
+    """Counts per second by the detected fraction of a detector, by its number, where that is the same at all points."""
+    if results.scan.count_rate is None:
+        return None
+    background = results.detectors[results.scan.detectors[detector]].background
+    seen = results.scan.detected[detector] > 0
+    each = (results.scan.count_rate[detector] - background)[seen] / results.scan.detected[detector][seen]
+    return (float(np.median(each)), background) if each.size and np.ptp(each) < 1e-6 * np.median(each) else None
 
 
 def spread_of(results: Results, detector: int, points: np.ndarray) -> Spread:
@@ -268,8 +289,12 @@ def _edge(curve: Curve, start: int, step: int, along_level: np.ndarray) -> Edge:
 
 
 def _common(values: tuple[str, ...], points: np.ndarray) -> str:
-    distinct = dict.fromkeys(values[point] for point in points)
-    return next(iter(distinct)) if len(distinct) == 1 else ""
+    """What all points have; of a law whose strength is scanned, what is before that: "dorado (torque"."""
+    distinct = list(dict.fromkeys(values[point] for point in points))
+    if len(distinct) == 1:
+        return distinct[0]
+    families = {value.partition(", kappa")[0] for value in distinct}
+    return f"{families.pop()})" if len(families) == 1 and "(" in distinct[0] else ""
 
 
 def _label(results: Results, rows: np.ndarray, row: int, others: list[Axis]) -> str:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 import warnings
 from dataclasses import dataclass, replace
@@ -15,6 +16,8 @@ except ImportError as problem:  # a build without pybind11
                       f"pybind11, or set PYTHONPATH to the folder `python` of the build ({problem})") from None
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .fitting import CountsFit
     from .motions import Motions
     from .results import Results
@@ -126,6 +129,11 @@ class Experiment:
         from .flown import Flown
         return Flown(_fly(self._setup, threads, "", "none", False))
 
+    def field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
+        """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,
+        without the scan; fields with a clock at time 0."""
+        return dict(_core.probe(self._setup, [tuple(map(float, place)) for place in places]))
+
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of a few particles, without the scan."""
         from . import tracks
@@ -137,10 +145,22 @@ class Experiment:
         return fit_counts(self, data, free, **options)
 
     def _number(self, name: str) -> tuple[float, str]:
-        found = self._setup.value(name)
+        found = self._variable(name.removeprefix("variables.")) if name.startswith("variables.") else self._setup.value(name)
         if found is None:
             raise KeyError(f"`{name}` is no number of {self.title}")
         return found
+
+    def _variable(self, name: str) -> tuple[float, str] | None:
+        """A number with a unit of the file's `variables`, in that unit."""
+        text = self.text if self.text is not None else self.path.read_text(encoding="utf-8")
+        block = re.search(r"^variables:((?:[^\n]*\n)(?:[ \t]+[^\n]*\n|\n)*)", text + "\n", re.MULTILINE)
+        written = [change.partition("=")[2] for change in self.changes if change.startswith(f"variables.{name}=")]
+        found = re.search(rf"(?<![\w.]){name}\s*:\s*([^,}}#\n]+)", block[1]) if block else None
+        words = (written[-1:] or [found[1] if found else ""])[0].strip().strip("'\"").split()
+        try:
+            return (float(words[0]), " ".join(words[1:])) if words else None
+        except ValueError:
+            return None
 
     def _text(self, name: str, value: Value) -> str:
         """As the file would have it."""
@@ -163,14 +183,17 @@ def _fly(setup: object, threads: int, isa: str, transit: str, progress: Callable
 
 
 class _Bar:
-    """A line that renews itself."""
+    """A line that renews itself; in a notebook a bar."""
 
     def __init__(self, wanted: bool) -> None:
-        self.wanted = wanted or "ipykernel" in sys.modules or sys.stderr is not None and sys.stderr.isatty()
+        self.notebook = "ipykernel" in sys.modules
+        self.wanted = wanted or self.notebook or sys.stderr is not None and sys.stderr.isatty()
         self.shown = False
 
     def __call__(self, done: float, left: float) -> None:
-        if done >= 1:
+        if self.notebook:
+            self._display(done, left)
+        elif done >= 1:
             if self.shown:
                 print("\r" + 60 * " " + "\r", end="", file=sys.stderr, flush=True)
         elif self.wanted and (self.shown or done > 0 and left > 2):
@@ -178,3 +201,12 @@ class _Bar:
             full = round(30 * done)
             print(f"\r[{full * '#'}{(30 - full) * ' '}] {done:6.1%}, {left:.0f} s left  ", end="", file=sys.stderr,
                   flush=True)
+
+    def _display(self, done: float, left: float) -> None:
+        from IPython.display import ProgressBar
+        if not self.shown:
+            if done >= 1 or left <= 2:
+                return
+            self.shown, self.bar = True, ProgressBar(100)
+            self.bar.display()
+        self.bar.progress = round(100 * done)

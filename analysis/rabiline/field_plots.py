@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
+from . import style
 from .hdf5 import FileError
 from .style import INK, OTHERS
 from .units import fitting_scale
@@ -45,7 +46,7 @@ def draw_field(line: FieldLine, title: str) -> Figure:
     """The three components and the size."""
     size = np.linalg.norm(line.field, axis=1)
     across, up = fitting_scale(line.place, "m"), fitting_scale(np.append(size, 0), "T")
-    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     at = across.apply(line.place)
     for name, values, look in zip("xyz", line.field.T, OTHERS):
         axes.plot(at, up.apply(values), color=look[0], linewidth=1.4, label=f"$B_{name}$")
@@ -53,6 +54,6 @@ def draw_field(line: FieldLine, title: str) -> Figure:
     axes.set_xlabel(across.label(line.along))
     axes.set_ylabel(up.label("B"))
     axes.grid(axis="y")
-    figure.suptitle(title, fontsize=11.5)
+    style.write_title(figure, title)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=4)
     return figure

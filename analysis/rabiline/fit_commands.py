@@ -2,10 +2,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from argparse import ArgumentParser
 from pathlib import Path
 
 from matplotlib.figure import Figure
+
+LONG = 5.0  # s
 
 ABOUT_FIT = """\
 Fits parameters of an experiment to measured counts, with the simulation itself as the line shape.
@@ -18,6 +21,8 @@ The table has the scanned parameter and the counts, with units in the header; `s
   first.frequency [Hz],counts
   9192631271.5,812
   9192631281.5,790
+
+A second scanned parameter has a column of its own: `C2.phase [deg],C1.frequency [kHz],counts`.
 
 Start values are those of the file, or of --set. Names with `+` between have one value. `scale`, a factor of all that is
 expected, is free unless the table has `emitted`, or `seconds` while the source in the file states its `rate`; `background`,
@@ -51,6 +56,9 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("--data", type=Path, required=True, metavar="COUNTS.csv")
         parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture with residuals")
         parser.add_argument("--title", help="of the picture")
+        parser.add_argument("--explore", type=int, default=0, metavar="N",
+                            help="particles that show how the curve changes with the parameters; a quarter of all and 5000 at most by "
+                                 "default. The curve itself is that of all --particles")
     else:
         parser.add_argument("--rate", type=float, metavar="R", help="particles that leave the source per second (1/s)")
         parser.add_argument("--seconds", type=float, default=1.0, metavar="T", help="at each scan point; 1 by default")
@@ -65,11 +73,29 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("--threads", type=int, default=0, metavar="T")
 
 
+class _Time:
+    """Says how long a fit will take, where that is long."""
+
+    def __init__(self, parameters: int) -> None:
+        self.usual = 5 * (2 * parameters + 1) + parameters**2  # flights, about
+        self.said: set[int] = set()
+
+    def __call__(self, flights: int, particles: int, seconds: float) -> None:
+        if particles in self.said or seconds * self.usual < LONG or flights == 1:
+            return
+        number = "two or three" if self.said or flights > self.usual / 3 else f"about {self.usual}"
+        self.said.add(particles)
+        print(f"a simulation of {particles} particles takes {seconds:.2g} s; a fit needs {number} of them"
+              + ("" if number.startswith("two") else f", {seconds * self.usual:.0f} s; fewer --explore are faster"),
+              file=sys.stderr, flush=True)
+
+
 def fit(options: argparse.Namespace) -> Figure | None:
     """Parameters of an experiment from measured counts."""
     from .fit_plots import draw_fit
-    found = _experiment(options).scan().fit(options.data, options.free.split(","), detector=options.detector,
-                                            threads=options.threads)
+    names = options.free.split(",")
+    found = _experiment(options).scan().fit(options.data, names, detector=options.detector, threads=options.threads,
+                                            explore=options.explore, told=_Time(len(names)))
     print(found)
     return draw_fit(found, options.title) if options.output else None
 

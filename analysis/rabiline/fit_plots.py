@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from . import style
-from .style import INK, LAWS, PALE
+from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale, format_value
 
 if TYPE_CHECKING:
@@ -25,15 +25,16 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     scale = fitting_scale(fit.counts.x[order], fit.counts.unit)
     x = np.asarray(scale.apply(fit.counts.x[order]))
     lines = list(_numbers(fit))
-    figure, (above, below) = plt.subplots(2, 1, figsize=(7.2, 5.2 + 0.2 * len(lines)), sharex=True, layout="constrained",
+    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.2 * len(lines)), sharex=True, layout="constrained",
                                           height_ratios=(3, 1))
     low, high = (np.maximum(limit, 0) for limit in _poisson(counts))
-    above.errorbar(x, counts, (counts - low, high - counts), fmt="o", color=INK, markersize=3, elinewidth=0.8,
-                   linestyle="none", label="counted")
-    above.plot(x, expected, color=MODEL, linewidth=1.3, label="simulated, fitted")
-    if band.max() > 0.002 * np.ptp(expected):
-        above.fill_between(x, expected - band, expected + band, color=MODEL, alpha=0.2, linewidth=0,
-                           label="standard error of the simulation")
+    for own, label, colour in _rows(fit, order):
+        above.errorbar(x[own], counts[own], (counts[own] - low[own], high[own] - counts[own]), fmt="o", markersize=3,
+                       color=colour if label else INK, elinewidth=0.8, linestyle="none", label=label or "counted")
+        above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else "simulated, fitted")
+        if band.max() > 0.002 * np.ptp(expected):
+            above.fill_between(x[own], (expected - band)[own], (expected + band)[own], color=colour, alpha=0.2, linewidth=0,
+                               label=None if label else "standard error of the simulation")
     above.set_ylabel("counts")
     above.grid(axis="y")
     residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
@@ -43,8 +44,22 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
     above.set_title("\n".join(lines), fontsize=9)
-    above.legend(loc="best")
+    if fit.counts.across is None:
+        above.legend(loc="best")
+    else:
+        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3)
     return figure
+
+
+def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]]:
+    """Which places belong to one curve, what tells it from others, and its colour."""
+    across = fit.counts.across
+    if across is None:
+        return [(np.ones(order.size, dtype=bool), "", MODEL)]
+    places = np.array(across.places)[order]
+    colours = [colour for colour, _ in [*LAWS.values(), *OTHERS]]
+    return [(places == place, f"{across.parameter} = {place}", colours[i % len(colours)])
+            for i, place in enumerate(dict.fromkeys(across.places))]
 
 
 def _numbers(fit: CountsFit) -> list[str]:

@@ -15,7 +15,8 @@ LEAST_P = 1e-3
 
 def report(fit: CountsFit) -> Iterable[str]:
     """Lines: values with errors and profile intervals, correlations, chi², what is degenerate."""
-    yield f"{fit.title}: {fit.counts.counts.size} points of {fit.counts.path} over {fit.counts.parameter}, at {fit.detector}"
+    yield (f"{fit.title}: {fit.counts.counts.size} points of {fit.counts.path} over "
+           f"{' and '.join([fit.counts.parameter, *([fit.counts.across.parameter] if fit.counts.across else [])])}, at {fit.detector}")
     width = max(map(len, fit.names))
     for i, (name, unit) in enumerate(zip(fit.names, fit.units)):
         if any(abs(direction.parts[i]) > 0.02 for direction in fit.degenerate):

@@ -7,9 +7,9 @@ minimises Q = 2 sum[mu - n + n ln(n/mu)] + z.z over the parameters, with d = L z
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Sequence
+from typing import Callable, Sequence
 
 import numpy as np
 from scipy import optimize, stats
@@ -198,13 +198,16 @@ class CountsFit:
 
 
 def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence[str], *, detector: str | None = None,
-               threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True) -> CountsFit:
+               threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
+               told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
-    a scale is free."""
+    a scale is free. `explore` particles, by default a quarter of all and 5000 at most, show how the curve changes with the
+    parameters; `told` hears of each flight its number, particles and seconds."""
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
-    model = CurveModel(experiment, counts.parameter, counts.places, names, detector or counts.detector, threads)
+    model = CurveModel(experiment, counts.parameter, counts.places, names, detector or counts.detector, threads,
+                       counts.across and (counts.across.parameter, counts.across.places), explore, told)
     values = model.start()
     for name, value in (start or {}).items():
         values[names.index(name)] = value
@@ -212,7 +215,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
                                       0.1 * counts.counts.min() for name in extra]])
-    values, problem = _search(model, counts, exposure, extra, values)
+    values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
     return _conclude(model, counts, problem, values, intervals)
 
 
@@ -222,7 +225,7 @@ def exposure_of(model: CurveModel, counts: Counts, values: np.ndarray) -> Exposu
     time = np.ones(n) if counts.seconds is None else counts.seconds / counts.seconds.mean()
     background, per_second = np.zeros(n), None
     if counts.seconds is not None:
-        flown = model.scanned.set(model.changes(values)).fly()
+        flown = model.scanned.set({**model.changes(values), "particles": model.explored}).fly()
         background = flown.detectors[model.detector].background * counts.seconds
         i = flown.scan.detectors.index(model.detector)
         if flown.scan.count_rate is not None and counts.emitted is None:
@@ -246,8 +249,8 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
             values: np.ndarray) -> tuple[np.ndarray, Problem]:
     """Surfaces about better and better places, with steps of one standard deviation and more."""
     k = len(model.names)
-    steps = np.array([model.step(values[:k], i, 1e-3 * abs(values[i]) if values[i] != 0 else 1e-6) for i in range(k)])
-    reach = np.inf
+    steps = model.first_steps(values[:k])
+    reach, near = np.inf, 0
     before = np.inf
     for turn in range(MOST_ITERATIONS):
         crossed = turn > 0 and reach < 3
@@ -264,12 +267,39 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
         before = here[0]
         if crossed and reach**2 < REST**2 + share_of_simulation(problem, found):
             return found, problem
-        values = values + short * (found - values) / (1 if turn < 3 else 2)  # later on, half of it is the simulation's noise
+        # What leads to and fro between two stairs is halved and halved again: they differ by the simulation's own noise.
+        near = near + 1 if reach < 3 else 0
+        part = 0.5 ** max(near - 2, 0)
+        values = values + short * part * (found - values)
+        if crossed and part * reach < REST / 2:
+            return values, problem
         # Steps of about one standard deviation see the curve as the data do.
         close = np.abs(moves) < 4
         steps = np.array([model.step(values[:k], i, np.clip(errors[i], steps[i] / 10 if close[i] else steps[i], 10 * steps[i]))
                           for i in range(k)])
     raise NoFit("the fit does not come to rest: start nearer, or free fewer parameters")
+
+
+def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
+    """The same with all particles, about where the search came to rest, and then about where that leads, with steps of one
+    standard deviation as the counts know it."""
+    k = len(model.names)
+    for turn in range(MOST_ITERATIONS if model.explored < model.particles else 0):
+        problem = replace(problem, surface=problem.surface.whole(model))
+        mu, _, each = problem.mean(values)
+        fisher = problem.badness(values, problem.modes(mu, each))[2]
+        found, _ = problem.least(values)
+        reach = float(np.sqrt((found - values) @ fisher @ (found - values) / values.size))
+        if turn > 0 and reach < 1:
+            return found, problem
+        errors = 1 / np.sqrt(np.maximum(np.diag(fisher), 1e-300))
+        moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
+        values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
+        steps = np.array([model.step(values[:k], i, errors[i]) for i in range(k)])
+        problem = replace(problem, surface=Surface.about(model, values[:k], steps))
+    if model.explored < model.particles:
+        raise NoFit("the fit does not come to rest with all particles: start nearer, or free fewer parameters")
+    return values, problem
 
 
 def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, intervals: bool) -> CountsFit:

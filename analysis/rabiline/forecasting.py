@@ -2,7 +2,7 @@
 the file."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Sequence
 
 import numpy as np
@@ -66,13 +66,16 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
     start = model.start()
     full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
-    steps = np.array([model.step(start, i, 1e-3 * abs(start[i]) if start[i] else 1e-6) for i in range(start.size)])
+    steps = model.first_steps(start)
     for _ in range(TURNS):
         problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
         mu, slopes, _ = problem.mean(full)
         fisher = slopes @ (slopes.T / mu[:, None])
         errors = 1 / np.sqrt(np.maximum(np.diag(fisher), 1e-300))
         steps = np.array([model.step(start, i, errors[i]) for i in range(start.size)])
+    problem = replace(problem, surface=problem.surface.whole(model))
+    mu, slopes, _ = problem.mean(full)
+    fisher = slopes @ (slopes.T / mu[:, None])
     covariance, condition, degenerate, combined = _analysis(fisher, full, names, problem.least_ratio)
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, np.sqrt(np.diag(covariance)), covariance,
                     condition, degenerate, combined, mu, problem)

@@ -33,7 +33,7 @@ def shot_of(results: Results, point: int) -> Shot:
     indices = np.unravel_index(point, results.scan.shape)
     values = (f"{axis.parameter} = {axis.labels[i] if axis.labels else format_value(axis.values[i], axis.units)}"
               for axis, i in zip(results.scan.axes, indices) if axis.parameter not in ("law", "species"))
-    return Shot(point, ", ".join(values) or f"point {point}")
+    return Shot(point, ", ".join(values))
 
 
 def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
@@ -52,7 +52,7 @@ def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
         curve, words = curves[0], ("", "")
         on = curve.x.size // 2
     shots = [shot_of(results, int(curve.points[i])) for i in (0, on)]
-    return [Shot(shot.point, word + shot.heading) for word, shot in zip(words, shots)]
+    return [Shot(shot.point, word + shot.heading if shot.heading else "") for word, shot in zip(words, shots)]
 
 
 def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figure:
@@ -127,7 +127,10 @@ def _heading(results: Results, detector: Detector, shot: Shot) -> str:
     row = scan.detectors.index(detector.name)
     fraction, error = scan.detected[row, point], scan.errors[row, point]
     about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
-    return f"{shot.heading}\n{about}\ndetected: {format_value(fraction, '', error)} of emitted"
+    of = "aimed at the target" if results.aimed_fraction is not None else "emitted"
+    share = f"detected: {format_value(fraction, '', error)} of what was {of}" if 0 < fraction < 1 else \
+        f"detected: {'none' if fraction == 0 else 'all'} of {results.emitted[point]:.6g} {of}"
+    return "\n".join(filter(None, (shot.heading, about, share)))
 
 
 def _draw_projection(axes: Axes, edges: np.ndarray, counts: np.ndarray, errors: np.ndarray,

@@ -1,70 +1,109 @@
 """The populations of spin levels at a detector as pictures: Rabi's curves."""
 from __future__ import annotations
 
+import re
 from typing import Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve
 from .results import Detector, Levels
-from .scan_plots import SYMBOL, draw_marks
+from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of
 from .style import LAWS, OTHERS, Look
-from .units import is_logarithmic, Scale, fitting_scale, law_name
+from .units import Scale, fitting_scale, is_logarithmic, law_name
 
 LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
+MARKERS = "osD^vPX<>*"
 PANEL = 2.6  # inches high, where there are several
+MOST_PANELS = 6
 
 
-def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: dict[str, float]) -> Figure:
-    """The fraction of what a detector caught that is in each level, over the scan, with error bars. One panel for each
-    row of the scan, such as a law. Points at which nothing was detected have no level and are left out."""
-    axis = rows[0].axis
+def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: dict[str, float],
+                wanted: Sequence[int] | None = None) -> Figure:
+    """The fraction of what a detector caught that is in each level, or in those `wanted` by number, over the scan, with error
+    bars. One panel for each row of the scan, such as a law; levels that are too many for one panel have one for each F, or
+    species. Points at which nothing was detected have no level and are left out."""
+    axis, labels = rows[0].axis, detector.levels.labels
     scale = fitting_scale(axis.values, axis.units)
-    figure, grid = plt.subplots(len(rows), 1, figsize=(7.2, 1.9 + max(PANEL, 3.2 / len(rows)) * len(rows)),
-                                sharex=True, squeeze=False, layout="constrained")
-    panels = list(grid[:, 0])
-    for panel, row in zip(panels, rows):
-        _draw_row(panel, row, detector.levels, scale)
+    shown = list(range(len(labels)) if wanted is None else wanted)
+    families = _families(labels, shown) if len(shown) > len(LOOKS) else {"": shown}
+    if len(families) * len(rows) > MOST_PANELS:
+        families = {"": shown}
+    panels_of = [(row, name, levels) for row in rows for name, levels in families.items()]
+    pieces = pieces_of(rows)
+    figure, grid = plt.subplots(len(panels_of), len(pieces), squeeze=False, sharex="col", sharey="row", layout="constrained",
+                                figsize=style.size(7.2, 1.9 + max(PANEL, 3.2 / len(panels_of)) * len(panels_of)))
+    panels = list(grid[:, -1])
+    one_look = dict(zip(shown, LOOKS)) if len(shown) <= len(LOOKS) else None
+    for number, (panel, (row, name, levels)) in enumerate(zip(panels, panels_of)):
+        top = 0.0
+        for part, piece in zip(grid[number], pieces):
+            top = max(top, _draw_row(part, row.piece(piece), detector.levels, scale, one_look or _shades(levels)))
+            if len(pieces) > 1:
+                part.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
+        top = 1.0 if top > 0.5 or top == 0 else top
+        panel.set_ylim(-0.04 * top, 1.04 * top)
         draw_marks(panel, marks, scale, named=panel is panels[0])
-        panel.set_title(row.label, loc="left", fontsize=9.5, pad=18 if marks and panel is panels[0] else 6)
+        grid[number, 0].set_title(", ".join(filter(None, (row.label, name))), loc="left", fontsize="medium",
+                        pad=18 if marks and panel is panels[0] else 6)
+        if one_look is None and panel.get_legend_handles_labels()[0]:
+            panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, ncol=1 + (len(levels) - 1) // 14)
     if axis.labels:
-        panels[-1].set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
+        panels[-1].set_xticks(axis.values, [style.beside_ticks(figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
         panels[-1].set_xscale("log")
-    panels[-1].set_xlabel(scale.label(axis.parameter))
-    figure.supylabel(f"fraction of what {detector.name} detected\n(bars: 1 σ)", fontsize=10)
+    grid[-1, len(pieces) // 2].set_xlabel(scale.label(axis.parameter))
+    figure.supylabel(f"fraction of what {detector.name} detected\n(bars: 1 σ)", fontsize="medium")
     style.write_title(figure, title)
-    below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
-    named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
-    panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below),
-                      ncol=max(1, min(5, 84 // (6 + max(map(len, named), default=1)))))
+    if one_look is not None:
+        below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
+        named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
+        if style.size(0, 0) != (0, 0) and named:
+            style.legend_at_foot(figure, list(named.values()), list(named), markerscale=1.5)
+            return figure
+        panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below), markerscale=1.5,
+                          ncol=max(1, min(5, style.letters(figure) * 84 // 95 // (6 + max(map(len, named), default=1)))))
     return figure
 
 
-def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale) -> None:
-    """The levels that this row has: a law may not know those of another. Lines break where nothing was detected."""
-    x, drawn = scale.apply(row.x), False
-    for i, label in enumerate(levels.labels):
+def _families(labels: Sequence[str], shown: Sequence[int]) -> dict[str, list[int]]:
+    """Levels by what stands before their m: F, or the species."""
+    families: dict[str, list[int]] = {}
+    for i in shown:
+        families.setdefault(re.split(r" m\b| \(", labels[i])[0], []).append(i)
+    return families
+
+
+def _shades(levels: Sequence[int]) -> dict[int, Look]:
+    """By m from dark to bright, each with a marker of its own."""
+    colours = colormaps["viridis"](np.linspace(0, 0.88, len(levels)))
+    return {level: Look(colour, MARKERS[i % len(MARKERS)]) for i, (level, colour) in enumerate(zip(levels, colours))}
+
+
+def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[int, Look]) -> float:
+    """The levels that this row has: a law may not know those of another. Lines break where nothing was detected, and over
+    gaps of the scan. Gives back how far up they reach."""
+    x, top = scale.apply(row.x), 0.0
+    for i, look in looks.items():
         y, errors = levels.fractions[row.points, i], levels.errors[row.points, i]
         known = np.isfinite(y)
         if not known.any():
             continue
-        look, drawn = LOOKS[i % len(LOOKS)], True
+        top = max(top, float((y + errors)[known].max()))
         if not row.axis.labels:
-            axes.plot(x, y, color=look.colour, linewidth=1.1, linestyle="-" if i < len(LOOKS) else "--")
+            for run in runs_of(row.x):
+                axes.plot(x[run], y[run], color=look.colour, linewidth=1.1)
         axes.errorbar(x[known], y[known], errors[known], color=look.colour, marker=look.marker, linestyle="none",
-                      markersize=SYMBOL, markeredgewidth=0, elinewidth=0.9, capsize=2, capthick=0.9,
-                      label=label.replace("-", "−").replace("S_z", "$S_z$"))
-    if not drawn:
+                      markersize=2 * SYMBOL if row.axis.labels else SYMBOL, markeredgewidth=0, elinewidth=0.9, capsize=2,
+                      capthick=0.9, label=re.sub(r"(?<=[= ])-(?=[\d ])", "−", levels.labels[i]).replace("S_z", "$S_z$"))
+    if top == 0:
         axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center")
-    axes.set_xlim(*_span(x, 0.1 if row.axis.labels else 0.02))
-    axes.set_ylim(-0.04, 1.04)
+    axes.margins(x=0.1 if row.axis.labels else 0.02)
     axes.grid(axis="y")
-
-
-def _span(x: np.ndarray, margin: float) -> tuple[float, float]:
-    return x.min() - margin * np.ptp(x), x.max() + margin * np.ptp(x)
+    return top

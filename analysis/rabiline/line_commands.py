@@ -14,8 +14,10 @@ from .counts import read_counts
 from .curves import Curve, curves
 from .errors import InputError
 from .lines import FORMS, LineFit, fit_line, ramsey_over
-from .units import format_value
+from .units import format_value, parse_quantity
 
+PLANCK = 6.62607015e-34  # J s
+MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
 
@@ -28,6 +30,9 @@ def arguments(parser: ArgumentParser) -> None:
                         help="rabi by default; ramsey is averaged over the times of flight that a result keeps")
     parser.add_argument("--lines", type=int, default=1, metavar="N", help="how many, alike but for centre and contrast")
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help="where a parameter starts, in SI")
+    known = parser.add_mutually_exclusive_group()
+    known.add_argument("--per-field", metavar="RATE", help='turns the centres into fields: "29.1646935 MHz/T"')
+    known.add_argument("--field", metavar="B", help='turns the centres into moments and g factors: "10 mT"')
     parser.add_argument("--detector", metavar="NAME")
     parser.add_argument("--title")
     parser.add_argument("-o", "--output", type=Path, metavar="PNG")
@@ -56,11 +61,54 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         x, y, unit, name, title = counts.x, counts.counts, counts.unit, counts.parameter, options.file.name
         covariance = np.diag(np.maximum(y, 1.0))
     fitted = fit_line(x, y, covariance, form, lines=options.lines, start=start)
-    print("\n".join(described(fitted, unit)))
+    words = [*described(fitted, unit), *derived(fitted, unit, options.per_field, options.field)]
+    print("\n".join(words))
     if not options.output:
         return None
     from .line_plots import draw_line
-    return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, described(fitted, unit))
+    return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, words)
+
+
+def derived(fitted: LineFit, unit: str, per_field: str | None, field: str | None) -> list[str]:
+    """What the centres mean, with the covariance of the fit: distances between them, fields, moments and g factors."""
+    centres = [i for i, name in enumerate(fitted.names) if name.startswith("centre")]
+    lines = []
+    for i, j in zip(centres, centres[1:]):
+        variance = fitted.covariance[i, i] + fitted.covariance[j, j] - 2 * fitted.covariance[i, j]
+        between = f"{fitted.names[j]} - {fitted.names[i]}"
+        lines.append(f"{between:<10} {format_value(fitted.values[j] - fitted.values[i], unit, float(np.sqrt(max(variance, 0))))}")
+    if (per_field or field) and unit != "Hz":
+        raise InputError("--field and --per-field are for scans over a frequency")
+    for i in centres:
+        value, error = float(fitted.values[i]), float(fitted.errors[i])
+        which = fitted.names[i].replace("centre", "")
+        if per_field:
+            rate = _rate(per_field)
+            lines.append(f"{'field' + which:<10} {format_value(value / rate, 'T', abs(error / rate))}")
+        if field:
+            known = _quantity("--field", field, "T")
+            lines.append(f"{'moment' + which:<10} {format_value(value / known, 'Hz/T', abs(error / known))} times h")
+            for name, magneton in MAGNETONS.items():
+                g, g_error = (PLANCK * one / known / magneton for one in (value, error))
+                lines.append(f"{'g' + which:<10} {format_value(g, '', abs(g_error))} in {name}")
+    return lines
+
+
+def _rate(text: str) -> float:
+    """"29.1646935 MHz/T" in Hz/T."""
+    if not text.endswith("/T"):
+        raise InputError(f'--per-field {text}: a frequency per field is meant, such as "29.1646935 MHz/T"')
+    return _quantity("--per-field", text[:-2], "Hz")
+
+
+def _quantity(option: str, text: str, unit: str) -> float:
+    try:
+        value = parse_quantity(text, unit)
+    except ValueError as problem:
+        raise InputError(f"{option} {text}: {problem}") from None
+    if value == 0:
+        raise InputError(f"{option} must not be zero")
+    return value
 
 
 def described(fitted: LineFit, unit: str) -> list[str]:

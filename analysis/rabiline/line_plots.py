@@ -20,7 +20,7 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     scale = fitting_scale(x, unit)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
-    figure, axes = plt.subplots(figsize=(7.2, 4.5 + 0.16 * len(words)), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.16 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
     axes.plot(at, fitted.expected[order], color=MODEL, linewidth=1.3)
     axes.set_xlabel(scale.label(name))

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from argparse import ArgumentParser
 from math import inf
 from pathlib import Path
@@ -15,7 +16,8 @@ from .counts import read_counts
 from .curves import Curve, NoResonance, curves
 from .errors import InputError
 from .files import open as read_any
-from .hdf5 import FileError
+from .hdf5 import IN_MEMORY, FileError
+from .picture_options import add_options
 from .units import law_name, parse_quantity
 
 MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
@@ -27,70 +29,18 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     function = globals()[verb.replace("-", "_")]
     parser.set_defaults(command=function)
     parser.description = function.__doc__
-    several = verb in ("plot-scan", "plot-profiles", "plot-tracks")
-    parser.add_argument("files" if several else "file", metavar="FILE", type=Path, nargs="+" if several else None)
-    if verb == "plot-tally":
-        parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
-    if verb not in ("plot-image", "plot-tally", "plot-angles"):
-        parser.add_argument("--title", help="instead of the file's own")
-    if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
-        parser.add_argument("--detector", metavar="NAME", help="the first one by default")
-    if verb in ("plot-scan", "plot-levels"):
-        parser.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
-                            help='points out a value: "Larmor frequency=291.647 kHz"')
-    if verb in OWN_OPTIONS:
-        OWN_OPTIONS[verb](parser)
+    add_options(verb, parser)
 
 
-def _of_scan(parser: ArgumentParser) -> None:
-    parser.add_argument("--detector", metavar="NAME", help="all by default")
-    parser.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
-    parser.add_argument("--data", type=Path, metavar="COUNTS.csv",
-                        help="measured counts over the same parameter, scaled to the first curve")
-    parser.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
-                        help="above a panel of --beside instead of the file's title; repeated, one for each file")
-
-
-def _of_image(parser: ArgumentParser) -> None:
-    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
-                                                        "and the middle of its deepest dip or peak")
-
-
-def _of_profiles(parser: ArgumentParser) -> None:
-    parser.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
-
-
-def _of_tally(parser: ArgumentParser) -> None:
-    parser.add_argument("--axes", metavar="A,B",
-                        help="one or two of its axes; the first ones by default, the others are summed over")
-    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; the first by default")
-
-
-def _of_angles(parser: ArgumentParser) -> None:
-    parser.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
-    parser.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
-    parser.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
-    parser.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
-
-
-def _of_transit(parser: ArgumentParser) -> None:
-    parser.add_argument("--species", metavar="I", type=int, default=1, help="which of the beam; 1 by default")
-
-
-def _of_tracks(parser: ArgumentParser) -> None:
-    parser.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
-                        help='shades a field: "B=0.30:0.55" (m)')
-    parser.add_argument("--in-space", action="store_true", help="in three dimensions")
-
-
-def _of_motion(parser: ArgumentParser) -> None:
-    parser.add_argument("--point", metavar="I", type=int, help="of a scan: the motions at this point, not the findings")
-
-
-OWN_OPTIONS = {"plot-scan": _of_scan, "plot-image": _of_image, "plot-profiles": _of_profiles, "plot-tally": _of_tally,
-               "plot-angles": _of_angles, "plot-transit": _of_transit, "plot-tracks": _of_tracks,
-               "plot-motion": _of_motion}
+def limited(figure: Figure, options: argparse.Namespace) -> Figure:
+    """The figure with the ranges that are asked for, on all its panels."""
+    for axes in figure.axes:
+        if axes.get_label() == "<colorbar>":
+            continue
+        for name, chosen in (("x", getattr(options, "x_range", None)), ("y", getattr(options, "y_range", None))):
+            if chosen is not None:
+                axes.set(**{f"{name}lim": chosen})
+    return figure
 
 
 def plot_of(opened: object, kind: str | None = None, options: dict[str, object] | None = None) -> Figure:
@@ -107,13 +57,18 @@ def plot_of(opened: object, kind: str | None = None, options: dict[str, object] 
             raise InputError(f"{verb} has no option `{key}`")
         setattr(chosen, key, value)
     chosen.file, chosen.files = opened, [opened]
-    with style.here():
-        return chosen.command(chosen)
+    with style.here(getattr(chosen, "size", None)):
+        return limited(chosen.command(chosen), chosen)
 
 
 def _fitting_kind(opened: object) -> str:
     if isinstance(opened, results.Results):
-        return "scan" if opened.scan.axes else "image"
+        scan = opened.scan
+        if not scan.axes:
+            return "image"
+        same = (np.ptp(scan.detected, axis=1) == 0).all()  # all that a scan does is to turn spins
+        changing = any(np.nan_to_num(np.ptp(one.levels.fractions, axis=0)).max(initial=0.0) > 0.01 for one in opened.detectors.values())
+        return "levels" if same and changing else "scan"
     return "tracks" if isinstance(opened, tracks.Tracks) else "motion"
 
 
@@ -129,7 +84,8 @@ def _read(source: object) -> object:
 def plot(options: argparse.Namespace) -> Figure:
     """The picture that fits a file: its scan, else its image; its tracks; the motions of a model."""
     opened = _read(options.file)
-    return plot_of(opened, None, {"title": options.title} if options.title and _fitting_kind(opened) != "image" else {})
+    kind = _fitting_kind(opened)
+    return plot_of(opened, kind, {"title": options.title} if options.title and kind != "image" else {})
 
 
 def plot_scan(options: argparse.Namespace) -> Figure:
@@ -193,7 +149,19 @@ def plot_levels(options: argparse.Namespace) -> Figure:
         raise InputError(f"{len(rows)} curves are too many for one picture")
     detector = file.detectors[_detector(file, options.detector)]
     marks = dict(_mark(text) for text in options.mark)
-    return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks)
+    return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks, _levels(detector, options.levels))
+
+
+def _levels(detector: results.Detector, names: str | None) -> list[int] | None:
+    """By their names, however these are spaced."""
+    if names is None:
+        return None
+    known = {re.sub(r"[ +]", "", label).replace("−", "-"): i for i, label in enumerate(detector.levels.labels)}
+    asked = [re.sub(r"[ +]", "", name).replace("−", "-") for name in names.split(",")]
+    missing = [name for name in asked if name not in known]
+    if missing:
+        raise InputError(f"--levels: no level `{missing[0]}` (there is {', '.join(detector.levels.labels)})")
+    return [known[name] for name in asked]
 
 
 def plot_image(options: argparse.Namespace) -> Figure:
@@ -212,13 +180,14 @@ def plot_image(options: argparse.Namespace) -> Figure:
 def plot_profiles(options: argparse.Namespace) -> Figure:
     """Profiles on a detector, of all scan points of one or several files, in one picture."""
     files = [_results(path) for path in options.files]
-    shots = [(file, point) for file in files for point in range(len(file.laws))]
+    shots = [(file, point) for file in files
+             for point in (_points(options.points, len(file.laws)) if options.points else range(len(file.laws)))]
     if len(shots) > MOST_CURVES:
-        raise InputError(f"{len(shots)} profiles are too many for one picture")
-    about = [", ".join(filter(None, (law_name(file.laws[point]), file.species[point],
-                                     image_plots.shot_of(file, point).heading if _scans_values(file) else "")))
-             for file, point in shots]
-    labels = _distinct(about, [file.path.stem for file, _ in shots])
+        raise InputError(f"{len(shots)} profiles are too many for one picture: choose some by --points, such as 0,{len(shots) // 2}")
+    about = [(law_name(file.laws[point]), file.species[point], image_plots.shot_of(file, point).heading) for file, point in shots]
+    differing = [i for i in range(3) if len({words[i] for words in about}) > 1] or [0]
+    labels = _distinct([", ".join(filter(None, (words[i] for i in differing))) for words in about],
+                       [file.path.stem for file, _ in shots])
     profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
                 for (file, point), label in zip(shots, labels)]
     return profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title)
@@ -235,6 +204,11 @@ def plot_tally(options: argparse.Namespace) -> Figure:
     chosen = options.axes.split(",") if options.axes else names[:2]
     if not set(chosen) <= set(names) or len(chosen) not in (1, 2) or len(set(chosen)) != len(chosen):
         raise InputError(f"--axes {options.axes}: name one or two of {', '.join(names)}")
+    if options.points == "all":
+        if not file.scan.axes:
+            raise InputError(f"{file.path}: nothing is scanned in this file")
+        along = max(range(len(file.scan.axes)), key=lambda i: file.scan.axes[i].values.size)
+        return tally_plots.draw_over_scan(file, tally, names.index(chosen[0] if options.axes else names[-1]), along)
     points = _points(options.points, len(file.laws)) if options.points else [0]
     if len(points) > MOST_PANELS:
         raise InputError(f"{len(points)} scan points are too many for one picture")
@@ -301,10 +275,6 @@ def _detector(file: results.Results, name: str | None) -> str:
     return name or file.scan.detectors[0]
 
 
-def _scans_values(file: results.Results) -> bool:
-    return any(axis.parameter != "law" for axis in file.scan.axes)
-
-
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:
     try:
         return curves(file, detector and _detector(file, detector))
@@ -320,8 +290,9 @@ def _title(files: list[results.Results], chosen: str = "") -> str:
 
 
 def _distinct(labels: list[str], stems: list[str]) -> list[str]:
-    """Labels, with the file's name where there is none or it would come twice."""
-    return [label if label and labels.count(label) == 1 else f"{label} [{stem}]" if label else stem
+    """Labels, with the file's name where there is none of several, or it would come twice."""
+    stems = ["" if len(labels) == 1 and not labels[0] or len(set(stems)) == 1 and stem == IN_MEMORY.stem else stem for stem in stems]
+    return [label if label and labels.count(label) == 1 else f"{label} [{stem}]" if label and stem else label or stem
             for label, stem in zip(labels, stems)]
 
 

@@ -1,6 +1,7 @@
 """The profiles of beams on a detector, one over the other: the smear and the lines of a deflection."""
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from typing import Sequence
 
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from . import style
 from .results import Results
-from .style import looks
+from .style import GREY, looks
 from .units import fitting_scale
 
 
@@ -23,6 +24,7 @@ class Profile:
     edges: np.ndarray  # [n + 1] m
     density: np.ndarray  # [n] 1/m, of all that was emitted
     errors: np.ndarray  # [n]
+    aimed: bool  # the share is of what starts towards the target of the source
 
 
 def profile_of(results: Results, detector: str, point: int, along: str, label: str) -> Profile:
@@ -31,14 +33,15 @@ def profile_of(results: Results, detector: str, point: int, along: str, label: s
     edges, counts, errors = (seen.x_edges + seen.offset_x[point], seen.counts_x, seen.errors_x) if along == "x" else \
         (seen.z_edges + seen.offset_z[point], seen.counts_z, seen.errors_z)
     each = results.emitted[point] * np.diff(edges)
-    return Profile(label, results.laws[point], edges, counts[point] / each, errors[point] / each)
+    return Profile(label, results.laws[point], edges, counts[point] / each, errors[point] / each,
+                   results.aimed_fraction is not None)
 
 
 def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure:
     """Steps with error bars, in shares of the emitted beam per length."""
     edges = np.concatenate([profile.edges for profile in profiles])
     scale = fitting_scale(edges, "m")
-    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     for profile, look in zip(profiles, looks([profile.law for profile in profiles])):
         at = np.asarray(scale.apply(profile.edges))
         y, errors = profile.density * scale.factor, profile.errors * scale.factor
@@ -47,12 +50,20 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], errors[hit], fmt="none", ecolor=look.colour,
                       elinewidth=0.9)
     axes.set_xlim(*_span(profiles, scale.factor))
-    axes.set_ylim(bottom=0)
+    nothing = not any(profile.density.any() for profile in profiles)
+    if nothing:
+        axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center", color=GREY)
+    axes.set_ylim(0, 1 if nothing else None)
     axes.set_xlabel(scale.label(along))
-    axes.set_ylabel(f"detected / emitted per {scale.unit}\n(bars: one standard error)")
+    of = "aimed at the target" if profiles[0].aimed else "emitted"
+    axes.set_ylabel(f"detected / {of} per {scale.unit}\n(bars: one standard error)")
     axes.grid(axis="y")
     style.write_title(figure, title)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(profiles) < 4 else 2)
+    longest, room = max(len(profile.label) for profile in profiles), style.letters(figure)
+    columns = max(1, min(3, room // (longest + 8), len(profiles)))
+    if len(profiles) > 1 or profiles[0].label:
+        axes.legend(*zip(*[(item, textwrap.fill(label, room - 12)) for item, label in zip(*axes.get_legend_handles_labels())]),
+                    loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=columns)
     return figure
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from . import style
-from .curves import Curve, NoResonance, Resonance, are_fringes, half_maxima
+from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
 from .fit import fit
 from .results import Axis
 from .style import COUNTS, GREY, INK, Look, looks
@@ -18,6 +19,9 @@ from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic,
 
 SYMBOL = 3.4  # points
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
+GAP = 8.0  # usual steps of a scan, from which on it has a gap
+MOST_PIECES = 4
+ROOM = 2.0  # inches of a piece, for a line's numbers above it
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
@@ -35,20 +39,85 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
     peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
     or of different ones, their numbers stand in the legend."""
-    figure, axes = plt.subplots(figsize=(7.2, 4.5), layout="constrained")
+    pieces = pieces_of(curves) if measured is None else []
+    if len(pieces) > 1:
+        return _draw_pieces(curves, labels, title, marks, pieces)
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.5), layout="constrained")
     _draw_panel(axes, curves, labels, marks)
     limits = _fraction_limits(curves)
-    axes.set_ylabel(f"detected / emitted\n({about_errors(curves, limits)})")
+    about = f"{_measure(curves)}\n({about_errors(curves, limits)})"
     if measured is not None:
         scale = fitting_scale(np.concatenate([curve.x for curve in curves]), curves[0].axis.units)
         axes.errorbar(scale.apply(measured.x), measured.y, measured.errors, fmt="o", color=INK, markersize=SYMBOL, elinewidth=0.9,
                       zorder=5, label="counted, scaled")
         limits = min(limits[0], np.min(measured.y - measured.errors)), max(limits[1], np.max(measured.y + measured.errors))
     axes.set_ylim(*limits)
+    _draw_rates(axes, curves)
     style.write_title(figure, title)
-    if len(curves) > 1 or not curves[0].axis.labels:
-        _draw_legend(figure, axes, [*labels, "counted, scaled"] if measured else labels)
+    foot = 0.0
+    if len(curves) > 1 or labels[0] and not curves[0].axis.labels:
+        foot = _draw_legend(figure, axes, [*labels, "counted, scaled"] if measured else labels)
+    axes.set_ylabel(style.upright(figure, about, foot))
     return figure
+
+
+def _draw_pieces(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float],
+                 pieces: Sequence[slice]) -> Figure:
+    """A scan with gaps, each of its pieces in a panel of its own."""
+    figure, row = plt.subplots(1, len(pieces), figsize=style.size(7.2, 4.5), sharey=True, squeeze=False, layout="constrained")
+    limits = _fraction_limits(curves)
+    for number, (axes, piece) in enumerate(zip(row[0], pieces)):
+        parts = [curve.piece(piece) for curve in curves]
+        scale = fitting_scale(parts[0].x, parts[0].axis.units)
+        _draw_panel(axes, parts, labels, {name: value for name, value in marks.items()
+                                          if parts[0].x.min() <= value <= parts[0].x.max()}, beside=False)
+        found = [words for part in parts for resonance in _measured(part) for words in _in_words(resonance, scale, part.axis.units)]
+        seen = len(found) == 2 and figure.get_figwidth() / len(pieces) > ROOM
+        axes.set_title("\n".join(found if seen else []), fontsize="small")
+        axes.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
+        axes.set_ylim(*limits)
+        axes.spines["left"].set_visible(number == 0)
+        axes.tick_params(left=number == 0)
+    row[0, 0].set_ylabel(f"{_measure(curves)}\n({about_errors(curves, limits)})")
+    style.write_title(figure, title)
+    if len(curves) > 1:
+        row[0, 0].legend(*zip(*[(item, label.split("\n")[0]) for item, label in zip(*row[0, 0].get_legend_handles_labels())]))
+    return figure
+
+
+def pieces_of(curves: Sequence[Curve]) -> list[slice]:
+    """What of a scan has a panel of its own: all of it, or stretches with gaps between, if they are long and few."""
+    whole = [slice(0, curves[0].x.size)]
+    if curves[0].axis.labels or len({curve.x.tobytes() for curve in curves}) > 1:
+        return whole
+    found = runs_of(curves[0].x)
+    return found if len(found) <= MOST_PIECES and min(part.stop - part.start for part in found) >= 5 else whole
+
+
+def runs_of(x: np.ndarray) -> list[slice]:
+    """The stretches of a scan between its gaps: steps many times as long as most."""
+    steps = np.abs(np.diff(x))
+    if steps.size < 4:
+        return [slice(0, x.size)]
+    ends = [0, *(np.flatnonzero(steps > GAP * np.median(steps)) + 1).tolist(), x.size]
+    few = is_logarithmic(x) or len(ends) > x.size // 3 + 2
+    return [slice(0, x.size)] if few else [slice(*pair) for pair in zip(ends, ends[1:])]
+
+
+def _measure(curves: Sequence[Curve]) -> str:
+    return "detected / aimed at the target" if any(curve.aimed for curve in curves) else "detected / emitted"
+
+
+def _draw_rates(axes: Axes, curves: Sequence[Curve]) -> None:
+    """Counts per second on the right, where the source's rate is known and all curves have one scale of them."""
+    rates = {curve.rate for curve in curves}
+    rate = rates.pop() if len(rates) == 1 else None
+    if rate is None:
+        return
+    each, background = rate
+    other = axes.secondary_yaxis("right", functions=(lambda y: each * y + background, lambda n: (n - background) / each))
+    other.spines["right"].set_visible(True)
+    other.set_ylabel("counts per second" + ("\n(with background)" if background else ""))
 
 
 @dataclass(frozen=True)
@@ -70,7 +139,7 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
         _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
         axes.set_title(panel.title, pad=18 if marks else 6)
         axes.set_ylim(*limits)
-    row[0, 0].set_ylabel(f"detected / emitted\n({about_errors(everything, limits)})")
+    row[0, 0].set_ylabel(f"{_measure(everything)}\n({about_errors(everything, limits)})")
     style.write_title(figure, title)
     for axes, panel in zip(row[0], panels):
         _draw_legend(figure, axes, panel.labels, width=60)
@@ -84,7 +153,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
     resonances = [_measured(curve) for curve in curves]
     several = sum(map(len, resonances)) != 1 or any(found and are_fringes(curve) for curve, found in zip(curves, resonances))
-    beside = beside and not several  # they would write over each other
+    beside = beside and not several and not any(curve.rate for curve in curves)  # they would write over each other
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
     below = [i for i, (curve, _, _, found) in enumerate(drawn)
@@ -93,15 +162,15 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
         if i in below:
             _draw_below(axes, curve, label, look, scale, below.index(i), len(below))
             continue
-        words = [] if beside else [", ".join(_in_words(resonance, axis.units)) for resonance in found]
+        words = [] if beside else [", ".join(_in_words(resonance, scale, axis.units)) for resonance in found]
         _draw_curve(axes, curve, "\n".join([label, *words]), look, scale)
         for resonance in found:
             _draw_width(axes, resonance, look, scale)
             if beside:
-                _write_beside(axes, "\n".join(_in_words(resonance, axis.units)), resonance, curve, look, scale)
+                _write_beside(axes, "\n".join(_in_words(resonance, scale, axis.units)), resonance, curve, look, scale)
     draw_marks(axes, marks, scale)
     if axis.labels:
-        axes.set_xticks(axis.values, [law_name(label).replace(", ", "\n", 1) for label in axis.labels])
+        axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
         axes.set_xscale("log")
     axes.set_xlabel(scale.label(axis.parameter))
@@ -113,14 +182,14 @@ def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str,
     """The detected fraction over both axes of a grid; `across` tells the curves apart."""
     along = curves[0].axis
     scale, scale_across = fitting_scale(along.values, along.units), fitting_scale(across.values, across.units)
-    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
                            np.stack([curve.y for curve in curves]), shading="flat", cmap=COUNTS, rasterized=True)
     if is_logarithmic(along.values):
         axes.set_xscale("log")
     if is_logarithmic(across.values):
         axes.set_yscale("log")
-    figure.colorbar(mesh, ax=axes, label="detected / emitted")
+    figure.colorbar(mesh, ax=axes, label=_measure(curves))
     draw_marks(axes, marks, scale)
     axes.set_xlabel(scale.label(along.parameter))
     axes.set_ylabel(scale_across.label(across.parameter))
@@ -156,10 +225,12 @@ def _coincide(one: Curve, other: Curve) -> bool:
 
 
 def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale) -> None:
-    style, size = ("none", 6.0) if curve.axis.labels else ("-", SYMBOL)
-    axes.errorbar(scale.apply(curve.x), curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style,
-                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0,
-                  label=label)
+    x, size = scale.apply(curve.x), 6.0 if curve.axis.labels else SYMBOL
+    runs = [] if curve.axis.labels else runs_of(curve.x)
+    axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle="-" if len(runs) == 1 else "none",
+                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0, label=label)
+    for run in runs if len(runs) > 1 else []:
+        axes.plot(x[run], curve.y[run], color=look.colour, linewidth=1.1)
 
 
 def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, number: int, of: int) -> None:
@@ -177,12 +248,16 @@ def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     seen = np.concatenate([curve.errors > smallest_seen for curve in curves])
     if not seen.any():
         return "errors smaller than symbols"
-    return "bars: 1 σ" + ("" if seen.all() else ", where larger than symbols")
+    shared = "correlated, " if any(np.isfinite(curve.spread.freedom) for curve in curves) else ""
+    return f"bars: {shared}1 σ" + ("" if seen.all() else " where larger than symbols")
 
 
-def _in_words(resonance: Resonance, unit: str) -> tuple[str, str]:
+def _in_words(resonance: Resonance, scale: Scale, unit: str) -> tuple[str, str]:
     """Centre and width with their errors."""
     centre, width = resonance.centre, resonance.width
+    if scale.unit == "deg":
+        centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
+        unit = "deg"
     return (f"centre {format_value(centre.value, unit, centre.error)}",
             f"FWHM {format_value(width.value, unit, width.error)}")
 
@@ -208,25 +283,33 @@ def _write_beside(axes: Axes, text: str, resonance: Resonance, curve: Curve, loo
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}, zorder=6)
 
 
-def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int = 96) -> None:
+def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | None = None) -> float:
     """The legend below, by the order of the labels without their numbers, in as many columns as fit the width in
-    letters; the figure grows with its lines."""
+    letters; the figure grows with its lines, or where its size was asked for gives them room at its foot. Gives back how much
+    [inches]."""
     def place(item: tuple[object, str]) -> int:
         return next(i for i, label in enumerate(order) if item[1] == label or item[1].startswith(f"{label}\n"))
 
+    width = width or style.letters(figure)
     items, labels = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
     widths = [10 + max(map(len, label.splitlines())) for label in labels]  # in letters
     columns = len(labels) if sum(widths) < width else max(1, width // max(widths))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
+    if style.size(0, 0) != (0, 0):  # the figure cannot grow: the legend has its place at the foot
+        labels = [label.replace(", FWHM", "\nFWHM") if max(widths) > width else label for label in labels]
+        return style.legend_at_foot(figure, items, labels)
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
     axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5,
                 handlelength=4)  # two dashes of a line below others
+    return 0.0
 
 
 def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:
     low = min(np.min(curve.y - curve.errors) for curve in curves)
     high = max(np.max(curve.y + curve.errors) for curve in curves)
+    if all(np.ptp(curve.y) == 0 for curve in curves):  # nothing changes: bars alone are no range
+        return -0.05 * max(high, 1.0), 1.05 * max(high, 1.0)
     if high - low > 0.2:
         low = min(low, 0.0)
     margin = 0.06 * (high - low) or 0.05

@@ -17,11 +17,14 @@ from .track_plots import ENDS, SHADES, Region
 from .tracks import Tracks
 from .units import Scale, fitting_scale
 
+LETTER, ROW = 0.022, 0.1  # of a name above its region: the width of a letter, and the height of a row, in parts of the axes
+
 
 def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
     """x, y and z of every track, in the laboratory: y along the beam to the right, z along the static field upwards.
     Along the beam the scale is another one than across, so that small deflections are seen. Faint lines on the floor
     and on the back wall show the paths from above and from the side, frames where regions begin and end."""
+    regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts if part.has_field]
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     points = np.concatenate([track.position for file in files for track in file.tracks])
     across, along = fitting_scale(points[:, [0, 2]], "m"), fitting_scale(points[:, 1], "m")
@@ -45,7 +48,7 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
         getattr(axes, f"{name}axis").pane.set_facecolor("white")
         getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(6 if name == "y" else 4))
     axes.tick_params(labelsize=8, pad=1)
-    axes.set_box_aspect((1, 2, 1), zoom=0.95)
+    axes.set_box_aspect((1, 2, 1), zoom=1.12)
     axes.view_init(elev=20, azim=-35)
     style.write_title(figure, title)
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
@@ -62,10 +65,14 @@ def _limits(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.ndarray, high: np.ndarray) -> None:
-    for region, shade in zip(regions, SHADES * (len(regions) // len(SHADES) + 1)):
+    rows: list[float] = []  # where the last name of each row ends
+    for region, shade in zip(sorted(regions, key=lambda region: region.begin + region.end), SHADES * (len(regions) // len(SHADES) + 1)):
         for y in (along.apply(region.begin), along.apply(region.end)):
             corners = [(low[0], y, low[2]), (high[0], y, low[2]), (high[0], y, high[2]), (low[0], y, high[2])]
             axes.add_collection3d(Poly3DCollection([corners], facecolor=shade, edgecolor=GREY, linewidth=0.5,
                                                    alpha=0.25))
         middle = along.apply((region.begin + region.end) / 2)
-        axes.text(high[0], middle, high[2], region.name, color=GREY, fontsize=9, ha="center", va="bottom")
+        half = 0.5 * LETTER * (len(region.name) + 2) * (high[1] - low[1])
+        row = next((i for i, end in enumerate(rows) if end <= middle - half), len(rows))
+        rows[row:row + 1] = [middle + half]
+        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), region.name, color=GREY, fontsize=9, ha="center", va="bottom")

@@ -2,14 +2,15 @@
 from __future__ import annotations
 
 import textwrap
-from contextlib import AbstractContextManager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Sequence
+from typing import Iterator, Sequence
 
 from matplotlib import pyplot as plt
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
 # Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
@@ -32,7 +33,47 @@ RULES = {
 
 def write_title(figure: Figure, title: str) -> None:
     """Above the figure, in lines that fit its width."""
-    figure.suptitle(in_lines(title, figure.get_figwidth(), TITLE), fontsize=TITLE)
+    size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
+    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=size)
+
+
+def size(width: float, height: float) -> tuple[float, float]:
+    """[inches] Of a new figure: what was asked for with `here`, else these."""
+    return _asked or (width, height)
+
+
+def upright(figure: Figure, text: str, foot: float = 0.0) -> str:
+    """For the side of one panel, above a `foot` [inches]: in lines that fit its height."""
+    return in_lines(text, 0.95 * figure.get_figheight() - foot - 0.7, points("axes.labelsize"))
+
+
+def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str], **looks: object) -> float:
+    """For a figure whose size was asked for, which cannot grow: room at its foot, as many columns as fit. Gives back the height
+    [inches]."""
+    columns = max(1, min(len(labels), letters(figure) // (8 + max(len(line) for label in labels for line in label.splitlines()))))
+    lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
+    height = 1.35 if not any("$" in label for label in labels) else 1.7  # of a line; formulas are taller
+    foot = height / 72 * lines * points("legend.fontsize") + 0.06
+    room = foot / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
+    figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, **looks)
+    return foot
+
+
+def beside_ticks(figure: Figure, name: str) -> str:
+    """A name of several words below an axis."""
+    lines = name.replace(", ", "\n", 1)
+    return lines.replace(", ", "\n").replace(" (", "\n(") if figure.get_figwidth() < NARROW else lines
+
+
+def points(name: str) -> float:
+    """The size of letters that is called `name` in matplotlib's settings."""
+    return FontProperties(size=plt.rcParams[name]).get_size_in_points()
+
+
+def letters(figure: Figure) -> int:
+    """How many letters of a legend fit into its width."""
+    return int(figure.get_figwidth() * (16.5 if figure.get_figwidth() < NARROW else 13.3))
 
 
 def in_lines(text: str, inches: float, size: float) -> str:
@@ -41,13 +82,23 @@ def in_lines(text: str, inches: float, size: float) -> str:
     return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
 
 
-def here() -> AbstractContextManager:
-    """What is drawn in this context looks so; a notebook's other pictures stay as they are."""
-    return plt.rc_context(RULES)
-
+@contextmanager
+def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
+    """What is drawn in this context looks so, and has the size [inches] that is asked for; a notebook's other pictures stay
+    as they are."""
+    global _asked
+    before, _asked = _asked, asked or _asked
+    small = {key: value * SMALLER for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
+    try:
+        with plt.rc_context({**RULES, **(small if _asked and _asked[0] < NARROW else {})}):
+            yield
+    finally:
+        _asked = before
 
 
 TITLE = 11.5  # points
+NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
+_asked: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

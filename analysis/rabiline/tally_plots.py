@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from . import style
 from .image_plots import shot_of
 from .results import Results, Tally, TallyAxis
-from .style import COUNTS, LAWS, OTHERS
-from .units import Scale, fitting_scale, law_name
+from .style import COUNTS, GREY, LAWS, OTHERS
+from .units import Scale, edges_of, fitting_scale, is_logarithmic, law_name
 
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
 
@@ -27,23 +27,45 @@ def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequ
     shown = [tally.axes[i] for i in axes]
     figure = _draw_curves(results, shown[0], counts, errors, points) if len(shown) == 1 else \
         _draw_images(results, shown, counts, points)
-    style.write_title(figure, _title(tally))
+    _write_title(figure, results, tally)
     return figure
 
 
-def _title(tally: Tally) -> str:
-    return tally.title + ("\nspin: expectation, weights split over the outcomes" if tally.is_expectation else "")
+def draw_over_scan(results: Results, tally: Tally, number: int, along: int) -> Figure:
+    """One axis of a tally up, an axis of the scan across, at the first value of every other axis of the scan."""
+    axis, scanned = tally.axes[number], results.scan.axes[along]
+    counts = tally.counts.sum(axis=tuple(1 + i for i in range(len(tally.axes)) if i != number))
+    flat = np.moveaxis(np.arange(len(counts)).reshape(results.scan.shape), along, -1).reshape(-1, scanned.values.size)[0]
+    figure, panel = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
+    across, up = fitting_scale(scanned.values, scanned.units), _scale(axis)
+    mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
+                            vmin=0, rasterized=True)
+    if is_logarithmic(scanned.values):
+        panel.set_xscale("log")
+    if scanned.labels:
+        panel.set_xticks(scanned.values, [law_name(label).replace(", ", "\n") for label in scanned.labels])
+    panel.set_xlabel(across.label(scanned.parameter))
+    if axis.labels:
+        panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+    panel.set_ylabel(_label(axis, up))
+    figure.colorbar(mesh, ax=panel, label="particles per bin")
+    _write_title(figure, results, tally)
+    return figure
+
+
+def _write_title(figure: Figure, results: Results, tally: Tally) -> None:
+    """Outcomes are those of a measurement, which only one law knows."""
+    split = tally.is_expectation and all(law.startswith("quantum") for law in results.laws)
+    style.write_title(figure, tally.title + ("\nspin: expectation, weights split over the outcomes" if split else ""))
 
 
 def _heading(results: Results, point: int) -> str:
     about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
-    return f"{shot_of(results, point).heading}: {about}" if results.scan.axes else about
+    return ": ".join(filter(None, (shot_of(results, point).heading, about)))
 
 
 def _scale(axis: TallyAxis) -> Scale:
-    if axis.units in ("rad", "m/s", "J", ""):
-        if axis.units == "rad" and np.abs(axis.edges).max() < 1:
-            return Scale("mrad", 1e-3)
+    if axis.units in ("m/s", "J", ""):
         return Scale("meV", 1.602176634e-22) if axis.units == "J" else Scale(axis.units)
     return fitting_scale(axis.edges, axis.units)
 
@@ -55,21 +77,24 @@ def _label(axis: TallyAxis, scale: Scale) -> str:
 def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: np.ndarray,
                  points: Sequence[int]) -> Figure:
     """Steps with error bars, one colour for each scan point."""
-    figure, panel = plt.subplots(figsize=(7.2, 4.4), layout="constrained")
+    figure, panel = plt.subplots(figsize=style.size(7.2, 4.4), layout="constrained")
     scale = _scale(axis)
     edges = np.asarray(scale.apply(axis.edges))
     for number, (colour, point) in enumerate(zip(COLOURS * (len(points) // len(COLOURS) + 1), points)):
         panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
                      label=_heading(results, point),
                      fill=len(points) == 1 and bool(axis.labels), alpha=0.6 if axis.labels else None)
-        panel.errorbar((edges[:-1] + edges[1:]) / 2, counts[point], errors[point], fmt="none", ecolor=colour,
+        hit = counts[point] > 0
+        panel.errorbar(((edges[:-1] + edges[1:]) / 2)[hit], counts[point][hit], errors[point][hit], fmt="none", ecolor=colour,
                        elinewidth=0.9, capsize=2 if edges.size < 60 else 0)
     if axis.labels:
         panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panel.set_xlim(edges[0], edges[-1])
-    panel.set_ylim(bottom=0)
+    if not counts[list(points)].any():
+        panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
+    panel.set_ylim(0, 1 if not counts[list(points)].any() else None)
     panel.set_xlabel(_label(axis, scale))
-    panel.set_ylabel("particles per bin   (bars: one standard error)")
+    panel.set_ylabel("particles per bin\n(bars: one standard error)")
     panel.grid(axis="y")
     panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(points) < 4 else 2)
     return figure

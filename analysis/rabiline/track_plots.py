@@ -14,8 +14,11 @@ from matplotlib.ticker import MaxNLocator
 from . import style
 from .style import GREY, INK, Look, looks
 from .tracks import Track, Tracks
+from .units import Scale, fitting_scale
 
 MILLI = 1e3
+STILL = 1e-6  # rad: a spin that tilts less needs no panel
+LETTER = 0.14  # inches of figure per letter of a name, with what is beside the panel
 TILTED = np.radians(20)  # a spin that tilts by more is shown on the whole sphere
 SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
 ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
@@ -31,44 +34,53 @@ class Region:
 
 
 def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
-    """x, z and the tilt of the spin from the z axis, over y; and the spins' paths in three dimensions. Spins are shown
-    from their last alignment on: what they were before is chance."""
+    """x, z and the tilt of the spin from the z axis, over y, with the fields of the file where no `regions` are named; and the
+    spins' paths in three dimensions. Spins are shown from their first alignment on: what they were before is chance."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
+    if not any(_tilt(track).max() > STILL for track, _ in spinning):
+        spinning = []
+    regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts if part.has_field or part.drives]
     turning = [(track, look) for track, look in spinning if _while_turning(track)]
+    scales = [fitting_scale(np.concatenate([track.position[:, i] for file in files for track in file.tracks]), "m") for i in (0, 2)]
     figure = plt.figure(figsize=(11.0 if turning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
     grid = figure.add_gridspec(3 if spinning else 2, 2 if turning else 1, width_ratios=[1.55, 1] if turning else None)
     panels = [figure.add_subplot(grid[0, 0])]
     panels += [figure.add_subplot(grid[row, 0], sharex=panels[0]) for row in range(1, grid.nrows)]
     for file, _, look in styled:
         for track in file.tracks:
-            _draw_path(panels[0], track, 0, look)
-            _draw_path(panels[1], track, 2, look)
-    panels[0].set_ylabel("x (mm)")
-    panels[1].set_ylabel("z (mm)")
+            for panel, component, scale in zip(panels, (0, 2), scales):
+                _draw_path(panel, track, component, look, scale)
+    for panel, name, scale in zip(panels, "xz", scales):
+        panel.set_ylabel(scale.label(name))
     if spinning:
         for track, look in spinning:
-            panels[2].plot(track.position[:, 1], np.degrees(track.tilt), color=look.colour, linewidth=1.2)
-        top = np.degrees(max(np.nanmax(track.tilt) for track, _ in spinning)) or 1.0
+            for part in track.stretches:
+                panels[2].plot(track.position[part, 1], np.degrees(track.tilt[part]), color=look.colour, linewidth=1.2)
+        top = np.degrees(max(_tilt(track).max() for track, _ in spinning)) or 1.0
         panels[2].set_ylim(-0.05 * top, 1.08 * top)
         panels[2].set_ylabel("spin's tilt from z (°)")
     if turning:
-        by_angle = sorted(turning, key=lambda pair: np.nanmax(pair[0].tilt))
+        by_angle = sorted(turning, key=lambda pair: _tilt(pair[0]).max())
         farthest = {look: track for track, look in by_angle}  # one per file, the last
         sphere = figure.add_subplot(grid[:, 1], projection="3d")
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
+    panels[0].set_xlim(*_extent(files))
     for panel in panels:
         _shade(panel, regions, named=panel is panels[0])
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
-    panels[0].set_xlim(*_extent(files))
     style.write_title(figure, title)
     panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=4)
     return figure
 
 
-def _draw_path(axes: Axes, track: Track, component: int, look: Look) -> None:
-    y, across = track.position[:, 1], track.position[:, component] * MILLI
+def _tilt(track: Track) -> np.ndarray:
+    return np.concatenate([track.tilt[part] for part in track.stretches])
+
+
+def _draw_path(axes: Axes, track: Track, component: int, look: Look, scale: Scale) -> None:
+    y, across = track.position[:, 1], scale.apply(track.position[:, component])
     axes.plot(y, across, color=look.colour, linewidth=1.2, alpha=0.85)
     axes.plot(y[-1], across[-1], ENDS.get(track.fate, "*"), color=look.colour, markersize=5, markeredgewidth=0,
               clip_on=False, zorder=5)
@@ -82,12 +94,15 @@ def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         axes.axvspan(region.begin, region.end, color=shade, alpha=0.75, linewidth=0, zorder=0)
         if not named:
             continue
-        row = next((i for i, end in enumerate(rows) if end <= region.begin), len(rows))
-        rows[row:row + 1] = [region.end]
+        left, right = axes.get_xlim()
+        half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
+        middle = min(max((region.begin + region.end) / 2, left + half), right - half)
+        row = next((i for i, end in enumerate(rows) if end <= min(region.begin, middle - half)), len(rows))
+        rows[row:row + 1] = [max(region.end, middle + half)]
         height = 1.05 + 0.15 * row
         axes.plot([region.begin, region.end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
-        axes.annotate(region.name, ((region.begin + region.end) / 2, height), xycoords=axes.get_xaxis_transform(),
+        axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
                       xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
 
 
@@ -100,7 +115,7 @@ def _extent(files: Sequence[Tracks]) -> tuple[float, float]:
 def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
     """For each file the spin that tilts farthest: its tip on the unit sphere, or where it tilts little the two small
     components along the beam."""
-    far = max(np.nanmax(track.tilt) for track, _ in files) > TILTED
+    far = max(_tilt(track).max() for track, _ in files) > TILTED
     for track, look in files:
         part = _while_turning(track)
         across = track.spin[part, :2] * MILLI
@@ -114,7 +129,7 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
     else:
         names = ["y (m)", "$S_x$ (10$^{-3}$)", "$S_y$ (10$^{-3}$)"]
         title = "the spin while it turns, along the beam"
-        axes.set_box_aspect((1.5, 1, 1), zoom=0.78)
+        axes.set_box_aspect((1.5, 1, 1), zoom=0.75)
     axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
     axes.set_title(title, y=1.0)
     axes.view_init(elev=22, azim=-58)
@@ -125,10 +140,14 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
 
 
 def _while_turning(track: Track) -> slice | None:
-    """The part of a track during which its spin moves, after its last alignment; None where it does not."""
-    first = track.aligned
-    moving = first + np.flatnonzero(np.linalg.norm(np.diff(track.spin[first:], axis=0), axis=1) > 1e-12)
-    return slice(moving[0], moving[-1] + 2) if moving.size else None
+    """The part of a track during which its spin moves farthest, between alignments; None where it does not."""
+    found = None, 0.0
+    for part in track.stretches:
+        steps = np.linalg.norm(np.diff(track.spin[part], axis=0), axis=1)
+        moving = part.start + np.flatnonzero(steps > 1e-12)
+        if moving.size and steps.sum() > found[1]:
+            found = slice(moving[0], moving[-1] + 2), steps.sum()
+    return found[0]
 
 
 def _is_smooth(path: np.ndarray) -> bool:
@@ -141,7 +160,7 @@ def _draw_sphere(axes: Axes) -> None:
     polar, azimuth = np.mgrid[0:np.pi:13j, 0:2 * np.pi:25j]
     axes.plot_wireframe(np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar),
                         color="#cccccc", linewidth=0.4)
-    axes.set_box_aspect((1, 1, 1), zoom=0.8)
+    axes.set_box_aspect((1, 1, 1), zoom=0.84)
 
 
 def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:

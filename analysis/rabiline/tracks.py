@@ -2,11 +2,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FASTER_THAN_FIELDS = 100  # times the usual rate at which a track's polar angle changes
 
@@ -30,11 +35,11 @@ class Track:
         """Whether the spin is followed along the whole path."""
         return bool(np.isfinite(self.spin).all())
 
-    @property
-    def aligned(self) -> int:
-        """The record from which on only fields turn the spin: the one after the last alignment, 0 where there is none.
-        An alignment changes the spin in no time, or in the midst of a field's steps faster by far than the field tips
-        spins; along z, about which a static field turns them fast, a field changes them slowly."""
+    @cached_property
+    def stretches(self) -> list[slice]:
+        """The records between alignments, in which only fields turn the spin; what is before the first one is chance where no
+        field turns it. An alignment changes the spin in no time, or in the midst of a field's steps faster by
+        far than the field tips spins; along z, about which a static field turns them fast, a field changes them slowly."""
         polar = np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), self.spin[:, 2])
         moved, taken = np.abs(np.diff(polar)), np.diff(self.time)
         turned = np.linalg.norm(np.diff(self.spin, axis=0), axis=1)
@@ -43,14 +48,27 @@ class Track:
         by_fields = rate[rate > 0]
         usual = np.median(by_fields) if by_fields.size > 2 else np.inf
         jumps = np.flatnonzero(at_once | (moved > 1e-3) & (rate > FASTER_THAN_FIELDS * usual))
-        return int(jumps[-1]) + 1 if jumps.size else 0
+        first = jumps.size > 0 and turned[:jumps[0]].max(initial=0.0) < 1e-9  # nothing turned it
+        edges = [*([] if first else [0]), *(jumps + 1).tolist(), self.time.size]
+        return [slice(*pair) for pair in zip(edges, edges[1:]) if pair[1] > pair[0]]
 
-    @property
+    @cached_property
     def tilt(self) -> np.ndarray:
-        """[n] The angle between the spin and the z axis, +z or -z whichever is nearer, rad. NaN before `aligned`."""
-        tilt = np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), np.abs(self.spin[:, 2]))
-        tilt[:self.aligned] = np.nan
-        return tilt
+        """[n] The angle between the spin and the z axis, +z or -z whichever is nearer, rad."""
+        return np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), np.abs(self.spin[:, 2]))
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the beamline, along the beam."""
+
+    name: str
+    kind: str
+    label: str
+    begin: float  # m
+    end: float  # m
+    has_field: bool
+    drives: bool
 
 
 @dataclass(frozen=True)
@@ -61,6 +79,15 @@ class Tracks:
     title: str
     law: str  # empty where the file does not say
     tracks: tuple[Track, ...]  # by particle number
+    parts: tuple[Part, ...] = ()  # what they pass
+
+    def plot(self, output: Path | str | None = None, **options: object) -> Figure:
+        """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given."""
+        from . import pictures, style
+        figure = pictures.plot_of(self, "tracks", options)
+        if output is not None:
+            style.save(figure, output)
+        return figure
 
 
 def read(source: Path | str | bytes) -> Tracks:
@@ -72,7 +99,16 @@ def read(source: Path | str | bytes) -> Tracks:
             raise FileError(path, "no tracks in it: not a file of `rabiline trace`")
         tracks = (_read_track(entry.group(name), name) for name in names)
         ordered = tuple(sorted(tracks, key=lambda track: track.particle))
-        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered)
+        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered, _read_parts(entry))
+
+
+def _read_parts(entry: Group) -> tuple[Part, ...]:
+    if "parts" not in entry:
+        return ()
+    group = entry.group("parts")
+    numbers = [group.numbers(name).ravel() for name in ("begin", "end", "has_field", "drives")]
+    return tuple(Part(*words, begin, end, bool(field), bool(drives)) for *words, begin, end, field, drives in
+                 zip(*(group.texts(name) for name in ("name", "kind", "label")), *numbers))
 
 
 def _read_track(group: Group, name: str) -> Track:

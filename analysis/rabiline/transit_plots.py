@@ -23,7 +23,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     each = emitted * np.diff(at)
     order = np.argsort(-caught.sum(axis=1), kind="stable")
     shown, left = np.sort(order[:MOST_PATHS]), len(order) - MOST_PATHS
-    figure, axes = plt.subplots(figsize=(7.2, 4.8), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     colours = colormaps["viridis"](np.linspace(0, 0.85, len(shown)))
     for number, (path, colour) in enumerate(zip(shown, colours)):
         y, bars = caught[path] / each, errors[path] / each

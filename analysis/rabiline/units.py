@@ -1,6 +1,7 @@
 """Numbers as people read them: SI prefixes, values with errors, names of laws."""
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 
@@ -41,6 +42,8 @@ def fitting_scale(values: np.ndarray, unit: str) -> Scale:
     if unit == "" and finite.size and not 1e-3 <= np.abs(finite).max() < 1e5 and np.abs(finite).max() > 0:
         power = floor(log10(np.abs(finite).max()))
         return Scale("10" + str(power).translate(SUPERSCRIPT), 10.0**power)
+    if unit == "rad" and finite.size:
+        return Scale("deg", np.pi / 180) if _round_in_degrees(finite) else Scale(*prefixed(min(np.abs(finite).max(), 1.0), unit))
     if unit not in TAKE_PREFIXES or finite.size == 0:
         return Scale(unit)
     largest, spread = np.abs(finite).max(), np.ptp(finite)
@@ -53,11 +56,21 @@ def fitting_scale(values: np.ndarray, unit: str) -> Scale:
 
 
 def is_logarithmic(values: np.ndarray) -> bool:
-    """Whether values go in equal ratios, over more than a factor of two."""
+    """Whether values go in equal ratios over more than a factor of two, or over a decade in ratios that are more even than
+    their steps, such as 1, 2, 5, 10, 20."""
     if values.size < 4 or not (values > 0).all() or values.max() < 2 * values.min():
         return False
-    ratios = np.diff(np.log(values))
-    return bool(np.ptp(ratios) < 1e-3 * np.abs(ratios).max())
+    ratios, steps = np.diff(np.log(values)), np.diff(values)
+    if np.ptp(ratios) < 1e-3 * np.abs(ratios).max():
+        return True
+    return bool(values[-1] >= 10 * values[0] and (steps > 0).all() and ratios.max() < 4 * ratios.min()
+                and steps.max() > 4 * steps.min())
+
+
+def _round_in_degrees(values: np.ndarray) -> bool:
+    """Whether angles were meant in degrees: all are whole tenths of one."""
+    tenths = np.degrees(values) * 10
+    return bool(np.abs(values).max() > 0 and (np.abs(tenths - np.rint(tenths)) < 1e-6).all())
 
 
 def edges_of(values: np.ndarray) -> np.ndarray:
@@ -74,7 +87,9 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
     """A value with its unit, "291.65 kHz", or with its error to two digits, "291.652 ± 0.014 kHz"."""
     unit_shown, factor = prefixed(abs(value), unit) if unit in TAKE_PREFIXES else (unit, 1.0)
     if error is None or not isfinite(error) or error <= 0:
-        number = f"{value / factor:.10g}"
+        if unit == "rad" and _round_in_degrees(np.array([value])):
+            unit_shown, factor = "deg", np.pi / 180
+        number = _with_power(f"{value / factor:.10g}")
     else:
         if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
             whole = error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
@@ -82,6 +97,12 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
         digits = max(0, 1 - floor(log10(error / factor)))
         number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
     return f"{number} {unit_shown}".strip()
+
+
+def _with_power(number: str) -> str:
+    """2.5e-06 as 2.5×10⁻⁶."""
+    digits, e, power = number.partition("e")
+    return f"{digits}×10{str(int(power)).translate(SUPERSCRIPT)}" if e else number
 
 
 def parse_quantity(text: str, wanted: str | None = None) -> float:
@@ -109,7 +130,8 @@ def law_name(law: str) -> str:
     name, _, details = law.partition(" (")
     if name != "dorado":
         return law
-    return ", ".join(["dorado (hypothesis)", *([details.rstrip(")").replace("kappa", "κ")] if details else [])])
+    shown = re.sub(r"[\d.]+e[-+]?\d+", lambda found: _with_power(found[0]), details.rstrip(")").replace("kappa", "κ"))
+    return ", ".join(["dorado (hypothesis)", *([shown] if details else [])])
 
 
 def prefixed(size: float, unit: str) -> tuple[str, float]:

@@ -30,7 +30,7 @@ void trace_command(const TraceArguments& a) {
   const Lock lock(a.output);
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
-  write(tracks, setup.title(), a.output);
+  write(tracks, setup.title(), a.output, parts_of(setup));
   for (const Track& t : tracks)
     say(stdout, "particle {}: {}{}{}, {} places recorded\n", t.particle, t.fate,
         t.where.empty() ? "" : " at ", t.where, t.t.size());

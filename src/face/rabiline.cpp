@@ -14,6 +14,7 @@
 #include "face/memory.hpp"
 #include "face/models.hpp"
 #include "face/order.hpp"
+#include "face/part_names.hpp"
 #include "face/probe.hpp"
 #include "face/record.hpp"
 #include "face/warnings.hpp"
@@ -173,18 +174,15 @@ Setup load_text(const std::string& text, const std::filesystem::path& folder, co
 std::optional<ParameterValue> value_of(const Setup& setup, const std::string& name) {
   const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded);
   if (loaded == nullptr) return std::nullopt;
+  if (name == "particles") return ParameterValue{static_cast<double>(loaded->base.particles), ""};
   const std::optional<ParsedQuantity> found = number_called(name, loaded->base);
   if (!found) return std::nullopt;
   return ParameterValue{found->value, std::string(si_unit_of(found->dimension))};
 }
 
 std::vector<PartName> parts_of(const Setup& setup) {
-  std::vector<PartName> out;
-  if (const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded))
-    for (const PlacedPart& part : loaded->base.parts)
-      out.push_back({part.placement.name, std::string(kind_of(part.part)),
-                     part.placement.label.value_or(part.placement.name)});
-  return out;
+  const auto* loaded = std::get_if<LoadedExperiment>(&setup.contents().loaded);
+  return loaded == nullptr ? std::vector<PartName>() : names_of(loaded->base.parts);
 }
 
 Report check(const Setup& setup) {
@@ -351,8 +349,9 @@ SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments,
 
 void write(const Result& result, const std::filesystem::path& path) { write_results(result, path); }
 void write(const SolvedModel& solved, const std::filesystem::path& path) { write_motions(solved, path); }
-void write(const std::vector<Track>& tracks, const std::string& title, const std::filesystem::path& path) {
-  write_tracks(title, tracks, path);
+void write(const std::vector<Track>& tracks, const std::string& title, const std::filesystem::path& path,
+           const std::vector<PartName>& parts) {
+  write_tracks(title, tracks, parts, path);
 }
 void write(const Snapshot& snapshot, const std::filesystem::path& path) { write_checkpoint(snapshot, path); }
 Snapshot read_snapshot(const std::filesystem::path& path) { return read_checkpoint(path); }

@@ -134,7 +134,8 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
     reading.error(node.place,
                   fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
                   percent ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
-                          : std::string{});
+                  : row.key == "at" ? "places along the beam are counted from the source, which is at `0 m`"
+                                    : std::string{});
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.

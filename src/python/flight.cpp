@@ -1,4 +1,5 @@
 // Flying from Python: without its lock, and so that Ctrl-C stops the flight.
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <mutex>
@@ -86,6 +87,23 @@ std::vector<std::string> names_of_detectors(const Result& result) {
   return names;
 }
 
+/// [(part, B [n][3])]
+py::list probed(const Setup& setup, const std::vector<std::array<double, 3>>& places) {
+  std::vector<std::pair<std::string, std::vector<double>>> fields;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (const Probed::Contribution& own : probe(setup, places[i]).contributions) {
+      auto found = std::ranges::find(fields, own.part, [](const auto& field) { return field.first; });
+      if (found == fields.end())
+        found = fields.insert(fields.end(), {own.part, std::vector<double>(3 * places.size())});
+      std::ranges::copy(own.field, found->second.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    }
+  py::list out;
+  for (const auto& [part, field] : fields)
+    out.append(
+        py::make_tuple(part, Array({static_cast<py::ssize_t>(places.size()), py::ssize_t{3}}, field.data())));
+  return out;
+}
+
 /// [(parameter, unit, values, labels)]
 py::list axes_of(const Result& result) {
   py::list out;
@@ -132,8 +150,14 @@ void add_flights(py::module_& module) {
       const py::gil_scoped_release released;
       tracks = trace(setup, first, count);
     }
-    return bytes_of(image_of(setup.title(), tracks));
+    return bytes_of(image_of(setup.title(), tracks, parts_of(setup)));
   });
+  module.def(
+      "probe",
+      [](const Setup& setup, const std::vector<std::array<double, 3>>& places) {
+        return probed(setup, places);
+      },
+      "[(part, B [n, 3])] of every part with a field, clocks at time 0");
 }
 
 }  // namespace rabiline

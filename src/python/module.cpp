@@ -30,7 +30,8 @@ void add_setups(py::module_& module) {
                              [](const Setup& setup) {
                                py::list out;
                                for (const PartName& part : parts_of(setup))
-                                 out.append(py::make_tuple(part.name, part.kind, part.label));
+                                 out.append(py::make_tuple(part.name, part.kind, part.label, part.begin,
+                                                           part.end, part.field, part.drives));
                                return out;
                              })
       .def("value", [](const Setup& setup, const std::string& name) -> py::object {

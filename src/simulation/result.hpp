@@ -158,6 +158,13 @@ struct Result {
   Provenance provenance;
 };
 
+/// A part as pictures show it.
+struct PartName {
+  std::string name, kind, label;  // the label is the name where the file has none
+  double begin = 0, end = 0;      // [m] along the beam
+  bool field = false, drives = false;
+};
+
 /// The path of one particle, for `rabiline trace`.
 struct Track {
   std::uint64_t particle = 0;

@@ -52,12 +52,38 @@ void write_track(const GroupWriter& entry, const std::string& name, const std::s
   data.attribute("where", track.where);
 }
 
+/// What the particles passed, for who draws their paths.
+void write_parts(const GroupWriter& entry, const std::vector<PartName>& parts) {
+  const GroupWriter group = entry.group("parts", "NXcollection");
+  std::vector<std::string> names, kinds, labels;
+  std::vector<double> begins, ends;
+  std::vector<std::uint64_t> fields, drives;
+  for (const PartName& part : parts) {
+    names.push_back(part.name);
+    kinds.push_back(part.kind);
+    labels.push_back(part.label);
+    begins.push_back(part.begin);
+    ends.push_back(part.end);
+    fields.push_back(part.field ? 1 : 0);
+    drives.push_back(part.drives ? 1 : 0);
+  }
+  const hdf5::Shape shape{parts.size()};
+  group.dataset("name", shape, names);
+  group.dataset("kind", shape, kinds);
+  group.dataset("label", shape, labels);
+  group.dataset("begin", shape, begins, {{"units", "m"}});
+  group.dataset("end", shape, ends, {{"units", "m"}});
+  group.dataset("has_field", shape, fields);
+  group.dataset("drives", shape, drives);
+}
+
 hdf5::FileWriter file_of(const std::string& title, const std::vector<Track>& tracks,
-                         const std::filesystem::path& path) {
+                         const std::vector<PartName>& parts, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
     const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, version);
-    nexus::Names names({"title", "program_name", "law"});
+    nexus::Names names({"title", "program_name", "law", "parts"});
+    if (!parts.empty()) write_parts(entry, parts);
     if (!tracks.empty()) entry.text("law", tracks.front().law, {{"long_name", "law of motion"}});
     for (const Track& track : tracks) {
       const std::string name = names.claim(fmt::format("particle_{}", track.particle), {""});
@@ -71,11 +97,12 @@ hdf5::FileWriter file_of(const std::string& title, const std::vector<Track>& tra
 }  // namespace
 
 void write_tracks(const std::string& title, const std::vector<Track>& tracks,
-                  const std::filesystem::path& path) {
-  file_of(title, tracks, path).save();
+                  const std::vector<PartName>& parts, const std::filesystem::path& path) {
+  file_of(title, tracks, parts, path).save();
 }
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>& tracks) {
-  return file_of(title, tracks, hdf5::in_memory).image();
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>& tracks,
+                                const std::vector<PartName>& parts) {
+  return file_of(title, tracks, parts, hdf5::in_memory).image();
 }
 
 }  // namespace rabiline

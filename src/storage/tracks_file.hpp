@@ -11,8 +11,10 @@
 namespace rabiline {
 
 /// Writes the file wholly and verified, or not at all. Throws StorageError.
-void write_tracks(const std::string& title, const std::vector<Track>&, const std::filesystem::path&);
+void write_tracks(const std::string& title, const std::vector<Track>&, const std::vector<PartName>&,
+                  const std::filesystem::path&);
 /// The bytes of such a file.
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&);
+std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&,
+                                const std::vector<PartName>&);
 
 }  // namespace rabiline

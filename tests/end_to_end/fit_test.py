@@ -18,26 +18,7 @@ from rabiline.forecasting import forecast  # noqa: E402
 from rabiline.hdf5 import FileError  # noqa: E402
 
 PROGRAM = os.environ["RABILINE_PROGRAM"]
-RAMSEY = """
-rabiline: 1
-title: Ramsey's fringes of cold neutrons
-species: neutron
-law: quantum
-source:
-  speed: {kind: gaussian, mean: 800 m/s, sigma: 40 m/s}
-  opening: {width: 1 cm, height: 4 cm}
-  direction: parallel
-parts:
-  - {name: guide, kind: uniform_field, at: 0.1 m, length: 3 m, field: 1 mT}
-  - {name: pol, kind: spin_filter, axis: z, at: 0.2 m, up: 0.98, down: 0.02}
-  - {name: C1, kind: oscillating_field, at: 0.5 m, length: 10 cm, amplitude: 110 uT, frequency: 29.1647 kHz, approximation: rotating_wave, phase: random}
-  - {name: C2, kind: oscillating_field, at: 2.5 m, length: 10 cm, amplitude: 110 uT, oscillator: C1, approximation: rotating_wave, phase: locked}
-  - {name: ana, kind: spin_filter, axis: z, at: 3 m, up: 0.98, down: 0.02}
-  - {name: det, kind: detector, at: 4 m, width: 2 cm, height: 5 cm, bins: [1, 1]}
-particles: 50000
-seed: 4
-scan: {parameter: C1.frequency, from: 28.6647 kHz, to: 29.6647 kHz, points: 41}
-"""
+RAMSEY = (Path(__file__).parents[2] / "docs/example/ramsey-fringes.yaml").read_text(encoding="utf-8")
 WIRE = """
 rabiline: 1
 title: A hot wire across a potassium beam
@@ -91,6 +72,38 @@ def test_field_amplitude_and_speed_come_back_within_their_errors(fitted: CountsF
         assert 0.7 * error < value - low < 1.4 * error and 0.7 * error < high - value < 1.4 * error
     assert fitted["guide.field"][1] < 1e-8 and fitted["source.speed.mean"][1] < 1.5
     assert 1e-3 < fitted.p < 1 - 1e-6 and not fitted.degenerate
+
+
+def test_few_particles_explore_and_all_conclude(ramsey: rabiline.Experiment, fringes: Counts, fitted: CountsFit) -> None:
+    flown: list[int] = []
+    every = fit_counts(ramsey, fringes, list(TRUTH), explore=50000, intervals=False, told=lambda _, particles, __: flown.append(particles))
+    assert set(flown) == {50000}
+    few = fit_counts(ramsey, fringes, list(TRUTH), intervals=False, told=lambda _, particles, __: flown.append(particles))
+    assert sorted(set(flown)) == [5000, 50000] and flown.count(50000) - every.flights <= 3
+    assert (np.abs(few.values - every.values) < 0.2 * every.errors).all() and few.errors == pytest.approx(every.errors, rel=0.1)
+
+
+def test_two_scans_are_fitted_at_once(ramsey: rabiline.Experiment, tmp_path: Path) -> None:
+    places = np.linspace(28.6647, 29.6647, 11)
+    true = ramsey.scan().set({"guide.field": 1.0003e-3, "seed": 9, "particles": 200000})
+    y = true.scan("C2.phase", "0 deg,90 deg").scan("C1.frequency", "28.6647 kHz:29.6647 kHz:11").fly().detected
+    counts = np.random.default_rng(2).poisson(40000 * y)
+    rows = [f"{phase},{place:.4f},{n}" for phase, row in zip((0, 90), counts) for place, n in zip(places, row)]
+    (tmp_path / "two.csv").write_text("\n".join(["C2.phase [deg],C1.frequency [kHz],counts", *rows[:5], *rows[6:]]))  # one is missing
+    found = ramsey.fit(tmp_path / "two.csv", ["guide.field"])
+    value, error = found["guide.field"]
+    assert abs(value - 1.0003e-3) < 3.5 * error < 5e-8 and found.freedom == 19 and found.p > 1e-3
+    assert "over C1.frequency and C2.phase" in str(found)
+    (tmp_path / "no-grid.csv").write_text("\n".join(["C2.phase [deg],C1.frequency [kHz],counts", *(
+        f"{i},{place:.4f},10" for i, place in enumerate(places))]))
+    with pytest.raises(NoFit, match="make a grid"):
+        ramsey.fit(tmp_path / "no-grid.csv", ["guide.field"])
+
+
+def test_a_variable_may_be_free(fringes: Counts) -> None:
+    text = RAMSEY.replace("seed: 4", 'seed: 4\nvariables: {B1: 113 uT}').replace("amplitude: 110 uT", "amplitude: ${B1}")
+    found = fit_counts(rabiline.load(text), fringes, ["variables.B1", "guide.field"], intervals=False)
+    assert found.units[0] == "uT" and abs(found["variables.B1"][0] - 113) < 3.5 * found["variables.B1"][1] < 3
 
 
 def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fringes: Counts) -> None:
@@ -158,7 +171,7 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
     ("C1.frequency [kHz],counts\n29,1.5\n29.1,2\n", "whole numbers"), ("C1.frequency [kHz],counts\n29,1\n29,2\n", "each once"),
     ("C1.frequency [kHz],counts\n29,1\n29.1\n", "line 3: 1 values in 2 columns"),
     ("C1.frequency [kHz],counts\n29,x\n", "line 2: `x` is no number"),
-    ("C1.frequency [kHz],C2.phase [deg],counts\n1,2,3\n", "one parameter is scanned")])
+    ("C1.frequency [kHz],C2.phase [deg],guide.field [mT],counts\n1,2,3,4\n", "two parameters are scanned at most")])
 def test_a_table_that_cannot_be_used_is_told_with_its_line(ramsey: rabiline.Experiment, tmp_path: Path, table: str,
                                                            reason: str) -> None:
     (tmp_path / "a.csv").write_text(table)

@@ -20,6 +20,7 @@ BEAMLINES = Path(__file__).parents[2] / "beamline"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
 PARTICLES = 300  # what is drawn, not what it means
+COLUMN = (100 / 25.4, 80 / 25.4)  # inches
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
 
 
@@ -63,12 +64,13 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     if isinstance(opened, motions.Motions):
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
-    kinds += [("tally", {"name": tally}) for tally in opened.tallies]
+    kinds += [("profiles", {"points": "0,1"}), ("scan", {"size": COLUMN}), ("levels", {"size": COLUMN}), ("profiles", {"size": COLUMN, "points": "0"})]
+    kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     figures = {}
     for kind, options in kinds:
         titled = {} if kind in ("image", "tally", "angles") else {"title": LONG}
         try:
-            figures[kind + "".join(options.values())] = pictures.plot_of(opened, kind, {**options, **titled})
+            figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {**options, **titled})
         except BadInput:
             continue  # what this file does not have
     return figures

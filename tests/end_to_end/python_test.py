@@ -202,3 +202,20 @@ def test_a_result_given_as_input_flies_its_own_experiment(ramsey: rabiline.Exper
     done = subprocess.run([PROGRAM, "run", tmp_path / "a.h5", "-o", tmp_path / "b.h5"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert np.array_equal(rabiline.open(tmp_path / "a.h5").detected, rabiline.open(tmp_path / "b.h5").detected)
+
+
+def test_a_notebook_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    display = pytest.importorskip("IPython.display")
+    shown = []
+    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    monkeypatch.setattr(display.ProgressBar, "display", lambda bar: shown.append(bar))
+    monkeypatch.setattr(display.ProgressBar, "update", lambda bar: None)
+    from rabiline.experiment import _Bar
+    bar = _Bar(False)
+    for done, left in ((0.1, 30.0), (0.5, 15.0), (1.0, 0.0)):
+        bar(done, left)
+    assert len(shown) == 1 and shown[0].progress == 100
+    quick = _Bar(False)
+    quick(0.5, 0.5)
+    quick(1.0, 0.0)
+    assert len(shown) == 1

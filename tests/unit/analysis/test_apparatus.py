@@ -4,6 +4,7 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 
@@ -24,8 +25,19 @@ def test_parts_are_drawn_where_they_stand_with_their_openings() -> None:
 
 def test_paths_are_told_apart_by_their_fate() -> None:
     figure = draw_apparatus(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan(), 50)
-    shown = {text.get_text() for text in figure.axes[2].get_legend().get_texts()}
+    shown = {text.get_text() for text in figure.axes[-1].get_legend().get_texts()}
     assert "detected plate" in shown and "stopped magnet" in shown
+    plt.close(figure)
+
+
+def test_fields_on_the_axis_are_drawn_as_they_act() -> None:
+    experiment = rabiline.load(BEAMLINES / "ramsey.yaml").scan()
+    field = experiment.field([(0, 0.5, 0), (0, 0.36, 0), (0, 1.15, 0)])
+    assert field["B"][:, 2].tolist() == [0.01, 0.01, 0.0] and 0 < abs(field["first"][1]).max() < 1e-4
+    figure = draw_apparatus(experiment, 0)
+    static, driven = figure.axes[1].get_lines()
+    assert np.nanmax(static.get_ydata()) == pytest.approx(0.01) and np.nanmax(driven.get_ydata()) == pytest.approx(85.719e-6)
+    assert figure.axes[1].get_yscale() == "log" and figure.axes[1].get_ylabel() == "B on axis (T)"
     plt.close(figure)
 
 

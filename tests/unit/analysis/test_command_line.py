@@ -155,7 +155,8 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
                                  "--detector"),
     ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
     ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture"),
-    ("plot-profiles point.h5 dorado.h5", "rabiline: 42 profiles are too many for one picture"),
+    ("plot-profiles point.h5 dorado.h5", "rabiline: 42 profiles are too many for one picture: choose some by "
+                                         "--points, such as 0,21"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),
     ("plot-image dorado.h5 --points a", "rabiline: --points a is not a list of numbers, such as 0,50"),
     ("plot-tracks dorado.h5", "rabiline: dorado.h5: no tracks in it: not a file of `rabiline trace`"),

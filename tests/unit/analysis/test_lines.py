@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rabiline.lines import FORMS, NoLine, fit_line, rabi, ramsey, ramsey_over, sinc2
+from rabiline.errors import InputError
+from rabiline.line_commands import derived
+from rabiline.lines import FORMS, NoLine, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
 X = 29000 + np.linspace(-120, 120, 121)
@@ -61,3 +63,16 @@ def test_what_is_no_form_is_refused() -> None:
         fit_line(X, X, np.eye(X.size), "bell")
     with pytest.raises(NoLine, match="too few"):
         fit_line(X[:5], X[:5], np.eye(5), "ramsey")
+
+
+def test_centres_become_fields_and_moments_with_their_covariance() -> None:
+    x = np.linspace(280e3, 304e3, 241)
+    y = 1 - 0.5 * lorentz(x - 288e3, 1500.0) - 0.3 * lorentz(x - 295e3, 1500.0)
+    fitted = fit_line(x, y, np.eye(x.size) * 1e-6, "lorentz", lines=2)
+    distance, *fields = derived(fitted, "Hz", "29.1646935 MHz/T", None)
+    assert distance.split()[:4] == ["centre_2", "-", "centre_1", "7.0000"] or "7.000" in distance
+    assert sorted(float(field.split()[1]) for field in fields) == pytest.approx([9.8750, 10.1150], abs=2e-3)  # mT
+    g = derived(fit_line(x, 1 - 0.5 * lorentz(x - 291.646935e3, 1500.0), np.eye(x.size) * 1e-6, "lorentz"), "Hz", None, "10 mT")
+    assert float(g[1].split()[1]) == pytest.approx(3.826085, abs=2e-4) and "nuclear magnetons" in g[1]
+    with pytest.raises(InputError, match="frequency per field"):
+        derived(fitted, "Hz", "29 MHz", None)

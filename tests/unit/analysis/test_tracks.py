@@ -1,6 +1,7 @@
 """Tracks: whose law they follow, and from where on their spins mean something."""
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -39,14 +40,14 @@ def test_the_law_is_read_from_the_entry_and_from_each_particle(tmp_path: Path) -
 def test_the_tilt_starts_with_the_alignment_and_grows_by_what_the_field_turns(tmp_path: Path) -> None:
     flight = align(fly("dorado", abs(GAMMA) * 10e-3 / (2 * np.pi)), 0, BEFORE)
     track = read_one(tmp_path, flight)
-    assert track.aligned == 1
-    assert np.isnan(track.tilt[0]) and track.tilt[1] == 0
+    (shown,) = track.stretches
+    assert shown.start == 1 and track.tilt[1] == 0
     assert track.tilt[-1] == pytest.approx(abs(GAMMA) * 0.3e-6 * 0.2e-3, rel=5e-3)  # resonance: gamma H0 T
 
 
 def test_without_an_alignment_the_tilt_is_shown_from_the_start(tmp_path: Path) -> None:
     track = read_one(tmp_path, spinning(np.full(50, 0.3), np.linspace(0, 40, 50)))
-    assert track.aligned == 0
+    assert track.stretches == [slice(0, track.time.size)]
     np.testing.assert_allclose(track.tilt, 0.3)
 
 
@@ -54,21 +55,28 @@ def test_without_an_alignment_the_tilt_is_shown_from_the_start(tmp_path: Path) -
 def test_a_field_that_turns_the_spin_over_is_no_alignment(tmp_path: Path, azimuths: np.ndarray) -> None:
     polar = np.linspace(0, np.pi, 200)
     track = read_one(tmp_path, spinning(polar, azimuths))
-    assert track.aligned == 0
+    assert track.stretches == [slice(0, track.time.size)]
     np.testing.assert_allclose(track.tilt, np.minimum(polar, np.pi - polar), atol=1e-12)  # the nearer end of z
 
 
 def test_an_alignment_in_the_midst_of_a_field_is_told_from_the_field(tmp_path: Path) -> None:
     polar = np.where(np.arange(200) < 80, 1.0, np.pi - 1e-4 * np.maximum(np.arange(200) - 80, 0))
     track = read_one(tmp_path, spinning(polar, np.linspace(0, 300, 200)))
-    assert track.aligned == 80
+    assert [part.start for part in track.stretches] == [0, 80]
     assert track.tilt[-1] == pytest.approx(119e-4)
 
 
-def test_the_last_of_several_alignments_counts(tmp_path: Path) -> None:
+def test_a_spin_is_shown_between_its_alignments(tmp_path: Path) -> None:
     flight = align(align(spinning(np.linspace(0, 0.01, 20)), 12, BEFORE), 4, (0, 1, 0))
     track = read_one(tmp_path, flight)
-    assert track.aligned == 14 and np.isnan(track.tilt[:14]).all() and np.isfinite(track.tilt[14:]).all()
+    assert track.stretches == [slice(5, 14), slice(14, track.time.size)]
+
+
+def test_fields_of_the_file_are_shaded_by_themselves(tmp_path: Path) -> None:
+    part = tracks.Part("H0", "rotating_field", "the drive", 0.35, 0.55, True, True)
+    file = replace(tracks.read(write_tracks(tmp_path / "a.h5", [fly("quantum", 281e3)], law="quantum")), parts=(part,))
+    figure = draw_tracks([file], ["quantum"], "a title", [])
+    assert [text.get_text() for text in figure.axes[0].texts] == ["the drive"]
 
 
 def test_a_picture_names_every_file_and_shows_no_spin_from_before_the_alignment(tmp_path: Path) -> None:

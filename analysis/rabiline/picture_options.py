@@ -1,0 +1,103 @@
+"""The options of the picture commands."""
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from math import inf
+from pathlib import Path
+
+
+def add_options(verb: str, parser: ArgumentParser) -> None:
+    """Those of one command, `plot-scan` for one."""
+    several = verb in ("plot-scan", "plot-profiles", "plot-tracks")
+    parser.add_argument("files" if several else "file", metavar="FILE", type=Path, nargs="+" if several else None)
+    if verb == "plot-tally":
+        parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
+    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
+    if verb not in ("plot-image", "plot-tally", "plot-angles"):
+        parser.add_argument("--title", help="instead of the file's own")
+    if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
+        parser.add_argument("--detector", metavar="NAME", help="the first one by default")
+    if verb in ("plot-scan", "plot-levels"):
+        parser.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
+                            help='points out a value: "Larmor frequency=291.647 kHz"')
+    if verb in SIZED:
+        parser.add_argument("--size", metavar="WxH", type=size_of, help="of the picture in mm, such as 86x60")
+        for axis in "xy":
+            parser.add_argument(f"--{axis}-range", metavar="FROM:TO", type=range_of, help="as the axis writes it, such as 280:300")
+    if verb in OWN_OPTIONS:
+        OWN_OPTIONS[verb](parser)
+
+
+SIZED = {"plot", "plot-scan", "plot-levels", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
+
+
+def size_of(text: str) -> tuple[float, float]:
+    """[inches] "86x60", in mm."""
+    width, height = (float(number) / 25.4 for number in text.lower().split("x"))
+    if not (1 < width < 40 and 1 < height < 40):
+        raise ValueError("no size of a picture")
+    return width, height
+
+
+def range_of(text: str) -> tuple[float, float]:
+    """"280:300"."""
+    low, high = map(float, text.split(":"))
+    if not -inf < low < high < inf:
+        raise ValueError("no range")
+    return low, high
+
+
+def _of_scan(parser: ArgumentParser) -> None:
+    parser.add_argument("--detector", metavar="NAME", help="all by default")
+    parser.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
+    parser.add_argument("--data", type=Path, metavar="COUNTS.csv",
+                        help="measured counts over the same parameter, scaled to the first curve")
+    parser.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
+                        help="above a panel of --beside instead of the file's title; repeated, one for each file")
+
+
+def _of_levels(parser: ArgumentParser) -> None:
+    parser.add_argument("--levels", metavar="A,B", help='"F=4 m=0,F=3 m=0"; all by default')
+
+
+def _of_image(parser: ArgumentParser) -> None:
+    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; else the scan's edge "
+                                                        "and the middle of its deepest dip or peak")
+
+
+def _of_profiles(parser: ArgumentParser) -> None:
+    parser.add_argument("--along", choices=("x", "z"), default="z", help="axis of the detector; z by default")
+    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show; all by default, which are 8 at most")
+
+
+def _of_tally(parser: ArgumentParser) -> None:
+    parser.add_argument("--axes", metavar="A,B",
+                        help="one or two of its axes; the first ones by default, the others are summed over")
+    parser.add_argument("--points", metavar="I,J", help="flat numbers of the scan points to show, the first by default; or `all`: "
+                                                        "one axis of the tally over the scan")
+
+
+def _of_angles(parser: ArgumentParser) -> None:
+    parser.add_argument("--monitor", metavar="NAME", help="the first one that has such tallies by default")
+    parser.add_argument("--point", metavar="I", type=int, default=0, help="flat number of the scan point; 0 by default")
+    parser.add_argument("--polar-rate", metavar="RATE", help='expected, drawn beside the fit: "-140 Hz" (turns per second)')
+    parser.add_argument("--azimuth-rate", metavar="RATE", help='expected: "2.91646935 kHz"')
+
+
+def _of_transit(parser: ArgumentParser) -> None:
+    parser.add_argument("--species", metavar="I", type=int, default=1, help="which of the beam; 1 by default")
+
+
+def _of_tracks(parser: ArgumentParser) -> None:
+    parser.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
+                        help='shades a field: "B=0.30:0.55" (m)')
+    parser.add_argument("--in-space", action="store_true", help="in three dimensions")
+
+
+def _of_motion(parser: ArgumentParser) -> None:
+    parser.add_argument("--point", metavar="I", type=int, help="of a scan: the motions at this point, not the findings")
+
+
+OWN_OPTIONS = {"plot-scan": _of_scan, "plot-levels": _of_levels, "plot-image": _of_image, "plot-profiles": _of_profiles, "plot-tally": _of_tally,
+               "plot-angles": _of_angles, "plot-transit": _of_transit, "plot-tracks": _of_tracks,
+               "plot-motion": _of_motion}
