@@ -104,15 +104,15 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
 double far_apart(const Beamline& beamline, const Species& species, const LevelFields& fields) {
   constexpr int places = 256;
   const double speed = speed_of(beamline, species);
-  double rate = 0, frequency = 0;
+  double passing = 0, driving = 0, frequency = 0;  // [T/s], [Hz]
   for (const CourseSection& section : fields.sections) {
-    double driving = 0;
+    double drives = 0;
     for (int i = 0; i < section.field.drives; ++i) {
       const DriveTerm& drive = section.field.drive[i];
-      driving += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
+      drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
       frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
     }
-    rate = std::max(rate, driving);
+    driving = std::max(driving, drives);
     for (int place = 0; place < places; ++place) {
       FieldHere<double> here{};
       for (int i = section.shaped_begin; i < section.shaped_end; ++i)
@@ -120,12 +120,13 @@ double far_apart(const Beamline& beamline, const Species& species, const LevelFi
             fields.shaped[static_cast<std::size_t>(i)], 0.0,
             section.field.begin + (place + 0.5) / places * (section.field.end - section.field.begin), 0.0,
             here);
-      rate = std::max(rate, driving + speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
+      passing = std::max(passing, speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
     }
   }
-  const double amplitude = 0.5 * std::sqrt(fields.tolerance);
-  return std::max(rate / (2 * std::numbers::pi * scale_of(coupled_spins(*species.structure)) * amplitude),
-                  2 * frequency);
+  // What drives does so for long.
+  const double amplitude =
+      std::sqrt(fields.tolerance) * 2 * std::numbers::pi * scale_of(coupled_spins(*species.structure));
+  return std::max({2 * passing / amplitude, 10 * driving / amplitude, 2 * frequency});
 }
 
 double cycles_on(const Beamline& beamline, const Species& species, const LevelFields& fields) {

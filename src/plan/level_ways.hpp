@@ -18,9 +18,9 @@ bool needs_way(const std::vector<Section>&, double from, double to);
 /// The fields between two places as the levels of an atom see them; only where needs_way().
 LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from,
                          double to);
-/// Zero-field energies that are more than this apart exchange amplitudes of less than a tenth of what the
-/// tolerance allows: about |dB/dt|/(scale 2 pi distance), scale_of() and the largest rate along the beam
-/// [Hz].
+/// F whose zero-field energies are more than this apart [Hz] exchange nothing. The amplitudes that they would
+/// exchange are about |dB/dt|/(scale_of() 2 pi distance), at most half the root of the tolerance where the
+/// field changes along the beam, and a tenth where something drives.
 double far_apart(const Beamline&, const Species&, const LevelFields&);
 /// Periods of all drives on the way, at the mean speed.
 double cycles_on(const Beamline&, const Species&, const LevelFields&);

@@ -66,7 +66,8 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection)
 /// depends on: one frame that turns evenly, from a level along its axis.
 std::optional<double> turning_of(const SpinPath& path) {
   if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
-      path.levels < 2) return {};
+      path.levels < 2)
+    return {};
   const DriveTerm* clock = nullptr;
   double angle = 0, since_drive = 0;
   for (const SpinZone& zone : path.zones) {
@@ -164,7 +165,8 @@ class TransitMaker {
   void lay_out(PlanNode& node, bool full) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
-    if (const SpinPath& path = *path_of(node.ways.front().stage); path.transitions != nullptr || path.way != nullptr)
+    if (const SpinPath& path = *path_of(node.ways.front().stage);
+        path.transitions != nullptr || path.way != nullptr)
       return by_particle(node, "levels of atoms are mixed for each particle");
     // Their covariance would need products of the weights before and behind.
     if (!full && weights_differ_)

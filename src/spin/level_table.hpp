@@ -1,17 +1,19 @@
 #pragma once
-// Levels of two coupled spins along a field of either sign, and what couples them where it changes, as tables that
-// kernels read.
+// Levels of two coupled spins along a field of either sign, and what couples them where it changes, as tables
+// that kernels read.
 #include <vector>
 
 #include "spin/coupled_spins.hpp"
 
 namespace rabiline {
 
-/// Levels that go over into one another where the field changes, as plain numbers. In a frame whose third axis
-/// follows the field, at the angular velocity W and with the signed field b = scale tan(theta) along that axis,
+/// Levels that go over into one another where the field changes, as plain numbers. In a frame whose third
+/// axis follows the field, at the angular velocity W and with the signed field b = scale tan(theta) along
+/// that axis,
 ///   H = E_k - W . F - i (d theta/dt) <k|d/d theta l>,
-/// all in rad/s. A row of numbers has cos(theta) E_k in rad/s for each level, less the mean of the manifold; <to|F_-|from>
-/// of the ladder couplings; then <to|d/d theta from> of the others.
+/// all in rad/s. A row of numbers has cos(theta) E_k in rad/s for each level, less the mean of the manifold;
+/// <to|F_-|from> of the ladder couplings; then <to|d/d theta from> of the others; then what the other
+/// manifolds shift each level by, over cos(theta) (W_1^2 + W_2^2), and over cos(theta) (d theta/dt)^2.
 struct LevelManifold {
   int levels = 0, ladders = 0, couplings = 0;  // the ladder couplings come first
   int width = 0;                               // of a row, a multiple of eight
@@ -27,9 +29,10 @@ struct LevelManifold {
 };
 inline constexpr int most_couplings = 400, level_powers = 8;
 
-/// The tables of all manifolds of an atom. Within each m_F the levels never cross, so that with theta states and energies
-/// run analytically from one strong field through zero to the opposite one; in each cell a polynomial goes through eight
-/// Chebyshev points. There are as many cells as hold energies to 1e-13 of the largest, and couplings to 1e-10.
+/// The tables of all manifolds of an atom. Within each m_F the levels never cross, so that with theta states
+/// and energies run analytically from one strong field through zero to the opposite one; in each cell a
+/// polynomial goes through eight Chebyshev points. There are as many cells as hold energies to 1e-13 of the
+/// largest, and couplings to 1e-10.
 class LevelTable {
  public:
   /// `manifold_of` as manifolds_of() says it.
@@ -56,8 +59,8 @@ class LevelTable {
   std::vector<int> manifold_of_, place_of_;
 };
 
-/// By level, its manifold: levels F and F' exchange nothing where their zero-field energies are more than `apart` [Hz]
-/// from each other.
+/// By level, its manifold: levels F and F' exchange nothing where their zero-field energies are more than
+/// `apart` [Hz] from each other.
 std::vector<int> manifolds_of(const CoupledSpins& spins, double apart);
 /// Where the energy in the field equals what the zero-field energies differ by [T].
 double scale_of(const CoupledSpins& spins);

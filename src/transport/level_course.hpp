@@ -16,10 +16,10 @@ struct CourseSection {
   bool operator==(const CourseSection&) const = default;
 };
 
-/// From where levels are known to where they are asked for. At both ends they are those of the field there, or in no
-/// field those along +z; between fields they stay as if a weak field kept its direction. Where one field ends and another
-/// begins, levels keep their names in the frame of the old direction, as if the size changed slowly; directions change at
-/// once.
+/// From where levels are known to where they are asked for. At both ends they are those of the field there,
+/// or in no field those along +z; between fields they stay as if a weak field kept its direction. Where one
+/// field ends and another begins, levels keep their names in the frame of the old direction, as if the size
+/// changed slowly; directions change at once.
 struct LevelCourse {
   const LevelManifold* manifolds = nullptr;
   const int *manifold_of = nullptr, *place_of = nullptr;  // [level]

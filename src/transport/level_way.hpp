@@ -1,5 +1,6 @@
 #pragma once
-// Fields of any direction and shape that an atom passes from where its levels are known to where they are asked for.
+// Fields of any direction and shape that an atom passes from where its levels are known to where they are
+// asked for.
 #include <cstdint>
 #include <memory>
 #include <string>

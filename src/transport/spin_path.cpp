@@ -39,8 +39,8 @@ double SpinPath::cost(double speed) const {
          (way != nullptr ? way->cost() : 0);
 }
 
-void share_levels(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch, const std::uint64_t* weights,
-                  std::uint64_t* shares) {
+void share_levels(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch,
+                  const std::uint64_t* weights, std::uint64_t* shares) {
   if (!path.is_idle()) return kernel::outcomes(isa)(path.view(key), batch, weights, shares);
   std::fill_n(shares, path.levels * batch.padded, 0);
   for (int i = 0; i < batch.count; ++i)

@@ -95,9 +95,9 @@ void SpinStretch::pass(StageContext& context) const {
 
 void SpinStretch::explain(PlanReport& report) const {
   report.line("            spins at {}: {} levels, {}{}", report.name_of(part), spins.levels,
-              spins.way != nullptr         ? describe(*spins.way)
+              spins.way != nullptr           ? describe(*spins.way)
               : spins.transitions != nullptr ? "coherent through the fields below, which drive them"
-              : spins.zones.empty()        ? "as they arrive"
+              : spins.zones.empty()          ? "as they arrive"
               : spins.from_level && spins.zones.size() == 1 && spins.zones.front().kind == ZoneKind::rotating
                   ? "closed form"
                   : "coherent through the zones below",
