@@ -25,6 +25,8 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
     Along the beam the scale is another one than across, so that small deflections are seen. Faint lines on the floor
     and on the back wall show the paths from above and from the side, frames where regions begin and end."""
     regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts if part.has_field]
+    reached = max(track.position[:, 1].max() for file in files for track in file.tracks)
+    regions = [region for region in regions if region.begin < reached]
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     points = np.concatenate([track.position for file in files for track in file.tracks])
     across, along = fitting_scale(points[:, [0, 2]], "m"), fitting_scale(points[:, 1], "m")

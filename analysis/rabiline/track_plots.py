@@ -66,6 +66,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         sphere = figure.add_subplot(grid[:, 1], projection="3d")
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
     panels[0].set_xlim(*_extent(files))
+    regions = [region for region in regions if region.begin < _extent(files)[1]]
     for panel in panels:
         _shade(panel, regions, named=panel is panels[0])
         panel.label_outer()

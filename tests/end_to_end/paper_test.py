@@ -334,6 +334,8 @@ def test_the_readme_and_the_page_on_the_paper_show_figures_that_one_command_draw
     page = (DOCS / "what-the-paper-predicts.md").read_text()
     shown = set(re.findall(r"\]\(figures/([\w-]+\.png)\)", page))
     shown |= set(re.findall(r"\]\(docs/figures/([\w-]+\.png)\)", (DOCS.parent / "README.md").read_text()))
+    shown |= {name for guide in (DOCS / "guide").glob("*.md")
+              for name in re.findall(r"\]\(\.\./figures/([\w-]+\.png)\)", guide.read_text())}
     subprocess.run([DOCS / "draw-figures", tmp_path], check=True, stdout=subprocess.DEVNULL)
     assert shown == {path.name for path in tmp_path.iterdir()} == {path.name for path in (DOCS / "figures").iterdir()}
     for name in sorted(shown):  # those in the page are not out of date
