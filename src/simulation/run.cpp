@@ -127,6 +127,7 @@ class Runner {
   void send_home() {
     const std::lock_guard guard(deal_lock_);
     stock_.clear();
+    on_hold_ = false;
     no_more_ = true;
     more_.notify_all();
   }
@@ -230,6 +231,7 @@ class Runner {
   Stretch next_stretch(const Pace& pace) {
     std::unique_lock guard(deal_lock_);
     for (;;) {
+      more_.wait(guard, [&] { return !on_hold_; });
       if (failed_ || stop_was_asked()) return {};
       while (!stock_.empty()) {
         Deal& deal = stock_.front();
@@ -306,10 +308,18 @@ class Runner {
     fail(std::current_exception());
   }
 
+  /// Threads begin no stretch meanwhile: they would hardly ever let go of their sums.
+  void hold(bool held) {
+    const std::lock_guard guard(deal_lock_);
+    on_hold_ = held;
+    more_.notify_all();
+  }
   /// Of all threads of all ranks.
   void collect() {
     news_ = false;
+    hold(true);
     collected_.collect(shares_, ranks_);
+    hold(false);
   }
   Snapshot snapshot(bool complete) const {
     Snapshot snapshot = collected_.snapshot();
@@ -333,11 +343,11 @@ class Runner {
   Flown collected_;  // complete at the leader alone
 
   std::vector<ThreadSums> shares_;
-  std::mutex deal_lock_;                 // of all up to the next blank line
-  std::condition_variable more_, turn_;  // for the threads, for the beat
-  std::deque<Deal> stock_;               // dealt, and taken by no thread
-  bool no_more_ = false;                 // will come
-  std::size_t idle_ = 0;                 // threads
+  std::mutex deal_lock_;                    // of all up to the next blank line
+  std::condition_variable more_, turn_;     // for the threads, for the beat
+  std::deque<Deal> stock_;                  // dealt, and taken by no thread
+  bool on_hold_ = false, no_more_ = false;  // will come
+  std::size_t idle_ = 0;                    // threads
   std::uint64_t held_ = 0, flown_here_ = 0;
   double cost_held_ = 0, cost_flown_ = 0;  // the latter since the last pulse
 

@@ -125,7 +125,11 @@ TEST(Run, GivesSlowParticlesTheTimeTheyNeed) {
 }
 
 TEST(Run, GoesOnFromASnapshotToTheSameBits) {
-  const Plan plan = make_plan(everything());
+  Experiment e = everything();
+  std::vector<Beamline> longer(e.points.begin(), e.points.end());
+  for (Beamline& b : longer) b.particles = 10000;
+  e.points = std::move(longer);
+  const Plan plan = make_plan(e);
   RunOptions options;
   options.isa = best_isa();
   options.grain = 1e-5;
