@@ -3,9 +3,10 @@
 import re
 import subprocess
 
+import h5py
 import numpy as np
 import pytest
-from constants import GAMMA
+from constants import BOHR, GAMMA, PLANCK
 from experiments import EXPERIMENTS, RABILINE, crossings
 
 
@@ -108,3 +109,44 @@ def test_check_tells_larmor_frequency_and_detuning_in_a_mapped_field():
     told = re.search(r"0\.1000 to 0\.2000 m, 2 ms: Larmor ([\d.]+) kHz.*?off resonance by ([-+\d.]+) Hz", page.stdout, re.DOTALL)
     assert abs(1e3 * float(told[1]) - larmor) < 1
     assert abs(float(told[2]) - (1250 - larmor)) < 1
+
+
+SWEPT = """rabiline: 1
+species: H atom
+law: quantum
+source:
+  speed: {kind: single, value: 1000 m/s}
+  opening: {radius: 1 um}
+  direction: parallel
+  spin: {kind: levels, levels: [F=1 m=1]}
+parts:
+  - {name: B, kind: uniform_field, at: 0 m, length: 1 m, field: 100 uT}
+  - {name: H0, kind: rotating_field, at: 0.2 m, length: 0.2 m, amplitude: 2 uT, frequency: 1.2 MHz, sense: positive, phase: random,
+     sweep: {to: 1.6 MHz, begin: 0.2 ms, end: 0.4 ms}}
+  - {name: screen, kind: detector, at: 1 m, width: 4 mm, height: 4 mm, bins: [1, 1]}
+particles: 8
+seed: 1
+"""
+
+
+def test_a_sweep_turns_hydrogen_round_as_its_whole_hamiltonian_does(tmp_path):
+    (tmp_path / "swept.yaml").write_text(SWEPT)
+    subprocess.run([RABILINE, "run", tmp_path / "swept.yaml", "-o", tmp_path / "swept.h5", "--progress", "none"], check=True, capture_output=True)
+    with h5py.File(tmp_path / "swept.h5") as file:
+        found = file["entry/screen_levels/levels"][:].reshape(-1)
+    # A I.J + (g_J J + g_I I) mu_B B, in the frame that turns with the field, where it changes only by the sweep.
+    sx, sy, sz = np.array([[0, 1], [1, 0]]) / 2, np.array([[0, -1j], [1j, 0]]) / 2, np.diag([0.5, -0.5])
+    j, i = ([np.kron(s, np.eye(2)) for s in (sx, sy, sz)], [np.kron(np.eye(2), s) for s in (sx, sy, sz)])
+    per_tesla = BOHR / PLANCK
+    moment = [2.00228386 * a - 0.003042064412 * b for a, b in zip(j, i)]
+    static = 1420405751.768 * sum(a @ b for a, b in zip(j, i)) + per_tesla * 100e-6 * moment[2]
+    steps, duration = 20000, 0.2e-3
+    frequency = 1.2e6 + 0.4e6 * (np.arange(steps) + 0.5) / steps
+    energies, states = np.linalg.eigh(static + per_tesla * 2e-6 * moment[0] - frequency[:, None, None] * (j[2] + i[2]))
+    levels = np.linalg.eigh(static)[1]
+    state = levels[:, 3].astype(complex)
+    for energy, basis in zip(energies, states):
+        state = basis @ (np.exp(-2j * np.pi * energy * duration / steps) * (basis.conj().T @ state))
+    expected = abs(levels.conj().T @ state)[::-1] ** 2
+    assert 0.9 < expected[2] < 0.99
+    assert np.abs(found - expected).max() < 2e-6
