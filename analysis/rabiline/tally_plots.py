@@ -14,6 +14,7 @@ from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, fitting_scale, is_logarithmic, law_name
 
+FEW = 4  # levels whose names stand side by side
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
 
 
@@ -114,9 +115,10 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
         panel.spines[["top", "right"]].set_visible(True)
         panel.set_title(_heading(results, point))
         panel.set_xlabel(_label(axes[0], scales[0]))
-        for axis, own, ticks in ((axes[0], edges[0], panel.set_xticks), (axes[1], edges[1], panel.set_yticks)):
+        for axis, own, ticks, turn in ((axes[0], edges[0], panel.set_xticks, 90 if len(axes[0].labels) > FEW else 0),
+                                       (axes[1], edges[1], panel.set_yticks, 0)):
             if axis.labels:
-                ticks((own[:-1] + own[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+                ticks((own[:-1] + own[1:]) / 2, [label.replace("-", "−") for label in axis.labels], rotation=turn)
     panels[0][0].set_ylabel(_label(axes[1], scales[1]))
     figure.colorbar(mesh, ax=list(panels[0]), label="particles per bin")
     return figure
@@ -124,7 +126,8 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
 
 def _write_numbers(panel: Axes, edges: list[np.ndarray], counts: np.ndarray, most: float) -> None:
     """A matrix of levels is small enough to be read."""
+    digits, size = (5, 8) if counts.shape[0] <= FEW else (3, 6)
     for i in range(counts.shape[0]):
         for k in range(counts.shape[1]):
-            panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, f"{counts[i, k]:.5g}",
-                       ha="center", va="center", fontsize=8, color="white" if counts[i, k] > 0.5 * most else "black")
+            panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, f"{counts[i, k]:.{digits}g}",
+                       ha="center", va="center", fontsize=size, color="white" if counts[i, k] > 0.5 * most else "black")
