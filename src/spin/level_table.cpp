@@ -134,7 +134,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
   const std::vector<LevelLabel> labels = level_labels(spins);
   const std::size_t count = labels.size();
   place_of_.resize(count);
-  manifolds_.resize(static_cast<std::size_t>(std::ranges::max(manifold_of_) + 1));
+  manifolds_.resize(static_cast<std::size_t>(std::ranges::max(manifold_of_)) + 1);
   for (std::size_t n = 0; n < count; ++n) {
     Manifold& manifold = manifolds_[static_cast<std::size_t>(manifold_of_[n])];
     place_of_[n] = static_cast<int>(manifold.number.size());
