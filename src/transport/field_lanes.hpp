@@ -227,13 +227,13 @@ struct FieldStepper {
   /// The state where a lane first comes to `plane` within its next step of the length h.
   inline State at_plane(const State& before, real h, real plane) const {
     real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
-    for (int i = 0; i < 8; ++i) {
+    mask settled{};  // stays as it is, whatever the other lanes still need
+    for (int i = 0; i < 8 && !all(settled); ++i) {
       const State there = better(length, before);
       const real newton = max(broadcast(0), min(h, length + (plane - there.place.y) / there.velocity.y));
-      const real better = select(there.velocity.y != broadcast(0), newton, length);
-      const mask settled = abs(better - length) <= 1e-13 * h;
-      length = better;
-      if (all(settled)) break;
+      const real next = select((there.velocity.y != broadcast(0)) & ~settled, newton, length);
+      settled = settled | (abs(next - length) <= 1e-13 * h);
+      length = next;
     }
     State there = better(length, before);
     there.place.y = plane;

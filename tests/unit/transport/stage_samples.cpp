@@ -264,7 +264,7 @@ TurningRegion shaped_region(ZoneKind kind) {
   r.feels.turn_per_tesla = kind == ZoneKind::precession ? -gamma_n : 0;
   r.feels.pull = 5;
   r.feels.gravity[2] = -9.81;
-  r.feels.tolerance = 1e-3;  // bits are to be the same, which few steps tell as well
+  r.feels.tolerance = 1e-3;  // long steps, whose ends are sought for longer
   r.most_way = 3;
   return r;
 }
