@@ -72,6 +72,16 @@ def test_spins_close_to_a_zero_of_the_field_are_lost_as_landau_and_zener_say(run
     lost, errors = file["entry/scan/detected"][:], file["entry/scan/detected_errors"][:]
     assert np.abs((lost - expected) / errors).max() < 4
     assert errors.max() < 0.01
+    # All of them 1 mm beside the axis: one radius, and sharp enough for a hundredth of the gradient.
+    thin = run("majorana-losses", "--no-scan", "--set", "source.opening.radius=1 nm", "--set", "reversal.offset.x=1 mm", "--set",
+               "reversal.gradient.longitudinal=3 T/m")
+    lost = thin["entry/scan/detected"][:].item()
+
+    def beside(gradient):
+        return np.exp(-np.pi * abs(GAMMA) * gradient * 1e-6 / (8 * speed)) @ weight / weight.sum()
+
+    assert abs(lost - beside(3)) < 0.0015
+    assert abs(lost - beside(3.03)) > 0.0015
 
 
 @pytest.mark.experiment("neutron-ramsey-map")
