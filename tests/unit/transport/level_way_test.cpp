@@ -182,6 +182,18 @@ Flight past_zero(const CoupledSpins& spins) {
   return flight(spins, 800, 0.02, linear(20e-6, 2e-6, 0, 0, 0.003, 0.2), 0.011);
 }
 
+/// A field along x that swings all along the way, its size [T] and frequency [Hz].
+void swing(Flight& f, double field, double frequency) {
+  CourseSection& section = f.fields.sections[0];
+  DriveTerm& drive = section.field.drive[0];
+  section.field.drives = 1;
+  drive.spin_rate = field;
+  drive.omega = two_pi * frequency;
+  drive.second[1] = 0;
+  drive.in_xy = false;
+  section.moment = 1e-3 / drive.omega;
+}
+
 TEST(LevelWay, IsSchroedingersEquationPastAZeroOfTheField) {
   for (const char* atom : {"H atom", "D atom", "K-39 atom"})
     for (const int level : {0, 2}) {
@@ -219,13 +231,7 @@ TEST(LevelWay, IsSchroedingersEquationOfAnInvertedStructureAndOfNone) {
 TEST(LevelWay, IsSchroedingersEquationOfAFieldThatTurnsInTime) {
   // 2 MHz about a field that crosses the resonance: an adiabatic fast passage of potassium.
   Flight f = flight(of("K-39 atom"), 800, 0.03, linear(0, 0, 0.2857e-3, 0, 0, 0.004), 0.015);
-  CourseSection& section = f.fields.sections[0];
-  section.field.drives = 1;
-  section.field.drive[0].spin_rate = 8e-6;
-  section.field.drive[0].omega = two_pi * 2e6;
-  section.field.drive[0].second[1] = 0;  // it swings
-  section.field.drive[0].in_xy = false;
-  section.moment = 1e-3 / section.field.drive[0].omega;
+  swing(f, 8e-6, 2e6);
   f.apart = 1e8;
   const std::vector<double> p = carried(f, 0);
   EXPECT_LT(worst_difference(p, Laboratory(f).carried(0)), 1e-6);
@@ -235,13 +241,7 @@ TEST(LevelWay, IsSchroedingersEquationOfAFieldThatTurnsInTime) {
 TEST(LevelWay, IsShiftedByTheOtherFThatADriveMixesIn) {
   // Potassium at 30 G and 18.4 MHz, near a line of F=2, for ten Rabi periods; F=1 is left to second order.
   Flight f = flight(of("K-39 atom"), 1000, 0.02, linear(0, 0, 3e-3, 0, 0, 0), 0);
-  CourseSection& section = f.fields.sections[0];
-  section.field.drives = 1;
-  section.field.drive[0].spin_rate = 60e-6;
-  section.field.drive[0].omega = two_pi * 18.4e6;
-  section.field.drive[0].second[1] = 0;
-  section.field.drive[0].in_xy = false;
-  section.moment = 1e-3 / section.field.drive[0].omega;
+  swing(f, 60e-6, 18.4e6);
   const std::vector<double> expected = Laboratory(f).carried(1), p = carried(f, 1);
   EXPECT_LT(worst_difference(p, expected), 3e-6);
   EXPECT_LT(p[1], 0.9);
