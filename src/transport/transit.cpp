@@ -6,7 +6,12 @@ namespace rabiline {
 
 TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
                              const std::vector<TransitLink>& links, bool weights_alike)
-    : cells_(cells), weights_alike_(weights_alike), outcomes_(reach.size()), paths_before_{0}, pairs_before_{0}, links_(links) {
+    : cells_(cells),
+      weights_alike_(weights_alike),
+      outcomes_(reach.size()),
+      paths_before_{0},
+      pairs_before_{0},
+      links_(links) {
   for (std::size_t from = 0; from < reach.size(); ++from) {
     for (int to = 0; to < most_levels; ++to)
       if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
@@ -56,7 +61,7 @@ void add_products(const double* a, const double* b, std::ptrdiff_t rows, std::pt
   for (std::ptrdiff_t begin = 0; begin < columns; begin += chunk) {
     const std::ptrdiff_t end = begin + chunk < columns ? begin + chunk : columns;
     for (std::ptrdiff_t j = 0; j < rows; j += at_once)
-      for (std::ptrdiff_t i = 0; i < rows; i += 8) {
+      for (std::ptrdiff_t i = j / 8 * 8; i < rows; i += 8) {
         vector sum[at_once][vectors];
         for (int q = 0; q < at_once; ++q)
           for (int v = 0; v < vectors; ++v)
