@@ -168,12 +168,12 @@ Experiment scanned_line(std::uint64_t seed, std::uint64_t particles) {
 }
 /// The scatter of c in a + b f(x - c), with f the mean of all runs, over the error that each run states.
 TEST(ErrorOfCentre, IsTheScatterOfFits) {
-  constexpr int runs = 100;
+  constexpr int runs = 40;
   std::vector<DetectorResult> curves;
   std::vector<double> x, mean(11);
   double stated2 = 0;
   for (int k = 0; k < runs; ++k) {
-    const Experiment e = scanned_line(static_cast<std::uint64_t>(k) + 1, 4000);
+    const Experiment e = scanned_line(static_cast<std::uint64_t>(k) + 1, 16000);
     const Plan plan = make_plan(e);
     x = e.axes[0].values;
     curves.push_back(finish(e, plan, run(plan, {}).sums).detectors[0]);
@@ -192,13 +192,15 @@ TEST(ErrorOfCentre, IsTheScatterOfFits) {
     const Eigen::Map<const Eigen::VectorXd> y(curve.detected.data(), 11);
     scatter2 += std::pow((model.transpose() * model).ldlt().solve(model.transpose() * y)(2), 2) / runs;
   }
-  // Of 100 runs the scatter is known to 7 %.
-  EXPECT_NEAR(std::sqrt(scatter2 / stated2), 1, 0.25);
+  ASSERT_TRUE(std::isfinite(stated2));
+  // Of 40 runs the scatter is known to 11 %.
+  EXPECT_NEAR(std::sqrt(scatter2 / stated2), 1, 0.35);
 }
 TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
   Experiment e = scanned_line(1, 64000);
   const Plan all = make_plan(e);
-  const double known = error_of_centre(e.axes[0].values, finish(e, all, run(all, {}).sums).detectors[0]);
+  const Result whole = finish(e, all, run(all, {}).sums);
+  const double known = error_of_centre(e.axes[0].values, whole.detectors[0]);
   std::vector<Beamline> points(e.points.begin(), e.points.end());
   // A quarter of the particles makes the error twice as large, an eighth 2.8 times.
   for (Beamline& b : points) b.until = Until{{}, ScannedQuantity{2.4 * known, Dimension::frequency}};
@@ -208,9 +210,10 @@ TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
   EXPECT_TRUE(outcome.finished);
   EXPECT_EQ(outcome.halvings, 2);
   // Both precisions are asked for where both are given.
-  for (Beamline& b : points) b.until->detected_error = 0.49 / std::sqrt(33000.0);
+  const double detected = reached_by(whole, {}).detected_error;
+  for (Beamline& b : points) b.until->detected_error = 1.2 * detected;
   e.points = points;
-  EXPECT_LT(run_until(e, make_plan(e)).halvings, 2);
+  EXPECT_EQ(run_until(e, make_plan(e)).halvings, 0);
 }
 
 }  // namespace
