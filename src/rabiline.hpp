@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
-#include "input/changes.hpp"
+#include "scan/changes.hpp"
 #include "models/solved_model.hpp"
 #include "simulation/ranks.hpp"
 #include "simulation/result.hpp"

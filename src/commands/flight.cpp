@@ -7,7 +7,7 @@
 
 #include "commands/progress_line.hpp"
 #include "commands/stop.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 #include "particle/batch.hpp"
 #include "storage/lock.hpp"
 #include "storage/safe_file.hpp"

@@ -2,7 +2,7 @@
 // What the library says of a model, and its solution.
 #include <string>
 
-#include "input/model_file.hpp"
+#include "scan/model_file.hpp"
 #include "models/solved_model.hpp"
 
 namespace rabiline {

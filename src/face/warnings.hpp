@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 #include "plan/plan.hpp"
 #include "simulation/result.hpp"
 

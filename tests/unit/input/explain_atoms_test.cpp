@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 #include "plan/explain.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/plan.hpp"

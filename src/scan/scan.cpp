@@ -1,4 +1,4 @@
-#include "input/scan.hpp"
+#include "scan/scan.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "input/dotted_name.hpp"
 #include "input/reader.hpp"
+#include "scan/dotted_name.hpp"
 
 namespace rabiline {
 namespace {

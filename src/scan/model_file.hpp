@@ -4,8 +4,8 @@
 #include <variant>
 #include <vector>
 
-#include "input/experiment.hpp"
 #include "models/model.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline {
 

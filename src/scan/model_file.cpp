@@ -1,12 +1,12 @@
-#include "input/model_file.hpp"
+#include "scan/model_file.hpp"
 
 #include <fmt/format.h>
 
 #include "input/beamline_reader.hpp"
-#include "input/dotted_name.hpp"
-#include "input/parameter_space.hpp"
 #include "input/places.hpp"
 #include "input/reader.hpp"
+#include "scan/dotted_name.hpp"
+#include "scan/parameter_space.hpp"
 
 namespace rabiline {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
-#include "input/changes.hpp"
 #include "input/document.hpp"
-#include "input/scan.hpp"
 #include "input/values.hpp"
+#include "scan/changes.hpp"
+#include "scan/scan.hpp"
 
 namespace rabiline {
 

@@ -1,4 +1,4 @@
-#include "input/resolved.hpp"
+#include "scan/resolved.hpp"
 
 #include <fmt/format.h>
 

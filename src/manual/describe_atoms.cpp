@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "core/constants.hpp"
-#include "input/describe_page.hpp"
-#include "input/describe_species.hpp"
+#include "manual/describe_page.hpp"
+#include "manual/describe_species.hpp"
 #include "spin/atoms.hpp"
 #include "spin/breit_rabi.hpp"
 #include "spin/level_names.hpp"

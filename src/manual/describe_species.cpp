@@ -1,4 +1,4 @@
-#include "input/describe_species.hpp"
+#include "manual/describe_species.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 
 #include <fmt/format.h>
 

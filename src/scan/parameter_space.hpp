@@ -13,10 +13,11 @@
 
 #include "beamline/experiment.hpp"
 #include "input/beamline_reader.hpp"
-#include "input/dotted_name.hpp"
-#include "input/member.hpp"
-#include "input/scan.hpp"
-#include "input/variables.hpp"
+#include "rules/rules.hpp"
+#include "scan/dotted_name.hpp"
+#include "scan/member.hpp"
+#include "scan/scan.hpp"
+#include "scan/variables.hpp"
 
 namespace rabiline {
 
@@ -255,9 +256,13 @@ class ParameterSpace {
     return out;
   }
 
+  /// What may not change along an axis.
   static void check_axis(const Axis& axis, const ParameterSpace& alone, Reading& reading) {
-    if constexpr (std::is_same_v<File, Beamline>)
-      check_scanned(axis, ScanPoints(alone.size(), [&](std::size_t i) { return alone.at(i); }), reading);
+    if constexpr (std::is_same_v<File, Beamline>) {
+      const ScanPoints points(alone.size(), [&](std::size_t i) { return alone.at(i); });
+      if (std::optional<Fault> fault = fault_of_axis(axis.name(), points))
+        reading.error(axis.place, std::move(fault->message), std::move(fault->help));
+    }
   }
 
   /// Says at which point of the scan something is wrong, where the place does not show it.

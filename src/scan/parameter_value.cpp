@@ -1,11 +1,11 @@
-#include "input/parameter_value.hpp"
+#include "scan/parameter_value.hpp"
 
 #include <sstream>
 #include <vector>
 
 #include "input/beamline_reader.hpp"
-#include "input/member.hpp"
 #include "input/tables.hpp"
+#include "scan/member.hpp"
 
 namespace rabiline {
 namespace {

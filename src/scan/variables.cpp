@@ -1,4 +1,4 @@
-#include "input/variables.hpp"
+#include "scan/variables.hpp"
 
 #include <fmt/format.h>
 

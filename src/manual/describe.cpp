@@ -1,14 +1,14 @@
-#include "input/describe.hpp"
+#include "manual/describe.hpp"
 
 #include <algorithm>
 #include <functional>
 
 #include "input/beamline_reader.hpp"
-#include "input/describe_page.hpp"
-#include "input/describe_species.hpp"
-#include "input/model_file.hpp"
-#include "input/scan.hpp"
 #include "input/species_names.hpp"
+#include "manual/describe_page.hpp"
+#include "manual/describe_species.hpp"
+#include "scan/model_file.hpp"
+#include "scan/scan.hpp"
 
 namespace rabiline {
 namespace {

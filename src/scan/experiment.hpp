@@ -7,7 +7,7 @@
 #include "core/diagnostics.hpp"
 #include "input/file.hpp"
 #include "input/places.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 
 namespace rabiline {
 

@@ -1,4 +1,4 @@
-#include "input/changes.hpp"
+#include "scan/changes.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,10 +1,10 @@
 // The JSON Schema of beamlines and models, from the same tables that read them. It says less than the reader:
 // rules between keys and exact ranges of quantities stay with the reader.
 #include "input/beamline_reader.hpp"
-#include "input/describe.hpp"
-#include "input/model_file.hpp"
-#include "input/scan.hpp"
-#include "input/schema_page.hpp"
+#include "manual/describe.hpp"
+#include "manual/schema_page.hpp"
+#include "scan/model_file.hpp"
+#include "scan/scan.hpp"
 
 namespace rabiline {
 namespace {

@@ -1,12 +1,12 @@
-#include "input/dotted_name.hpp"
+#include "scan/dotted_name.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "input/beamline_reader.hpp"
-#include "input/model_file.hpp"
 #include "input/tables.hpp"
+#include "scan/model_file.hpp"
 
 namespace rabiline {
 namespace {

@@ -1,11 +1,11 @@
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 
 #include "input/beamline_reader.hpp"
-#include "input/dotted_name.hpp"
-#include "input/parameter_space.hpp"
 #include "input/reader.hpp"
-#include "input/scan.hpp"
 #include "rules/rules.hpp"
+#include "scan/dotted_name.hpp"
+#include "scan/parameter_space.hpp"
+#include "scan/scan.hpp"
 
 namespace rabiline {
 namespace {
