@@ -64,7 +64,7 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection)
 
 /// The angle by which spins turn, over the slowness [rad m/s], where that is all that their flip probability
 /// depends on: one frame that turns evenly, from a level along its axis.
-std::optional<double> turning_of(const SpinPath& path) {
+std::optional<double> angle_along(const SpinPath& path) {
   if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
       path.levels < 2)
     return {};
@@ -137,7 +137,7 @@ class TransitMaker {
         one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
-      const auto turning = turning_of(one);
+      const auto turning = angle_along(one);
       const auto cells = turning ? cells_for(*turning) : std::nullopt;
       if (!cells) {
         nodes[group.front()].why_one_by_one = turning ? turns_too_fast : no_closed_form;
@@ -173,7 +173,7 @@ class TransitMaker {
       return by_particle(node, "the weights of an aimed source are changed on the way");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
-    const auto turning = turning_of(node);
+    const auto turning = angle_along(node);
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
@@ -194,11 +194,11 @@ class TransitMaker {
   }
 
   /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
-  static std::optional<double> turning_of(const PlanNode& node) {
+  static std::optional<double> angle_along(const PlanNode& node) {
     double angle = 0;
     for (const PlanNode::Way& way : node.ways) {
       const SpinPath& path = *path_of(way.stage);
-      const std::optional<double> turning = rabiline::turning_of(path);
+      const std::optional<double> turning = rabiline::angle_along(path);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
     }
