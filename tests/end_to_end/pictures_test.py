@@ -36,7 +36,7 @@ def texts(figure: Figure) -> list[tuple[str, Bbox, bool]]:
             found.append((text.get_text(), box, text.get_rotation() % 90 == 0))
         draw(text, renderer)
 
-    figure.draw_without_rendering()  # the layout settles
+    figure.draw_without_rendering()  # the layout settles, as it does where a picture is saved
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Text, "draw", watched)
         figure.draw_without_rendering()
