@@ -56,11 +56,6 @@ class Fisher:
         return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * noise)
 
     @property
-    def noisiest(self) -> float:
-        """The relative variance of a slope, the largest."""
-        return float(np.max(np.diag(self.noise) * self.errors**2, initial=0.0))
-
-    @property
     def inverse(self) -> np.ndarray:
         """[k, k] Without the directions that the data do not know."""
         values, vectors, known = self.directions
@@ -132,7 +127,7 @@ class Problem:
 
     @staticmethod
     def weigh(columns: np.ndarray, mu: np.ndarray, modes: np.ndarray) -> np.ndarray:
-        """V^-1 columns, V = diag(mu) + modes modesᵀ."""
+        """[n, m] V^-1 columns, V = diag(mu) + modes modesᵀ."""
         inner = np.eye(modes.shape[1]) + modes.T @ (modes / mu[:, None])
         return columns / mu[:, None] - modes / mu[:, None] @ np.linalg.solve(inner, modes.T @ (columns / mu[:, None]))
 

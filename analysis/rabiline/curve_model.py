@@ -141,7 +141,7 @@ class CurveModel:
                 for name in names.split("+")}
 
     def start(self) -> np.ndarray:
-        """The values in the file, SI."""
+        """[k] The values in the file, SI."""
         experiment = self.experiment.scan()
         return np.array([experiment.value(name.split("+")[0]) for name in self.names])
 
@@ -167,7 +167,7 @@ class CurveModel:
         return step
 
     def first_steps(self, values: np.ndarray) -> np.ndarray:
-        """One for each parameter."""
+        """[k] One for each parameter, SI."""
         return np.array([self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)])
 
     def explore_more(self) -> bool:

@@ -31,7 +31,7 @@ class Direction:
 
     @property
     def involved(self) -> np.ndarray:
-        """The numbers of the parameters that it does not know."""
+        """[any] The numbers of the parameters that it does not know."""
         return np.flatnonzero(np.abs(self.parts) > SLIGHT)
 
     def __str__(self) -> str:
@@ -45,9 +45,9 @@ class CountsFit:
 
     names: tuple[str, ...]  # the free parameters, then those of the exposure
     units: tuple[str, ...]
-    values: np.ndarray  # SI
-    errors: np.ndarray  # one standard deviation, by the curvature
-    covariance: np.ndarray
+    values: np.ndarray  # [k] in `units`, which are SI
+    errors: np.ndarray  # [k] one standard deviation, by the curvature
+    covariance: np.ndarray  # [k, k]
     intervals: tuple[tuple[float, float], ...]  # where Q is one above its least value
     chi_squared: float  # Pearson's, with the covariance of the simulation
     freedom: int
@@ -62,7 +62,7 @@ class CountsFit:
     flights: int
     share_of_simulation: float  # of the variance of a parameter, the largest
     particles: int  # at each point of the simulation
-    start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))
+    start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
 
     @property
     def p(self) -> float:
@@ -79,7 +79,8 @@ class CountsFit:
         return "\n".join(report(self))
 
     def plot(self, output: Path | str | None = None) -> object:
-        """Counts, the fitted curve and the residuals."""
+        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and ValueError for an
+        ending that is no picture."""
         from . import style
         from .fit_plots import draw_fit
         with style.here():
@@ -94,8 +95,9 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
-    a scale is free. `explore` particles, by default a quarter of all and 5000 at most, show how the curve changes with the
-    parameters; `told` hears of each flight its number, particles and seconds."""
+    a scale is free. `explore` particles, by default a quarter of all and 5000 at most or as many more as this needs, show how the curve changes with the
+    parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
+    for a table that cannot be used, and InputError as `load` does."""
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
@@ -175,8 +177,8 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
 
 
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
-    """The same with all particles, about where the search came to rest, and about where that leads as long as this is so far
-    that the slopes' own noise matters."""
+    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a
+    standard deviation: nearer than that, slopes that are known to a tenth do, and what moves is the simulation's own noise."""
     k = len(model.names)
     for _ in range(MOST_ITERATIONS):
         problem = replace(problem, surface=problem.surface.whole(model))
@@ -185,7 +187,7 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
         found, _ = problem.least(values)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
-        if moves < 1 and reach**2 * fisher.noisiest < REST**2:
+        if moves < 1 and reach < 1:
             return found, problem
         values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
         steps = np.array([model.step(values[:k], i, fisher.errors[i]) for i in range(k)])

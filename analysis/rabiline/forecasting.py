@@ -48,7 +48,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
              threads: int = 0) -> Forecast:
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
-    factor of the exposure is free unless `known_rate`."""
+    factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
     flown = experiment.set(particles=1000).fly()
     axes = flown.core.axes
     if len(axes) != 1 or axes[0][3]:

@@ -59,7 +59,7 @@ class Group:
         return Group(member, self._path)
 
     def numbers(self, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
-        """The dataset `name` as doubles; its number of elements must be that of `shape`, which it is given."""
+        """[as in the file] The dataset `name` as doubles; its number of elements must be that of `shape`, which it is given."""
         values = self._read(name)
         if values.dtype.kind not in "iuf":
             raise self.error(f"`{name}` holds no numbers")
