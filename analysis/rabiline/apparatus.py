@@ -20,7 +20,7 @@ from .units import Scale, fitting_scale, format_value
 
 if TYPE_CHECKING:
     from .experiment import Experiment
-    from .tracks import Tracks
+    from .tracks import Track, Tracks
 
 PATHS = 50
 PLACES = 600  # along the beam, where fields are probed
@@ -52,7 +52,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.set_defaults(command=draw)
     parser.description = "The apparatus before a run: along the beam to scale, across it stretched; with 50 paths."
     parser.add_argument("file", metavar="FILE", type=Path)
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG")
+    parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="PNG, PDF or SVG; FILE-apparatus.png where it is missing")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("-n", "--paths", type=int, default=PATHS, metavar="N", help="50 by default; 0 draws the apparatus alone")
     parser.add_argument("--title")
@@ -203,17 +203,23 @@ def _walls(axes: Axes, low: float, length: float, centre: float, size: float, ha
             axes.add_patch(Rectangle((low, 1e3 * bottom), length, 1e3 * height, facecolor=colour, edgecolor="none", zorder=2.5))
 
 
+def _fate(track: Track) -> str:
+    """In words, with the place."""
+    where = f"{'by' if track.fate == 'stopped' else 'at'} {track.where}" if track.where else ""
+    return f"{track.fate.replace('_', ' ')} {where}".strip()
+
+
 def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
     """One colour for each fate."""
     index = "xyz".index(across)
-    fates = list(dict.fromkeys(f"{track.fate.replace('_', ' ')} {track.where}".strip() for track in tracks.tracks))
+    fates = list(dict.fromkeys(map(_fate, tracks.tracks)))
     colours = [LAWS["classical"][0], LAWS["dorado"][0], *(colour for colour, _ in OTHERS), GREY]
     fates.sort(key=lambda fate: not fate.startswith("detected"))
     if not fates[0].startswith("detected"):
         colours = colours[1:]
     shown = set()
     for track in tracks.tracks:
-        fate = f"{track.fate.replace('_', ' ')} {track.where}".strip()
+        fate = _fate(track)
         number = min(fates.index(fate), len(colours) - 1)
         label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
         shown.add(number)

@@ -12,7 +12,8 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("files" if several else "file", metavar="FILE", type=Path, nargs="+" if several else None)
     if verb == "plot-tally":
         parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
+    parser.add_argument("-o", "--output", type=Path, metavar="PNG",
+                        help=f"PNG, PDF or SVG; FILE{verb.removeprefix('plot')}.png where it is missing")
     if verb not in ("plot-image", "plot-tally", "plot-angles"):
         parser.add_argument("--title", help="instead of the file's own")
     if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):

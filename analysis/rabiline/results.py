@@ -168,12 +168,12 @@ class Results:
 
     @property
     def detected(self) -> np.ndarray:
-        """Fractions detected, [axes...]; before them the detectors, where there are several."""
+        """[axes...] Fractions of the emitted particles that are detected; before the axes the detectors, where there are several."""
         return self._over_scan(self.scan.detected)
 
     @property
     def errors(self) -> np.ndarray:
-        """Their standard errors."""
+        """[axes...] One standard error of each of `detected`."""
         return self._over_scan(self.scan.errors)
 
     def _over_scan(self, values: np.ndarray) -> np.ndarray:
@@ -181,15 +181,16 @@ class Results:
         return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
 
     def to_csv(self, path: Path | str) -> None:
-        """A line for each scan point of each detector."""
+        """A line for each scan point of each detector, in SI, with the units in the header. Raises OSError."""
         tables.to_csv(self, path)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The same for pandas."""
+        """The same for pandas: a row for each scan point of each detector, in SI; units stand in `attrs["units"]`."""
         return tables.to_dataframe(self)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Everything over the scan, with axes and units."""
+        """Everything over the scan with its axes, in SI, as `detected`, `counts_NAME` and others, each with its `..._error`; units
+        stand in the `attrs` of each."""
         return tables.to_xarray(self)
 
     def summary(self) -> str:
@@ -199,7 +200,8 @@ class Results:
 
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
-        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given."""
+        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
+        errors.InputError for what there is not, OSError, and ValueError for an ending that is no picture."""
         from . import pictures, style
         figure = pictures.plot_of(self, kind, options)
         if output is not None:

@@ -245,11 +245,9 @@ def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
 def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     """What the error bars are, or why none are to be seen."""
     smallest_seen = (SYMBOL / 2 + BEYOND) / (PANEL * 72) * (limits[1] - limits[0])
-    seen = np.concatenate([curve.errors > smallest_seen for curve in curves])
-    if not seen.any():
+    if not any((curve.errors > smallest_seen).any() for curve in curves):
         return "errors smaller than symbols"
-    shared = "correlated, " if any(np.isfinite(curve.spread.freedom) for curve in curves) else ""
-    return f"bars: {shared}1 σ" + ("" if seen.all() else " where larger than symbols")
+    return "bars: 1 σ" + (", correlated" if any(np.isfinite(curve.spread.freedom) for curve in curves) else "")
 
 
 def _in_words(resonance: Resonance, scale: Scale, unit: str) -> tuple[str, str]:

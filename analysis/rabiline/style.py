@@ -66,6 +66,15 @@ def beside_ticks(figure: Figure, name: str) -> str:
     return lines.replace(", ", "\n").replace(" (", "\n(") if figure.get_figwidth() < NARROW else lines
 
 
+def in_rows(figure: Figure, words: Sequence[str], size: float) -> str:
+    """Several to a line of the figure, as many as fit."""
+    most = int(figure.get_figwidth() * 72 / (0.58 * size)) - 8
+    lines = [words[0]]
+    for word in words[1:]:
+        lines[-1:] = [f"{lines[-1]},   {word}"] if len(lines[-1]) + len(word) + 4 < most else [lines[-1], word]
+    return "\n".join(lines)
+
+
 def points(name: str) -> float:
     """The size of letters that is called `name` in matplotlib's settings."""
     return FontProperties(size=plt.rcParams[name]).get_size_in_points()

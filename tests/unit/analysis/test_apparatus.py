@@ -26,7 +26,7 @@ def test_parts_are_drawn_where_they_stand_with_their_openings() -> None:
 def test_paths_are_told_apart_by_their_fate() -> None:
     figure = draw_apparatus(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan(), 50)
     shown = {text.get_text() for text in figure.axes[-1].get_legend().get_texts()}
-    assert "detected plate" in shown and "stopped magnet" in shown
+    assert "detected at plate" in shown and "stopped by magnet" in shown
     plt.close(figure)
 
 

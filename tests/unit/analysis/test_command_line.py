@@ -171,6 +171,26 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     assert not Path("never.png").exists()
 
 
+def test_a_picture_without_a_name_gets_one_from_its_file(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                         capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot-image", str(folder / "dorado.h5")]) == 0
+    assert capsys.readouterr().out == "wrote dorado-image.png\n" and Path("dorado-image.png").stat().st_size > 1000
+
+
+def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["export", str(folder / "dorado.h5")]) == 0
+    assert capsys.readouterr().out.splitlines()[2].startswith("H0.frequency [Hz],detected,")
+
+
+def test_an_experiment_is_told_to_be_run_before_it_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                            capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("clock.yaml").write_text("rabiline: 1\n")
+    assert main(["plot", "clock.yaml"]) == 2
+    assert capsys.readouterr().err == "rabiline: clock.yaml: not an HDF5 file; `rabiline run clock.yaml` makes one of an experiment\n"
+
+
 def test_a_mistyped_command_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture) -> None:
     with pytest.raises(SystemExit) as left:
         main(["plot-scam", "a.h5"])
