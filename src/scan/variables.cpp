@@ -9,16 +9,6 @@
 namespace rabiline {
 namespace {
 
-/// The part of a text that names a variable.
-Place place_within(const Node& node, std::size_t from, std::size_t length) {
-  Place place = node.place;
-  const auto written = static_cast<int>(node.scalar.size()) + (node.quoted ? 2 : 0);
-  if (place.length != written) return place;  // the text runs over several lines, or was escaped
-  place.column += static_cast<int>(from) + (node.quoted ? 1 : 0);
-  place.length = static_cast<int>(length);
-  return place;
-}
-
 class Variables {
  public:
   Variables(const Node& mapping, Reading& reading) : reading_(reading) {
