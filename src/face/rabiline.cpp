@@ -244,7 +244,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
   if (settings.progress)
     options.progress = [&](Progress progress) {
-      progress.error = precision.error();
+      progress.error = precision.reached().detected_error;
+      progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
   require_memory(loaded.experiment, plan,

@@ -190,6 +190,14 @@ struct ValueType<UnitVector> {
   static bool read(const Node&, const Row&, Reading&, UnitVector& out);
 };
 
+/// In any unit; whether it is that of the scan is asked where the scan is known.
+template <>
+struct ValueType<ScannedQuantity> {
+  static constexpr std::string_view example = "5 Hz", what = "quantity of the scanned kind",
+                                    schema = R"({"type": ["string", "number"]})";
+  static bool read(const Node&, const Row&, Reading&, ScannedQuantity& out);
+};
+
 /// One end of a tally's axis: what it is written in follows from the quantity, so the axis reads it.
 template <>
 struct ValueType<AxisEnd> {

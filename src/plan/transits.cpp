@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/portable_math.hpp"
+#include "plan/zones.hpp"
 #include "transport/cost.hpp"
 #include "transport/sum_sink.hpp"
 
@@ -62,29 +63,42 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection)
   return links;
 }
 
-/// The angle by which spins turn, over the slowness [rad m/s], where that is all that their flip probability
-/// depends on: one frame that turns evenly, from a level along its axis.
-std::optional<double> angle_along(const SpinPath& path) {
+/// A field across z that turns about it by one clock, with the same size and rate for every particle at a
+/// place.
+bool turns_alike(const DriveTerm& drive) { return drive.in_xy && !is_shaped_otherwise(drive); }
+bool follow_one_clock(const DriveTerm& a, const DriveTerm& b) {
+  return a.omega == b.omega && a.oscillator == b.oscillator && a.random_turn == b.random_turn;
+}
+
+/// The angle by which spins turn at most, over the slowness [rad m/s], where that is all that their flip
+/// probability depends on: from a level, through fields that stand still in the laboratory or in the one frame
+/// that turns evenly about the level's axis. A probability has no faster harmonic, whatever the shape of the
+/// fields: it is a function of the slowness of that exponential type, and its derivatives are bounded by
+/// Bernstein's inequality.
+std::optional<double> turning_along(const SpinPath& path) {
   if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
       path.levels < 2)
     return {};
   const DriveTerm* clock = nullptr;
-  double angle = 0, since_drive = 0;
+  double angle = 0, since_drive = 0, of_static = 0;
+  bool in_laboratory = false;
   for (const SpinZone& zone : path.zones) {
-    if (zone.turned || (zone.kind != ZoneKind::precession && zone.kind != ZoneKind::rotating)) return {};
     const double length = zone.end - zone.begin;
-    if (zone.kind == ZoneKind::precession) {
+    if (zone.drives == 0) {
       if (clock != nullptr) since_drive += std::abs(zone.spin_rate - clock->omega) * length;
+      of_static += std::abs(zone.spin_rate) * length;
+      in_laboratory = in_laboratory || zone.turned;
       continue;
     }
     const DriveTerm& drive = zone.drive[0];
     if (clock == nullptr) clock = &drive;
-    if (!drive.in_xy || drive.twist != 0 || drive.omega != clock->omega ||
-        drive.oscillator != clock->oscillator || drive.random_turn != clock->random_turn)
-      return {};
+    const bool follows = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
+    if (!follows || zone.turned || !turns_alike(drive) || !follow_one_clock(drive, *clock)) return {};
     angle += since_drive + portable::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
     since_drive = 0;
   }
+  if (clock == nullptr) return in_laboratory ? of_static : 0;
+  if (in_laboratory) return {};
   return angle;
 }
 
@@ -93,6 +107,7 @@ class TransitMaker {
   TransitMaker(const PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums)
       : particles_(static_cast<double>(tree.last - tree.first)),
         speeds_(speeds),
+        mean_(tree.source.speed.mean),
         points_(static_cast<std::size_t>(of.points)),
         weights_differ_(sums_of(tree.source).weights_differ),
         everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
@@ -145,9 +160,9 @@ class TransitMaker {
       }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
-                                                          std::vector<TransitLink>{{true, {1, 1}, 1}});
+                                                          std::vector<TransitLink>{{true, {1, 1}, 1}}, false);
       const double entries = 2 * particles_;
-      if (!is_shorter(*layout, group.size(), cost::closed_form * static_cast<double>(levels), entries))
+      if (!is_shorter(*layout, group.size(), path_of(one.stage)->cost(mean_), entries))
         continue;
       keep(one, layout);
       nodes[group.front()] = std::move(one);
@@ -177,10 +192,12 @@ class TransitMaker {
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
-    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links);
+    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
-    if (!is_shorter(*layout, node.ways.size(), cost::share * levels, particles_ * levels * (levels + 1)))
+    if (!is_shorter(*layout, node.ways.size(),
+                    cost::share * levels + path_of(node.ways.front().stage)->cost(mean_),
+                    particles_ * levels * (levels + 1)))
       return by_particle(node, "that is shorter here");
     keep(node, layout);
   }
@@ -198,7 +215,7 @@ class TransitMaker {
     double angle = 0;
     for (const PlanNode::Way& way : node.ways) {
       const SpinPath& path = *path_of(way.stage);
-      const std::optional<double> turning = rabiline::angle_along(path);
+      const std::optional<double> turning = turning_along(path);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
     }
@@ -230,6 +247,7 @@ class TransitMaker {
 
   const double particles_;
   const SpeedRange speeds_;
+  const double mean_;  // [m/s]
   const std::size_t points_;
   const bool weights_differ_, everywhere_;
   const std::vector<SlownessCells>* const given_;

@@ -32,7 +32,7 @@ class Ranges {
   void check(const T& value, const std::string& key, const Range& range) {
     if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::uint64_t>)
       number(static_cast<double>(value), key, range);
-    else if constexpr (std::is_same_v<T, SpeedQuantity>)
+    else if constexpr (std::is_same_v<T, SpeedQuantity> || std::is_same_v<T, ScannedQuantity>)
       number(value.value, key, range);
     else if constexpr (a_struct_with_a_table<T>)
       check(value, key);
@@ -87,6 +87,9 @@ void check_ranges(const Beamline& beamline, Faults& out) {
   }
   if (beamline.until) {
     Ranges("until", out).check(*beamline.until, "");
+    if (!beamline.until->detected_error && !beamline.until->centre_error)
+      out.push_back({"until", "", "`until` does not say which precision is enough",
+                     "write it like `until: {detected_error: 0.1 %}`"});
     if (std::none_of(beamline.parts.begin(), beamline.parts.end(),
                      [](const PlacedPart& part) { return detector_in(part.part) != nullptr; }))
       out.push_back({"until", "", "`until` asks for the error of what is detected, and there is no detector",

@@ -54,8 +54,13 @@ LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
 
   // Every point of the scan.
   out.experiment.particles = mode.value_or(plan.particles);
+  const auto require_scan = [&] {
+    for (const Fault& fault : faults_of_scan(out.experiment)) reading.errors.push_back(out.places.locate(fault));
+    throw_if_wrong(reading, sources);
+  };
   if (plan.axes.empty()) {
     out.experiment.points = {out.base};
+    require_scan();
     return out;
   }
   const auto space = std::make_shared<ParameterSpace<Beamline>>(
@@ -67,6 +72,7 @@ LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
   add_files(reading, out.inputs, sources);
   throw_if_wrong(reading, sources);
   out.experiment.points = {space->size(), [space](std::size_t point) { return space->at(point); }};
+  require_scan();
   return out;
 }
 

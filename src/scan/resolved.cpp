@@ -55,7 +55,7 @@ class Leaves {
       number(name, static_cast<double>(value), dimension);
     } else if constexpr (std::same_as<T, std::string>) {
       word(name, value);
-    } else if constexpr (std::same_as<T, SpeedQuantity>) {
+    } else if constexpr (std::same_as<T, SpeedQuantity> || std::same_as<T, ScannedQuantity>) {
       number(name, value.value, value.dimension);
     } else if constexpr (std::same_as<T, HalfInteger>) {
       number(name, value.value());

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/large_pages.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -35,9 +37,12 @@ std::vector<Plain> unpack(std::string_view& from) {
 
 }  // namespace
 
-Flown::Flown(const Plan& plan, const Snapshot* start)
-    : sums(start == nullptr ? Sums(plan.sums) : sums_of(start->sums)) {
-  if (start == nullptr) return;
+Flown::Flown(const Plan& plan, const Snapshot* start) {
+  if (start == nullptr) {
+    resize_on_large_pages(sums, plan.sums);
+    return;
+  }
+  sums = sums_of(start->sums);
   finished = Intervals(start->finished);
   stragglers = start->stragglers;
 }

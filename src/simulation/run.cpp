@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "core/large_pages.hpp"
 #include "simulation/dealer.hpp"
 #include "simulation/flown.hpp"
 #include "simulation/walk.hpp"
@@ -48,7 +49,7 @@ class Runner {
         begin_(options.shard.places(row_.size()).first),
         last_(options.shard.places(row_.size()).second),
         shares_(static_cast<std::size_t>(options.threads)) {
-    for (ThreadSums& share : shares_) share.sums.resize(plan.sums);
+    for (ThreadSums& share : shares_) resize_on_large_pages(share.sums, plan.sums);
     if (options.start != nullptr) before_ = Intervals(options.start->finished);
     flown_before_ = flown_ = before_.size();
     if (ranks_.leads()) collected_ = Flown(plan, options.start);

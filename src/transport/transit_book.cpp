@@ -1,5 +1,9 @@
 #include "transport/transit_book.hpp"
 
+#include <stdexcept>
+
+#include "core/large_pages.hpp"
+
 namespace rabiline {
 
 void TransitBook::add(const TransitLayout& layout, const Paths& paths, const BatchView& batch,
@@ -17,7 +21,7 @@ void TransitBook::add(const TransitLayout& layout, const Paths& paths, const Bat
 }
 
 void TransitBook::add_entries(const TransitLayout& layout, Isa isa, MomentBuffer& buffer) {
-  buffer.cells.resize(layout.size());
+  resize_on_large_pages(buffer.cells, layout.size());
   for (const TransitEntry& entry : entries_)
     if (buffer.cells[entry.cell].of[0] == 0) buffer.touched.push_back(entry.cell);
   kernel::add_moments(isa)(entries_.data(), entries_.size(), buffer.cells.data());
@@ -54,6 +58,8 @@ void TransitBook::enter(const TransitLayout& layout, std::size_t from, std::uint
   const double at = (slowness - cells.first) / cells.width;
   const auto cell = static_cast<std::size_t>(at);
   const double t = 2 * (at - static_cast<double>(cell)) - 1;
+  if (layout.weights_alike() && weight != quanta_per_particle)
+    throw std::logic_error("weights that should be alike are not");
   const double w = static_cast<double>(weight), w2 = w * w * 0x1p-40;
   const auto put = [&](std::size_t row, double what) {
     entries_.push_back({row * static_cast<std::size_t>(cells.count) + cell, t, what});
@@ -65,7 +71,7 @@ void TransitBook::enter(const TransitLayout& layout, std::size_t from, std::uint
       continue;
     }
     put(layout.share(end.link, end.bin, from, a), w);
-    put(layout.square(end.link, end.bin, from, a, a), w2);
+    if (!layout.weights_alike()) put(layout.square(end.link, end.bin, from, a, a), w2);
     for (std::size_t b = 0; b < a; ++b) {
       if (ends_[b].link != end.link || ends_[b].bin == PathEnds::not_caught) continue;
       if (ends_[b].bin == end.bin) {
