@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Iterator, Sequence
 
 from matplotlib import pyplot as plt
+from matplotlib import rcParamsDefault
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -89,6 +90,16 @@ def in_lines(text: str, inches: float, size: float) -> str:
     """Wrapped to a width, for letters of a size in points."""
     letters = max(10, int(inches * 72 / (0.58 * size)))
     return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
+
+
+@contextmanager
+def letters_by(factor: float) -> Iterator[None]:
+    """What is drawn in this context has letters larger by a factor than they usually are, and so much more room about them."""
+    usual = {key: value for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
+    usual |= {key: rcParamsDefault[key] for key in ("axes.labelpad", "axes.titlepad", "xtick.major.pad", "ytick.major.pad",
+                                                    "xtick.major.size", "ytick.major.size")}
+    with plt.rc_context({key: value * factor for key, value in usual.items()}):
+        yield
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
 from rabiline.__main__ import main
 from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
 
@@ -176,6 +177,16 @@ def test_a_picture_without_a_name_gets_one_from_its_file(folder: Path, tmp_path:
     monkeypatch.chdir(tmp_path)
     assert main(["plot-image", str(folder / "dorado.h5")]) == 0
     assert capsys.readouterr().out == "wrote dorado-image.png\n" and Path("dorado-image.png").stat().st_size > 1000
+
+
+def test_images_get_the_size_that_is_asked_for_and_letters_that_fit(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    picture = tmp_path / "a.png"
+    assert main(["plot-image", str(folder / "dorado.h5"), "--size", "200x120", "-o", str(picture)]) == 0
+    with Image.open(picture) as image:
+        across, up = (pixels / 200 * 25.4 for pixels in image.size)
+    assert across <= 200.2 and up <= 120.2 and (across > 199 or up > 119)
+    assert main(["plot-image", str(folder / "dorado.h5"), "--size", "60x40", "-o", str(picture)]) == 2
+    assert "is the least of this shape; --points chooses fewer images" in capsys.readouterr().err
 
 
 def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureFixture) -> None:
