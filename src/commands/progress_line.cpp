@@ -19,10 +19,9 @@ std::string duration(double seconds) {
 
 std::string reached(const Progress& p) {
   if (!(p.error > 0)) return "";
-  const std::string centre =
-      p.centre_error > 0 && std::isfinite(p.centre_error)
-          ? fmt::format(", of the line's centre {:.2g} (SI)", p.centre_error)
-          : "";
+  const std::string centre = p.centre_error > 0 && std::isfinite(p.centre_error)
+                                 ? fmt::format(", of the line's centre {:.2g} (SI)", p.centre_error)
+                                 : "";
   return fmt::format(" of a part; error of `detected` so far {:.2g}{}", p.error, centre);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Memory for sums by the hundred MiB: what the system does for each page of 4 KiB would cost more than what is
-// added to them.
+// Memory for sums by the hundred MiB: what the system does for each page of 4 KiB would cost more than what
+// is added to them.
 #include <sys/mman.h>
 
 #include <cstddef>

@@ -71,17 +71,15 @@ void warn_unless_precise(const Beamline& beamline, const Result& result, Provena
   if (wanted.centre_error && reached.centre_error > wanted.centre_error->value) {
     const auto told = [&](double error) { return pretty_quantity(error, wanted.centre_error->dimension); };
     missed += missed.empty() ? "" : ", and ";
-    missed += std::isfinite(over)
-                  ? fmt::format("the error of the line's centre is {}, not {}", told(reached.centre_error),
-                                told(wanted.centre_error->value))
-                  : "there is no line in `detected` that chance could not have made";
+    missed += std::isfinite(over) ? fmt::format("the error of the line's centre is {}, not {}",
+                                                told(reached.centre_error), told(wanted.centre_error->value))
+                                  : "there is no line in `detected` that chance could not have made";
   }
-  provenance.warnings.push_back(
-      fmt::format("all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed,
-                  std::isfinite(over)
-                      ? fmt::format("`particles` of {:.2g} may be enough",
-                                    static_cast<double>(beamline.particles) * over * over)
-                      : "scan where `detected` changes, or omit `centre_error`"));
+  provenance.warnings.push_back(fmt::format(
+      "all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed,
+      std::isfinite(over) ? fmt::format("`particles` of {:.2g} may be enough",
+                                        static_cast<double>(beamline.particles) * over * over)
+                          : "scan where `detected` changes, or omit `centre_error`"));
 }
 
 }  // namespace rabiline

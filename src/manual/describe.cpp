@@ -116,7 +116,8 @@ std::string describe_until() {
   Page page("until: the precision at which fewer particles than `particles` are enough");
   add_rows<Until>(page);
   page.line(
-      "\nThe line is the whole curve over the one number that is scanned; its place is that with which the same "
+      "\nThe line is the whole curve over the one number that is scanned; its place is that with which the "
+      "same "
       "curve,\n"
       "shifted, scaled and raised, would fit it.\n"
       "\nExamples\n  until: {detected_error: 0.1 %}\n  until: {centre_error: 5 Hz}");

@@ -71,10 +71,10 @@ bool follow_one_clock(const DriveTerm& a, const DriveTerm& b) {
 }
 
 /// The angle by which spins turn at most, over the slowness [rad m/s], where that is all that their flip
-/// probability depends on: from a level, through fields that stand still in the laboratory or in the one frame
-/// that turns evenly about the level's axis. A probability has no faster harmonic, whatever the shape of the
-/// fields: it is a function of the slowness of that exponential type, and its derivatives are bounded by
-/// Bernstein's inequality.
+/// probability depends on: from a level, through fields that stand still in the laboratory or in the one
+/// frame that turns evenly about the level's axis. A probability has no faster harmonic, whatever the shape
+/// of the fields: it is a function of the slowness of that exponential type, and its derivatives are bounded
+/// by Bernstein's inequality.
 std::optional<double> turning_along(const SpinPath& path) {
   if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
       path.levels < 2)
@@ -162,8 +162,7 @@ class TransitMaker {
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
                                                           std::vector<TransitLink>{{true, {1, 1}, 1}}, false);
       const double entries = 2 * particles_;
-      if (!is_shorter(*layout, group.size(), path_of(one.stage)->cost(mean_), entries))
-        continue;
+      if (!is_shorter(*layout, group.size(), path_of(one.stage)->cost(mean_), entries)) continue;
       keep(one, layout);
       nodes[group.front()] = std::move(one);
       for (std::size_t i = 1; i < group.size(); ++i) gone[group[i]] = true;

@@ -25,8 +25,8 @@ std::optional<Fault> fault_of_centre(const ScannedQuantity& wanted, const std::v
                              with_article(name_of(*axis.dimension))),
                  fmt::format("write it like `{}`", example_of(*axis.dimension)));
   if (axis.values.size() < fewest_points || axis.values.size() > most_points)
-    return fault(fmt::format("`centre_error` needs from {} to {} scan points, but there are {}", fewest_points,
-                             most_points, axis.values.size()),
+    return fault(fmt::format("`centre_error` needs from {} to {} scan points, but there are {}",
+                             fewest_points, most_points, axis.values.size()),
                  "scan that many, or omit `centre_error`");
   return std::nullopt;
 }

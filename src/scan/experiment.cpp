@@ -55,7 +55,8 @@ LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
   // Every point of the scan.
   out.experiment.particles = mode.value_or(plan.particles);
   const auto require_scan = [&] {
-    for (const Fault& fault : faults_of_scan(out.experiment)) reading.errors.push_back(out.places.locate(fault));
+    for (const Fault& fault : faults_of_scan(out.experiment))
+      reading.errors.push_back(out.places.locate(fault));
     throw_if_wrong(reading, sources);
   };
   if (plan.axes.empty()) {

@@ -12,7 +12,8 @@ namespace {
 /// A curve in the order of its axis.
 class Curve {
  public:
-  Curve(const std::vector<double>& x, const DetectorResult& detector) : detector_(detector), order_(x.size()) {
+  Curve(const std::vector<double>& x, const DetectorResult& detector)
+      : detector_(detector), order_(x.size()) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) { return x[a] < x[b]; });
     for (const std::size_t at : order_) x_.push_back(x[at]);
@@ -60,7 +61,8 @@ double error_of_centre(const std::vector<double>& x, const DetectorResult& detec
   if (!(chance < all / 2)) return std::numeric_limits<double>::infinity();
   double variance = 0;
   for (Eigen::Index i = 0; i < curve.size(); ++i)
-    for (Eigen::Index j = 0; j < curve.size(); ++j) variance += slopes(i) * curve.covariance(i, j) * slopes(j);
+    for (Eigen::Index j = 0; j < curve.size(); ++j)
+      variance += slopes(i) * curve.covariance(i, j) * slopes(j);
   // Slopes that chance made steeper promise too much.
   return std::sqrt(std::max(0.0, variance)) / (all - chance);
 }

@@ -6,7 +6,12 @@ namespace rabiline {
 
 TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
                              const std::vector<TransitLink>& links, bool weights_alike)
-    : cells_(cells), weights_alike_(weights_alike), outcomes_(reach.size()), paths_before_{0}, pairs_before_{0}, links_(links) {
+    : cells_(cells),
+      weights_alike_(weights_alike),
+      outcomes_(reach.size()),
+      paths_before_{0},
+      pairs_before_{0},
+      links_(links) {
   for (std::size_t from = 0; from < reach.size(); ++from) {
     for (int to = 0; to < most_levels; ++to)
       if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);

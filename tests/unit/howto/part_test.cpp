@@ -4,9 +4,9 @@
 
 #include "constants.hpp"
 #include "manual/describe_page.hpp"
-#include "scan/member.hpp"
 #include "manual/schema_page.hpp"
 #include "parts/long_solenoid.hpp"
+#include "scan/member.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {

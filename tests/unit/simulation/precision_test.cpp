@@ -180,7 +180,9 @@ TEST(ErrorOfCentre, IsTheScatterOfFits) {
   }
   Eigen::MatrixXd model(21, 3);
   for (Eigen::Index i = 0; i < 21; ++i) {
-    const auto at = [&](Eigen::Index j) { return static_cast<std::size_t>(std::clamp<Eigen::Index>(j, 0, 20)); };
+    const auto at = [&](Eigen::Index j) {
+      return static_cast<std::size_t>(std::clamp<Eigen::Index>(j, 0, 20));
+    };
     model.row(i) << 1, mean[at(i)], -(mean[at(i + 1)] - mean[at(i - 1)]) / (x[at(i + 1)] - x[at(i - 1)]);
   }
   double scatter2 = 0;
@@ -194,8 +196,7 @@ TEST(ErrorOfCentre, IsTheScatterOfFits) {
 TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
   Experiment e = scanned_line(1, 64000);
   const Plan all = make_plan(e);
-  const double known =
-      error_of_centre(e.axes[0].values, finish(e, all, run(all, {}).sums).detectors[0]);
+  const double known = error_of_centre(e.axes[0].values, finish(e, all, run(all, {}).sums).detectors[0]);
   std::vector<Beamline> points(e.points.begin(), e.points.end());
   // A quarter of the particles makes the error twice as large, an eighth 2.8 times.
   for (Beamline& b : points) b.until = Until{{}, ScannedQuantity{2.4 * known, Dimension::frequency}};
