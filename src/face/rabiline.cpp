@@ -273,12 +273,13 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   Result result =
       finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
   require_emission(result);
-  if (precision.is_wanted() && halvings == 0)
-    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
   result.parameters = resolved_parameters(loaded.experiment);
+  // What was told before the flight comes first: the command tells what is behind it.
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
+  if (precision.is_wanted() && halvings == 0)
+    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   if (std::string warning = warning_of_overflow(loaded.experiment, plan, result, options.isa);
       !warning.empty())

@@ -162,7 +162,9 @@ class TransitMaker {
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
                                                           std::vector<TransitLink>{{true, {1, 1}, 1}}, false);
       const double entries = 2 * particles_;
-      if (!is_shorter(*layout, group.size(), path_of(one.stage)->cost(mean_), entries)) continue;
+      if (!is_shorter(*layout, group.size(),
+                      cost::closed_form * static_cast<double>(levels) + cost_of_steps(one.stage), entries))
+        continue;
       keep(one, layout);
       nodes[group.front()] = std::move(one);
       for (std::size_t i = 1; i < group.size(); ++i) gone[group[i]] = true;
@@ -194,8 +196,7 @@ class TransitMaker {
     const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
-    if (!is_shorter(*layout, node.ways.size(),
-                    cost::share * levels + path_of(node.ways.front().stage)->cost(mean_),
+    if (!is_shorter(*layout, node.ways.size(), cost::share * levels + cost_of_steps(node.ways.front().stage),
                     particles_ * levels * (levels + 1)))
       return by_particle(node, "that is shorter here");
     keep(node, layout);
@@ -234,6 +235,12 @@ class TransitMaker {
     return SlownessCells{first, (last - first) / count, static_cast<int>(count)};
   }
 
+  /// [s] for each particle, through zones without a closed form.
+  double cost_of_steps(const Stage& stage) const {
+    std::vector<SpinZone> stepped = path_of(stage)->zones;
+    std::erase_if(stepped, [](const SpinZone& zone) { return zone.step == 0; });
+    return cost_of(stepped, mean_);
+  }
   /// Against asking every particle for each way, at a cost [s]. `entries`: what is booked at most.
   bool is_shorter(const TransitLayout& layout, std::size_t ways, double one_by_one, double entries) const {
     const double booked = entries * cost::moment,
@@ -241,7 +248,8 @@ class TransitMaker {
                               std::min(static_cast<double>(layout.size()), entries) * transit_powers *
                               cost::multiply;
     return layout.size() <= most_moments &&
-           (everywhere_ || particles_ * static_cast<double>(ways) * one_by_one > booked + contracted);
+           (everywhere_ ||
+            (ways > 1 && particles_ * static_cast<double>(ways) * one_by_one > booked + contracted));
   }
 
   const double particles_;

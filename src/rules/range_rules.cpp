@@ -87,9 +87,6 @@ void check_ranges(const Beamline& beamline, Faults& out) {
   }
   if (beamline.until) {
     Ranges("until", out).check(*beamline.until, "");
-    if (!beamline.until->detected_error && !beamline.until->centre_error)
-      out.push_back({"until", "", "`until` does not say which precision is enough",
-                     "write it like `until: {detected_error: 0.1 %}`"});
     if (std::none_of(beamline.parts.begin(), beamline.parts.end(),
                      [](const PlacedPart& part) { return detector_in(part.part) != nullptr; }))
       out.push_back({"until", "", "`until` asks for the error of what is detected, and there is no detector",

@@ -23,7 +23,8 @@ std::optional<Fault> fault_of_centre(const ScannedQuantity& wanted, const std::v
     return fault(fmt::format("`centre_error` is {}, but `{}` is scanned, which is {}",
                              with_article(name_of(wanted.dimension)), axis.parameter,
                              with_article(name_of(*axis.dimension))),
-                 fmt::format("write it like `{}`", example_of(*axis.dimension)));
+                 fmt::format("give it as {}, such as `{}`", with_article(name_of(*axis.dimension)),
+                             example_of(*axis.dimension)));
   if (axis.values.size() < fewest_points || axis.values.size() > most_points)
     return fault(fmt::format("`centre_error` needs from {} to {} scan points, but there are {}",
                              fewest_points, most_points, axis.values.size()),
@@ -35,7 +36,11 @@ std::optional<Fault> fault_of_centre(const ScannedQuantity& wanted, const std::v
 
 std::vector<Fault> faults_of_scan(const Experiment& experiment) {
   const std::optional<Until>& until = experiment.points.front().until;
-  if (!until || !until->centre_error) return {};
+  if (!until) return {};
+  if (!until->detected_error && !until->centre_error)
+    return {{"until", "", "`until` does not say which precision is enough",
+             "write it like `until: {detected_error: 0.1 %}`"}};
+  if (!until->centre_error) return {};
   const std::optional<Fault> fault = fault_of_centre(*until->centre_error, experiment.axes);
   return fault ? Faults{*fault} : Faults{};
 }

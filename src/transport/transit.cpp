@@ -61,7 +61,7 @@ void add_products(const double* a, const double* b, std::ptrdiff_t rows, std::pt
   for (std::ptrdiff_t begin = 0; begin < columns; begin += chunk) {
     const std::ptrdiff_t end = begin + chunk < columns ? begin + chunk : columns;
     for (std::ptrdiff_t j = 0; j < rows; j += at_once)
-      for (std::ptrdiff_t i = 0; i < rows; i += 8) {
+      for (std::ptrdiff_t i = j / 8 * 8; i < rows; i += 8) {
         vector sum[at_once][vectors];
         for (int q = 0; q < at_once; ++q)
           for (int v = 0; v < vectors; ++v)

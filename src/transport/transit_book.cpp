@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "core/large_pages.hpp"
 
 namespace rabiline {
 
@@ -21,7 +20,7 @@ void TransitBook::add(const TransitLayout& layout, const Paths& paths, const Bat
 }
 
 void TransitBook::add_entries(const TransitLayout& layout, Isa isa, MomentBuffer& buffer) {
-  resize_on_large_pages(buffer.cells, layout.size());
+  buffer.cells.resize(layout.size());
   for (const TransitEntry& entry : entries_)
     if (buffer.cells[entry.cell].of[0] == 0) buffer.touched.push_back(entry.cell);
   kernel::add_moments(isa)(entries_.data(), entries_.size(), buffer.cells.data());

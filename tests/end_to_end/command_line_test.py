@@ -497,3 +497,14 @@ def test_viewers_read_what_the_program_wrote(tmp_path: Path, reference: Path, cr
         viewed = subprocess.run([sys.executable, Path(__file__).with_name("nexus_test.py"), *arguments], text=True,
                                 capture_output=True, timeout=300,
         assert viewed.returncode == 0, viewed.stdout + viewed.stderr
+
+
+def test_a_run_ends_when_the_centre_of_its_line_is_known_and_says_so_where_there_is_none(folder: Path) -> None:
+    line = ("--scan", "H0.frequency=286 kHz:297 kHz:23", "--set", "scan.particles=independent",
+            "--set", "until={centre_error: 100 Hz}")
+    output = run(folder / "line.h5", *line, "--particles", 64000)
+    assert 1000 <= read(output, "fates/particles").sum() / 23 < 64000
+    missed = rabiline("run", EXPERIMENT, "-o", folder / "flat.h5", "--progress", "none", *line, "--set", "law=quantum",
+                      "--particles", 2000)
+    assert missed.returncode == DONE
+    assert "there is no line in `detected` that chance could not have made" in missed.stderr

@@ -90,7 +90,7 @@ TEST(Moments, OfACoilThatTiltsSpins) {
   std::vector<Beamline> scan = apparatus.scan(7);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     std::erase_if(scan[i].parts, [](const PlacedPart& part) { return part.placement.name == "drive"; });
-    UniformField coil{0.02, 0.1e-6 * static_cast<double>(i), {}};
+    UniformField coil{0.02, 0.1e-6 * static_cast<double>(i + 1), {}};
     coil.direction = {1, 0, 0};
     std::get<UniformField>(scan[i].parts[1].part).field = 0.5e-6;
     scan[i].parts.insert(scan[i].parts.begin() + 2, place("coil", 0.3, coil));

@@ -19,7 +19,7 @@ Experiment half_detected(std::uint64_t particles, double error) {
   b.particles = particles;
   b.source = {GaussianSpeed{1000, 10}, Rectangle{4e-3, 1e-4}, ParallelDirection{}};
   b.parts.back() = place("screen", 1.2, Detector{Rectangle{2e-3, 4e-3}, {2, 2}, {}});
-  b.until = Until{error};
+  b.until = Until{error, {}};
   Experiment e;
   e.points = {b};
   return e;
@@ -114,7 +114,7 @@ TEST(Until, NeverTrustsLessThanAThousandParticles) {
   EXPECT_EQ(most_halvings(1 << 20), 10);
 }
 
-/// A line of 21 points, as high as wide, with errors of its own at each of them.
+/// A line whose points each have an error of their own.
 DetectorResult bell(const std::vector<double>& x, double error) {
   DetectorResult detector;
   for (const double at : x) {
@@ -150,53 +150,57 @@ TEST(ErrorOfCentre, IsUnknownWhereChanceMakesTheSlopes) {
 }
 
 /// Rabi's apparatus on either side of its resonance.
+/// With particles of its own at each point: the same ones make a line whose place hardly is by chance.
 Experiment scanned_line(std::uint64_t seed, std::uint64_t particles) {
   Apparatus apparatus;
   apparatus.particles = particles;
   Experiment e;
-  std::vector<Beamline> points = apparatus.scan(21);
+  std::vector<Beamline> points = apparatus.scan(11);
   ScanAxis axis{"drive.frequency", Dimension::frequency, {}, {}};
   for (Beamline& b : points) {
     b.seed = seed;
     axis.values.push_back(*std::get<RotatingField>(b.parts[2].part).frequency);
   }
   e.axes = {axis};
+  e.particles = ScanParticles::independent;
   e.points = points;
   return e;
 }
 /// The scatter of c in a + b f(x - c), with f the mean of all runs, over the error that each run states.
 TEST(ErrorOfCentre, IsTheScatterOfFits) {
-  constexpr int runs = 100;
+  constexpr int runs = 40;
   std::vector<DetectorResult> curves;
-  std::vector<double> x, mean(21);
+  std::vector<double> x, mean(11);
   double stated2 = 0;
   for (int k = 0; k < runs; ++k) {
-    const Experiment e = scanned_line(static_cast<std::uint64_t>(k) + 1, 2000);
+    const Experiment e = scanned_line(static_cast<std::uint64_t>(k) + 1, 16000);
     const Plan plan = make_plan(e);
     x = e.axes[0].values;
     curves.push_back(finish(e, plan, run(plan, {}).sums).detectors[0]);
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += curves.back().detected[i] / runs;
     stated2 += std::pow(error_of_centre(x, curves.back()), 2) / runs;
   }
-  Eigen::MatrixXd model(21, 3);
-  for (Eigen::Index i = 0; i < 21; ++i) {
+  Eigen::MatrixXd model(11, 3);
+  for (Eigen::Index i = 0; i < 11; ++i) {
     const auto at = [&](Eigen::Index j) {
-      return static_cast<std::size_t>(std::clamp<Eigen::Index>(j, 0, 20));
+      return static_cast<std::size_t>(std::clamp<Eigen::Index>(j, 0, 10));
     };
     model.row(i) << 1, mean[at(i)], -(mean[at(i + 1)] - mean[at(i - 1)]) / (x[at(i + 1)] - x[at(i - 1)]);
   }
   double scatter2 = 0;
   for (const DetectorResult& curve : curves) {
-    const Eigen::Map<const Eigen::VectorXd> y(curve.detected.data(), 21);
+    const Eigen::Map<const Eigen::VectorXd> y(curve.detected.data(), 11);
     scatter2 += std::pow((model.transpose() * model).ldlt().solve(model.transpose() * y)(2), 2) / runs;
   }
-  // Of 100 runs the scatter is known to 7 %.
-  EXPECT_NEAR(std::sqrt(scatter2 / stated2), 1, 0.25);
+  ASSERT_TRUE(std::isfinite(stated2));
+  // Of 40 runs the scatter is known to 11 %.
+  EXPECT_NEAR(std::sqrt(scatter2 / stated2), 1, 0.35);
 }
 TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
   Experiment e = scanned_line(1, 64000);
   const Plan all = make_plan(e);
-  const double known = error_of_centre(e.axes[0].values, finish(e, all, run(all, {}).sums).detectors[0]);
+  const Result whole = finish(e, all, run(all, {}).sums);
+  const double known = error_of_centre(e.axes[0].values, whole.detectors[0]);
   std::vector<Beamline> points(e.points.begin(), e.points.end());
   // A quarter of the particles makes the error twice as large, an eighth 2.8 times.
   for (Beamline& b : points) b.until = Until{{}, ScannedQuantity{2.4 * known, Dimension::frequency}};
@@ -206,9 +210,10 @@ TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
   EXPECT_TRUE(outcome.finished);
   EXPECT_EQ(outcome.halvings, 2);
   // Both precisions are asked for where both are given.
-  for (Beamline& b : points) b.until->detected_error = 0.49 / std::sqrt(33000.0);
+  const double detected = reached_by(whole, {}).detected_error;
+  for (Beamline& b : points) b.until->detected_error = 1.2 * detected;
   e.points = points;
-  EXPECT_LT(run_until(e, make_plan(e)).halvings, 2);
+  EXPECT_EQ(run_until(e, make_plan(e)).halvings, 0);
 }
 
 }  // namespace
