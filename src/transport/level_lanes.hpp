@@ -13,6 +13,9 @@ namespace rabiline::RABILINE_ISA {
 
 /// Particles on their way through a course, whose levels are of one manifold.
 class LevelFlight {
+  /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
+  static constexpr double calm_share = 0.01;
+
  public:
   Amplitudes a;
 
@@ -139,21 +142,6 @@ class LevelFlight {
     axes = moved_to(end.n, axes);
     return good;
   }
-  /// From the matrices at the Gauss points to those of the two exponentials.
-  static inline void mix(const LevelManifold& f, LevelMatrix& one, LevelMatrix& two) {
-    const auto both = [](real& first, real& second) {
-      constexpr double near = 0.25 - 0.28867513459481288225, far = 0.25 + 0.28867513459481288225;
-      const real sum = far * first + near * second;
-      second = near * first + far * second;
-      first = sum;
-    };
-    for (int k = 0; k < f.levels; ++k) both(one.diagonal[k], two.diagonal[k]);
-    for (int j = 0; j < f.couplings; ++j) {
-      both(one.re[j], two.re[j]);
-      both(one.im[j], two.im[j]);
-    }
-  }
-
   /// The same state with another first axis.
   inline void turn_about_third(const LevelAxes& from, const LevelAxes& to, Amplitudes& state) const {
     const Phasor by{dot(from.first, to.first), dot(to.first, from.second())};
@@ -183,8 +171,10 @@ class LevelFlight {
     if (!any(lanes)) return;
     LevelMatrix now, before, after;
     FollowedField f;
-    const real ds = min(near, 0.25 * (end - begin)), middle = max(begin + ds, min(end - ds, s));
     matrix_at(section, s, axes_, now, f);
+    // The field may change a little later what it does not change here.
+    const real ds = min(min(near, 1.0 / max(radius_of(f_, now), broadcast(tiny))), 0.25 * (end - begin)),
+               middle = max(begin + ds, min(end - ds, s));
     matrix_at(section, middle - ds, axes_, before, f);
     matrix_at(section, middle + ds, axes_, after, f);
     divide_by_gaps(f_, now);
@@ -249,7 +239,8 @@ class LevelFlight {
       const Calm calm = calm_of(f, now);
       const real spread = radius_of(f, now);
       const real changes = length_of(field.rate) / max(here.size * calm.gap, broadcast(tiny));
-      const mask is_calm = (calm.left_out(changes) < broadcast(tolerance)) & (calm.gap > broadcast(0));
+      const mask is_calm =
+          (calm.left_out(changes) < broadcast(calm_share * tolerance)) & (calm.gap > broadcast(0));
       const real leap = min(min(skip, left), 0.5 / max(changes * calm.gap, broadcast(tiny)));
       const mask skips = going & is_calm & (leap * spread > broadcast(10)) & (driven ? mask{} : ~mask{});
       const mask resolves = going & ~skips;
@@ -283,7 +274,7 @@ class LevelFlight {
         good = good & step(section, s + 0.5 * trial, 0.5 * trial, halves, half_axes);
         turn_about_third(whole_axes, half_axes, whole);
         const real allowed = tolerance * (0.25 * (trial / stay) + 1e-2);
-        const real error = difference(whole, halves) * (1.0 / 15) / allowed;
+        const real error = difference(f_.levels, whole, halves) * (1.0 / 15) / allowed;
         const mask accepted = resolves & good & (error <= broadcast(1));
         real size2 = broadcast(0);
         for (int k = 0; k < f_.levels; ++k) {
@@ -316,8 +307,8 @@ class LevelFlight {
     size_ = followed(field, axes_).signed_size;
   }
 
-  /// Phases over a long step, by Kronrod's seven points; the error is what Gauss' three differ by, to the
-  /// power 3/2.
+  /// Phases over a long step, by Kronrod's seven points; the error is that of QUADPACK, by what Gauss' three
+  /// differ: 200^(3/2) times its power 3/2, over the root of the variation.
   [[gnu::noinline]] inline mask try_skip(const CourseSection& section, real s, real h, const LevelAxes& axes,
                                          real size, const Amplitudes& before, Amplitudes& turned,
                                          LevelAxes& there, real& error) const {
@@ -327,7 +318,7 @@ class LevelFlight {
                                    0.4509165386584741, 0.4013974147759622, 0.2684880898683334,
                                    0.1046562260264673};
     constexpr double gauss[7] = {0, 5.0 / 9, 0, 8.0 / 9, 0, 5.0 / 9, 0};
-    real angle[most_levels], off[most_levels];
+    real angle[most_levels], off[most_levels], begun[most_levels], varies = broadcast(tiny);
     for (int k = 0; k < f_.levels; ++k) angle[k] = off[k] = broadcast(0);
     mask good = ~mask{};
     real last_1{}, last_2{};
@@ -338,7 +329,8 @@ class LevelFlight {
       const Calm calm = calm_of(f_, now);
       const real turning2 = fma(f.turn_1, f.turn_1, f.turn_2 * f.turn_2),
                  stretching = f.size_rate / max(f.size, broadcast(tiny));
-      const real changes = sqrt(fma(stretching, stretching, turning2)) / max(calm.gap, broadcast(tiny));
+      const real swift = sqrt(fma(stretching, stretching, turning2)),
+                 changes = swift / max(calm.gap, broadcast(tiny));
       const real ratio_1 = f.turn_1 / max(calm.gap, broadcast(tiny)),
                  ratio_2 = f.turn_2 / max(calm.gap, broadcast(tiny));
       real moves = broadcast(0);
@@ -349,11 +341,15 @@ class LevelFlight {
       last_1 = ratio_1;
       last_2 = ratio_2;
       good = good & (f.cosine > broadcast(0.5)) & (f.signed_size * size > broadcast(0)) &
-             (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) < broadcast(2 * course_.tolerance));
+             (swift * h < broadcast(1.5)) &
+             (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) <
+              broadcast(2 * calm_share * course_.tolerance));
       real energy[most_levels];
       shifted_energies(f_, now, energy);
       for (int k = 0; k < f_.levels; ++k) {
         const real part = 0.5 * h * energy[k];
+        if (i == 0) begun[k] = part;
+        varies = max(varies, abs(part - begun[k]));
         angle[k] = fma(part, broadcast(kronrod[i]), angle[k]);
         off[k] = fma(part, broadcast(kronrod[i] - gauss[i]), off[k]);
       }
@@ -375,18 +371,9 @@ class LevelFlight {
       turned.re[k] = fma(before.re[k], cosine, before.im[k] * sine);
       turned.im[k] = fnma(before.re[k], sine, before.im[k] * cosine);
     }
-    error = sqrt(square) * sqrt(sqrt(square));
+    const real rms = sqrt(square);
+    error = 2828.0 * rms * sqrt(rms / max(varies, rms));
     return good;
-  }
-  /// By how much two states differ, but for a common phase.
-  inline real difference(const Amplitudes& one, const Amplitudes& other) const {
-    real square = broadcast(0), phase = broadcast(0);
-    for (int k = 0; k < f_.levels; ++k) {
-      const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
-      square = fma(re, re, fma(im, im, square));
-      phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
-    }
-    return sqrt(max(broadcast(0), fnma(phase, phase, square)));
   }
 
   const LevelCourse& course_;

@@ -231,6 +231,31 @@ RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes
   }
 }
 
+/// From the matrices at the Gauss points to those of the two exponentials.
+inline void mix(const LevelManifold& f, LevelMatrix& one, LevelMatrix& two) {
+  const auto both = [](real& first, real& second) {
+    constexpr double near = 0.25 - 0.28867513459481288225, far = 0.25 + 0.28867513459481288225;
+    const real sum = far * first + near * second;
+    second = near * first + far * second;
+    first = sum;
+  };
+  for (int k = 0; k < f.levels; ++k) both(one.diagonal[k], two.diagonal[k]);
+  for (int j = 0; j < f.couplings; ++j) {
+    both(one.re[j], two.re[j]);
+    both(one.im[j], two.im[j]);
+  }
+}
+/// By how much two states differ, but for a common phase.
+inline real difference(int levels, const Amplitudes& one, const Amplitudes& other) {
+  real square = broadcast(0), phase = broadcast(0);
+  for (int k = 0; k < levels; ++k) {
+    const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
+    square = fma(re, re, fma(im, im, square));
+    phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
+  }
+  return sqrt(max(broadcast(0), fnma(phase, phase, square)));
+}
+
 /// How weak couplings are at one moment against what they couple.
 struct Calm {
   real ratio;   // the largest |V_kl / (E_k - E_l)|
