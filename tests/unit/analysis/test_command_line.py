@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from PIL import Image
+from rabiline import results
 from rabiline.__main__ import main
 from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
 
@@ -187,6 +188,11 @@ def test_images_get_the_size_that_is_asked_for_and_letters_that_fit(folder: Path
     assert across <= 200.2 and up <= 120.2 and (across > 199 or up > 119)
     assert main(["plot-image", str(folder / "dorado.h5"), "--size", "60x40", "-o", str(picture)]) == 2
     assert "is the least of this shape; --points chooses fewer images" in capsys.readouterr().err
+
+
+def test_a_scan_over_laws_alone_is_drawn_as_profiles(folder: Path) -> None:
+    figure = results.read(folder / "only_laws.h5").plot()
+    assert figure.axes[0].get_xlabel().startswith("z (") and len(figure.legends or [figure.axes[0].get_legend()]) == 1
 
 
 def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureFixture) -> None:
