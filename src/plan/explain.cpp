@@ -1,11 +1,11 @@
 #include "plan/explain.hpp"
 
 #include <bit>
-#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "core/constants.hpp"
 #include "particle/channel.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/level_history.hpp"
@@ -14,7 +14,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 /// Prints one chain of the plan: the stages that scan point 0 passes.
 class Explainer {

@@ -152,7 +152,7 @@ class TransitMaker {
         one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
-      const auto turning = turning_of(one);
+      const auto turning = angle_along(one);
       const auto cells = turning ? cells_for(*turning) : std::nullopt;
       if (!cells) {
         nodes[group.front()].why_one_by_one = turning ? turns_too_fast : no_closed_form;
@@ -189,7 +189,7 @@ class TransitMaker {
       return by_particle(node, "the weights of an aimed source are changed on the way");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
-    const auto turning = turning_of(node);
+    const auto turning = angle_along(node);
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
@@ -211,7 +211,7 @@ class TransitMaker {
   }
 
   /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
-  static std::optional<double> turning_of(const PlanNode& node) {
+  static std::optional<double> angle_along(const PlanNode& node) {
     double angle = 0;
     for (const PlanNode::Way& way : node.ways) {
       const SpinPath& path = *path_of(way.stage);

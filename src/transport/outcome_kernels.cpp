@@ -211,7 +211,7 @@ void share_by_course(const SpinPathView& q, const BatchView& batch, const std::u
         set_lane(velocity.z, k, batch.vz[i]);
         set_lane(t, k, batch.t[i]);
       }
-      LevelFlight flight(course, manifold, q.key, batch.y, place, velocity, t, batch.fall, number);
+      LevelFlight flight(course, manifold, {course, q.key, batch.y, place, velocity, t, batch.fall, number});
       flight.fly(course.place_of[level], weight_words != words{});
       flight.probabilities(parts, q.levels);
       const real weight = number_of(weight_words);

@@ -125,8 +125,8 @@ struct TransitEntry {
 /// Adds w t^k to moment k for each entry, rounded to a whole number.
 RABILINE_KERNEL(add_moments, void(const TransitEntry*, std::size_t count, CellMoments*))
 
-/// sums[i][j] += sum over k of a[i][k] b[j][k]: columns of so many rows, a multiple of 8, one after the
-/// other.
+/// sums[i][j] += sum over k of a[i][k] b[j][k] for i >= j, as the caller's whole sum is symmetric: columns of
+/// so many rows, a multiple of 8, one after the other.
 RABILINE_KERNEL(add_products, void(const double* a, const double* b, std::ptrdiff_t rows,
                                    std::ptrdiff_t columns, double* sums))
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "input/experiment.hpp"
 #include "physics/suggested.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline::bench {
 namespace {
