@@ -206,3 +206,10 @@ def test_random_flights_through_random_fields_agree_with_an_independent_integrat
     told = subprocess.run([script, PROGRAM, "--count", "50"], capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
     assert int(told.stdout.split()[0]) > 35
+
+
+def test_random_atoms_through_random_fields_agree_with_their_whole_hamiltonian():
+    script = Path(__file__).resolve().parents[2] / "tools" / "random-levels"
+    told = subprocess.run([script, PROGRAM, "--count", "50"], capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert int(told.stdout.split()[0]) > 45
