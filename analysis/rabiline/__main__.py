@@ -37,6 +37,7 @@ VERBS = {  # and the module of each, imported when it is called
     "forecast": ("fit_commands", "how well a measurement will know parameters"),
 }
 DRAWING = {"pictures", "apparatus", "fit_commands", "laws_commands"}  # what they give back is written to --output
+PICTURES = {"pictures": "", "apparatus": "-apparatus"}  # always drawn, and what is added to the file's name
 
 
 class Parser(argparse.ArgumentParser):
@@ -53,6 +54,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("MPLBACKEND", "Agg")
     verb, parser = _parser(words)
     options = parser.parse_args(words[1:] if verb else words)
+    if verb and VERBS[verb][0] in PICTURES and options.output is None:
+        first = options.files[0] if hasattr(options, "files") else options.file
+        options.output = Path(f"{first.stem}{PICTURES[VERBS[verb][0]] or verb.removeprefix('plot')}.png")
+        options.told = True
     try:
         if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
             from . import style
@@ -61,6 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 if VERBS[verb][0] == "pictures":
                     figure = import_module(".pictures", __package__).limited(figure, options)
                 _save(figure, options.output, options.dpi)
+            if getattr(options, "told", False):
+                print(f"wrote {options.output}")
         else:
             options.command(options)
         sys.stdout.flush()

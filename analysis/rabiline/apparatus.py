@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 import argparse
+import time
 from argparse import ArgumentParser
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,12 +21,13 @@ from .units import Scale, fitting_scale, format_value
 
 if TYPE_CHECKING:
     from .experiment import Experiment
-    from .tracks import Tracks
+    from .tracks import Track, Tracks
 
 PATHS = 50
 PLACES = 600  # along the beam, where fields are probed
 FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
+AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds after which no more are flown than were flown by then
 FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
@@ -52,9 +54,10 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.set_defaults(command=draw)
     parser.description = "The apparatus before a run: along the beam to scale, across it stretched; with 50 paths."
     parser.add_argument("file", metavar="FILE", type=Path)
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG")
+    parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="PNG, PDF or SVG; FILE-apparatus.png where it is missing")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("-n", "--paths", type=int, default=PATHS, metavar="N", help="50 by default; 0 draws the apparatus alone")
+    parser.add_argument("-n", "--paths", type=int, metavar="N",
+                        help=f"{PATHS} by default, or fewer where they take long to fly; 0 draws the apparatus alone")
     parser.add_argument("--title")
 
 
@@ -68,12 +71,12 @@ def draw(options: argparse.Namespace) -> Figure:
     return draw_apparatus(experiment, options.paths, options.title)
 
 
-def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None = None) -> Figure:
-    """Side (z) and top (x) view over y, and the fields along the beam."""
+def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str | None = None) -> Figure:
+    """Side (z) and top (x) view over y, and the fields along the beam. `paths` are PATHS by default, or as many as PATIENCE allows."""
     pieces = pieces_of(experiment)
     if not pieces:
         raise InputError(f"{experiment.path}: no parts to draw")
-    tracks = experiment.trace(paths) if paths > 0 else None
+    tracks = _traced(experiment, paths)
     end = max(piece.begin + piece.length for piece in pieces) * 1.02
     fields = fields_along(experiment, pieces, end)
     figure, panels = plt.subplots(4 if fields else 3, 1, figsize=(9.0, 7.8 if fields else 6.4), sharex=True, layout="constrained",
@@ -98,6 +101,15 @@ def draw_apparatus(experiment: Experiment, paths: int = PATHS, title: str | None
             line.set(linewidth=2, alpha=1)
     style.write_title(figure, title or experiment.title)
     return figure
+
+
+def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
+    if paths is not None:
+        return experiment.trace(paths) if paths > 0 else None
+    begun, tracks = time.monotonic(), experiment.trace(AT_ONCE)
+    while len(tracks.tracks) < PATHS and time.monotonic() - begun < PATIENCE:
+        tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(AT_ONCE, len(tracks.tracks)).tracks))
+    return tracks
 
 
 @dataclass(frozen=True)
@@ -203,21 +215,27 @@ def _walls(axes: Axes, low: float, length: float, centre: float, size: float, ha
             axes.add_patch(Rectangle((low, 1e3 * bottom), length, 1e3 * height, facecolor=colour, edgecolor="none", zorder=2.5))
 
 
+def _fate(track: Track) -> str:
+    """In words, with the place."""
+    where = f"{'by' if track.fate == 'stopped' else 'at'} {track.where}" if track.where else ""
+    return f"{track.fate.replace('_', ' ')} {where}".strip()
+
+
 def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
     """One colour for each fate."""
     index = "xyz".index(across)
-    fates = list(dict.fromkeys(f"{track.fate.replace('_', ' ')} {track.where}".strip() for track in tracks.tracks))
+    fates = list(dict.fromkeys(map(_fate, tracks.tracks)))
     colours = [LAWS["classical"][0], LAWS["dorado"][0], *(colour for colour, _ in OTHERS), GREY]
     fates.sort(key=lambda fate: not fate.startswith("detected"))
     if not fates[0].startswith("detected"):
         colours = colours[1:]
     shown = set()
     for track in tracks.tracks:
-        fate = f"{track.fate.replace('_', ' ')} {track.where}".strip()
+        fate = _fate(track)
         number = min(fates.index(fate), len(colours) - 1)
         label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
         shown.add(number)
-        few = slice(None, None, -(-track.time.size // MOST_RECORDS))
+        few = np.unique(np.linspace(0, track.time.size - 1, min(track.time.size, MOST_RECORDS)).astype(int))
         axes.plot(track.position[few, 1], 1e3 * track.position[few, index].clip(-2 * half, 2 * half), color=colours[number],
                   linewidth=0.7, alpha=0.8, zorder=4, label=label)
 

@@ -175,7 +175,7 @@ def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | 
 
 
 def enough(fraction: np.ndarray, particle: np.ndarray) -> np.ndarray:
-    """Where at least `COUNTED` particles do what most do not."""
+    """[n] Where at least `COUNTED` particles do what most do not."""
     return np.minimum(fraction, 1 - fraction) >= COUNTED * particle
 
 

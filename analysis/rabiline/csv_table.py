@@ -61,6 +61,8 @@ def read_table(path: Path | str) -> Table:
     if not rows:
         raise FileError(path, "an empty table")
     header, names = rows[0]
+    if len(names) == 1 and ";" in names[0]:
+        raise FileError(path, f"line {header}: a comma stands between columns, and a point in numbers, not `;` and `,`")
     columns = tuple(_column(text) for text in names)
     for line, cells in rows[1:]:
         if len(cells) != len(columns):

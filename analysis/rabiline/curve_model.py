@@ -1,11 +1,12 @@
 """What an experiment expects a detector to count over a scan, as a function of its parameters.
 
 Every evaluation flies the same random numbers, so that the curve follows a parameter smoothly where this turns spins. Where
-it moves particles across edges the curve moves in steps of one particle: derivatives are therefore differences over about
-one standard deviation of the parameter, and wide enough that `MOVED` particles are counted differently.
+it moves particles across edges the curve moves in steps of one particle, and where it turns what each particle does by many
+phases the curve trembles: derivatives are therefore differences over about one standard deviation of the parameter, or wider.
 
-How the curve changes with the parameters is found with some of the particles, `EXPLORED` at most, as what these do
-differently is known well; the curve itself with all of them, where a fit has come to rest.
+How the curve changes with the parameters is found with few particles, in groups that know nothing of each other. What they all
+say is the slope, what they differ in is its noise; steps widen, and particles become more, until that is small. The curve itself
+is that of all particles, where a fit has come to rest.
 """
 from __future__ import annotations
 
@@ -15,16 +16,20 @@ from typing import Callable, Sequence
 
 import numpy as np
 
+from .counts import Counts
 from .covariance import Spread
 from .errors import BadInput
-from .experiment import Experiment
+from .experiment import Experiment, InputError
 
-MOVED = 1000  # particles
+NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
+SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
+HELPS = 1.5  # times less noise, for a wider step to be worth while
 MOST_UNUSED = 4  # times as many places in a grid as a table has
-LARGEST_STEP = 0.2  # of the parameter's value
-EXPLORED = 5000  # particles at most, and a quarter of all of them
-LEAST_EXPLORED = 500
-PART, LEAST_PART, SMOOTH = 0.1, 0.001, 0.2  # of a step, over which slopes are compared, and by how much they may differ
+LARGEST_STEP = 0.1  # of the parameter's value
+LARGEST_FROM_ZERO = 1e3  # SI
+EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
+MORE = 4  # times as many, where they do not suffice
+SEEDS = 20011, 20021, 20023, 20029  # of the groups
 
 
 class NoFit(BadInput):
@@ -37,6 +42,7 @@ class Evaluated:
 
     y: np.ndarray  # [n] detected fraction
     covariance: np.ndarray  # [n, n] of the simulation
+    groups: np.ndarray  # [groups, n] curves of particles of their own, of which y is the mean
 
 
 @dataclass
@@ -53,7 +59,8 @@ class CurveModel:
     explored: int = 0  # particles; 0: as many as serve
     told: Callable[[int, int, float], None] | None = None  # hears the flights made, their particles and the seconds of the last
     flights: int = 0
-    _known: dict[tuple[bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)
+    _widened: dict[int, float] = field(default_factory=dict)  # steps of parameters whose slopes are noisy
+    _known: dict[tuple[int, bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         scanned, self._rows = self._grid()
@@ -91,30 +98,42 @@ class CurveModel:
         try:
             return [self.experiment.scan().unit(one) for one in name.split("+")][0]
         except KeyError:
-            raise NoFit(f"`{name}` is no number that the file states: write it there, or give its dotted name as in --set") \
-                from None
+            wrong = [text for one in name.split("+") for text in unknown(self.experiment, one, 1.0)]
+            raise NoFit(wrong[0] if wrong and "did you mean" in wrong[0] else f"`{name}` is no number that the file states: write it there, or give its dotted "
+                        "name as in --set") from None
 
     def at(self, values: Sequence[float], whole: bool = False) -> Evaluated:
         """Flies it, with the parameters in SI: `explored` particles, or the `whole` of them."""
-        changed = self.changes(values)
-        key = whole or self.explored == self.particles, tuple(map(float, values))
+        key = self.explored, whole, tuple(map(float, values))
         if key not in self._known:
             self.flights += 1
             begun = time.monotonic()
-            particles = self.particles if key[0] else self.explored
-            result = self.scanned.set({**changed, "particles": particles}).fly(self.threads).core
+            changed = self.changes(values)
+            particles = self.particles if whole else self.explored
+            if whole:
+                y, covariance = self._flown({**changed, "particles": particles})
+                groups = y[None]
+            else:
+                flown = [self._flown({**changed, "particles": particles // len(SEEDS), "seed": seed}) for seed in SEEDS]
+                groups = np.array([y for y, _ in flown])
+                y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(SEEDS)**2
             if self.told is not None:
                 self.told(self.flights, particles, time.monotonic() - begun)
-            i = result.detectors.index(self.detector)
-            y, covariance = result.detected[i], result.covariance[i]
-            covariance = covariance.reshape(y.size, y.size)[np.ix_(self._rows, self._rows)] if covariance.size else None
-            y, errors = y[self._rows], result.errors[i][self._rows]
-            spread = Spread.of(y, errors, covariance, np.array(result.particles))
-            covariance = spread.covariance
-            unseen = np.flatnonzero(y <= 0)  # what would be seen there is not known, at each place by itself
-            covariance[np.ix_(unseen, unseen)] = np.diag(spread.errors[unseen]**2)
-            self._known[key] = Evaluated(y, covariance)
+            self._known[key] = Evaluated(y, covariance, groups)
         return self._known[key]
+
+    def _flown(self, changes: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
+        """The curve [n] and its covariance [n, n]."""
+        result = self.scanned.set(changes).fly(self.threads).core
+        i = result.detectors.index(self.detector)
+        y, covariance = result.detected[i], result.covariance[i]
+        covariance = covariance.reshape(y.size, y.size)[np.ix_(self._rows, self._rows)] if covariance.size else None
+        y, errors = y[self._rows], result.errors[i][self._rows]
+        spread = Spread.of(y, errors, covariance, np.array(result.particles))
+        covariance = spread.covariance
+        unseen = np.flatnonzero(y <= 0)  # what would be seen there is not known, at each place by itself
+        covariance[np.ix_(unseen, unseen)] = np.diag(spread.errors[unseen]**2)
+        return y, covariance
 
     def changes(self, values: Sequence[float]) -> dict[str, str]:
         """As `Experiment.set` takes them; names with `+` between have one value."""
@@ -122,51 +141,90 @@ class CurveModel:
                 for name in names.split("+")}
 
     def start(self) -> np.ndarray:
-        """The values in the file, SI."""
+        """[k] The values in the file, SI."""
         experiment = self.experiment.scan()
         return np.array([experiment.value(name.split("+")[0]) for name in self.names])
 
     def step(self, values: np.ndarray, number: int, wanted: float) -> float:
-        """A step of one parameter that counts `MOVED` particles differently, `wanted` or more, and no more than
-        `LARGEST_STEP` of the value. A parameter without any effect is refused."""
-        largest = LARGEST_STEP * abs(values[number]) if values[number] != 0 else np.inf
-        step = min(wanted, largest)
-        here = self.at(values).y
+        """A step of one parameter, `wanted` or more, over which its slope is known to `NOISE`: wider as long as that helps, up
+        to `LARGEST_STEP` of the value, else with more particles. A parameter without any effect is refused."""
+        largest = LARGEST_STEP * abs(values[number]) if values[number] != 0 else LARGEST_FROM_ZERO
+        step, before = min(max(wanted, self._widened.get(number, 0.0)), largest), np.inf
         while True:
-            moved = np.abs(self.at(_moved(values, number, step)).y - here).sum() * self.explored
-            if moved >= MOVED or step >= largest:
+            change = self.at(_moved(values, number, step)).groups - self.at(values).groups
+            variance, ways = noise_of(change, self.at(values).y)
+            noise = max(variance / SPREAD, variance / ways)
+            if noise <= NOISE:
                 break
-            step = min(step * (10 if moved < MOVED / 30 else 2), largest)
-        if moved == 0:
-            raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts")
+            if step < largest and (noise > 1 or noise < before / HELPS):
+                step, before = min(step * (10 if noise > 1 else 2), largest), noise
+            elif not change.any():
+                raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts")
+            elif not self.explore_more():
+                break
+        if step > wanted:
+            self._widened[number] = step
         return step
 
     def first_steps(self, values: np.ndarray) -> np.ndarray:
-        """One for each parameter, and the choice of how many particles explore."""
-        steps = [self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)]
-        if not self.explore(values, steps):
-            return self.first_steps(values)
-        return np.array(steps)
+        """[k] One for each parameter, SI."""
+        return np.array([self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)])
 
-    def explore(self, values: np.ndarray, steps: Sequence[float]) -> bool:
-        """Whether few particles show how the curve changes: it does so smoothly, as where spins turn, and no particle crosses an
-        edge. Else all particles are flown from here on."""
-        def slope(i: int, part: float) -> np.ndarray:
-            return (self.at(_moved(values, i, part * steps[i])).y - self.at(values).y) / part
+    def explore_more(self) -> bool:
+        """More particles from here on, if there are any and the user has not chosen how many."""
+        if self.chosen or self.explored == self.particles:
+            return False
+        self.explored = min(MORE * self.explored, self.particles)
+        return True
 
-        def is_smooth(i: int) -> bool:
-            return bool(np.abs(slope(i, LEAST_PART) - slope(i, PART)).sum() < SMOOTH * np.abs(slope(i, PART)).sum())
 
-        if self.chosen or self.explored == self.particles or all(map(is_smooth, range(len(steps)))):
-            return True
-        self.explored = self.particles
-        return False
+def unknown(experiment: Experiment, name: str, value: str | float) -> list[str]:
+    """What is wrong with the name of a parameter or the value, in the words of the program; nothing where it can be set."""
+    try:
+        experiment.scan().set({name: value})
+    except InputError as problem:
+        return [f"{one['message']}\n  help: {one['help']}" for one in problem.diagnostics[:1]]
+    return []
+
+
+def check_columns(experiment: Experiment, counts: Counts) -> None:
+    """That the experiment knows what the table calls scanned, in its units."""
+    for one in filter(None, (counts, counts.across)):
+        header = f"{one.parameter} [{one.unit}]" if one.unit else one.parameter
+        for wrong in unknown(experiment, one.parameter, one.places[0]):
+            unitless = not one.unit and not unknown(experiment, one.parameter, f"{one.places[0]} {_unit(experiment, one.parameter)}")
+            raise NoFit(f"{counts.path}: the column `{header}`: " + (
+                f"it has no unit\n  help: write `{one.parameter} [{_unit(experiment, one.parameter)}]`" if unitless else wrong))
+
+
+def _unit(experiment: Experiment, name: str) -> str:
+    try:
+        return experiment.scan().unit(name)
+    except KeyError:
+        return ""
+
+
+def noise_of(groups: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """The relative variance of the mean of groups [groups, n] of a change of the curve y [n], as counts weigh it: what they differ
+    in over what they have in common. And in how many ways they differ, over the points: 1 where all points tremble together."""
+    weighted = groups / np.sqrt(np.maximum(y, 1e-3 * y.max(initial=1e-300)))
+    q, mean = len(groups), weighted.mean(axis=0)
+    products = (weighted - mean) @ (weighted - mean).T
+    noise = np.trace(products) / q / (q - 1)
+    common = np.sum(mean**2) - noise
+    alike = np.sum(products**2) / np.trace(products)**2 - 1 / (q - 1) if noise > 0 else 1.0
+    return float(noise / common) if common > 0 else np.inf, 1 / max(alike, 1 / y.size)
 
 
 def _moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
     out = np.array(values, dtype=float)
     out[number] += by
     return out
+
+
+def _agreed(groups: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """The mean [n] of groups [groups, n], less where it is mostly noise."""
+    return groups.mean(axis=0) / (1 + noise_of(groups, y)[0])
 
 
 @dataclass(frozen=True)
@@ -179,7 +237,7 @@ class Surface:
     slopes: np.ndarray  # [k, n] for one step
     bends: np.ndarray  # [k, k, n] half of the second differences
     covariance: np.ndarray  # [n, n]
-    moved: np.ndarray  # [k] particles that a step counts differently: the slopes are known to a part 1/sqrt(moved)
+    noise: np.ndarray  # [groups, k, n] what the groups differ in, such that the sum of squares is the variance of the slopes
 
     @classmethod
     def about(cls, model: CurveModel, centre: np.ndarray, steps: np.ndarray, crossed: bool = True) -> Surface:
@@ -187,16 +245,18 @@ class Surface:
         here = model.at(centre)
         k = centre.size
         slopes, bends = np.zeros((k, here.y.size)), np.zeros((k, k, here.y.size))
-        above = []
+        noise, above = np.zeros((len(SEEDS), k, here.y.size)), []
         for i in range(k):
-            up, down = model.at(_moved(centre, i, steps[i])).y, model.at(_moved(centre, i, -steps[i])).y
+            up, down = (model.at(_moved(centre, i, side * steps[i])).groups for side in (1, -1))
             above.append(up)
-            slopes[i], bends[i, i] = (up - down) / 2, (up + down) / 2 - here.y
+            slopes[i] = (up - down).mean(axis=0) / 2
+            noise[:, i] = ((up - down) / 2 - slopes[i]) / np.sqrt(len(SEEDS) * (len(SEEDS) - 1))
+            bends[i, i] = _agreed((up + down) / 2 - here.groups, here.y)
         for i in range(k if crossed else 0):
             for j in range(i):
-                both = model.at(_moved(_moved(centre, i, steps[i]), j, steps[j])).y
-                bends[i, j] = bends[j, i] = (both - above[i] - above[j] + here.y) / 2
-        return cls(centre, steps, here.y, slopes, bends, here.covariance, np.abs(slopes).sum(axis=1) * model.explored)
+                both = model.at(_moved(_moved(centre, i, steps[i]), j, steps[j])).groups
+                bends[i, j] = bends[j, i] = _agreed((both - above[i] - above[j] + here.groups) / 2, here.y)
+        return cls(centre, steps, here.y, slopes, bends, here.covariance, noise)
 
     def whole(self, model: CurveModel) -> Surface:
         """About the same place with all particles; how it bends is that of those explored."""

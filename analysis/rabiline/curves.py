@@ -8,7 +8,7 @@ import numpy as np
 from .covariance import Spread
 from .errors import BadInput
 from .results import Axis, Results
-from .units import format_value, law_name
+from .units import law_name
 
 
 WITHOUT_RESONANCE = {"m", "m/s", "s", "K"}  # units of what places or speeds are
@@ -304,6 +304,6 @@ def _label(results: Results, rows: np.ndarray, row: int, others: list[Axis]) -> 
         parts.append(_common(results.species, rows[row]))
     for axis in others:
         if axis.parameter not in ("law", "species"):
-            value = axis.labels[row] if axis.labels else format_value(axis.values[row], axis.units)
+            value = axis.labels[row] if axis.labels else axis.text(axis.values[row])
             parts.append(f"{axis.parameter} = {value}")
     return ", ".join(filter(None, parts))

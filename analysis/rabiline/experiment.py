@@ -86,12 +86,12 @@ class Experiment:
         return self._number(name)[0]
 
     def unit(self, name: str) -> str:
-        """Its unit in SI; empty for a plain number."""
+        """Its unit in SI; empty for a plain number. Raises KeyError where it is none."""
         return self._number(name)[1]
 
     def set(self, changes: Mapping[str, Value] | None = None, **more: Value) -> Experiment:
         """With other values: `{"B.field": "9 mT", "law": "quantum"}`; a number is in SI. A word such as `particles=1000`
-        may be given by itself. The latest change of a name counts."""
+        may be given by itself. The latest change of a name counts. Raises InputError as `load` does."""
         made = {name: f"{name}={self._text(name, value)}" for name, value in {**(changes or {}), **more}.items()}
         kept = tuple(text for text in self.changes if text.partition("=")[0] not in made)
         return replace(self, changes=(*kept, *made.values()))
@@ -99,7 +99,7 @@ class Experiment:
     def scan(self, names: str | None = None, values: str | Iterable[Value] = ()) -> Experiment:
         """With a scan more, inside of those made here before and outside of the file's own: over a range, "280 kHz:300 kHz:21" with `:log` behind it for
         equal ratios, or over a list, `["9 mT", "10 mT"]` or numbers in SI. "a,b" scans two parameters together. Without
-        arguments: without any scan, the file's own included."""
+        arguments: without any scan, the file's own included. Raises InputError as `load` does."""
         if names is None:
             return replace(self, scans=(), without_scan=True)
         if not isinstance(values, str):
@@ -114,7 +114,8 @@ class Experiment:
             progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:
         """Flies it, or solves the model. `progress` is called with what is done (0 to 1) and the seconds left; True shows a
         bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
-        `threads` and `isa` never change a result. Warnings are given as ExperimentWarning."""
+        `threads` and `isa` never change a result. Warnings are given as ExperimentWarning. Raises InputError where something
+        is wrong that only a flight tells."""
         if self.is_model:
             from . import motions
             return motions.read(_core.solve(self._setup).image())
@@ -135,12 +136,13 @@ class Experiment:
         return dict(_core.probe(self._setup, [tuple(map(float, place)) for place in places]))
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
-        """The paths of a few particles, without the scan."""
+        """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
+        in s. Raises InputError for a model."""
         from . import tracks
         return tracks.read(_core.trace(self._setup, first, count))
 
     def fit(self, data: str | Path, free: Sequence[str], **options: object) -> CountsFit:
-        """Parameters from measured counts; see `rabiline.fitting.fit_counts`."""
+        """Parameters from measured counts; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
         from .fitting import fit_counts
         return fit_counts(self, data, free, **options)
 

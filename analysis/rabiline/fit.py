@@ -15,14 +15,14 @@ SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.
 
 
 def bell(x: np.ndarray, height: float, centre: float, width: float, steepness: float) -> np.ndarray:
-    """height 2^(-|2 (x - centre)/width|^steepness). `width` is the full width at half maximum whatever the steepness:
+    """[n] height 2^(-|2 (x - centre)/width|^steepness). `width` is the full width at half maximum whatever the steepness:
     2 is a Gaussian, close to a Rabi line's main lobe; large values a dip with a flat bottom."""
     distance = np.maximum(np.abs(2 * (x - centre) / width), 1e-300)
     return height * np.exp2(-np.exp(np.minimum(steepness * np.log(distance), 10.0)))
 
 
 def bells(x: np.ndarray, parameters: np.ndarray) -> np.ndarray:
-    """A baseline and one bell for every four numbers after it."""
+    """[n] A baseline and one bell for every four numbers after it."""
     return parameters[0] + sum(bell(x, *own) for own in parameters[SHARED:].reshape(-1, OWN))
 
 

@@ -31,9 +31,9 @@ counts at each point, is free where it is named.
 
 AFTER_FIT = """\
 The fit minimises -2 ln of the Poisson likelihood, in which the simulation may be off by its covariance. Every flight has
-the same random numbers. Derivatives are differences over about one standard deviation, and over so much that a thousand
-particles are counted differently, so that edges of slits and detectors do not stop the fit. `profile` is where -2 ln L, least
-over all other parameters, is one higher. Combinations of parameters that the counts do not know are named.
+the same random numbers. Derivatives are differences over about one standard deviation, or over more, with few particles or with
+more, until four groups of the particles agree about them: so edges of slits and detectors do not stop the fit. `profile` is
+where -2 ln L, least over all other parameters, is one higher. Combinations of parameters that the counts do not know are named.
 """
 
 ABOUT_FORECAST = """\
@@ -57,8 +57,8 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture with residuals")
         parser.add_argument("--title", help="of the picture")
         parser.add_argument("--explore", type=int, default=0, metavar="N",
-                            help="particles that show how the curve changes with the parameters; a quarter of all and 5000 at most by "
-                                 "default. The curve itself is that of all --particles")
+                            help="particles that show how the curve changes with the parameters; by default a quarter of all and 5000 "
+                                 "at most, or as many more as this needs. The curve itself is that of all --particles")
     else:
         parser.add_argument("--rate", type=float, metavar="R", help="particles that leave the source per second (1/s)")
         parser.add_argument("--seconds", type=float, default=1.0, metavar="T", help="at each scan point; 1 by default")
@@ -76,26 +76,27 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 class _Time:
     """Says how long a fit will take, where that is long."""
 
-    def __init__(self, parameters: int) -> None:
-        self.usual = 5 * (2 * parameters + 1) + parameters**2  # flights, about
+    def __init__(self, parameters: int, particles: float) -> None:
+        self.usual = 4 * (2 * parameters + 1) + parameters**2  # flights that explore, about
+        self.whole = int(particles)
         self.said: set[int] = set()
 
     def __call__(self, flights: int, particles: int, seconds: float) -> None:
         if particles in self.said or seconds * self.usual < LONG or flights == 1:
             return
-        number = "two or three" if self.said or flights > self.usual / 3 else f"about {self.usual}"
         self.said.add(particles)
-        print(f"a simulation of {particles} particles takes {seconds:.2g} s; a fit needs {number} of them"
-              + ("" if number.startswith("two") else f", {seconds * self.usual:.0f} s; fewer --explore are faster"),
-              file=sys.stderr, flush=True)
+        print(f"a simulation of {particles} particles takes {seconds:.2g} s; a fit needs "
+              + ("one or two of them" if particles == self.whole else
+                 f"about {self.usual} of them, {seconds * self.usual:.0f} s; fewer --explore are faster"), file=sys.stderr, flush=True)
 
 
 def fit(options: argparse.Namespace) -> Figure | None:
     """Parameters of an experiment from measured counts."""
     from .fit_plots import draw_fit
     names = options.free.split(",")
-    found = _experiment(options).scan().fit(options.data, names, detector=options.detector, threads=options.threads,
-                                            explore=options.explore, told=_Time(len(names)))
+    experiment = _experiment(options).scan()
+    found = experiment.fit(options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
+                           told=_Time(len(names), experiment.value("particles")))
     print(found)
     return draw_fit(found, options.title) if options.output else None
 

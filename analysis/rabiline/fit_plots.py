@@ -25,7 +25,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     scale = fitting_scale(fit.counts.x[order], fit.counts.unit)
     x = np.asarray(scale.apply(fit.counts.x[order]))
     lines = list(_numbers(fit))
-    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.2 * len(lines)), sharex=True, layout="constrained",
+    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines)), sharex=True, layout="constrained",
                                           height_ratios=(3, 1))
     low, high = (np.maximum(limit, 0) for limit in _poisson(counts))
     for own, label, colour in _rows(fit, order):
@@ -43,7 +43,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
-    above.set_title("\n".join(lines), fontsize=9)
+    above.set_title(style.in_rows(figure, lines, 9), fontsize=9)
     if fit.counts.across is None:
         above.legend(loc="best")
     else:
@@ -65,7 +65,7 @@ def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]
 def _numbers(fit: CountsFit) -> list[str]:
     width = [f"{name} = {format_value(value, unit, error)}" for name, unit, value, error in
              zip(fit.names, fit.units, fit.values, fit.errors)]
-    return [*width, f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"]
+    return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"] if fit.freedom > 0 else [])]
 
 
 def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -19,7 +19,7 @@ def report(fit: CountsFit) -> Iterable[str]:
            f"{' and '.join([fit.counts.parameter, *([fit.counts.across.parameter] if fit.counts.across else [])])}, at {fit.detector}")
     width = max(map(len, fit.names))
     for i, (name, unit) in enumerate(zip(fit.names, fit.units)):
-        if any(abs(direction.parts[i]) > 0.02 for direction in fit.degenerate):
+        if any(i in direction.involved for direction in fit.degenerate):
             yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit)}"
             continue
         low, high = fit.intervals[i]
@@ -35,7 +35,8 @@ def report(fit: CountsFit) -> Iterable[str]:
             for j in range(i):
                 if abs(correlation[i, j]) > 0.3:
                     yield f"  correlation of {fit.names[j]} and {name}: {correlation[i, j]:+.2f}"
-    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.3g}"
+    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.3g}" if fit.freedom > 0 else \
+        f"  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.99)) * fit.particles

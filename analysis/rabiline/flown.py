@@ -25,12 +25,12 @@ class Flown(Results):
 
     @property
     def detected(self) -> np.ndarray:
-        """As that of any result, without reading the file."""
+        """[axes...] As that of any result, without reading the file."""
         return self._whole(self.core.detected)
 
     @property
     def errors(self) -> np.ndarray:
-        """Likewise."""
+        """[axes...] Likewise."""
         return self._whole(self.core.errors)
 
     def _whole(self, values: np.ndarray) -> np.ndarray:
@@ -39,5 +39,5 @@ class Flown(Results):
         return values.reshape(shape)[()]
 
     def write(self, path: Path | str) -> None:
-        """Writes the file that `rabiline run` writes, whole and verified or not at all."""
+        """Writes the file that `rabiline run` writes, whole and verified or not at all. Raises StorageError."""
         self.core.write(path)

@@ -7,9 +7,10 @@ from typing import Sequence
 
 import numpy as np
 
+from .counts_problem import BACKGROUND, SCALE, Exposure, Problem
 from .curve_model import CurveModel, NoFit, Surface
 from .experiment import Experiment
-from .fitting import BACKGROUND, SCALE, Direction, Exposure, Problem, _analysis
+from .fitting import Direction, analysis
 from .units import format_value
 
 TURNS = 3  # for steps of about one standard deviation
@@ -34,7 +35,7 @@ class Forecast:
         width = max(map(len, self.names))
         lines = [f"{self.counts.size} points with {self.counts.min():.4g} to {self.counts.max():.4g} counts, "
                  f"{self.counts.sum():.4g} in all"]
-        unknown = [any(abs(direction.parts[i]) > 0.02 for direction in self.degenerate) for i in range(len(self.names))]
+        unknown = [any(i in direction.involved for direction in self.degenerate) for i in range(len(self.names))]
         lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error))
                   for name, unit, value, error, lost in zip(self.names, self.units, self.values, self.errors, unknown)]
         lines += [f"  {name}: {value:.6g} ± {error:.2g} in SI" for name, value, error in self.combined]
@@ -47,7 +48,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
              threads: int = 0) -> Forecast:
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
-    factor of the exposure is free unless `known_rate`."""
+    factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
     flown = experiment.set(particles=1000).fly()
     axes = flown.core.axes
     if len(axes) != 1 or axes[0][3]:
@@ -66,17 +67,14 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
     start = model.start()
     full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
-    steps = model.first_steps(start)
+    steps, exact = model.first_steps(start), np.zeros((n, 0))  # modes of a simulation without errors
     for _ in range(TURNS):
         problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
-        mu, slopes, _ = problem.mean(full)
-        fisher = slopes @ (slopes.T / mu[:, None])
-        errors = 1 / np.sqrt(np.maximum(np.diag(fisher), 1e-300))
+        errors = problem.fisher(full, exact).errors
         steps = np.array([model.step(start, i, errors[i]) for i in range(start.size)])
     problem = replace(problem, surface=problem.surface.whole(model))
-    mu, slopes, _ = problem.mean(full)
-    fisher = slopes @ (slopes.T / mu[:, None])
-    covariance, condition, degenerate, combined = _analysis(fisher, full, names, problem.least_ratio)
+    mu, _, _ = problem.mean(full)
+    covariance, condition, degenerate, combined = analysis(problem.fisher(full, exact), full, (*names, *extra))
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, np.sqrt(np.diag(covariance)), covariance,
                     condition, degenerate, combined, mu, problem)
 

@@ -59,7 +59,7 @@ class Group:
         return Group(member, self._path)
 
     def numbers(self, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
-        """The dataset `name` as doubles; its number of elements must be that of `shape`, which it is given."""
+        """[as in the file] The dataset `name` as doubles; its number of elements must be that of `shape`, which it is given."""
         values = self._read(name)
         if values.dtype.kind not in "iuf":
             raise self.error(f"`{name}` holds no numbers")
@@ -169,7 +169,8 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
     try:
         return h5py.File(path, "r"), sealed
     except (OSError, RuntimeError):
-        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else "not an HDF5 file"
+        whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else \
+            f"not an HDF5 file; `rabiline run {path.name}` makes one of an experiment" if path.suffix in (".yaml", ".yml") else "not an HDF5 file"
         raise FileError(path, whole) from None
 
 

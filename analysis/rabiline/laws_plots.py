@@ -164,7 +164,7 @@ def _draw_data(upper: Axes, made: Templates, beam: Beam, data: Observation, scre
 
 
 def _scale(made: Templates) -> Scale:
-    return fitting_scale(made.axis.values, made.axis.units) if made.axis else Scale("")
+    return made.axis.scale if made.axis else Scale("")
 
 
 def _between(x: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from .curves import Curve
 from .results import Detector, Levels
 from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of
 from .style import LAWS, OTHERS, Look
-from .units import Scale, fitting_scale, is_logarithmic, law_name
+from .units import Scale, is_logarithmic, law_name
 
 LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
 MARKERS = "osD^vPX<>*"
@@ -30,7 +30,7 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
     bars. One panel for each row of the scan, such as a law; levels that are too many for one panel have one for each F, or
     species. Points at which nothing was detected have no level and are left out."""
     axis, labels = rows[0].axis, detector.levels.labels
-    scale = fitting_scale(axis.values, axis.units)
+    scale = axis.scale
     shown = list(range(len(labels)) if wanted is None else wanted)
     families = _families(labels, shown) if len(shown) > len(LOOKS) else {"": shown}
     if len(families) * len(rows) > MOST_PANELS:

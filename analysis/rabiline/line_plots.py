@@ -16,16 +16,16 @@ from .units import fitting_scale
 
 def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit, name: str, unit: str, title: str,
               words: Sequence[str]) -> Figure:
-    """The points with their errors, the form, and below it its numbers."""
+    """The points with their errors, the form, and above it its numbers."""
     scale = fitting_scale(x, unit)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
-    figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.16 * len(words)), layout="constrained")
+    figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.06 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
     axes.plot(at, fitted.expected[order], color=MODEL, linewidth=1.3)
     axes.set_xlabel(scale.label(name))
     axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
     axes.grid(axis="y")
     style.write_title(figure, title)
-    axes.set_title("\n".join(" ".join(line.split()) for line in words), fontsize=9)
+    axes.set_title(style.in_rows(figure, [" ".join(line.split()).replace("chi²", "χ²") for line in words], 9), fontsize=9)
     return figure

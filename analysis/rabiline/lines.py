@@ -31,28 +31,28 @@ class Form:
 
 
 def lorentz(d: np.ndarray, width: float) -> np.ndarray:
-    """`width` is that at half height."""
+    """[n] At distances d [n] from the centre; `width` is that at half height, in their unit."""
     return 1 / (1 + (2 * d / width)**2)
 
 
 def gauss(d: np.ndarray, width: float) -> np.ndarray:
-    """`width` is that at half height."""
+    """[n] At distances d [n] from the centre; `width` is that at half height, in their unit."""
     return np.exp2(-(2 * d / width)**2)
 
 
 def sinc2(d: np.ndarray, time: float) -> np.ndarray:
-    """A weak field for a time: (sin(pi d t)/(pi d t))²."""
+    """[n] A weak field for a time in s, d [n] in Hz: (sin(pi d t)/(pi d t))²."""
     return np.sinc(d * time)**2
 
 
 def rabi(d: np.ndarray, strength: float, time: float) -> np.ndarray:
-    """Rabi's flip (Phys. Rev. 51, 652, 1937): `strength` is the Rabi frequency in Hz."""
+    """[n] Rabi's flip (Phys. Rev. 51, 652, 1937): d [n] and `strength`, the Rabi frequency, in Hz, `time` in s."""
     total = np.hypot(d, strength)
     return (strength / total)**2 * np.sin(np.pi * total * time)**2
 
 
 def ramsey(d: np.ndarray, strength: float, pulse: float, time: float, spread: float) -> np.ndarray:
-    """Ramsey's two fields (Phys. Rev. 78, 695, 1950), each for the time `pulse`, averaged over flight times that are normal
+    """[n] Ramsey's two fields (Phys. Rev. 78, 695, 1950), d [n] and `strength` in Hz, each for the time `pulse`, averaged over flight times that are normal
     with a relative deviation `spread`."""
     times = np.clip(1 + spread * HERMITE, 0.05, None)
     return _two_fields(d, strength, pulse * times, time * times, HERMITE_WEIGHTS / HERMITE_WEIGHTS.sum())
@@ -96,9 +96,9 @@ class LineFit:
 
     form: str
     names: tuple[str, ...]  # centre, or centre_1, ...; the form's own; contrast; baseline
-    values: np.ndarray
-    errors: np.ndarray
-    covariance: np.ndarray
+    values: np.ndarray  # [parameters] in the units of x and y
+    errors: np.ndarray  # [parameters] one standard deviation
+    covariance: np.ndarray  # [parameters, parameters]
     chi_squared: float
     freedom: int
     expected: np.ndarray  # [n]
@@ -118,7 +118,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
              lines: int = 1, start: Mapping[str, float] | None = None) -> LineFit:
     """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each and share the rest.
     A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of independent points with these
-    variances, and errors come from the whole covariance."""
+    variances, and errors come from the whole covariance. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
     if callable(form) and not isinstance(form, Form):
         return _refined("callable", tuple(start), lambda values: form(x, *values), np.array(list(start.values())), y, covariance)

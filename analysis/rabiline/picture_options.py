@@ -12,7 +12,8 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("files" if several else "file", metavar="FILE", type=Path, nargs="+" if several else None)
     if verb == "plot-tally":
         parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
-    parser.add_argument("-o", "--output", required=True, type=Path, metavar="PNG", help="PNG, PDF or SVG")
+    parser.add_argument("-o", "--output", type=Path, metavar="PNG",
+                        help=f"PNG, PDF or SVG; FILE{verb.removeprefix('plot')}.png where it is missing")
     if verb not in ("plot-image", "plot-tally", "plot-angles"):
         parser.add_argument("--title", help="instead of the file's own")
     if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
@@ -21,14 +22,16 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
                             help='points out a value: "Larmor frequency=291.647 kHz"')
     if verb in SIZED:
-        parser.add_argument("--size", metavar="WxH", type=size_of, help="of the picture in mm, such as 86x60")
+        parser.add_argument("--size", metavar="WxH", type=size_of, help="of the picture in mm, such as 86x60; of images, at most")
+    if verb in RANGED:
         for axis in "xy":
             parser.add_argument(f"--{axis}-range", metavar="FROM:TO", type=range_of, help="as the axis writes it, such as 280:300")
     if verb in OWN_OPTIONS:
         OWN_OPTIONS[verb](parser)
 
 
-SIZED = {"plot", "plot-scan", "plot-levels", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
+RANGED = {"plot", "plot-scan", "plot-levels", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
+SIZED = {*RANGED, "plot-image"}
 
 
 def size_of(text: str) -> tuple[float, float]:

@@ -66,6 +66,8 @@ def _fitting_kind(opened: object) -> str:
         scan = opened.scan
         if not scan.axes:
             return "image"
+        if all(axis.labels for axis in scan.axes) and scan.detected.shape[1] <= MOST_CURVES:  # such as a scan over the laws
+            return "profiles"
         same = (np.ptp(scan.detected, axis=1) == 0).all()  # all that a scan does is to turn spins
         changing = any(np.nan_to_num(np.ptp(one.levels.fractions, axis=0)).max(initial=0.0) > 0.01 for one in opened.detectors.values())
         return "levels" if same and changing else "scan"

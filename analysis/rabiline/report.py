@@ -75,7 +75,7 @@ def _warnings(results: Results) -> Iterable[str]:
 def _extent(axis: Axis) -> str:
     if axis.labels:
         return "; ".join(map(law_name, axis.labels))
-    first, last = (format_value(value, axis.units) for value in (axis.values[0], axis.values[-1]))
+    first, last = (axis.text(value) for value in (axis.values[0], axis.values[-1]))
     return f"{first} to {last}, {axis.values.size} points"
 
 

@@ -23,7 +23,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     if function is compare_scans:
         parser.add_argument("other", metavar="OTHER", type=Path)
     if function is export:
-        parser.add_argument("-o", "--output", required=True, type=Path, metavar="CSV")
+        parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="printed where it is missing")
         return
     parser.add_argument("--detector", metavar="NAME", help="all by default")
     if function is print_summary:
@@ -44,7 +44,7 @@ def print_summary(options: argparse.Namespace) -> None:
 
 def export(options: argparse.Namespace) -> None:
     """The numbers of a scan as CSV: a line for each scan point of each detector, in SI, with the units in the header."""
-    tables.to_csv(results.read(options.file), options.output)
+    tables.to_csv(results.read(options.file), options.output or sys.stdout)
 
 
 def compare_scans(options: argparse.Namespace) -> None:

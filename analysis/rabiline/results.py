@@ -6,28 +6,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Sequence
 
 import numpy as np
 
 from . import tables
 from .hdf5 import IN_MEMORY, Group, open_entry
+from .scan_axes import Axis, read_axis, texts_of
 
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True)
-class Axis:
-    """A scanned parameter, or several that change together."""
-
-    parameter: str  # dotted name, "H0.frequency"; several with ", " between
-    units: str  # SI, "Hz"; empty for a plain number
-    values: np.ndarray  # [n] in `units`; 0, 1, ... for a categorical axis
-    labels: tuple[str, ...] = ()  # [n] of a categorical axis, else empty
 
 
 @dataclass(frozen=True)
@@ -168,12 +159,12 @@ class Results:
 
     @property
     def detected(self) -> np.ndarray:
-        """Fractions detected, [axes...]; before them the detectors, where there are several."""
+        """[axes...] Fractions of the emitted particles that are detected; before the axes the detectors, where there are several."""
         return self._over_scan(self.scan.detected)
 
     @property
     def errors(self) -> np.ndarray:
-        """Their standard errors."""
+        """[axes...] One standard error of each of `detected`."""
         return self._over_scan(self.scan.errors)
 
     def _over_scan(self, values: np.ndarray) -> np.ndarray:
@@ -181,15 +172,16 @@ class Results:
         return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
 
     def to_csv(self, path: Path | str) -> None:
-        """A line for each scan point of each detector."""
+        """A line for each scan point of each detector, in SI, with the units in the header. Raises OSError."""
         tables.to_csv(self, path)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The same for pandas."""
+        """The same for pandas: a row for each scan point of each detector, in SI; units stand in `attrs["units"]`."""
         return tables.to_dataframe(self)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Everything over the scan, with axes and units."""
+        """Everything over the scan with its axes, in SI, as `detected`, `counts_NAME` and others, each with its `..._error`; units
+        stand in the `attrs` of each."""
         return tables.to_xarray(self)
 
     def summary(self) -> str:
@@ -199,7 +191,8 @@ class Results:
 
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
-        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given."""
+        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
+        errors.InputError for what there is not, OSError, and ValueError for an ending that is no picture."""
         from . import pictures, style
         figure = pictures.plot_of(self, kind, options)
         if output is not None:
@@ -215,7 +208,7 @@ def read(source: Path | str | bytes) -> Results:
             raise entry.error("holds the motions of a model, not the result of a beamline: see plot-motion")
         if "scan" not in entry:
             raise entry.error("no `scan`: not a file of `rabiline run`, or one without a detector")
-        scan = _read_scan(entry.group("scan"))
+        scan = _read_scan(entry.group("scan"), texts_of(entry))
         points = int(np.prod(scan.shape))
         fates = entry.group("fates")
         return Results(
@@ -261,10 +254,10 @@ def _per_point(entry: Group, name: str, points: int) -> tuple[str, ...]:
     return values * points if len(values) == 1 else values
 
 
-def _read_scan(group: Group) -> Scan:
+def _read_scan(group: Group, texts: Sequence[str]) -> Scan:
     detectors = group.texts("detector_names")
     names = [name for name in group.attribute("axes") if name not in (".", "detector_index")]
-    axes = tuple(_read_axis(group, name) for name in names)
+    axes = tuple(read_axis(group, name, texts) for name in names)
     points = int(np.prod([axis.values.size for axis in axes], dtype=int))
     rows = len(detectors)
     has_covariance = "detected_covariance" in group
@@ -277,16 +270,6 @@ def _read_scan(group: Group) -> Scan:
         **{name: group.numbers(name, (rows, points)) for name in
            ("detected_of_all", "detected_of_all_errors", "count_rate", "count_rate_errors") if name in group},
     )
-
-
-def _read_axis(group: Group, name: str) -> Axis:
-    values = group.numbers(name)
-    labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
-    if values.ndim != 1 or (labels and len(labels) != values.size):
-        raise group.error(f"`{name}` is no axis: its shape is {values.shape}, with {len(labels)} labels")
-    units = "".join(group.attribute("units", of=name))
-    parameter = "".join(group.attribute("parameter", of=name)) or name
-    return Axis(parameter, "" if units == "1" else units, values, labels)
 
 
 def _read_detector(entry: Group, name: str, points: int) -> Detector:

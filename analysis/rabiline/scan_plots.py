@@ -47,7 +47,7 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     limits = _fraction_limits(curves)
     about = f"{_measure(curves)}\n({about_errors(curves, limits)})"
     if measured is not None:
-        scale = fitting_scale(np.concatenate([curve.x for curve in curves]), curves[0].axis.units)
+        scale = _scale(curves)
         axes.errorbar(scale.apply(measured.x), measured.y, measured.errors, fmt="o", color=INK, markersize=SYMBOL, elinewidth=0.9,
                       zorder=5, label="counted, scaled")
         limits = min(limits[0], np.min(measured.y - measured.errors)), max(limits[1], np.max(measured.y + measured.errors))
@@ -68,7 +68,7 @@ def _draw_pieces(curves: Sequence[Curve], labels: Sequence[str], title: str, mar
     limits = _fraction_limits(curves)
     for number, (axes, piece) in enumerate(zip(row[0], pieces)):
         parts = [curve.piece(piece) for curve in curves]
-        scale = fitting_scale(parts[0].x, parts[0].axis.units)
+        scale = parts[0].axis.scale
         _draw_panel(axes, parts, labels, {name: value for name, value in marks.items()
                                           if parts[0].x.min() <= value <= parts[0].x.max()}, beside=False)
         found = [words for part in parts for resonance in _measured(part) for words in _in_words(resonance, scale, part.axis.units)]
@@ -146,11 +146,16 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
     return figure
 
 
+def _scale(curves: Sequence[Curve]) -> Scale:
+    """Of all together, in the unit of the first."""
+    return fitting_scale(np.concatenate([curve.x for curve in curves]), curves[0].axis.units, curves[0].axis.written)
+
+
 def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], marks: dict[str, float],
                 beside: bool = True) -> None:
     """Curves over their axis; numbers of a single resonance stand beside it, if wanted, else in the legend."""
     axis = curves[0].axis
-    scale = fitting_scale(np.concatenate([curve.x for curve in curves]), axis.units)
+    scale = _scale(curves)
     resonances = [_measured(curve) for curve in curves]
     several = sum(map(len, resonances)) != 1 or any(found and are_fringes(curve) for curve, found in zip(curves, resonances))
     beside = beside and not several and not any(curve.rate for curve in curves)  # they would write over each other
@@ -181,7 +186,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
 def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str, float]) -> Figure:
     """The detected fraction over both axes of a grid; `across` tells the curves apart."""
     along = curves[0].axis
-    scale, scale_across = fitting_scale(along.values, along.units), fitting_scale(across.values, across.units)
+    scale, scale_across = along.scale, across.scale
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
                            np.stack([curve.y for curve in curves]), shading="flat", cmap=COUNTS, rasterized=True)
@@ -245,19 +250,17 @@ def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
 def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     """What the error bars are, or why none are to be seen."""
     smallest_seen = (SYMBOL / 2 + BEYOND) / (PANEL * 72) * (limits[1] - limits[0])
-    seen = np.concatenate([curve.errors > smallest_seen for curve in curves])
-    if not seen.any():
+    if not any((curve.errors > smallest_seen).any() for curve in curves):
         return "errors smaller than symbols"
-    shared = "correlated, " if any(np.isfinite(curve.spread.freedom) for curve in curves) else ""
-    return f"bars: {shared}1 σ" + ("" if seen.all() else " where larger than symbols")
+    return "bars: 1 σ" + (", correlated" if any(np.isfinite(curve.spread.freedom) for curve in curves) else "")
 
 
 def _in_words(resonance: Resonance, scale: Scale, unit: str) -> tuple[str, str]:
     """Centre and width with their errors."""
     centre, width = resonance.centre, resonance.width
-    if scale.unit == "deg":
+    if scale.origin == 0 and unit:  # in the unit of the axis
         centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
-        unit = "deg"
+        unit = scale.unit
     return (f"centre {format_value(centre.value, unit, centre.error)}",
             f"FWHM {format_value(width.value, unit, width.error)}")
 

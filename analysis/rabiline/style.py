@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Iterator, Sequence
 
 from matplotlib import pyplot as plt
+from matplotlib import rcParamsDefault
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -66,6 +67,15 @@ def beside_ticks(figure: Figure, name: str) -> str:
     return lines.replace(", ", "\n").replace(" (", "\n(") if figure.get_figwidth() < NARROW else lines
 
 
+def in_rows(figure: Figure, words: Sequence[str], size: float) -> str:
+    """Several to a line of the figure, as many as fit."""
+    most = int(figure.get_figwidth() * 72 / (0.58 * size)) - 8
+    lines = [words[0]]
+    for word in words[1:]:
+        lines[-1:] = [f"{lines[-1]},   {word}"] if len(lines[-1]) + len(word) + 4 < most else [lines[-1], word]
+    return "\n".join(lines)
+
+
 def points(name: str) -> float:
     """The size of letters that is called `name` in matplotlib's settings."""
     return FontProperties(size=plt.rcParams[name]).get_size_in_points()
@@ -80,6 +90,16 @@ def in_lines(text: str, inches: float, size: float) -> str:
     """Wrapped to a width, for letters of a size in points."""
     letters = max(10, int(inches * 72 / (0.58 * size)))
     return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
+
+
+@contextmanager
+def letters_by(factor: float) -> Iterator[None]:
+    """What is drawn in this context has letters larger by a factor than they usually are, and so much more room about them."""
+    usual = {key: value for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
+    usual |= {key: rcParamsDefault[key] for key in ("axes.labelpad", "axes.titlepad", "xtick.major.pad", "ytick.major.pad",
+                                                    "xtick.major.size", "ytick.major.size")}
+    with plt.rc_context({key: value * factor for key, value in usual.items()}):
+        yield
 
 
 @contextmanager
@@ -125,6 +145,7 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
     try:
         with here():
+            figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
             figure.savefig(path, facecolor="white", dpi=dpi)
     finally:
         plt.close(figure)

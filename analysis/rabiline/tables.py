@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 import csv
+from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
@@ -32,10 +33,10 @@ def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
     return table
 
 
-def to_csv(results: Results, path: Path | str) -> None:
+def to_csv(results: Results, to: Path | str | TextIO) -> None:
     """A line for each scan point of each detector, numbers in SI."""
     table = columns(results)
-    with open(path, "w", newline="", encoding="utf-8") as file:
+    with nullcontext(to) if hasattr(to, "write") else open(to, "w", newline="", encoding="utf-8") as file:
         file.write(f"# {results.title}\n# {results.program}\n")
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])

@@ -38,7 +38,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int) -> F
     counts = tally.counts.sum(axis=tuple(1 + i for i in range(len(tally.axes)) if i != number))
     flat = np.moveaxis(np.arange(len(counts)).reshape(results.scan.shape), along, -1).reshape(-1, scanned.values.size)[0]
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
-    across, up = fitting_scale(scanned.values, scanned.units), _scale(axis)
+    across, up = scanned.scale, _scale(axis)
     mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
                             vmin=0, rasterized=True)
     if is_logarithmic(scanned.values):

@@ -59,12 +59,12 @@ def coarser(transit: Transit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def round_speeds(low: float, high: float) -> np.ndarray:
-    """Speeds for an axis that is even in their inverse: round, and about evenly spread over it."""
+    """[any] m/s: speeds for an axis that is even in their inverse: round, and about evenly spread over it."""
     wanted = 1 / np.linspace(1 / high, 1 / low, 7)
     size = 10 ** (np.floor(np.log10(wanted)) - 1)
     return np.unique(np.round(wanted / size / 5) * size * 5)
 
 
 def speed_at(time: np.ndarray, transit: Transit, unit: float) -> np.ndarray:
-    """Speed of a time, and time of a speed."""
+    """[n] Speed of a time, and time of a speed."""
     return transit.distance / unit / np.where(np.asarray(time) > 0, time, np.nan)

@@ -35,10 +35,12 @@ class Scale:
         return self.unit[len(PREFIXES[round(log10(self.factor))]):]
 
 
-def fitting_scale(values: np.ndarray, unit: str) -> Scale:
-    """The SI prefix that shows the largest of `values` as 1 to 1000. Values that differ by less than a thousandth
-    are shown as differences from the middle one, rounded to a tenth of their spread."""
+def fitting_scale(values: np.ndarray, unit: str, written: tuple[str, float] | None = None) -> Scale:
+    """The unit that the user wrote, with how much it is in SI; else the SI prefix that shows the largest of `values` as 1 to 1000.
+    Values that differ by less than a thousandth are shown as differences from the middle one, rounded to a tenth of their spread."""
     finite = np.asarray(values, dtype=float)[np.isfinite(values)]
+    if written and finite.size and (np.ptp(finite) >= 1e-3 * np.abs(finite).max() or is_logarithmic(finite)):
+        return Scale(*written)
     if unit == "" and finite.size and not 1e-3 <= np.abs(finite).max() < 1e5 and np.abs(finite).max() > 0:
         power = floor(log10(np.abs(finite).max()))
         return Scale("10" + str(power).translate(SUPERSCRIPT), 10.0**power)
@@ -97,6 +99,11 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
         digits = max(0, 1 - floor(log10(error / factor)))
         number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
     return f"{number} {unit_shown}".strip()
+
+
+def in_unit(value: float, unit: str, factor: float) -> str:
+    """A value in SI in a unit that is so much in SI."""
+    return f"{_with_power(f'{value / factor:.10g}')} {unit}"
 
 
 def _with_power(number: str) -> str:

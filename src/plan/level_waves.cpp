@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -17,7 +18,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 /// Along a section: a resonance between two of them is still within the coupling of what would matter.
 constexpr int places_of_frame = 129;
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "plan/plan.hpp"
 #include "plan/stretches.hpp"
@@ -13,7 +14,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 /// A field with a clock, alone in a zone, as one species sees it.
 struct Drive {

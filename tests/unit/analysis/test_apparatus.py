@@ -12,6 +12,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline import starters  # noqa: E402
 from rabiline.__main__ import main  # noqa: E402
+from rabiline import apparatus  # noqa: E402
 from rabiline.apparatus import draw_apparatus, pieces_of  # noqa: E402
 
 BEAMLINES = Path(__file__).parents[3] / "beamline"
@@ -26,8 +27,25 @@ def test_parts_are_drawn_where_they_stand_with_their_openings() -> None:
 def test_paths_are_told_apart_by_their_fate() -> None:
     figure = draw_apparatus(rabiline.load(BEAMLINES / "stern-gerlach.yaml").scan(), 50)
     shown = {text.get_text() for text in figure.axes[-1].get_legend().get_texts()}
-    assert "detected plate" in shown and "stopped magnet" in shown
+    assert "detected at plate" in shown and "stopped by magnet" in shown
     plt.close(figure)
+
+
+def test_a_path_is_drawn_to_its_end() -> None:
+    experiment = rabiline.load(BEAMLINES / "muon-precession.yaml").scan()
+    figure = draw_apparatus(experiment, 1)
+    end = experiment.trace(1).tracks[0].position[-1, 1]
+    assert max(line.get_xdata().max() for line in figure.axes[-1].get_lines() if len(line.get_xdata()) > 2) == end
+    plt.close(figure)
+
+
+def test_no_more_paths_are_flown_than_patience_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    experiment = rabiline.load(BEAMLINES / "ramsey.yaml").scan()
+    monkeypatch.setattr(apparatus, "PATIENCE", 0.0)
+    assert len(apparatus._traced(experiment, None).tracks) == apparatus.AT_ONCE
+    monkeypatch.setattr(apparatus, "PATIENCE", np.inf)
+    numbers = [track.particle for track in apparatus._traced(experiment, None).tracks]
+    assert numbers == list(range(apparatus.PATHS)) and len(apparatus._traced(experiment, 3).tracks) == 3
 
 
 def test_fields_on_the_axis_are_drawn_as_they_act() -> None:

@@ -7,6 +7,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
+from rabiline import results
 from rabiline.__main__ import main
 from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
 
@@ -169,6 +171,41 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     assert main([*command.split(), "-o", "never.png"]) == 2
     assert capsys.readouterr().err == message + "\n"
     assert not Path("never.png").exists()
+
+
+def test_a_picture_without_a_name_gets_one_from_its_file(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                         capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot-image", str(folder / "dorado.h5")]) == 0
+    assert capsys.readouterr().out == "wrote dorado-image.png\n" and Path("dorado-image.png").stat().st_size > 1000
+
+
+def test_images_get_the_size_that_is_asked_for_and_letters_that_fit(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    picture = tmp_path / "a.png"
+    assert main(["plot-image", str(folder / "dorado.h5"), "--size", "200x120", "-o", str(picture)]) == 0
+    with Image.open(picture) as image:
+        across, up = (pixels / 200 * 25.4 for pixels in image.size)
+    assert across <= 200.2 and up <= 120.2 and (across > 199 or up > 119)
+    assert main(["plot-image", str(folder / "dorado.h5"), "--size", "60x40", "-o", str(picture)]) == 2
+    assert "is the least of this shape; --points chooses fewer images" in capsys.readouterr().err
+
+
+def test_a_scan_over_laws_alone_is_drawn_as_profiles(folder: Path) -> None:
+    figure = results.read(folder / "only_laws.h5").plot()
+    assert figure.axes[0].get_xlabel().startswith("z (") and len(figure.legends or [figure.axes[0].get_legend()]) == 1
+
+
+def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["export", str(folder / "dorado.h5")]) == 0
+    assert capsys.readouterr().out.splitlines()[2].startswith("H0.frequency [Hz],detected,")
+
+
+def test_an_experiment_is_told_to_be_run_before_it_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+                                                            capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("clock.yaml").write_text("rabiline: 1\n")
+    assert main(["plot", "clock.yaml"]) == 2
+    assert capsys.readouterr().err == "rabiline: clock.yaml: not an HDF5 file; `rabiline run clock.yaml` makes one of an experiment\n"
 
 
 def test_a_mistyped_command_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture) -> None:

@@ -1,0 +1,164 @@
+"""How likely counts are under a simulated curve that has errors of its own.
+
+n_i counts are Poisson about mu_i = E_i s (y_i + d_i) + b t_i: y the simulated fraction, d what it may be off, normal with the
+covariance of the simulation; E the exposure, s its factor, which is free unless it is known, and b a background.
+Q = 2 sum[mu - n + n ln(n/mu)] + z.z, with d = L z and L the root of the covariance, as Conway (PHYSTAT 2011) does for one factor
+per bin.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Sequence
+
+import numpy as np
+
+from .curve_model import Surface
+
+LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter
+DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
+TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
+MOST_ITERATIONS = 25
+SCALE, BACKGROUND = "scale", "background"  # of the exposure, and counts at each point (per mean time)
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """How many counts a detected fraction means."""
+
+    each: np.ndarray  # [n] counts where the fraction is 1
+    time: np.ndarray  # [n] in units of the mean time
+    background: np.ndarray  # [n] counts, known
+    is_known: bool  # else a factor is free
+
+
+@dataclass(frozen=True)
+class Fisher:
+    """Half of the expected second derivatives of Q, and which part of it is the noise of the slopes."""
+
+    matrix: np.ndarray  # [k, k]
+    noise: np.ndarray  # [k, k]
+
+    def of(self, moving: Sequence[int]) -> Fisher:
+        """Of some of the parameters."""
+        return Fisher(self.matrix[np.ix_(moving, moving)], self.noise[np.ix_(moving, moving)])
+
+    @property
+    def errors(self) -> np.ndarray:
+        """[k] Of each parameter where the others are known."""
+        return 1 / np.sqrt(np.maximum(np.diag(self.matrix), 1e-300))
+
+    @cached_property
+    def directions(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Eigenvalues of the parameters' correlation, its eigenvectors as columns, and which of them are known."""
+        values, vectors = np.linalg.eigh(self.errors[:, None] * self.matrix * self.errors)
+        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * self.noise * self.errors, vectors)
+        return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * noise)
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """[k, k] Without the directions that the data do not know."""
+        values, vectors, known = self.directions
+        return self.errors[:, None] * ((vectors[:, known] / values[known]) @ vectors[:, known].T) * self.errors
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """[k, k] The same, but for slopes that weigh the counts a little wrongly by their noise, and promise more than they know."""
+        _, vectors, known = self.directions
+        in_them = vectors[:, known]
+        scaled = [in_them.T @ (self.errors[:, None] * matrix * self.errors) @ in_them for matrix in (self.matrix, self.noise)]
+        weighed = np.linalg.inv(scaled[0] - scaled[1])
+        return self.errors[:, None] * (in_them @ weighed @ scaled[0] @ weighed @ in_them.T) * self.errors
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is fitted: counts and the curve about some place. Parameters are those of the surface, then the free ones of the
+    exposure."""
+
+    counts: np.ndarray
+    exposure: Exposure
+    surface: Surface
+    extra: tuple[str, ...]  # SCALE, BACKGROUND
+
+    def mean(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """mu [n], its derivatives [parameters, n], and mu by y [n]."""
+        k = self.surface.centre.size
+        free = dict(zip(self.extra, values[k:]))
+        y, slopes = self.surface.at(values[:k])
+        each = self.exposure.each * free.get(SCALE, 1.0)
+        mu = each * y + self.exposure.background + free.get(BACKGROUND, 0.0) * self.exposure.time
+        rows = [each * slopes]
+        rows += [(self.exposure.each * y)[None]] if SCALE in free else []
+        rows += [self.exposure.time[None]] if BACKGROUND in free else []
+        return np.maximum(mu, 1e-9), np.concatenate(rows), each
+
+    def modes(self, mu: np.ndarray, each: np.ndarray) -> np.ndarray:
+        """[n, r] What the simulation may be off, in counts, as columns that are each one standard deviation."""
+        root = np.sqrt(np.maximum(mu, 1.0))
+        values, vectors = np.linalg.eigh(self.surface.covariance * each[:, None] * each / root[:, None] / root)
+        kept = values > LEAST_MODE
+        return root[:, None] * vectors[:, kept] * np.sqrt(values[kept])
+
+    def fisher(self, values: np.ndarray, modes: np.ndarray) -> Fisher:
+        """What is known of the parameters."""
+        mu, slopes, each = self.mean(values)
+        noise = np.zeros((values.size, values.size))
+        k = self.surface.centre.size
+        for own in each * self.surface.noise / self.surface.steps[:, None]:
+            noise[:k, :k] += own @ self.weigh(own.T, mu, modes)
+        return Fisher(slopes @ self.weigh(slopes.T, mu, modes), noise)
+
+    def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
+        """Q and its gradient."""
+        mu, slopes, _ = self.mean(values)
+        z = np.zeros(modes.shape[1])
+        for _ in range(20):  # Newton's method with the expected curvature
+            shifted = np.maximum(mu + modes @ z, 1e-3 * mu)
+            score = modes.T @ (self.counts / shifted - 1) - z
+            step = np.linalg.solve(modes.T @ (modes / shifted[:, None]) + np.eye(z.size), score) if z.size else z
+            z = z + step
+            if np.abs(step).max(initial=0.0) < 1e-6:
+                break
+        shifted = np.maximum(mu + modes @ z, 1e-3 * mu)
+        n = self.counts
+        q = 2 * np.sum(shifted - n + n * np.log(np.maximum(n, 1e-300) / shifted)) + z @ z
+        return float(q), -2 * slopes @ (n / shifted - 1)
+
+    @staticmethod
+    def weigh(columns: np.ndarray, mu: np.ndarray, modes: np.ndarray) -> np.ndarray:
+        """[n, m] V^-1 columns, V = diag(mu) + modes modesᵀ."""
+        inner = np.eye(modes.shape[1]) + modes.T @ (modes / mu[:, None])
+        return columns / mu[:, None] - modes / mu[:, None] @ np.linalg.solve(inner, modes.T @ (columns / mu[:, None]))
+
+    def least(self, values: np.ndarray, fixed: Sequence[int] = ()) -> tuple[np.ndarray, float]:
+        """The minimum from `values` on, with some parameters held, and Q there. Directions that are not known stay."""
+        mu, _, each = self.mean(values)
+        modes = self.modes(mu, each)
+        moving = [i for i in range(values.size) if i not in fixed]
+        q, gradient = self.badness(values, modes)
+        for _ in range(MOST_ITERATIONS if moving else 0):
+            step = np.zeros(values.size)
+            step[moving] = self.fisher(values, modes).of(moving).inverse @ -gradient[moving] / 2
+            factor, better = 1.0, None
+            while better is None and factor > 1e-3:
+                tried = values + factor * step
+                found = self.badness(tried, modes)
+                better = (tried, found) if found[0] <= q + 1e-12 else None
+                factor /= 2
+            if better is None:
+                break
+            gained = q - better[1][0]
+            values, (q, gradient) = better
+            if gained < 1e-6:
+                break
+        return values, q
+
+
+def share_of_simulation(problem: Problem, values: np.ndarray) -> float:
+    """Which part of the variance of a parameter is the simulation's, at most; its next flight may differ by that."""
+    mu, slopes, each = problem.mean(values)
+    fisher = problem.fisher(values, problem.modes(mu, each)).matrix
+    counted = slopes @ (slopes.T / mu[:, None])
+    whole, part = (np.diag(np.linalg.pinv(matrix, rcond=1e-10, hermitian=True)) for matrix in (fisher, counted))
+    return float(np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1).max())
