@@ -224,7 +224,7 @@ void check_cycles(const Beamline& beamline, const Species& atom, const Sections&
                  "frequency at a place in the rotating-wave approximation",
                  name, pretty_quantity(wave.frequency, Dimension::frequency),
                  pretty_quantity(other, Dimension::frequency), atom.name),
-             "move one of them"});
+             "write `approximation: none` for the slower one, or move it"});
         return;
       }
     }

@@ -208,6 +208,13 @@ def test_random_flights_through_random_fields_agree_with_an_independent_integrat
     assert int(told.stdout.split()[0]) > 35
 
 
+def test_random_atoms_through_random_fields_agree_with_their_whole_hamiltonian():
+    script = Path(__file__).resolve().parents[2] / "tools" / "random-levels"
+    told = subprocess.run([script, PROGRAM, "--count", "50"], capture_output=True, text=True, check=False)
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert int(told.stdout.split()[0]) > 45
+
+
 BOX = "width: 1 cm, height: 1 cm, length: 20 cm, step: 2.5 mm"
 
 

@@ -62,9 +62,9 @@ def test_three_units_exchange_the_levels_of_deuterium_that_they_are_for(run):
     assert min(weak[0, 3], weak[1, 2], weak[2, 1]) > 0.99
     assert min(medium[0, 0], medium[1, 1], medium[2, 3]) > 0.99
     assert min(strong[0, 0], strong[1, 5], strong[2, 2]) > 0.99
-    n = np.stack([states.sum(-2) @ (np.array(m_i) == m) for m in (1, 0, -1) for m_i in [[1, 0, -1, -1, 0, 1]]], -1)
-    n = n / n.sum(-1, keepdims=True)
-    p_z, p_zz = n[..., 0] - n[..., 2], 1 - 3 * n[..., 1]
+    out = of[..., :3, :].mean(-2)  # of levels 1, 2, 3, as many of each
+    n = [out @ (np.array([1, 0, -1, -1, 0, 1]) == m) for m in (1, 0, -1)]
+    p_z, p_zz = n[0] - n[2], 1 - 3 * n[1]
     for units, vector, tensor in (((0, 0, 0), 0, 0), ((0, 0, 1), 1 / 3, 1), ((1, 0, 0), -2 / 3, 0), ((1, 0, 1), -1 / 3, 1), ((0, 1, 1), 1 / 3, 1)):
         assert abs(p_z[units] - vector) < 0.02 and abs(p_zz[units] - tensor) < 0.03, units
 

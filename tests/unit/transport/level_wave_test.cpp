@@ -52,8 +52,7 @@ Flight between_manifolds() {
 }
 /// Through the resonance of F = 2 with 3 MHz.
 Flight within_a_manifold(double across = 0.01e-3) {
-  Flight f = flight(structure(3, 1, 20e6, 0, 2.002, 2e-4), 800, 0.06,
-                    linear(across, 0, 0.4286e-3, 0, 0, 0.002), 0.03);
+  Flight f = flight(of("K-39 atom"), 800, 0.06, linear(across, 0, 0.4286e-3, 0, 0, 0.002), 0.03);
   drive(f, 8e-6, 3e6, Eigen::Vector3d(1, 0, 0));
   return f;
 }
