@@ -25,8 +25,8 @@
 #include <vector>
 
 #include "core/diagnostics.hpp"
-#include "input/changes.hpp"
 #include "models/solved_model.hpp"
+#include "scan/changes.hpp"
 #include "simulation/ranks.hpp"
 #include "simulation/result.hpp"
 #include "simulation/snapshot.hpp"

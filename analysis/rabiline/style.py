@@ -145,6 +145,7 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
     try:
         with here():
+            figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
             figure.savefig(path, facecolor="white", dpi=dpi)
     finally:
         plt.close(figure)

@@ -38,9 +38,16 @@ inline constexpr auto parameters<Gravity> = std::tuple{
 template <>
 inline constexpr std::string_view short_key<Gravity> = "acceleration";
 
-/// A precision that is enough, whatever the number of particles.
+/// In the unit of what is scanned.
+struct ScannedQuantity {
+  double value = 0;  // [SI]
+  Dimension dimension = Dimension::number;
+  bool operator==(const ScannedQuantity&) const = default;
+};
+/// A precision that is enough, whatever the number of particles; all that is asked for.
 struct Until {
-  double detected_error = 0;  // [1] of each detector at each scan point
+  std::optional<double> detected_error;         // [1] of each detector at each scan point
+  std::optional<ScannedQuantity> centre_error;  // of the place of the line along the scan
   bool operator==(const Until&) const = default;
 };
 template <>
@@ -48,6 +55,9 @@ inline constexpr auto parameters<Until> = std::tuple{
     param("detected_error", &Until::detected_error, Dimension::number,
           {0, 1, false, false, "greater than 0 and less than 1"},
           "standard error of `detected`, a part of the emitted particles, at every detector and scan point"),
+    param("centre_error", &Until::centre_error, Dimension::number, range::positive,
+          "standard error of the place of the whole line in `detected` along the scan, at the detector that "
+          "tells it best"),
 };
 
 struct Beamline {

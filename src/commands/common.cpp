@@ -11,7 +11,7 @@
 #include "commands/stop.hpp"
 #include "core/isa.hpp"
 #include "core/version.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 #include "storage/safe_file.hpp"
 
 namespace rabiline {

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "commands/common.hpp"
-#include "input/describe.hpp"
+#include "manual/describe.hpp"
 
 namespace rabiline {
 

@@ -7,8 +7,8 @@
 
 #include "commands/progress_line.hpp"
 #include "commands/stop.hpp"
-#include "input/settings.hpp"
 #include "particle/batch.hpp"
+#include "scan/settings.hpp"
 #include "storage/lock.hpp"
 #include "storage/safe_file.hpp"
 

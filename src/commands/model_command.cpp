@@ -5,7 +5,7 @@
 
 #include "commands/flight.hpp"
 #include "commands/stop.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 #include "storage/lock.hpp"
 #include "storage/safe_file.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "commands/common.hpp"
 #include "core/units.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 
 namespace rabiline {
 namespace {

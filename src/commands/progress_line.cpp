@@ -18,7 +18,11 @@ std::string duration(double seconds) {
 }
 
 std::string reached(const Progress& p) {
-  return p.error > 0 ? fmt::format(" of a part; error of `detected` so far {:.2g}", p.error) : "";
+  if (!(p.error > 0)) return "";
+  const std::string centre = p.centre_error > 0 && std::isfinite(p.centre_error)
+                                 ? fmt::format(", of the line's centre {:.2g} (SI)", p.centre_error)
+                                 : "";
+  return fmt::format(" of a part; error of `detected` so far {:.2g}{}", p.error, centre);
 }
 
 /// Back to the beginning of the terminal's line.
@@ -42,8 +46,11 @@ void ProgressLine::operator()(const Progress& p) {
   if (p.seconds < next_) return;
   next_ = p.seconds + 10;
   if (json_)
-    say(stderr, "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}, \"error\": {:.6g}}}\n",
-        p.done, p.seconds, p.seconds_left, p.error);
+    say(stderr,
+        "{{\"done\": {:.4f}, \"seconds\": {:.1f}, \"seconds_left\": {:.1f}, \"error\": {:.6g}, "
+        "\"centre_error\": {}}}\n",
+        p.done, p.seconds, p.seconds_left, p.error,
+        std::isfinite(p.centre_error) ? fmt::format("{:.6g}", p.centre_error) : "null");
   else
     say(stderr, "{:5.1f} %  {} left{}\n", 100 * p.done, duration(p.seconds_left), reached(p));
 }

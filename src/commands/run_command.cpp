@@ -1,6 +1,6 @@
 // rabiline run: flies the experiment, or solves the model, and writes one HDF5 file.
 #include "commands/flight.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 
 namespace rabiline {
 namespace {

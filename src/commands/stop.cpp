@@ -11,7 +11,7 @@ namespace {
 
 std::atomic<bool> stop{false};
 std::atomic<int> insisted{0};
-std::atomic<std::time_t> first{0};  // [s] when it was asked for
+std::atomic<std::time_t> asked_at{0};  // [s] for the first time
 static_assert(std::atomic<std::time_t>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 std::time_t seconds_now() {
@@ -22,13 +22,13 @@ std::time_t seconds_now() {
 
 extern "C" void on_signal(int signal) {
   if (!stop.exchange(true)) {
-    first = seconds_now();
+    asked_at = seconds_now();
     return;
   }
   // `timeout` and terminals send signals in pairs, the shell and the kernel HUP more often, XCPU comes every
   // second.
   if (signal != SIGTERM && signal != SIGINT) return;
-  if (++insisted < 2 && seconds_now() - first < 5) return;
+  if (++insisted < 2 && seconds_now() - asked_at < 5) return;
   std::signal(signal, SIG_DFL);
   std::raise(signal);
 }

@@ -1,7 +1,7 @@
 // rabiline trace: the paths of a few particles, by the same kernels as a run.
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
-#include "input/settings.hpp"
+#include "scan/settings.hpp"
 #include "storage/lock.hpp"
 
 namespace rabiline {

@@ -6,6 +6,8 @@
 #include <cctype>
 #include <cstdint>
 
+#include "core/text.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -72,12 +74,6 @@ std::string excerpt(const Place& place, const std::string& line) {
   if (at >= glyphs.size()) marks += '^';
   const std::string number = std::to_string(place.line);
   return fmt::format("  {} | {}\n  {} | {}\n", number, shown, std::string(number.size(), ' '), marks);
-}
-
-std::string lower(std::string_view s) {
-  std::string out(s);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
 }
 
 /// Letters to insert, drop, replace or swap with a neighbour (optimal string alignment).

@@ -49,6 +49,14 @@ RABILINE_LANES words load(const unsigned long long* p) {
   return *reinterpret_cast<const words_in_memory*>(p);
 }
 RABILINE_LANES words load(const unsigned long* p) { return *reinterpret_cast<const words_in_memory*>(p); }
+/// The same, aligned to nothing more than themselves.
+using real_anywhere = double __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+using words_anywhere = unsigned long long __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+RABILINE_LANES real load_anywhere(const double* p) { return *reinterpret_cast<const real_anywhere*>(p); }
+RABILINE_LANES words load_anywhere(const unsigned long* p) {
+  return *reinterpret_cast<const words_anywhere*>(p);
+}
+RABILINE_LANES void store_anywhere(unsigned long* p, words x) { *reinterpret_cast<words_anywhere*>(p) = x; }
 /// Single-precision numbers, aligned to nothing more than themselves; conversion is exact.
 RABILINE_LANES real load(const float* p) {
   using floats = float __attribute__((vector_size(4 * lane_count), aligned(4), may_alias));

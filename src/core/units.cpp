@@ -13,6 +13,7 @@
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
 #include "core/portable_math.hpp"
+#include "core/text.hpp"
 
 namespace rabiline {
 namespace {
@@ -190,12 +191,6 @@ std::optional<Decimal> take_decimal(std::string_view& text) {
   }
   text.remove_prefix(i);
   return number;
-}
-
-std::string lower(std::string_view s) {
-  std::string out(s);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
 }
 
 const UnitSymbol* find_unit(std::string_view symbol) {

@@ -2,8 +2,8 @@
 // What the library says of a model, and its solution.
 #include <string>
 
-#include "input/model_file.hpp"
 #include "models/solved_model.hpp"
+#include "scan/model_file.hpp"
 
 namespace rabiline {
 

@@ -18,11 +18,11 @@
 #include "face/probe.hpp"
 #include "face/record.hpp"
 #include "face/warnings.hpp"
-#include "input/parameter_value.hpp"
-#include "input/resolved.hpp"
 #include "plan/explain.hpp"
 #include "rules/field_lint.hpp"
 #include "rules/warnings.hpp"
+#include "scan/parameter_value.hpp"
+#include "scan/resolved.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/field_check.hpp"
 #include "simulation/finish.hpp"
@@ -244,7 +244,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
   if (settings.progress)
     options.progress = [&](Progress progress) {
-      progress.error = precision.error();
+      progress.error = precision.reached().detected_error;
+      progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
   require_memory(loaded.experiment, plan,
@@ -272,12 +273,13 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   Result result =
       finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
   require_emission(result);
-  if (precision.is_wanted() && halvings == 0)
-    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
   result.parameters = resolved_parameters(loaded.experiment);
+  // What was told before the flight comes first: the command tells what is behind it.
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
+  if (precision.is_wanted() && halvings == 0)
+    warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   if (std::string warning = warning_of_overflow(loaded.experiment, plan, result, options.isa);
       !warning.empty())

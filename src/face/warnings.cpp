@@ -1,6 +1,7 @@
 #include "face/warnings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <stdexcept>
 
@@ -59,13 +60,26 @@ std::string text_of(const Diagnostic& warning) {
 }
 
 void warn_unless_precise(const Beamline& beamline, const Result& result, Provenance& provenance) {
-  const double largest = largest_error(result), wanted = beamline.until->detected_error;
-  if (largest <= wanted) return;
-  const double needed = static_cast<double>(beamline.particles) * (largest / wanted) * (largest / wanted);
-  provenance.warnings.push_back(
-      fmt::format("all {} particles have flown, and the largest error of `detected` is {:.2g}, not {:.2g} as "
-                  "`until` wants\n  help: `particles` of {:.2g} may be enough",
-                  beamline.particles, largest, wanted, needed));
+  const Until& wanted = *beamline.until;
+  const Reached reached = reached_by(result, wanted);
+  const double over = reached.over(wanted);
+  if (over <= 1) return;
+  std::string missed;
+  if (wanted.detected_error && reached.detected_error > *wanted.detected_error)
+    missed = fmt::format("the largest error of `detected` is {:.2g}, not {:.2g}", reached.detected_error,
+                         *wanted.detected_error);
+  if (wanted.centre_error && reached.centre_error > wanted.centre_error->value) {
+    const auto told = [&](double error) { return pretty_quantity(error, wanted.centre_error->dimension); };
+    missed += missed.empty() ? "" : ", and ";
+    missed += std::isfinite(over) ? fmt::format("the error of the line's centre is {}, not {}",
+                                                told(reached.centre_error), told(wanted.centre_error->value))
+                                  : "there is no line in `detected` that chance could not have made";
+  }
+  provenance.warnings.push_back(fmt::format(
+      "all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed,
+      std::isfinite(over) ? fmt::format("`particles` of {:.2g} may be enough",
+                                        static_cast<double>(beamline.particles) * over * over)
+                          : "scan where `detected` changes, or omit `centre_error`"));
 }
 
 }  // namespace rabiline

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "input/experiment.hpp"
 #include "plan/plan.hpp"
+#include "scan/experiment.hpp"
 #include "simulation/result.hpp"
 
 namespace rabiline {

@@ -227,9 +227,4 @@ Beamline read_beamline(const Node& root, Reading& reading) {
   return out;
 }
 
-void check_scanned(const Axis& axis, const ScanPoints& points, Reading& reading) {
-  if (std::optional<Fault> fault = fault_of_axis(axis.name(), points))
-    reading.error(axis.place, std::move(fault->message), std::move(fault->help));
-}
-
 }  // namespace rabiline

@@ -3,7 +3,6 @@
 #include "beamline/experiment.hpp"
 #include "input/document.hpp"
 #include "input/keys.hpp"
-#include "input/scan.hpp"
 #include "input/values.hpp"
 
 namespace rabiline {
@@ -36,7 +35,5 @@ Beamline read_beamline(const Node& root, Reading&);
 /// are enabled, in order of `at`.
 Beamline read_beamline_values(const Node& root, Reading&);
 void finish_beamline(Beamline&);
-/// What may not change along an axis of a scan, at the points on it.
-void check_scanned(const Axis&, const ScanPoints&, Reading&);
 
 }  // namespace rabiline

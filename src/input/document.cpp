@@ -362,6 +362,15 @@ const Place& place_of(const Node& node, std::string_view key) {
   return entry ? entry->value.place : node.place;
 }
 
+Place place_within(const Node& node, std::size_t from, std::size_t length) {
+  Place place = node.place;
+  const auto written = static_cast<int>(node.scalar.size()) + (node.quoted ? 2 : 0);
+  if (place.length != written) return place;
+  place.column += static_cast<int>(from) + (node.quoted ? 1 : 0);
+  place.length = static_cast<int>(length);
+  return place;
+}
+
 std::string to_text(const Node& node) {
   std::string out;
   switch (node.kind) {

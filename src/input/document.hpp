@@ -49,6 +49,8 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
 Node parse_value(const std::shared_ptr<const SourceText>& argument, std::size_t from, std::size_t length);
 /// Where a key's value stands, or the node itself where the key is not given.
 const Place& place_of(const Node&, std::string_view key);
+/// That piece of a scalar's text, or all of it where the text runs over several lines or was escaped.
+Place place_within(const Node& scalar, std::size_t from, std::size_t length);
 /// The value as one line of YAML, for labels and comparisons.
 std::string to_text(const Node&);
 

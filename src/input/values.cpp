@@ -311,6 +311,16 @@ bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& r
   return read_quantity(node, as_written, reading, out.value);
 }
 
+bool ValueType<ScannedQuantity>::read(const Node& node, const Row& row, Reading& reading,
+                                      ScannedQuantity& out) {
+  Row as_written = row;
+  if (node.is_scalar())
+    if (const ParsedQuantity parsed = parse_quantity(node.scalar); parsed.error.empty())
+      as_written.dimension = parsed.dimension;
+  out.dimension = as_written.dimension;
+  return read_quantity(node, as_written, reading, out.value);
+}
+
 bool ValueType<SpectrumFile>::read(const Node& node, const Row& row, Reading& reading, SpectrumFile& out) {
   out.spectrum = read_spectrum(node, row, reading);
   return out.spectrum != nullptr;

@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,6 +28,17 @@ struct Row {
   std::string_view example{};  // of a struct whose values go together
 };
 
+/// Formulas that are sampled and still in use, so that points of a scan which do not touch one share its map.
+class SampledFormulas {
+ public:
+  std::shared_ptr<const FieldMap> find(const FormulaBox&);
+  void add(const FormulaBox&, const std::shared_ptr<const FieldMap>&);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<FormulaBox, std::weak_ptr<const FieldMap>>> known_;
+};
+
 /// Collects what is wrong while a tree is read, and watches which numbers were read from the scanned nodes.
 struct Reading {
   struct Watched {
@@ -47,6 +59,8 @@ struct Reading {
   std::string folder;                                      // of the beamline file, where paths begin
   std::shared_ptr<const std::vector<InputText>> stored{};  // texts that stand for files; null: these are read
   std::map<std::string, File> files;                       // by path, each read once
+
+  std::shared_ptr<SampledFormulas> formulas = std::make_shared<SampledFormulas>();  // of all copies
 
   void error(const Place&, std::string message, std::string suggestion = {});
   void saw_number(const Node&, Dimension, double value);
@@ -144,6 +158,27 @@ struct ValueType<LoadedMap> {
           R"({"anyOf": [{"type": "string"}, {"type": "object", "required": ["file"], "properties": {"file": {"type": "string"}, "x": {"enum": ["none", "same_currents", "opposite_currents"]}, "y": {"enum": ["none", "same_currents", "opposite_currents"]}, "z": {"enum": ["none", "same_currents", "opposite_currents"]}}, "additionalProperties": false}]})";
   static bool read(const Node&, const Row&, Reading&, LoadedMap& out);
 };
+/// Names of the user's own and their values, of any dimension.
+template <>
+struct ValueType<NamedValues> {
+  static constexpr std::string_view
+      example = "{B0: 1 mT}",
+      what = "{name: quantity, ...}",
+      schema = R"({"type": "object", "additionalProperties": {"type": ["string", "number"]}})";
+  static bool read(const Node&, const Row&, Reading&, NamedValues& out);
+};
+/// The rows of FormulaBox; the formulas are worked out.
+template <>
+struct ValueType<SampledFormula> {
+  static constexpr std::string_view
+      example =
+          "{Bz: B0 + G*z, Bx: -G*x, constants: {B0: 1 mT, G: 2 T/m}, width: 1 cm, height: 1 cm, "
+          "length: 10 cm, step: 1 mm}",
+      what = "{Bx, By, Bz, constants, width, height, length, step}",
+      schema =
+          R"({"type": "object", "required": ["width", "height", "length", "step"], "properties": {"Bx": {"type": ["string", "number"]}, "By": {"type": ["string", "number"]}, "Bz": {"type": ["string", "number"]}, "constants": {"type": "object", "additionalProperties": {"type": ["string", "number"]}}, "width": @length, "height": @length, "length": @length, "step": @length}, "additionalProperties": false})";
+  static bool read(const Node&, const Row&, Reading&, SampledFormula& out);
+};
 /// `x`, `-z` or three components, which need not be normalised.
 template <>
 struct ValueType<UnitVector> {
@@ -153,6 +188,14 @@ struct ValueType<UnitVector> {
       schema =
           R"({"anyOf": [{"enum": ["x", "y", "z", "-x", "-y", "-z"]}, {"type": "array", "minItems": 3, "maxItems": 3, "items": {"type": "number"}}]})";
   static bool read(const Node&, const Row&, Reading&, UnitVector& out);
+};
+
+/// In any unit; whether it is that of the scan is asked where the scan is known.
+template <>
+struct ValueType<ScannedQuantity> {
+  static constexpr std::string_view example = "5 Hz", what = "quantity of the scanned kind",
+                                    schema = R"({"type": ["string", "number"]})";
+  static bool read(const Node&, const Row&, Reading&, ScannedQuantity& out);
 };
 
 /// One end of a tally's axis: what it is written in follows from the quantity, so the axis reads it.

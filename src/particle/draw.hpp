@@ -4,6 +4,8 @@
 
 namespace rabiline {
 
+inline constexpr double farthest_normal = 8.6;  // [sigma] no normal is drawn beyond: sqrt(-2 ln 2^-53) = 8.57
+
 /// A density that is linear between points, or a few discrete values, to draw from (particle/law_tables.hpp).
 /// All columns have cells + 1 entries but `guide`. Compared by address: a plan makes each table once.
 struct SampledLaw {

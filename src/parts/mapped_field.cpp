@@ -30,15 +30,21 @@ std::pair<double, double> extent_along_beam(const FieldMap& map, const OwnFrame&
 
 }  // namespace
 
-void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
-  const FieldMap& map = *part.map.map;
-  const OwnFrame frame = map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt);
+void contribute_map(const FieldMap& map, double scale, MapOutside outside, const OwnFrame& frame,
+                    const Offset& offset, const Placement& place, SectionBuilder& builder) {
   const auto [begin, end] = extent_along_beam(map, frame);
   if (place.at + end <= 0) return;
-  const ShapedTerm term = map.is_round() ? ShapedTerm(map.round_shape(part.scale, part.outside))
-                                         : ShapedTerm(map.shape(part.scale, part.outside));
+  const ShapedTerm term =
+      map.is_round() ? ShapedTerm(map.round_shape(scale, outside)) : ShapedTerm(map.shape(scale, outside));
   builder.shaped(std::max(0.0, place.at + begin), place.at + end,
-                 placed(term, place_of(place.at, part.offset), frame));
+                 placed(term, place_of(place.at, offset), frame));
+}
+
+void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
+  const FieldMap& map = *part.map.map;
+  contribute_map(map, part.scale, part.outside,
+                 map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt),
+                 part.offset, place, builder);
 }
 
 }  // namespace rabiline

@@ -9,6 +9,7 @@
 namespace rabiline {
 
 class SectionBuilder;
+struct OwnFrame;
 
 template <>
 inline constexpr auto choices<MapSymmetry> = std::array{
@@ -77,5 +78,8 @@ inline constexpr auto parameters<MappedField> = std::tuple{
 };
 
 void contribute(const MappedField&, const Placement&, SectionBuilder&);
+/// Where that frame has the map.
+void contribute_map(const FieldMap&, double scale, MapOutside, const OwnFrame&, const Offset&,
+                    const Placement&, SectionBuilder&);
 
 }  // namespace rabiline

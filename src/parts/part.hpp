@@ -9,6 +9,7 @@
 #include "parts/collimator.hpp"
 #include "parts/current_loop.hpp"
 #include "parts/detector.hpp"
+#include "parts/formula_field.hpp"
 #include "parts/gas_cell.hpp"
 #include "parts/gradient_magnet.hpp"
 #include "parts/guide_field.hpp"
@@ -43,6 +44,7 @@ using Part = std::variant<Polarizer,         //
                           StraightWire,      //
                           MultipoleField,    //
                           MappedField,       //
+                          FormulaField,      //
                           GradientMagnet,    //
                           TwoWireMagnet,     //
                           IronMagnet,        //

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "core/vector3.hpp"
 
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 constexpr double gauss_points[span_points] = {
     -0.932469514203152027812301554493994609, -0.661209386466264513661399595019905347,
     -0.238619186083196908630501721680711935, 0.238619186083196908630501721680711935,

@@ -1,11 +1,11 @@
 #include "plan/explain.hpp"
 
 #include <bit>
-#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
 
+#include "core/constants.hpp"
 #include "particle/channel.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/level_history.hpp"
@@ -14,7 +14,7 @@
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 /// Prints one chain of the plan: the stages that scan point 0 passes.
 class Explainer {
@@ -65,10 +65,18 @@ class Explainer {
            experiment_.particles == ScanParticles::shared ? "the same ones" : "each its own");
     else
       line("particles  {}{}", at_most, beamline_.particles);
-    if (beamline_.until)
-      line("until      the error of `detected` is {:.3g} everywhere, asked whenever twice as many have flown",
-           beamline_.until->detected_error);
+    if (beamline_.until) tell_precision(*beamline_.until);
     seen_component_.assign(beamline_.species.size(), false);
+  }
+
+  void tell_precision(const Until& until) {
+    std::string wanted;
+    if (until.detected_error)
+      wanted = fmt::format("the error of `detected` is {:.3g} everywhere", *until.detected_error);
+    if (until.centre_error)
+      wanted += fmt::format("{} error of the line's centre is {}", wanted.empty() ? "the" : ", and the",
+                            pretty_quantity(until.centre_error->value, until.centre_error->dimension));
+    line("until      {}, asked whenever twice as many have flown", wanted);
   }
 
   void component(const PlanTree& tree) {

@@ -11,6 +11,7 @@
 
 #include "core/portable_math.hpp"
 #include "core/units.hpp"
+#include "plan/level_waves.hpp"
 #include "spin/level_names.hpp"
 #include "spin/levels.hpp"
 #include "spin/rotating_frame.hpp"
@@ -113,13 +114,6 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
   }
 }
 
-std::vector<const LevelZone*> driven_zones_of(const SampledTables::Driven& driven) {
-  std::vector<const LevelZone*> out;
-  for (const LevelZone& zone : driven.zones)
-    if (zone.drive) out.push_back(&zone);
-  return out;
-}
-
 }  // namespace
 
 std::string headline_of(const Species& atom) {
@@ -150,15 +144,36 @@ void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
   }
 }
 
+const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Structure& structure) {
+  const void* of = path.way != nullptr ? static_cast<const void*>(path.way) : path.transitions;
+  const auto known = std::ranges::find(driven_, of, &Driven::of);
+  if (known != driven_.end()) return &*known;
+  Driven& made = driven_.emplace_back(Driven{of, structure});
+  if (path.way != nullptr) {
+    made.on_way = true;
+    made.zones = zones_near_lines(path.way->fields(), structure);
+    for (const WaveFields& wave : path.way->fields().waves)
+      made.neglected = std::max(made.neglected, wave.frame.neglected);
+    return &made;
+  }
+  const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
+  made.neglected = tabled.levels.neglected();
+  made.largest_slowness = tabled.largest_slowness;
+  std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
+                       [](const LevelZone& zone) { return zone.drive.has_value(); });
+  return &made;
+}
+
 void DrivenParts::collect(int component, const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
-  if (path == nullptr || path->transitions == nullptr) return;
+  if (path == nullptr || (path->transitions == nullptr && path->way == nullptr)) return;
   // Numbers of parts differ between the points where one is moved or not enabled.
   const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
   std::vector<const Driven*>& at =
       parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
   at.resize(experiment_.points.size());
-  const Driven* driven = &plan_.tables->driven_by(path->transitions);
+  const Driven* driven =
+      driven_of(*path, *beamline.species[static_cast<std::size_t>(component)].species.structure);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
 }
 
@@ -182,13 +197,13 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
   const LevelZone* before = nullptr;
   for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
     if (at[point] == nullptr) continue;
-    const std::vector<const LevelZone*> zones = driven_zones_of(*at[point]);
-    if (number >= zones.size()) continue;
-    const LevelZone& zone = *zones[number];
+    if (number >= at[point]->zones.size()) continue;
+    const LevelZone& zone = at[point]->zones[number];
     if (before && *before == zone) continue;
     before = &zone;
     const double width = speed / (zone.end - zone.begin);
-    out.push_back(fmt::format("at B = {}{}: {}, width v/L {}", tesla(zone.field),
+    out.push_back(fmt::format("at B = {}{}{}: {}, width v/L {}", tesla(zone.field),
+                              at[point]->on_way ? ", where a line is nearest" : "",
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),
                               megahertz(zone.drive->oscillator.frequency),
                               pretty_quantity(width, Dimension::frequency)));
@@ -206,23 +221,24 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
   const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
   const Driven& driven = **first;
   std::vector<std::vector<std::string>> told;
-  const std::vector<const LevelZone*> zones = driven_zones_of(driven);
+  const std::vector<LevelZone>& zones = driven.zones;
   for (std::size_t i = 0; i < zones.size(); ++i) {
     told.emplace_back();
     add_zone(i, at, speed, told.back());
     const auto same =
         static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
-    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", name_at(zones[i]->begin),
-                              zones[i]->begin, zones[i]->end,
-                              same == i ? "" : fmt::format(", as {} does", name_at(zones[same]->begin))));
+    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", name_at(zones[i].begin), zones[i].begin,
+                              zones[i].end,
+                              same == i ? "" : fmt::format(", as {} does", name_at(zones[same].begin))));
     if (same == i)
       for (const std::string& line : told.back()) out.push_back("  " + line);
   }
+  if (driven.on_way) return out;  // whose stage says the rest
   double neglected = 0;
   for (const Driven* d : at)
-    if (d != nullptr) neglected = std::max(neglected, d->levels.neglected());
+    if (d != nullptr) neglected = std::max(neglected, d->neglected);
   const bool profiled = std::ranges::any_of(
-      zones, [](const LevelZone* zone) { return zone->drive->envelope.shape != Shape::rectangular; });
+      zones, [](const LevelZone& zone) { return zone.drive->envelope.shape != Shape::rectangular; });
   out.push_back(profiled
                     ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
                                   "down to {:.4g} m/s; all else exact",
@@ -257,18 +273,18 @@ std::vector<Fault> DrivenParts::warnings() const {
       const Driven* driven = at[point];
       if (driven == nullptr || driven == before) continue;
       before = driven;
-      neglected = std::max(neglected, driven->levels.neglected());
-      const std::vector<const LevelZone*> zones = driven_zones_of(*driven);
+      neglected = std::max(neglected, driven->neglected);
+      const std::vector<LevelZone>& zones = driven->zones;
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
-        const double width = speed_at(point, component) / (zones[i]->end - zones[i]->begin);
-        std::vector<Transition> near = transitions_near(driven->structure, *zones[i]);
+        const double width = speed_at(point, component) / (zones[i].end - zones[i].begin);
+        std::vector<Transition> near = transitions_near(driven->structure, zones[i]);
         for (const Transition& t : near)
-          if (!is_far(t, width)) useful.insert(name_at(zones[i]->begin));
-        if (useful.contains(name_at(zones[i]->begin))) continue;
+          if (!is_far(t, width)) useful.insert(name_at(zones[i].begin));
+        if (useful.contains(name_at(zones[i].begin))) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
-        best[i] = {std::move(near), distance, zones[i], &driven->structure};
+        best[i] = {std::move(near), distance, &zones[i], &driven->structure};
       }
     }
     std::ranges::move(best, std::back_inserter(all));

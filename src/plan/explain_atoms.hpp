@@ -1,5 +1,6 @@
 #pragma once
 // What a plan does to the levels of atoms, in words.
+#include <list>
 #include <map>
 #include <string>
 #include <utility>
@@ -27,7 +28,15 @@ class DrivenParts {
   std::vector<Fault> warnings() const;
 
  private:
-  using Driven = SampledTables::Driven;
+  /// The zones that drive levels before a part, those of a way with the field where a line is nearest.
+  struct Driven {
+    const void* of = nullptr;  // the transitions or the way that a path has
+    Structure structure{};
+    std::vector<LevelZone> zones{};
+    double neglected = 0, largest_slowness = 0;
+    bool on_way = false;
+  };
+  const Driven* driven_of(const SpinPath&, const Structure&);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
   std::string name_at(double y) const;
@@ -37,6 +46,7 @@ class DrivenParts {
 
   const Experiment& experiment_;
   const Plan& plan_;
+  std::list<Driven> driven_;
   /// Of a component before a part, by name: [points], null where nothing drives them.
   std::map<std::pair<int, std::string>, std::vector<const Driven*>> parts_;
 };

@@ -33,7 +33,7 @@ void LevelQuestions::carry_levels(const Plane& plane, SpinPath& path) const {
     return;
   }
   const LevelFields fields = level_fields(beamline_, species_, sections_.sections, known, plane.y);
-  path.way = &tables_.way(*species_.structure, fields, far_apart(beamline_, species_, fields));
+  path.way = &tables_.way(*species_.structure, fields);
 }
 
 std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) const {

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "plan/level_history.hpp"
+#include "plan/level_waves.hpp"
 #include "plan/zones.hpp"
 
 namespace rabiline {
@@ -31,8 +33,11 @@ Species in_tesla(const Species& atom) {
   return species;
 }
 
-/// The whole of an oscillating field.
-Section whole_fields(Section section) {
+/// The whole fields of some clocks.
+Section whole_fields(Section section, const std::set<int>& clocks, bool of_these) {
+  std::erase_if(section.rotating, [&](const RotatingTerm& term) {
+    return term.amplitude == 0 || clocks.contains(term.oscillator.part) != of_these;
+  });
   for (RotatingTerm& term : section.rotating)
     if (term.motion == FieldMotion::swings_in_rotating_wave) term.motion = FieldMotion::swings;
   return section;
@@ -43,14 +48,32 @@ bool has_field(const Section& section) {
          std::ranges::any_of(section.rotating, [](const RotatingTerm& term) { return term.amplitude != 0; });
 }
 
-double angular_frequency(const DriveTerm& drive, double speed) {
-  double rate = std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive))) +
-                std::abs(drive.twist) * speed;
-  if (drive.envelope.shape == Shape::gaussian) rate += speed / drive.envelope.sigma;
-  if (drive.envelope.shape == Shape::half_sine) rate += std::numbers::pi * speed / drive.envelope.length;
-  if (drive.envelope.shape == Shape::standing_wave)
-    rate += drive.envelope.half_waves * std::numbers::pi * speed / drive.envelope.length;
-  return rate;
+/// By which energies F must differ to exchange nothing (level_fields).
+double far_apart(const Species& species, const LevelFields& fields, double speed) {
+  constexpr int places = 256;
+  double passing = 0, driving = 0, frequency = 0;  // [T/s], [Hz]
+  for (const CourseSection& section : fields.sections) {
+    double drives = 0;
+    for (int i = 0; i < section.field.drives; ++i) {
+      const DriveTerm& drive = section.field.drive[i];
+      drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
+      frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
+    }
+    driving = std::max(driving, drives);
+    for (int place = 0; place < places; ++place) {
+      FieldHere<double> here{};
+      for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+        add_field<HostMaths>(
+            fields.shaped[static_cast<std::size_t>(i)], 0.0,
+            section.field.begin + (place + 0.5) / places * (section.field.end - section.field.begin), 0.0,
+            here);
+      passing = std::max(passing, speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
+    }
+  }
+  // What drives does so for long.
+  const double amplitude =
+      std::sqrt(fields.tolerance) * 2 * std::numbers::pi * scale_of(coupled_spins(*species.structure));
+  return std::max({2 * passing / amplitude, 10 * driving / amplitude, 2 * frequency});
 }
 
 }  // namespace
@@ -79,11 +102,13 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
   const ZoneMaker zones(unit, unit, {}, speed, 0);
   LevelFields out;
   out.tolerance = tolerance_of(beamline.law);
+  const std::set<int> waves = clocks_of_waves(sections, from, to, zones, most_cycles);
+  std::vector<Section> driven;  // by waves
   for (const Section& section : sections) {
     const double begin = std::max(section.begin, from), end = std::min(section.end, to);
     if (begin + no_length >= end || !has_field(section)) continue;
     CourseSection part;
-    part.field = zones.zone_of(whole_fields(section));
+    part.field = zones.zone_of(whole_fields(section, waves, false));
     part.field.begin = begin;
     part.field.end = end;
     part.longest = (end - begin) / 8;
@@ -94,39 +119,24 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.shaped_begin = static_cast<int>(out.shaped.size());
     out.shaped.insert(out.shaped.end(), section.shaped.begin(), section.shaped.end());
     part.shaped_end = static_cast<int>(out.shaped.size());
+    if (Section wave = whole_fields(section, waves, true); !wave.rotating.empty()) {
+      wave.begin = begin;
+      wave.end = end;
+      part.wave = static_cast<int>(driven.size());
+      driven.push_back(std::move(wave));
+    }
     out.sections.push_back(part);
+  }
+  out.apart = far_apart(species, out, speed);
+  const std::vector<int> manifolds = manifolds_of(coupled_spins(*species.structure), out.apart);
+  for (const Section& section : driven) {
+    Section alone = section;
+    alone.field = {};
+    out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed));
   }
   out.begins_in_field = out.sections.front().field.begin <= from + no_length;
   out.ends_in_field = out.sections.back().field.end >= to - no_length;
   return out;
-}
-
-double far_apart(const Beamline& beamline, const Species& species, const LevelFields& fields) {
-  constexpr int places = 256;
-  const double speed = speed_of(beamline, species);
-  double passing = 0, driving = 0, frequency = 0;  // [T/s], [Hz]
-  for (const CourseSection& section : fields.sections) {
-    double drives = 0;
-    for (int i = 0; i < section.field.drives; ++i) {
-      const DriveTerm& drive = section.field.drive[i];
-      drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
-      frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
-    }
-    driving = std::max(driving, drives);
-    for (int place = 0; place < places; ++place) {
-      FieldHere<double> here{};
-      for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-        add_field<HostMaths>(
-            fields.shaped[static_cast<std::size_t>(i)], 0.0,
-            section.field.begin + (place + 0.5) / places * (section.field.end - section.field.begin), 0.0,
-            here);
-      passing = std::max(passing, speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
-    }
-  }
-  // What drives does so for long.
-  const double amplitude =
-      std::sqrt(fields.tolerance) * 2 * std::numbers::pi * scale_of(coupled_spins(*species.structure));
-  return std::max({2 * passing / amplitude, 10 * driving / amplitude, 2 * frequency});
 }
 
 double cycles_on(const Beamline& beamline, const Species& species, const LevelFields& fields) {

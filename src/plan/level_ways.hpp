@@ -15,17 +15,17 @@ bool needs_way(const Section&);
 /// Between two places, where any field on the way needs it.
 bool needs_way(const std::vector<Section>&, double from, double to);
 
-/// The fields between two places as the levels of an atom see them; only where needs_way().
-LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from,
-                         double to);
-/// F whose zero-field energies are more than this apart [Hz] exchange nothing. The amplitudes that they would
+/// The fields between two places as the levels of an atom see them; only where needs_way(). F whose
+/// zero-field energies are more than `apart` from each other exchange nothing: the amplitudes that they would
 /// exchange are about |dB/dt|/(scale_of() 2 pi distance), at most half the root of the tolerance where the
 /// field changes along the beam, and a tenth where something drives.
-double far_apart(const Beamline&, const Species&, const LevelFields&);
-/// Periods of all drives on the way, at the mean speed.
+LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from,
+                         double to);
+/// Periods of all drives that are followed as whole fields, at the mean speed.
 double cycles_on(const Beamline&, const Species&, const LevelFields&);
 
-/// More than this and direct steps are refused.
+/// With more than this in all, fields that turn are taken in the rotating-wave approximation, those of the
+/// highest frequencies first; what must be whole is refused.
 inline constexpr double most_cycles = 1e4;
 
 }  // namespace rabiline

@@ -66,14 +66,16 @@ const MomentTable& SampledTables::moments(const Structure& structure) {
   return moments_.emplace_back(structure, MomentTable(coupled_spins(structure))).second;
 }
 
-const LevelWay& SampledTables::way(const Structure& structure, const LevelFields& fields, double apart) {
+const LevelWay& SampledTables::way(const Structure& structure, const LevelFields& fields) {
   const CoupledSpins spins = coupled_spins(structure);
-  const std::vector<int> manifolds = manifolds_of(spins, apart);
-  auto made = std::ranges::find_if(
-      manifolds_, [&](const Manifolds& m) { return m.structure == structure && m.of == manifolds; });
+  const std::vector<int> manifolds = manifolds_of(spins, fields.apart);
+  const bool driven = !fields.waves.empty();
+  auto made = std::ranges::find_if(manifolds_, [&](const Manifolds& m) {
+    return m.structure == structure && m.of == manifolds && m.driven == driven;
+  });
   if (made == manifolds_.end())
-    made = manifolds_.insert(manifolds_.end(),
-                             {structure, manifolds, std::make_shared<LevelTable>(spins, manifolds)});
+    made = manifolds_.insert(manifolds_.end(), {structure, manifolds, driven,
+                                                std::make_shared<LevelTable>(spins, manifolds, driven)});
   const auto found = std::ranges::find_if(ways_, [&](const LevelWay& way) {
     return &way.table() == made->table.get() && way.fields() == fields;
   });

@@ -33,8 +33,7 @@ class SampledTables {
   /// Works out the transitions that were asked for, on so many threads; 0: on all cores.
   void work_out_transitions(int threads);
   const MomentTable& moments(const Structure&);
-  /// A way of an atom whose levels F exchange nothing where they are more than `apart` [Hz] from each other.
-  const LevelWay& way(const Structure&, const LevelFields&, double apart);
+  const LevelWay& way(const Structure&, const LevelFields&);
 
  private:
   std::list<Driven> driven_;
@@ -42,6 +41,7 @@ class SampledTables {
   struct Manifolds {
     Structure structure;
     std::vector<int> of;  // manifolds_of()
+    bool driven = false;
     std::shared_ptr<const LevelTable> table;
   };
   std::list<Manifolds> manifolds_;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/portable_math.hpp"
+#include "plan/zones.hpp"
 #include "transport/cost.hpp"
 #include "transport/sum_sink.hpp"
 
@@ -62,29 +63,42 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection)
   return links;
 }
 
-/// The angle by which spins turn, over the slowness [rad m/s], where that is all that their flip probability
-/// depends on: one frame that turns evenly, from a level along its axis.
-std::optional<double> turning_of(const SpinPath& path) {
+/// A field across z that turns about it by one clock, with the same size and rate for every particle at a
+/// place.
+bool turns_alike(const DriveTerm& drive) { return drive.in_xy && !is_shaped_otherwise(drive); }
+bool follow_one_clock(const DriveTerm& a, const DriveTerm& b) {
+  return a.omega == b.omega && a.oscillator == b.oscillator && a.random_turn == b.random_turn;
+}
+
+/// The angle by which spins turn at most, over the slowness [rad m/s], where that is all that their flip
+/// probability depends on: from a level, through fields that stand still in the laboratory or in the one
+/// frame that turns evenly about the level's axis. A probability has no faster harmonic, whatever the shape
+/// of the fields: it is a function of the slowness of that exponential type, and its derivatives are bounded
+/// by Bernstein's inequality.
+std::optional<double> turning_along(const SpinPath& path) {
   if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
       path.levels < 2)
     return {};
   const DriveTerm* clock = nullptr;
-  double angle = 0, since_drive = 0;
+  double angle = 0, since_drive = 0, of_static = 0;
+  bool in_laboratory = false;
   for (const SpinZone& zone : path.zones) {
-    if (zone.turned || (zone.kind != ZoneKind::precession && zone.kind != ZoneKind::rotating)) return {};
     const double length = zone.end - zone.begin;
-    if (zone.kind == ZoneKind::precession) {
+    if (zone.drives == 0) {
       if (clock != nullptr) since_drive += std::abs(zone.spin_rate - clock->omega) * length;
+      of_static += std::abs(zone.spin_rate) * length;
+      in_laboratory = in_laboratory || zone.turned;
       continue;
     }
     const DriveTerm& drive = zone.drive[0];
     if (clock == nullptr) clock = &drive;
-    if (!drive.in_xy || drive.twist != 0 || drive.omega != clock->omega ||
-        drive.oscillator != clock->oscillator || drive.random_turn != clock->random_turn)
-      return {};
+    const bool follows = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
+    if (!follows || zone.turned || !turns_alike(drive) || !follow_one_clock(drive, *clock)) return {};
     angle += since_drive + portable::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
     since_drive = 0;
   }
+  if (clock == nullptr) return in_laboratory ? of_static : 0;
+  if (in_laboratory) return {};
   return angle;
 }
 
@@ -93,6 +107,7 @@ class TransitMaker {
   TransitMaker(const PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums)
       : particles_(static_cast<double>(tree.last - tree.first)),
         speeds_(speeds),
+        mean_(tree.source.speed.mean),
         points_(static_cast<std::size_t>(of.points)),
         weights_differ_(sums_of(tree.source).weights_differ),
         everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
@@ -137,7 +152,7 @@ class TransitMaker {
         one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
-      const auto turning = turning_of(one);
+      const auto turning = angle_along(one);
       const auto cells = turning ? cells_for(*turning) : std::nullopt;
       if (!cells) {
         nodes[group.front()].why_one_by_one = turning ? turns_too_fast : no_closed_form;
@@ -145,9 +160,10 @@ class TransitMaker {
       }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
-                                                          std::vector<TransitLink>{{true, {1, 1}, 1}});
+                                                          std::vector<TransitLink>{{true, {1, 1}, 1}}, false);
       const double entries = 2 * particles_;
-      if (!is_shorter(*layout, group.size(), cost::closed_form * static_cast<double>(levels), entries))
+      if (!is_shorter(*layout, group.size(),
+                      cost::closed_form * static_cast<double>(levels) + cost_of_steps(one.stage), entries))
         continue;
       keep(one, layout);
       nodes[group.front()] = std::move(one);
@@ -173,14 +189,15 @@ class TransitMaker {
       return by_particle(node, "the weights of an aimed source are changed on the way");
     const auto links = links_behind(node);
     if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
-    const auto turning = turning_of(node);
+    const auto turning = angle_along(node);
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
-    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links);
+    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
-    if (!is_shorter(*layout, node.ways.size(), cost::share * levels, particles_ * levels * (levels + 1)))
+    if (!is_shorter(*layout, node.ways.size(), cost::share * levels + cost_of_steps(node.ways.front().stage),
+                    particles_ * levels * (levels + 1)))
       return by_particle(node, "that is shorter here");
     keep(node, layout);
   }
@@ -194,11 +211,11 @@ class TransitMaker {
   }
 
   /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
-  static std::optional<double> turning_of(const PlanNode& node) {
+  static std::optional<double> angle_along(const PlanNode& node) {
     double angle = 0;
     for (const PlanNode::Way& way : node.ways) {
       const SpinPath& path = *path_of(way.stage);
-      const std::optional<double> turning = rabiline::turning_of(path);
+      const std::optional<double> turning = turning_along(path);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
     }
@@ -218,6 +235,12 @@ class TransitMaker {
     return SlownessCells{first, (last - first) / count, static_cast<int>(count)};
   }
 
+  /// [s] for each particle, through zones without a closed form.
+  double cost_of_steps(const Stage& stage) const {
+    std::vector<SpinZone> stepped = path_of(stage)->zones;
+    std::erase_if(stepped, [](const SpinZone& zone) { return zone.step == 0; });
+    return cost_of(stepped, mean_);
+  }
   /// Against asking every particle for each way, at a cost [s]. `entries`: what is booked at most.
   bool is_shorter(const TransitLayout& layout, std::size_t ways, double one_by_one, double entries) const {
     const double booked = entries * cost::moment,
@@ -225,11 +248,13 @@ class TransitMaker {
                               std::min(static_cast<double>(layout.size()), entries) * transit_powers *
                               cost::multiply;
     return layout.size() <= most_moments &&
-           (everywhere_ || particles_ * static_cast<double>(ways) * one_by_one > booked + contracted);
+           (everywhere_ ||
+            (ways > 1 && particles_ * static_cast<double>(ways) * one_by_one > booked + contracted));
   }
 
   const double particles_;
   const SpeedRange speeds_;
+  const double mean_;  // [m/s]
   const std::size_t points_;
   const bool weights_differ_, everywhere_;
   const std::vector<SlownessCells>* const given_;

@@ -1,14 +1,14 @@
 #include "plan/zones.hpp"
+#include "core/constants.hpp"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 /// Steps per turn of the fastest rotation where fields are integrated step by step, and at least, over the
 /// length of a field whose size or direction runs along the beam.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/portable_math.hpp"
+#include "particle/draw.hpp"
 #include "rules/warning_room.hpp"
 
 namespace rabiline {
@@ -65,7 +66,6 @@ Box box_of(const Opening& opening, Offset offset, double roll) {
   const double c = std::abs(portable::cos(roll)), s = std::abs(portable::sin(roll));
   return {{offset.x, offset.z}, {(c * r.width + s * r.height) / 2, (s * r.width + c * r.height) / 2}};
 }
-constexpr double farthest_normal = 8.6;  // [sigma] that are drawn
 std::array<double, 2> half_size(const Rectangle& r) { return {r.width / 2, r.height / 2}; }
 std::array<double, 2> half_size(const Disc& d) { return {d.radius, d.radius}; }
 std::array<double, 2> half_size(const Ring& r) { return {r.outer_radius, r.outer_radius}; }

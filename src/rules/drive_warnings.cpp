@@ -3,15 +3,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "plan/plan.hpp"
+#include "plan/stretches.hpp"
 #include "plan/zones.hpp"
 #include "rules/warning_room.hpp"
+#include "transport/describe_outlook.hpp"
 
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 /// A field with a clock, alone in a zone, as one species sees it.
 struct Drive {
@@ -219,10 +222,28 @@ void judge_gradients(const Beamline& beamline, Faults& out) {
   }
 }
 
+/// Atoms that stay coherent where their paths come apart; where they are sorted the stage says so.
+void judge_coherence(const Beamline& beamline, const Species& atom, Faults& out) {
+  const Sections sections = sections_of(beamline);
+  for (const Stretch& stretch : stretches_of(beamline, atom, sections)) {
+    if (!stretch.outlook.between || stretch.outlook.sorts) continue;
+    for (const Section& section : sections.sections)
+      if (section.begin >= stretch.begin && section.end <= stretch.end && !section.shaped.empty()) {
+        const auto part = static_cast<std::size_t>(section.shaped.front().part);
+        out.push_back(
+            warning(beamline.parts[part].placement.name, "kind", describe_between(stretch.outlook)));
+        break;
+      }
+  }
+}
+
 }  // namespace
 
 Faults approximations_of(const Beamline& beamline) {
   Faults out;
+  for (const Component& component : beamline.species)
+    if (is_quantum(beamline) && component.species.structure)
+      judge_coherence(beamline, component.species, out);
   for (const Species* species : points_of(beamline)) judge_rotating_wave(beamline, *species, out);
   judge_gradients(beamline, out);
   return out;

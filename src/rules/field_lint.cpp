@@ -13,17 +13,36 @@ namespace {
 
 /// A field along the beam's axis, where it is taken.
 struct AxisField {
-  double begin = 0, end = 0;                // [m]
-  double largest = 0, first = 0, last = 0;  // [T] |B| in between and at either end
+  double begin = 0, end = 0;  // [m]
+  double largest = 0;         // [T] |B| in between
+  Vector3 first, last;        // [T] at either end
   /// What particles meet between the source and where the last of them are caught.
-  double step(double caught_at) const { return std::max(begin > 0 ? first : 0, end < caught_at ? last : 0); }
+  bool begins() const { return begin > 0; }
+  bool ends(double caught_at) const { return end < caught_at; }
+  double step(double caught_at) const {
+    return std::max(begins() ? length_of(first) : 0, ends(caught_at) ? length_of(last) : 0);
+  }
 };
 
-double size_at(const Section& section, double y) {
+Vector3 field_at(const Section& section, double y) {
   FieldHere<double> sum{};
   sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
   for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
-  return portable::hypot(sum.field[0], sum.field[1], sum.field[2]);
+  return {sum.field[0], sum.field[1], sum.field[2]};
+}
+constexpr double hair = 1e-9;  // of a section's length: its end itself may be rounded to outside
+
+/// Static fields of all parts but one just inside of where that one's begins or ends.
+Vector3 field_of_others(const Beamline& beamline, const PlacedPart& part, double y) {
+  Vector3 field;
+  for (const PlacedPart& other : beamline.parts) {
+    if (&other == &part || !traits_of(other.part).field) continue;
+    SectionBuilder builder(Wall{});
+    std::visit([&](const auto& any) { contribute(any, other.placement, builder); }, other.part);
+    for (const Section& section : builder.build().sections)
+      if (section.begin <= y && y <= section.end) field = field + field_at(section, y);
+  }
+  return field;
 }
 
 /// Nothing where all of a part's field is uniform, or follows a clock.
@@ -35,12 +54,12 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
   for (const Section& section : builder.build().sections) {
     if (section.shaped.empty()) continue;
     constexpr int places = 256;
-    const double hair = 1e-9 * (section.end - section.begin);  // its end itself may be rounded to outside
-    AxisField here{section.begin, section.end, 0, size_at(section, section.begin + hair),
-                   size_at(section, section.end - hair)};
+    const double inside = hair * (section.end - section.begin);
+    AxisField here{section.begin, section.end, 0, field_at(section, section.begin + inside),
+                   field_at(section, section.end - inside)};
     for (int i = 0; i <= places; ++i)
-      here.largest =
-          std::max(here.largest, size_at(section, here.begin + (here.end - here.begin) * i / places));
+      here.largest = std::max(
+          here.largest, length_of(field_at(section, here.begin + (here.end - here.begin) * i / places)));
     if (!out) {
       out = here;
       continue;
@@ -68,9 +87,35 @@ bool has_hard_edges(const Part& part) {
       part);
 }
 
-const FieldMap* map_of(const Part& part) {
-  const auto* mapped = std::get_if<MappedField>(&part);
-  return mapped ? mapped->map.map.get() : nullptr;
+/// The table that a field is from, and the key that it stands under.
+struct Table {
+  const FieldMap* map = nullptr;
+  std::string_view key, step_key;
+};
+Table table_of(const Part& part) {
+  if (const auto* mapped = std::get_if<MappedField>(&part)) return {mapped->map.map.get(), "map", "map"};
+  if (const auto* formula = std::get_if<FormulaField>(&part))
+    return {formula->formula.map.get(), "formula", "formula.step"};
+  return {};
+}
+
+/// Whether the field that ends there is gone, or does not turn the field that the others leave: by less than
+/// a hundredth of a radian a spin follows within 3e-5.
+bool is_quiet_end(const AxisField& field, const Beamline& beamline, const PlacedPart& part, bool at_begin) {
+  constexpr double large_step = 1e-3, small_turn = 1e-2;
+  const Vector3& step = at_begin ? field.first : field.last;
+  if (length_of(step) <= large_step * field.largest) return true;
+  const double inside = hair * (field.end - field.begin);
+  const Vector3 others =
+      field_of_others(beamline, part, at_begin ? field.begin + inside : field.end - inside);
+  const Vector3 all = others + step;
+  return others != Vector3{} && dot(others, all) > 0 &&
+         length_of(cross(others, all)) < small_turn * length_of(others) * length_of(all);
+}
+bool ends_quietly(const AxisField& field, const Beamline& beamline, const PlacedPart& part,
+                  double caught_at) {
+  return (!field.begins() || is_quiet_end(field, beamline, part, true)) &&
+         (!field.ends(caught_at) || is_quiet_end(field, beamline, part, false));
 }
 
 std::string text_of(const MapQuality& q) {
@@ -95,7 +140,7 @@ std::string report_of_fields(const Beamline& beamline) {
     if (!has_hard_edges(part.part))
       out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), Dimension::magnetic_field));
     out += '\n';
-    if (const FieldMap* map = map_of(part.part)) {
+    if (const FieldMap* map = table_of(part.part).map) {
       std::string nodes;
       for (const MapAxis& axis : map->axes())
         nodes += fmt::format("{}{}", nodes.empty() ? "" : " x ", axis.nodes);
@@ -107,31 +152,33 @@ std::string report_of_fields(const Beamline& beamline) {
 }
 
 std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
-  constexpr double large_step = 1e-3, poor_map = 1e-3, wrong_map = 5e-3;
+  constexpr double poor_map = 1e-3, wrong_map = 5e-3;
   const double end = caught_at(beamline);
   Faults out;
   for (const PlacedPart& part : beamline.parts) {
     const std::string& name = part.placement.name;
     const std::optional<AxisField> field = axis_field_of(part);
     if (!field) continue;
-    if (!has_hard_edges(part.part) && field->step(end) > large_step * field->largest)
+    const auto [map, key, step_key] = table_of(part.part);
+    if (!has_hard_edges(part.part) && !ends_quietly(*field, beamline, part, end))
       out.push_back(warning(
           name, "at",
           fmt::format("the field of `{}` ends with a step of {:.1g} of its largest on the axis", name,
                       field->step(end) / field->largest),
-          map_of(part.part) ? "supply a map that goes on until the field is gone" : "make `reach` larger"));
-    const FieldMap* map = map_of(part.part);
+          key == "map"       ? "supply a map that goes on until the field is gone"
+          : key == "formula" ? "make `length` larger, or multiply by what lets the field fade at its ends"
+                             : "make `reach` larger"));
     if (!map) continue;
     const MapQuality quality = quality_of(*map);
     if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
       out.push_back(
-          warning(name, "map",
-                  fmt::format("the map of `{}` is no field without currents: div B is {:.1g} and curl B "
+          warning(name, std::string(key),
+                  fmt::format("the {} of `{}` is no field without currents: div B is {:.1g} and curl B "
                               "{:.1g} of its largest "
                               "field over a step",
-                              name, quality.divergence.rms, quality.curl.rms),
+                              key, name, quality.divergence.rms, quality.curl.rms),
                   "look for a wrong unit, order or sign of its components; omit what has currents in it"));
-    else if (quality.noisy)
+    else if (quality.noisy && key == "map")
       out.push_back(
           warning(name, "map",
                   fmt::format("the map of `{}` has noise of {:.1g} of its largest field, which its slopes "
@@ -140,11 +187,11 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
                   "smooth it as a field without divergence and curl, or use a coarser grid"));
     else if (quality.halved && quality.error.largest > poor_map)
       out.push_back(warning(
-          name, "map",
+          name, std::string(step_key),
           fmt::format(
-              "the map of `{}` is coarse: it misses up to {:.1g} of its largest field between its nodes",
+              "the {} of `{}` is coarse: it misses up to {:.1g} of its largest field between its nodes", key,
               name, quality.error.largest),
-          "use a finer grid"));
+          key == "map" ? "use a finer grid" : "make `step` shorter"));
   }
   return out;
 }

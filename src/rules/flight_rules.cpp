@@ -1,5 +1,6 @@
 // What only the fields as each species sees them tell: how far phases are known, and what drives levels.
 #include <algorithm>
+#include <numbers>
 
 #include "plan/level_history.hpp"
 #include "plan/level_ways.hpp"
@@ -158,7 +159,36 @@ SpinHistory history_of(const Beamline& beamline, const Species& atom, const Sect
           flown_in_steps(stretches_of(beamline, atom, sections), beamline.law, atom)};
 }
 
-/// Where fields are followed in steps, each period takes many.
+/// Particles that stay coherent fly straight, and no map is asked whether they have left it.
+void check_maps(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
+  for (const Stretch& stretch : stretches_of(beamline, atom, sections)) {
+    if (stretch.outlook.sorts) continue;
+    for (const Section& section : sections.sections) {
+      if (section.begin < stretch.begin || section.end > stretch.end) continue;
+      for (const ShapedTerm& term : section.shaped) {
+        const bool ends = (term.kind == ShapedKind::map && term.map.outside == MapOutside::error) ||
+                          (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error);
+        if (!ends) continue;
+        const std::string& name = beamline.parts[static_cast<std::size_t>(term.part)].placement.name;
+        out.push_back(
+            {name, "outside",
+             fmt::format("the levels of `{}` stay coherent in the field of `{}`, and paths are not followed "
+                         "there: who leaves the map is not known",
+                         atom.name, name),
+             "write `outside: clamp` or `outside: zero`, and let a `chamber` or a slit keep the beam in the "
+             "map"});
+        return;
+      }
+    }
+  }
+}
+
+/// The drive that acts on levels in a section.
+std::string drive_at(const Beamline& beamline, const CourseSection& section) {
+  return fields_at(beamline, (section.field.begin + section.field.end) / 2, true).back()->placement.name;
+}
+
+/// Where fields are followed in steps, each period takes many; and a frame has one frequency.
 void check_cycles(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
   const ZoneMaker zones = zone_maker(beamline, atom);
   const SpinHistory spins = history_of(beamline, atom, sections, zones);
@@ -167,20 +197,37 @@ void check_cycles(const Beamline& beamline, const Species& atom, const Sections&
     if (!asks_for_spin(plane) || !needs_way(sections.sections, known, plane.y)) continue;
     const LevelFields fields = level_fields(beamline, atom, sections.sections, known, plane.y);
     const double cycles = cycles_on(beamline, atom, fields);
-    if (cycles <= most_cycles) continue;
-    const auto driven =
-        std::ranges::find_if(fields.sections, [](const auto& s) { return s.field.drives > 0; });
-    const std::string& name =
-        fields_at(beamline, (driven->field.begin + driven->field.end) / 2, true).back()->placement.name;
-    out.push_back(
-        {name, "frequency",
-         fmt::format(
-             "`{}` swings {:.3g} times while the levels of `{}` pass fields without a closed form, and "
-             "{:.0e} times are the most",
-             name, cycles, atom.name, most_cycles),
-         "levels have a closed form where all fields up to the next magnet or detector are uniform along +z, "
-         "and one drives at a place"});
-    return;
+    if (cycles > most_cycles) {
+      const std::string name = drive_at(
+          beamline, *std::ranges::find_if(fields.sections, [](const auto& s) { return s.field.drives > 0; }));
+      out.push_back(
+          {name, "approximation",
+           fmt::format(
+               "`{}` swings {:.3g} times while the levels of `{}` pass fields without a closed form, and "
+               "{:.0e} times are the most for a whole field",
+               name, cycles, atom.name, most_cycles),
+           "write `approximation: rotating_wave`"});
+      return;
+    }
+    for (const CourseSection& section : fields.sections) {
+      if (section.wave < 0) continue;
+      const WaveFields& wave = fields.waves[static_cast<std::size_t>(section.wave)];
+      const double time = (section.field.end - section.field.begin) / zones.speed();
+      for (const DriveTerm& drive : wave.drives) {
+        const double other = std::abs(drive.omega) / (2 * std::numbers::pi);
+        if (std::abs(other - wave.frequency) * time <= most_cycles) continue;
+        const std::string name = drive_at(beamline, section);
+        out.push_back(
+            {name, "at",
+             fmt::format(
+                 "`{}` acts together with another field, at {} and {}, and the levels of `{}` turn with one "
+                 "frequency at a place in the rotating-wave approximation",
+                 name, pretty_quantity(wave.frequency, Dimension::frequency),
+                 pretty_quantity(other, Dimension::frequency), atom.name),
+             "move one of them"});
+        return;
+      }
+    }
   }
 }
 
@@ -222,6 +269,7 @@ void check_flight(const Beamline& beamline, Faults& out) {
   for (const Component& component : beamline.species) {
     if (is_quantum(beamline) && component.species.structure) {
       check_clocks(beamline, component.species, sections, out);
+      check_maps(beamline, component.species, sections, out);
       check_cycles(beamline, component.species, sections, out);
     } else
       check_phases(beamline, component.species, sections, out);

@@ -32,7 +32,7 @@ class Ranges {
   void check(const T& value, const std::string& key, const Range& range) {
     if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::uint64_t>)
       number(static_cast<double>(value), key, range);
-    else if constexpr (std::is_same_v<T, SpeedQuantity>)
+    else if constexpr (std::is_same_v<T, SpeedQuantity> || std::is_same_v<T, ScannedQuantity>)
       number(value.value, key, range);
     else if constexpr (a_struct_with_a_table<T>)
       check(value, key);

@@ -13,6 +13,9 @@ namespace rabiline {
 /// Everything that is wrong with a beamline; nothing of it may be planned then.
 std::vector<Fault> faults_of(const Beamline&);
 
+/// What is wrong with a scan as a whole, each of whose points is well.
+std::vector<Fault> faults_of_scan(const Experiment&);
+
 /// What may not change along an axis of a scan, at `points`; none where all is well. Its subject is empty.
 std::optional<Fault> fault_of_axis(std::string_view parameter, const ScanPoints& points);
 

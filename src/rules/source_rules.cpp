@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include "core/portable_math.hpp"
 
+#include "core/portable_math.hpp"
+#include "particle/draw.hpp"
 #include "rules/room.hpp"
 
 namespace rabiline {
@@ -103,7 +104,6 @@ void check_gaussian(const SpeedLaw& law, Faults& out) {
 // ---- directions ----
 
 constexpr double right_angle = std::numbers::pi / 2;
-constexpr double farthest_normal = 8.6;  // [sigma] the kernels draw none beyond: sqrt(-2 ln 2^-53) = 8.57
 
 std::string degrees(double angle) { return fmt::format("{:.4g} deg", angle / right_angle * 90); }
 

@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "simulation/counting.hpp"
+
 namespace rabiline {
 namespace {
-
-constexpr double quanta = static_cast<double>(quanta_per_particle);
 
 Sum rounded(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
 

@@ -121,6 +121,16 @@ inline std::vector<std::string> names_of_levels(const Species& species, int leve
   return species.structure ? names_of_levels(coupled_spins(*species.structure)) : names_of_levels(levels);
 }
 
+/// What a row of levels is called: the level, after the species where several fly.
+inline std::string label_of(const Beamline& beamline, int component, int levels, int level) {
+  const Species& species = beamline.species[static_cast<std::size_t>(component)].species;
+  const std::string name = law_traits(beamline.law).has_levels
+                               ? names_of_levels(species, levels)[static_cast<std::size_t>(level)]
+                           : level == 0 ? "(1 + S_z)/2"
+                                        : "(1 - S_z)/2";
+  return beamline.species.size() == 1 ? name : species.name + " " + name;
+}
+
 /// A part's number at a scan point: a scan over `at` may change the order.
 inline int number_of(const Beamline& beamline, const std::string& name) {
   for (std::size_t i = 0; i < beamline.parts.size(); ++i)

@@ -1,9 +1,18 @@
 #pragma once
 // From exact sums to numbers with errors.
-#include "plan/plan.hpp"
 #include "simulation/result.hpp"
+#include "simulation/tallies.hpp"
 
 namespace rabiline {
+
+/// What a run has left, to be read only.
+struct Summed {
+  const Experiment& experiment;
+  const Plan& plan;
+  const Sums& sums;
+  const Tallies& tallies;
+  const std::vector<Moments>& emitted;  // [points]
+};
 
 /// Everything of a Result but its provenance. Throws std::logic_error if the fates do not add up to what was
 /// emitted, in quanta.

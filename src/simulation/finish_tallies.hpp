@@ -1,18 +1,8 @@
 #pragma once
 // Monitors and tallies, from exact sums to numbers with errors.
-#include "simulation/result.hpp"
-#include "simulation/tallies.hpp"
+#include "simulation/finish.hpp"
 
 namespace rabiline {
-
-/// What a run has left, to be read only.
-struct Summed {
-  const Experiment& experiment;
-  const Plan& plan;
-  const Sums& sums;
-  const Tallies& tallies;
-  const std::vector<Moments>& emitted;  // [points]
-};
 
 /// Adds monitors and tallies to the result. Throws std::logic_error unless what each tally has in its bins
 /// and outside of them adds up, in quanta, to what crossed its plane.

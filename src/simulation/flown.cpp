@@ -35,27 +35,32 @@ std::vector<Plain> unpack(std::string_view& from) {
 
 }  // namespace
 
-Flown::Flown(const Plan& plan, const Snapshot* start)
-    : sums(start == nullptr ? Sums(plan.sums) : sums_of(start->sums)) {
+Flown::Flown(const Plan& plan, const Snapshot* start) : size_(plan.sums) {
   if (start == nullptr) return;
+  sums = sums_of(start->sums);
   finished = Intervals(start->finished);
   stragglers = start->stragglers;
 }
 
 void Flown::collect(std::vector<ThreadSums>& threads, Ranks& ranks) {
   const bool alone = ranks.size() == 1;
-  Sums of_rank(alone ? 0 : threads.front().sums.size());
+  Sums of_rank;
   Sums& to = alone ? sums : of_rank;
   Intervals::List places;
   std::vector<Straggler> slow;
   for (ThreadSums& thread : threads) {
     const std::lock_guard guard(thread.lock);
     if (thread.torn) continue;
-    add(to, thread.sums);
-    std::fill(thread.sums.begin(), thread.sums.end(), 0);
+    if (to.empty()) {  // they may take hundreds of MiB, which are not worth a copy
+      to.swap(thread.sums);
+    } else if (!thread.sums.empty()) {
+      add(to, thread.sums);
+      std::fill(thread.sums.begin(), thread.sums.end(), 0);
+    }
     append_all(places, std::exchange(thread.finished, {}).list());
     append_all(slow, std::exchange(thread.stragglers, {}));
   }
+  to.resize(size_);
   if (!alone) ranks.add_up(of_rank);
   std::string packed;
   pack(packed, places);
@@ -65,7 +70,10 @@ void Flown::collect(std::vector<ThreadSums>& threads, Ranks& ranks) {
     finished.insert(Intervals(unpack<Intervals::List::value_type>(rest)));
     append_all(stragglers, unpack<Straggler>(rest));
   }
-  if (!alone && ranks.leads()) add(sums, of_rank);
+  if (!alone && ranks.leads()) {
+    sums.resize(size_);
+    add(sums, of_rank);
+  }
   std::sort(stragglers.begin(), stragglers.end());
   stragglers.erase(std::unique(stragglers.begin(), stragglers.end()), stragglers.end());
 }

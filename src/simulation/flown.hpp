@@ -14,7 +14,7 @@ namespace rabiline {
 /// stretches only are seen.
 struct ThreadSums {
   std::mutex lock;
-  Sums sums;
+  Sums sums;  // none before it flies
   Intervals finished;
   std::vector<Straggler> stragglers;
   bool torn = false;  // an exception came out of a stretch, of which the sums have a part
@@ -22,17 +22,19 @@ struct ThreadSums {
 
 /// What has flown in all. Of several ranks the leader has it; the others only hand over what is theirs.
 struct Flown {
-  Sums sums;
+  Sums sums;  // none before they are collected
   Intervals finished;
   std::vector<Straggler> stragglers;  // ascending, each once
 
-  Flown() = default;
   /// Of a run that begins, or goes on from there.
   Flown(const Plan&, const Snapshot* start);
   /// Takes everything from all threads of all ranks. What a torn one has is lost.
   void collect(std::vector<ThreadSums>&, Ranks&);
   /// Of it, without what is known of the run.
   Snapshot snapshot() const;
+
+ private:
+  std::size_t size_;  // of the sums
 };
 
 }  // namespace rabiline

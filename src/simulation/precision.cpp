@@ -1,8 +1,10 @@
 #include "simulation/precision.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "simulation/finish.hpp"
+#include "simulation/line_centre.hpp"
 #include "simulation/work.hpp"
 
 namespace rabiline {
@@ -21,11 +23,24 @@ Experiment part_of(const Experiment& experiment, const Plan& plan, int halvings)
   return part;
 }
 
-double largest_error(const Result& result) {
-  double largest = 0;
+double Reached::over(const Until& wanted) const {
+  double most = 0;
+  if (wanted.detected_error) most = std::max(most, detected_error / *wanted.detected_error);
+  if (wanted.centre_error) most = std::max(most, centre_error / wanted.centre_error->value);
+  return most;
+}
+
+Reached reached_by(const Result& result, const Until& wanted) {
+  Reached reached;
   for (const DetectorResult& detector : result.detectors)
-    for (const double error : detector.detected_errors) largest = std::max(largest, error);
-  return largest;
+    for (const double error : detector.detected_errors)
+      reached.detected_error = std::max(reached.detected_error, error);
+  if (!wanted.centre_error) return reached;
+  reached.centre_error = std::numeric_limits<double>::infinity();
+  for (const DetectorResult& detector : result.detectors)
+    reached.centre_error =
+        std::min(reached.centre_error, error_of_centre(result.axes.front().values, detector));
+  return reached;
 }
 
 int Precision::halvings() const {
@@ -33,8 +48,12 @@ int Precision::halvings() const {
 }
 
 bool Precision::is_enough(const Sums& sums, int halvings) {
-  error_ = largest_error(finish(part_of(experiment_, plan_, halvings), part_of(plan_, halvings), sums));
-  return error_ <= experiment_.points.front().until->detected_error;
+  const Until& wanted = *experiment_.points.front().until;
+  const Reached found =
+      reached_by(finish(part_of(experiment_, plan_, halvings), part_of(plan_, halvings), sums), wanted);
+  detected_error_ = found.detected_error;
+  centre_error_ = found.centre_error;
+  return found.over(wanted) <= 1;
 }
 
 }  // namespace rabiline

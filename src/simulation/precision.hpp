@@ -10,8 +10,14 @@ namespace rabiline {
 /// The experiment with the particles of a part alone (part_of, simulation/work.hpp).
 Experiment part_of(const Experiment&, const Plan&, int halvings);
 
-/// Of `detected`, over all detectors and scan points.
-double largest_error(const Result&);
+/// What is known after a flight.
+struct Reached {
+  double detected_error = 0;  // the largest over all detectors and scan points
+  double centre_error = 0;    // the smallest over all detectors; 0 where it is not wanted
+  /// The largest ratio of an error to what is wanted: 1 or less is enough.
+  double over(const Until&) const;
+};
+Reached reached_by(const Result&, const Until&);
 
 /// Of an experiment with `until`. Keeps both, which must live as long.
 class Precision {
@@ -22,13 +28,13 @@ class Precision {
   int halvings() const;
   /// Whether the sums of a part are as precise as is wanted.
   bool is_enough(const Sums&, int halvings);
-  /// The largest error of `detected` that was found last, or 0; to be asked from any thread.
-  double error() const { return error_; }
+  /// What was found last, or zeros; to be asked from any thread.
+  Reached reached() const { return {detected_error_, centre_error_}; }
 
  private:
   const Experiment& experiment_;
   const Plan& plan_;
-  std::atomic<double> error_{0};
+  std::atomic<double> detected_error_{0}, centre_error_{0};
 };
 
 }  // namespace rabiline

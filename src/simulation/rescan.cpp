@@ -76,7 +76,7 @@ class MomentsCopy {
 
   void copy() {
     if (a_.links() != b_.links() || a_.all_outcomes() != b_.all_outcomes() ||
-        a_.cells().count != b_.cells().count)
+        a_.cells().count != b_.cells().count || a_.weights_alike() != b_.weights_alike())
       throw std::invalid_argument("the moments that were kept are of another beam");
     for (std::size_t k = 0; k < a_.links(); ++k)
       for (std::size_t from = 0; from < a_.levels(); ++from) {
@@ -93,7 +93,7 @@ class MomentsCopy {
     const bool same = screen.bins() == other.bins();
     for (std::size_t bin = 0; bin < screen.bins(); ++bin) {
       add(a_.share(k, bin, from, a), b_.share(k, same ? bin : 0, from, a));
-      for (std::size_t b = 0; b <= a; ++b)
+      for (std::size_t b = 0; b < a + (a_.weights_alike() ? 0 : 1); ++b)
         add(a_.square(k, bin, from, a, b), b_.square(k, same ? bin : 0, from, a, b));
     }
     for (std::size_t b = 0; b < a; ++b) {

@@ -47,11 +47,10 @@ class Runner {
         row_(plan, options.halvings),
         begin_(options.shard.places(row_.size()).first),
         last_(options.shard.places(row_.size()).second),
+        collected_(plan, ranks_.leads() ? options.start : nullptr),
         shares_(static_cast<std::size_t>(options.threads)) {
-    for (ThreadSums& share : shares_) share.sums.resize(plan.sums);
     if (options.start != nullptr) before_ = Intervals(options.start->finished);
     flown_before_ = flown_ = before_.size();
-    if (ranks_.leads()) collected_ = Flown(plan, options.start);
   }
 
   RunOutcome run() {
@@ -267,6 +266,7 @@ class Runner {
         const PlanTree& tree = plan_.trees[stretch.tree];
         {
           const std::lock_guard guard(share.lock);
+          share.sums.resize(plan_.sums);
           share.torn = true;
           walker.fly(tree, stretch.first, stretch.last, share.sums);
           share.finished.insert(stretch.place, stretch.place + particles);

@@ -117,6 +117,7 @@ ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection,
         others += power[j].middleRows(first, count) * products[i][j].asDiagonal();
       kernel::add_products(best_isa())(own.data(), others.data(), count, nodes.size(), together.data());
     }
+    together.triangularView<Eigen::StrictlyUpper>() = together.transpose();
     together *= share * share / one_particle;
     if (some_strayed) add_stragglers(stragglers, first, together);
     const Eigen::VectorXd w = weighted.segment(first, count), r = rate.segment(first, count);

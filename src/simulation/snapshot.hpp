@@ -17,9 +17,9 @@ struct Progress {
   double done = 0;          // fraction of the work
   double seconds = 0;       // since this run began
   double seconds_left = 0;  // estimate
-  /// Where the run ends at a precision: the error of `detected` so far, or 0. `done` then is that of the part
-  /// under way.
-  double error = 0;
+  /// Where the run ends at a precision: the errors of `detected` and of the line's centre [SI] so far, or 0.
+  /// `done` then is that of the part under way.
+  double error = 0, centre_error = 0;
 };
 
 /// A particle that was too slow or too fast for cells of moments.

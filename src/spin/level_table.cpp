@@ -16,6 +16,7 @@ namespace rabiline {
 namespace {
 
 constexpr double energy_error = 3e-14, coupling_error = 1e-10;
+constexpr double driven_error = 3e-15;  // for phases between manifolds
 constexpr int fewest_theta_cells = 64, most_theta_cells = 2048;
 constexpr double half_pi = std::numbers::pi / 2;
 
@@ -98,12 +99,29 @@ class StatesAlong {
   std::vector<Block> blocks_;
 };
 
-/// F_- in products.
-Eigen::MatrixXd lowering(const CoupledSpins& spins) {
-  const AngularMomentum i = angular_momentum(spins.twice_i), j = angular_momentum(spins.twice_j);
+Eigen::MatrixXd lowering(const AngularMomentum& s) { return s.x - s.i_times_y; }
+Eigen::MatrixXd along(const AngularMomentum& s) { return s.z; }
+/// by_j J + by_i I in products, of one component.
+template <typename Component>
+Eigen::MatrixXd weighted(const CoupledSpins& spins, double by_j, double by_i, Component component) {
   const Eigen::MatrixXd one_i = Eigen::MatrixXd::Identity(spins.twice_i + 1, spins.twice_i + 1),
                         one_j = Eigen::MatrixXd::Identity(spins.twice_j + 1, spins.twice_j + 1);
-  return kronecker(j.x - j.i_times_y, one_i) + kronecker(one_j, i.x - i.i_times_y);
+  return by_j * kronecker(component(angular_momentum(spins.twice_j)), one_i) +
+         by_i * kronecker(one_j, component(angular_momentum(spins.twice_i)));
+}
+
+/// [Hz] By level, the mean energy of its manifold at B = 0.
+std::vector<double> means_at_zero(const CoupledSpins& spins, const std::vector<int>& manifold_of) {
+  const std::vector<LevelLabel> labels = level_labels(spins);
+  std::vector<double> sum(labels.size()), out;
+  std::vector<int> levels(labels.size());
+  for (std::size_t n = 0; n < labels.size(); ++n) {
+    sum[static_cast<std::size_t>(manifold_of[n])] += zero_field_energy(spins, labels[n].twice_f);
+    ++levels[static_cast<std::size_t>(manifold_of[n])];
+  }
+  for (const int manifold : manifold_of)
+    out.push_back(sum[static_cast<std::size_t>(manifold)] / levels[static_cast<std::size_t>(manifold)]);
+  return out;
 }
 
 }  // namespace
@@ -129,10 +147,17 @@ std::vector<int> manifolds_of(const CoupledSpins& spins, double apart) {
   return out;
 }
 
-LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
-    : scale_(scale_of(spins)), manifold_of_(std::move(manifold_of)) {
+LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, bool is_driven)
+    : scale_(scale_of(spins)), manifold_of_(manifold_of) {
   const std::vector<LevelLabel> labels = level_labels(spins);
   const std::size_t count = labels.size();
+  const std::vector<int> exchanges = std::move(manifold_of);
+  parted_ = std::ranges::max(exchanges) > 0;
+  std::vector<double> taken_off;  // [Hz]
+  if (is_driven) {
+    taken_off = means_at_zero(spins, exchanges);
+    std::ranges::fill(manifold_of_, 0);
+  }
   place_of_.resize(count);
   manifolds_.resize(static_cast<std::size_t>(std::ranges::max(manifold_of_)) + 1);
   for (std::size_t n = 0; n < count; ++n) {
@@ -140,6 +165,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     place_of_[n] = static_cast<int>(manifold.number.size());
     manifold.number.push_back(static_cast<int>(n));
     manifold.m.push_back(labels[n].twice_m / 2.0);
+    if (is_driven) manifold.taken_off.push_back(2 * std::numbers::pi * taken_off[n]);
     const bool free = spins.coupling == 0 && spins.coupling_squared == 0;
     manifold.mirror.push_back(
         free ? *find_strong_field_level(labels, -labels[n].twice_m_j, -labels[n].twice_m_i)
@@ -147,21 +173,30 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
   }
   for (Manifold& manifold : manifolds_) {
     const int levels = static_cast<int>(manifold.number.size());
-    const auto couple = [&](double by) {
+    const auto couple = [&](double by, std::vector<int>& lows, std::vector<int>& highs, bool all) {
       for (int from = 0; from < levels; ++from)
-        for (int to = 0; to < levels; ++to)
-          if (manifold.m[static_cast<std::size_t>(to)] == manifold.m[static_cast<std::size_t>(from)] - by &&
-              (by != 0 || to > from)) {
-            manifold.to.push_back(to);
-            manifold.from.push_back(from);
-          }
+        for (int to = 0; to < levels; ++to) {
+          const auto low = static_cast<std::size_t>(to), high = static_cast<std::size_t>(from);
+          const bool moves = exchanges[static_cast<std::size_t>(manifold.number[low])] ==
+                             exchanges[static_cast<std::size_t>(manifold.number[high])];
+          if (manifold.m[low] != manifold.m[high] - by || (by == 0 && to <= from) || !(moves || all))
+            continue;
+          lows.push_back(to);
+          highs.push_back(from);
+        }
     };
-    couple(1);
+    couple(1, manifold.to, manifold.from, false);
     manifold.ladders = static_cast<int>(manifold.to.size());
-    couple(0);
+    couple(0, manifold.to, manifold.from, false);
+    if (!is_driven) continue;
+    couple(1, manifold.low, manifold.high, true);
+    couple(0, manifold.low, manifold.high, true);
   }
 
-  const Eigen::MatrixXd minus = lowering(spins);
+  const Eigen::MatrixXd minus = weighted(spins, 1, 1, lowering),
+                        drive_minus = weighted(spins, spins.zeeman_j, spins.zeeman_i, lowering),
+                        drive_along = weighted(spins, spins.zeeman_j, spins.zeeman_i, along);
+  const double moment = std::max(std::abs(spins.zeeman_j), std::abs(spins.zeeman_i));
   Eigen::VectorXd points(level_powers);
   for (int k = 0; k < level_powers; ++k) points(k) = -portable::cos((2 * k + 1) * half_pi / level_powers);
   Eigen::MatrixXd powers(level_powers, level_powers);
@@ -169,14 +204,15 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     for (int p = 0; p < level_powers; ++p) powers(k, p) = p == 0 ? 1 : powers(k, p - 1) * points(k);
   const Eigen::MatrixXd solve = powers.inverse();
   // What a row has, at the states of the moment.
-  const auto row_of = [&](const Manifold& manifold, const StatesAlong& at) {
+  const auto row_of = [&](const Manifold& manifold, const StatesAlong& at, double cosine) {
     const std::size_t levels = manifold.number.size();
-    Eigen::VectorXd row =
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>((3 * levels + manifold.to.size() + 7) / 8 * 8));
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(static_cast<Eigen::Index>((manifold.numbers() + 7) / 8 * 8));
     double mean = 0;
     for (const int n : manifold.number) mean += at.energy(n) / static_cast<double>(levels);
-    for (std::size_t k = 0; k < levels; ++k)
-      row(static_cast<Eigen::Index>(k)) = 2 * std::numbers::pi * (at.energy(manifold.number[k]) - mean);
+    for (std::size_t k = 0; k < levels; ++k) {
+      const double off = is_driven ? cosine * taken_off[static_cast<std::size_t>(manifold.number[k])] : mean;
+      row(static_cast<Eigen::Index>(k)) = 2 * std::numbers::pi * (at.energy(manifold.number[k]) - off);
+    }
     for (std::size_t c = 0; c < manifold.to.size(); ++c) {
       const int to = manifold.number[static_cast<std::size_t>(manifold.to[c])],
                 from = manifold.number[static_cast<std::size_t>(manifold.from[c])];
@@ -192,14 +228,23 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
       for (int q = 0; q < spins.levels(); ++q) {
         const int n = manifold.number[k];
         const double gap = at.energy(n) - at.energy(q);
-        if (manifold_of_[static_cast<std::size_t>(q)] == manifold_of_[static_cast<std::size_t>(n)] ||
-            gap == 0)
+        if (exchanges[static_cast<std::size_t>(q)] == exchanges[static_cast<std::size_t>(n)] || gap == 0)
           continue;
         const double over = 1 / (2 * std::numbers::pi * gap),
                      turned = portable::hypot(lowers(q, n), lowers(n, q)), stretched = stretches(q, n) / gap;
         row(static_cast<Eigen::Index>(levels + manifold.to.size() + k)) += turned * turned / 4 * over;
         row(static_cast<Eigen::Index>(2 * levels + manifold.to.size() + k)) += stretched * stretched * over;
       }
+    for (std::size_t p = 0; p < manifold.low.size(); ++p) {
+      const int low = manifold.number[static_cast<std::size_t>(manifold.low[p])],
+                high = manifold.number[static_cast<std::size_t>(manifold.high[p])];
+      const Eigen::MatrixXd& by =
+          labels[static_cast<std::size_t>(low)].twice_m == labels[static_cast<std::size_t>(high)].twice_m
+              ? drive_along
+              : drive_minus;
+      row(static_cast<Eigen::Index>(3 * levels + manifold.to.size() + p)) =
+          at.states.col(low).dot(by * at.states.col(high)) / moment;
+    }
     return row;
   };
 
@@ -211,6 +256,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     cells_ *= 2;
     worst = 0;
     StatesAlong states(spins, scale_);
+    Eigen::MatrixXd first_states;
     for (Manifold& manifold : manifolds_) manifold.rows.clear();
     for (int cell = 0; cell < cells_; ++cell) {
       const double width = 2 * half_pi / cells_, middle = -half_pi + (cell + 0.5) * width;
@@ -219,11 +265,14 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
       for (int k = 0; k < level_powers; ++k) {
         if (k == level_powers / 2) {
           states.go_to(middle);
-          for (std::size_t f = 0; f < manifolds_.size(); ++f) between[f] = row_of(manifolds_[f], states);
+          for (std::size_t f = 0; f < manifolds_.size(); ++f)
+            between[f] = row_of(manifolds_[f], states, portable::cos(middle));
         }
-        states.go_to(middle + points(k) * width / 2);
+        const double theta = middle + points(k) * width / 2;
+        states.go_to(theta);
+        if (first_states.size() == 0) first_states = states.states;
         for (std::size_t f = 0; f < manifolds_.size(); ++f) {
-          const Eigen::VectorXd row = row_of(manifolds_[f], states);
+          const Eigen::VectorXd row = row_of(manifolds_[f], states, portable::cos(theta));
           if (k == 0) seen[f].resize(level_powers, row.size());
           seen[f].row(k) = row.transpose();
         }
@@ -234,12 +283,19 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
         for (Eigen::Index i = 0; i < fitted.cols(); ++i) {
           const double off = std::abs(fitted(0, i) - between[f](i));
           worst =
-              std::max(worst, i < levels ? off / (energy_error * largest)
+              std::max(worst, i < levels ? off / ((is_driven ? driven_error : energy_error) * largest)
                                          : off / (coupling_error * std::max(1.0, std::abs(between[f](i)))));
         }
         for (Eigen::Index p = 0; p < level_powers; ++p)
           for (Eigen::Index i = 0; i < fitted.cols(); ++i) manifolds_[f].rows.push_back(fitted(p, i));
       }
+    }
+    // Half a turn about the first axis takes the product of m_J, m_I to that of -m_J, -m_I.
+    for (Manifold& f : manifolds_) {
+      f.mirror_sign.clear();
+      for (std::size_t k = 0; k < f.number.size(); ++k)
+        f.mirror_sign.push_back(
+            states.states.col(f.mirror[k]).reverse().dot(first_states.col(f.number[k])) < 0 ? -1 : 1);
     }
   }
   for (const Manifold& f : manifolds_) {
@@ -247,7 +303,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     view.levels = static_cast<int>(f.number.size());
     view.ladders = f.ladders;
     view.couplings = static_cast<int>(f.to.size());
-    view.width = (3 * view.levels + view.couplings + 7) / 8 * 8;
+    view.width = (static_cast<int>(f.numbers()) + 7) / 8 * 8;
     view.is_chain = view.couplings == view.levels - 1 && view.ladders == view.couplings;
     for (int k = 0; k < view.levels; ++k)
       view.most_of_one = std::max(
@@ -260,6 +316,12 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of)
     view.rows = f.rows.data();
     view.cells = cells_;
     view.scale = scale_;
+    view.pairs = static_cast<int>(f.low.size());
+    view.low = f.low.data();
+    view.high = f.high.data();
+    view.moment = 2 * std::numbers::pi * moment;
+    if (is_driven) view.taken_off = f.taken_off.data();
+    view.mirror_sign = f.mirror_sign.data();
     views_.push_back(view);
   }
 }

@@ -92,6 +92,29 @@ DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, cons
   return states;
 }
 
+void join_levels(std::vector<FrameEdge> edges, RotatingFrame& frame) {
+  std::iota(frame.set.begin(), frame.set.end(), 0);
+  std::ranges::stable_sort(edges, std::greater(), &FrameEdge::strength);
+  for (const FrameEdge& edge : edges) {
+    const int joined = frame.set[edge.lower], other = frame.set[edge.upper];
+    if (joined == other) continue;
+    const int by = edge.ahead - (frame.photons[edge.upper] - frame.photons[edge.lower]);
+    const bool drops_another = std::ranges::any_of(edges, [&](const FrameEdge& e) {
+      const bool along = frame.set[e.lower] == joined && frame.set[e.upper] == other;
+      const bool against = frame.set[e.lower] == other && frame.set[e.upper] == joined;
+      const int shift = along ? by : -by;
+      return (along || against) && frame.photons[e.upper] - frame.photons[e.lower] + shift != e.ahead &&
+             2 * e.strength > edge.strength;
+    });
+    if (drops_another) continue;
+    for (std::size_t i = 0; i < frame.set.size(); ++i)
+      if (frame.set[i] == other) {
+        frame.set[i] = joined;
+        frame.photons[i] += by;
+      }
+  }
+}
+
 RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones) {
   RotatingFrame frame{drive.oscillator.part, sense_of(drive), drive.oscillator.frequency,
@@ -101,29 +124,11 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
       frame.photons[i] = frame.sense * (labels[i].twice_m - labels[0].twice_m) / 2;
     return frame;
   }
-  std::iota(frame.set.begin(), frame.set.end(), 0);
-  std::vector<Pair> pairs;
-  for (const DrivenStates* zone : zones) std::ranges::copy(coupled_pairs(*zone), std::back_inserter(pairs));
-  const auto strength = [&](const Pair& pair) { return pair.strength(frame.frequency); };
-  std::ranges::stable_sort(pairs, std::greater(), strength);
-  for (const Pair& pair : pairs) {
-    const int joined = frame.set[pair.lower], other = frame.set[pair.upper];
-    if (joined == other) continue;
-    const int ahead = frame.photons[pair.upper] - frame.photons[pair.lower];  // must be 1 for all
-    const bool drops_another = std::ranges::any_of(pairs, [&](const Pair& p) {
-      const bool along = frame.set[p.lower] == joined && frame.set[p.upper] == other;
-      const bool against = frame.set[p.lower] == other && frame.set[p.upper] == joined;
-      const int shift = along ? 1 - ahead : ahead - 1;
-      return (along || against) && frame.photons[p.upper] - frame.photons[p.lower] + shift != 1 &&
-             2 * strength(p) > strength(pair);
-    });
-    if (drops_another) continue;
-    for (std::size_t i = 0; i < frame.set.size(); ++i)
-      if (frame.set[i] == other) {
-        frame.set[i] = joined;
-        frame.photons[i] += 1 - ahead;
-      }
-  }
+  std::vector<FrameEdge> edges;
+  for (const DrivenStates* zone : zones)
+    for (const Pair& pair : coupled_pairs(*zone))
+      edges.push_back({pair.upper, pair.lower, 1, pair.strength(frame.frequency)});
+  join_levels(std::move(edges), frame);
   return frame;
 }
 

@@ -34,9 +34,17 @@ struct RotatingFrame {
   std::vector<int> set{};      // levels of one number are joined by couplings that stand still
 };
 
-/// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, from
-/// the strongest |V_ij| / | |E_i - E_j|/h - f | on (Kruskal's forest), wherever all between two sets that
-/// are at least half as strong will stand still: those far from resonance all do, or none does.
+/// Asks for levels in whose frame `upper` has taken up `ahead` photons more than `lower`.
+struct FrameEdge {
+  int upper = 0, lower = 0, ahead = 1;
+  double strength = 0;
+};
+/// Gives a frame its sets and photons, from the strongest edge on (Kruskal's forest); an edge joins two sets
+/// where no other between them that is at least half as strong wants something else.
+void join_levels(std::vector<FrameEdge> edges, RotatingFrame& frame);
+
+/// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, by
+/// the strengths |V_ij| / | |E_i - E_j|/h - f |: those far from resonance all stand still, or none does.
 RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones);
 

@@ -157,6 +157,11 @@ void Branches::find_stops() {
       stop->mask[k] = yes;
     }
   }
+  for (Stop& stop : stops_)
+    for (const PreparedGroup& group : paths_.groups)
+      if (std::any_of(stop.mask.begin() + group.begin, stop.mask.begin() + group.end,
+                      [](std::uint64_t mask) { return mask != 0; }))
+        stop.groups.push_back(group);
 }
 
 // ---- all sets of weights ----
@@ -192,7 +197,7 @@ void Branches::book_stops(Sum* sums) const {
   for (const Stop& stop : stops_) {
     const std::uint64_t* shares = &shares_[number(paths_.levels[stop.path]) * paths_.padded()];
     const ChainLink& link = chain_[stop.link];
-    for (const PreparedGroup& group : paths_.groups) {
+    for (const PreparedGroup& group : stop.groups) {
       std::uint64_t q = 0;
       for (int i = group.begin; i < group.end; ++i) q += shares[i] & stop.mask[number(i)];
       sums[link.sums] += q;

@@ -39,6 +39,7 @@ class Branches {
   struct Stop {
     std::size_t path, link;
     std::vector<std::uint64_t> mask;
+    std::vector<PreparedGroup> groups{};  // that have any
   };
 
   void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach);

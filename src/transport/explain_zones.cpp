@@ -3,12 +3,13 @@
 #include <numbers>
 #include "core/portable_math.hpp"
 
+#include "core/constants.hpp"
 #include "transport/plan_report.hpp"
 
 namespace rabiline {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
+using constants::two_pi;
 
 std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
 

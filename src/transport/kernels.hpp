@@ -208,6 +208,8 @@ struct ShareCount {
   const std::uint64_t* shares = nullptr;  // [level][padded]
   const std::uint64_t* hits = nullptr;    // [path][padded] masks: whether that path is counted
   const int* levels = nullptr;            // [path] whose shares follow it
+  const std::uint16_t* eights = nullptr;  // of particles, some of which a path has counted, by their number
+  const std::size_t* first_eight = nullptr;  // [path], and where those of the last end
   int paths = 0, padded = 0;
   double efficiency = 1;  // share that is counted
 };
@@ -227,7 +229,8 @@ RABILINE_KERNEL(outcomes, void(const SpinPathView&, const BatchView&, const std:
 /// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
 /// drawn for that part.
 RABILINE_KERNEL(collapse, void(const SpinPathView&, int part, BatchView&))
-/// What a screen counts of each share, a column of counts for each path, and of each particle in all. Sums
+/// What a screen counts of each share, a column of counts for each path (of others than the eights they stay
+/// as they are), and of each particle in all. Sums
 /// are by path; of particles they come last, at index `paths`.
 RABILINE_KERNEL(count_shares,
                 void(const ShareCount&, std::uint64_t* counts, std::uint64_t* totals, LevelSums&))

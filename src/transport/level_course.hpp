@@ -13,19 +13,38 @@ struct CourseSection {
   int shaped_begin = 0, shaped_end = 0;  // of the course's terms
   double longest = 0;                    // [m] way in one step
   double moment = 0;                     // [s] short against whatever drives there; 0: nothing does
+  int wave = -1;  // of the course's: what drives there in the rotating-wave approximation
   bool operator==(const CourseSection&) const = default;
+};
+
+/// What drives in a section, all near one frequency, and the frame of WaveFrame, as kernels see them: places
+/// of levels in the manifold.
+struct LevelWave {
+  double omega = 0;                  // [rad/s] of that frequency
+  int drives = 0;                    // their angles are less by omega t
+  const DriveTerm* drive = nullptr;  // spin_rate is a field [T]
+  LevelManifold standing{};          // levels and what couples them in the frame, without any numbers
+  // By coupling: 1 or -1 for the photons that `to` has taken up more, 0 for the motion of the static field;
+  // then which of the pairs it is, or of the couplings.
+  const int *photons = nullptr, *number = nullptr;
+  int moves = 0;  // couplings by the motion that do not stand still
+  const int* move = nullptr;
+  const int* left_out =
+      nullptr;  // [pair] 1: by what takes a photon up in `low` does, 2: by what gives one off
+  const double* rate = nullptr;  // [level] [rad/s] amplitudes have exp(i rate t)
 };
 
 /// From where levels are known to where they are asked for. At both ends they are those of the field there,
 /// or in no field those along +z; between fields they stay as if a weak field kept its direction. Where one
 /// field ends and another begins, levels keep their names in the frame of the old direction, as if the size
-/// changed slowly; directions change at once.
+/// changed slowly; directions change at once, and sizes too where a drive is switched on or off.
 struct LevelCourse {
   const LevelManifold* manifolds = nullptr;
   const int *manifold_of = nullptr, *place_of = nullptr;  // [level]
   const CourseSection* sections = nullptr;
   int count = 0;
   const ShapedTerm* shaped = nullptr;
+  const LevelWave* waves = nullptr;
   bool begins_in_field = false, ends_in_field = false;
   double tolerance = 1e-6;  // of probabilities
 };

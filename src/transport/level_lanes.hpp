@@ -7,29 +7,20 @@
 // from n at the begin by the shortest way, which adds a turn about n. Where all couplings V_kl are weak
 // against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with S_kl =
 // V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
-#include "field/lane_maths.hpp"
-#include "field/shaped_field.hpp"
-#include "transport/level_matrix_lanes.hpp"
-#include "transport/plane_lanes.hpp"
+#include "transport/level_path_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
 /// Particles on their way through a course, whose levels are of one manifold.
 class LevelFlight {
+  /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
+  static constexpr double calm_share = 0.01;
+
  public:
   Amplitudes a;
 
-  LevelFlight(const LevelCourse& course, const LevelManifold& manifold, const RandomKey& key, double y,
-              const Vector& place, const Vector& velocity, real t, const Fall& fall, words particle)
-      : course_(course),
-        f_(manifold),
-        key_(key),
-        y_(y),
-        place_(place),
-        velocity_(velocity),
-        t_(t),
-        fall_(fall),
-        particle_(particle) {}
+  LevelFlight(const LevelCourse& course, const LevelManifold& manifold, const LevelPath& path)
+      : course_(course), f_(manifold), path_(path) {}
 
   /// From a level at the begin to the amplitudes of the levels at the end; `counted` are those that matter.
   [[gnu::noinline]] inline void fly(int from, mask counted) {
@@ -41,7 +32,7 @@ class LevelFlight {
     axes_ = {{zero, zero, one}, {one, zero, zero}};
     size_ = zero;
     for (int i = 0; i < course_.count; ++i)
-      pass(course_.sections[i], i == 0 && course_.begins_in_field, counted);
+      pass(course_.sections[i], i > 0 ? &course_.sections[i - 1] : nullptr, counted);
     if (!course_.ends_in_field) {
       const FollowedField z = followed({{zero, zero, one}, {zero, zero, zero}}, axes_);
       turn_to(z.n, zero, counted);
@@ -63,37 +54,6 @@ class LevelFlight {
   }
 
  private:
-  [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
-    const Vector v{fma(broadcast(fall_.x), s, velocity_.x), velocity_.y,
-                   fma(broadcast(fall_.z), s, velocity_.z)};
-    const Vector r{fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
-                   fma(velocity_.y, s, broadcast(y_)),
-                   fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
-    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r).spin,
-                   {broadcast(0), broadcast(0), broadcast(0)}};
-    if (section.moment > 0) {
-      // Four neighbours: to (moment x rate)^4/30 of itself.
-      const auto near = [&](double moments) {
-        const double ds = moments * section.moment;
-        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v)).spin;
-      };
-      const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
-      const double over = 1 / (12 * section.moment);
-      const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
-      at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
-                 rate(earlier.z, before.z, after.z, later.z)};
-    }
-    if (section.shaped_begin == section.shaped_end) return at;
-    FieldHere<real> field{};
-    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<LaneMaths>(course_.shaped[i], r.x, r.y, r.z, field);
-    at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
-    const real* g = field.slope;
-    at.rate = add(at.rate, broadcast(1),
-                  {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
-    return at;
-  }
-
   /// The frame turns at once and the state stays: it turns back by -W . F of the levels at that size.
   [[gnu::noinline]] inline void turn_to(const Vector& n, real size, mask counted) {
     const LevelAxes next = moved_to(n, axes_);
@@ -104,7 +64,7 @@ class LevelFlight {
       // Half the angle from its tangent: it is at most 45 degrees.
       const real angle = 2.0 * atan(sine / (1.0 + cosine)), by = angle / select(turns, sine, broadcast(1));
       constexpr int parts = 8;
-      FollowedField still{n, abs(size), size, broadcast(0), {}, {}, {}, broadcast(1)};
+      FollowedField still{n, next.first, abs(size), size, broadcast(0), {}, {}, {}, broadcast(1)};
       still.turn_1 = select(turns, by * dot(across, axes_.first), broadcast(0)) * (1.0 / parts);
       still.turn_2 = select(turns, by * dot(across, axes_.second()), broadcast(0)) * (1.0 / parts);
       still.turn_3 = broadcast(0);
@@ -121,44 +81,67 @@ class LevelFlight {
     axes_ = next;
   }
 
+  /// The field along the axis becomes another at once and the state stays.
+  [[gnu::noinline]] inline void resize_to(real to) {
+    if (f_.couplings == f_.ladders) return;
+    constexpr int parts = 8;
+    const real each = (to - size_) * (1.0 / parts);
+    for (int i = 0; i < parts; ++i) {
+      const auto at = [&](double share, LevelMatrix& h) {
+        const real b = fma(broadcast(i + share), each, size_), zero = broadcast(0);
+        clear(f_, h);
+        add_matrix(f_, {axes_.third, axes_.first, abs(b), b, each, zero, zero, zero, broadcast(1)},
+                   broadcast(1), h);
+        for (int k = 0; k < f_.levels; ++k) h.diagonal[k] = zero;
+      };
+      LevelMatrix one, two;
+      at(gauss_first, one);
+      at(gauss_second, two);
+      mix(f_, one, two);
+      exponentiate(f_, one, a);
+      exponentiate(f_, two, a);
+    }
+  }
+
+  /// What exponentials and their bounds need of the manifold.
+  inline const LevelManifold& coupled(const CourseSection& section) const {
+    return section.wave < 0 ? f_ : course_.waves[section.wave].standing;
+  }
+  inline void add_to(const CourseSection& section, real s, const FollowedField& f, real weight,
+                     LevelMatrix& h) const {
+    if (section.wave < 0) return add_matrix(f_, f, weight, h);
+    const LevelWave& wave = course_.waves[section.wave];
+    add_matrix(f_, wave, f, path_.wave_at(wave, s), weight, h);
+  }
   [[gnu::noinline]] inline void matrix_at(const CourseSection& section, real s, const LevelAxes& from,
                                           LevelMatrix& h, FollowedField& f) const {
-    f = followed(field_at(section, s), from);
-    clear(f_, h);
-    add_matrix(f_, f, broadcast(1), h);
+    f = followed(path_.field_at(section, s), from);
+    clear(coupled(section), h);
+    add_to(section, s, f, broadcast(1), h);
   }
 
   /// One step of the length h from s; false where it turns by too much.
   [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, Amplitudes& state,
                                      LevelAxes& axes) const {
-    constexpr double near = 0.25 - 0.28867513459481288225, far = 0.25 + 0.28867513459481288225;
-    const FollowedField first = followed(field_at(section, s + gauss_first * h), axes),
-                        second = followed(field_at(section, s + gauss_second * h), axes),
-                        end = followed(field_at(section, s + h), axes);
+    const LevelManifold& f = coupled(section);
+    const real early = s + gauss_first * h, late = s + gauss_second * h;
+    const FollowedField first = followed(path_.field_at(section, early), axes),
+                        second = followed(path_.field_at(section, late), axes),
+                        end = followed(path_.field_at(section, s + h), axes);
     LevelMatrix one, two;
-    clear(f_, one);
-    clear(f_, two);
+    clear(f, one);
+    clear(f, two);
     mask good =
         (first.cosine > broadcast(0.5)) & (second.cosine > broadcast(0.5)) & (end.cosine > broadcast(0.5));
-    add_matrix(f_, first, h, one);
-    add_matrix(f_, second, h, two);
-    for (int k = 0; k < f_.levels; ++k) mix(one.diagonal[k], two.diagonal[k], far, near);
-    for (int j = 0; j < f_.couplings; ++j) {
-      mix(one.re[j], two.re[j], far, near);
-      mix(one.im[j], two.im[j], far, near);
-    }
-    good = good & (max(radius_of(f_, one), radius_of(f_, two)) < broadcast(largest_radius));
-    exponentiate(f_, one, state);
-    exponentiate(f_, two, state);
+    add_to(section, early, first, h, one);
+    add_to(section, late, second, h, two);
+    mix(f, one, two);
+    good = good & (max(radius_of(f, one), radius_of(f, two)) < broadcast(largest_radius));
+    exponentiate(f, one, state);
+    exponentiate(f, two, state);
     axes = moved_to(end.n, axes);
     return good;
   }
-  RABILINE_LANES static void mix(real& one, real& two, double far, double near) {
-    const real first = far * one + near * two;
-    two = near * one + far * two;
-    one = first;
-  }
-
   /// The same state with another first axis.
   inline void turn_about_third(const LevelAxes& from, const LevelAxes& to, Amplitudes& state) const {
     const Phasor by{dot(from.first, to.first), dot(to.first, from.second())};
@@ -188,8 +171,10 @@ class LevelFlight {
     if (!any(lanes)) return;
     LevelMatrix now, before, after;
     FollowedField f;
-    const real ds = min(near, 0.25 * (end - begin)), middle = max(begin + ds, min(end - ds, s));
     matrix_at(section, s, axes_, now, f);
+    // The field may change a little later what it does not change here.
+    const real ds = min(min(near, 1.0 / max(radius_of(f_, now), broadcast(tiny))), 0.25 * (end - begin)),
+               middle = max(begin + ds, min(end - ds, s));
     matrix_at(section, middle - ds, axes_, before, f);
     matrix_at(section, middle + ds, axes_, after, f);
     divide_by_gaps(f_, now);
@@ -211,40 +196,51 @@ class LevelFlight {
     choose(f_.levels, lanes, changed, a);
   }
 
-  [[gnu::noinline]] inline void pass(const CourseSection& section, bool begins, mask counted) {
-    const real over = 1.0 / velocity_.y;
-    const real begin = (section.field.begin - broadcast(y_)) * over,
-               end = (section.field.end - broadcast(y_)) * over, longest = section.longest * over,
-               stay = (section.field.end - section.field.begin) * over;
-    for (int i = 0; i < section.field.drives; ++i)
-      phases_[i] = oscillator_phase(section.field.drive[i], key_, particle_);
-    const FollowedField entry = followed(field_at(section, begin), axes_);
-    if (begins) {
+  [[gnu::noinline]] inline void pass(const CourseSection& section, const CourseSection* last, mask counted) {
+    const real over = 1.0 / path_.speed();
+    const real begin = path_.time_at(section.field.begin), end = path_.time_at(section.field.end),
+               longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
+    path_.enter(section);
+    const FollowedField entry = followed(path_.field_at(section, begin), axes_);
+    if (last == nullptr && course_.begins_in_field) {
       // Levels are those along the field itself.
       const mask back = entry.signed_size < broadcast(0);
       axes_ = moved_to(entry.n, axes_);
       axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
+    } else if (last != nullptr && last->field.end == section.field.begin &&
+               (last->moment > 0 || section.moment > 0)) {
+      // A drive is switched on or off.
+      turn_to(entry.n, size_, counted);
+      resize_to(entry.signed_size);
     } else {
       const real least = select(abs(size_) < entry.size, abs(size_), entry.size);
       const mask alike = (size_ < broadcast(0)) == (entry.signed_size < broadcast(0));
       turn_to(entry.n, select(alike, select(size_ < broadcast(0), -least, least), broadcast(0)), counted);
     }
+    if (section.wave >= 0) {
+      const mask back = dot(path_.field_at(section, begin).b, axes_.third) < broadcast(0);
+      turn_over(f_, back, a);
+      axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
+      change_frame(f_, course_.waves[section.wave], path_.clock(begin), 1, a);
+    }
+    const LevelManifold& f = coupled(section);
     real s = begin, h = longest, skip = longest;
     mask going = counted, dressed = mask{};
-    const bool driven = section.moment > 0;
+    const bool driven = section.moment > 0 || section.wave >= 0;
     const double tolerance = course_.tolerance;
     real tries = broadcast(0);
     while (any(going)) {
       const real left = end - s;
       LevelMatrix now;
-      const FieldAtTime field = field_at(section, s);
+      const FieldAtTime field = path_.field_at(section, s);
       const FollowedField here = followed(field, axes_);
-      clear(f_, now);
-      add_matrix(f_, here, broadcast(1), now);
-      const Calm calm = calm_of(f_, now);
-      const real spread = radius_of(f_, now);
+      clear(f, now);
+      add_to(section, s, here, broadcast(1), now);
+      const Calm calm = calm_of(f, now);
+      const real spread = radius_of(f, now);
       const real changes = length_of(field.rate) / max(here.size * calm.gap, broadcast(tiny));
-      const mask is_calm = (calm.left_out(changes) < broadcast(tolerance)) & (calm.gap > broadcast(0));
+      const mask is_calm =
+          (calm.left_out(changes) < broadcast(calm_share * tolerance)) & (calm.gap > broadcast(0));
       const real leap = min(min(skip, left), 0.5 / max(changes * calm.gap, broadcast(tiny)));
       const mask skips = going & is_calm & (leap * spread > broadcast(10)) & (driven ? mask{} : ~mask{});
       const mask resolves = going & ~skips;
@@ -278,7 +274,7 @@ class LevelFlight {
         good = good & step(section, s + 0.5 * trial, 0.5 * trial, halves, half_axes);
         turn_about_third(whole_axes, half_axes, whole);
         const real allowed = tolerance * (0.25 * (trial / stay) + 1e-2);
-        const real error = difference(whole, halves) * (1.0 / 15) / allowed;
+        const real error = difference(f_.levels, whole, halves) * (1.0 / 15) / allowed;
         const mask accepted = resolves & good & (error <= broadcast(1));
         real size2 = broadcast(0);
         for (int k = 0; k < f_.levels; ++k) {
@@ -304,14 +300,15 @@ class LevelFlight {
       tries = tries + 1.0;
       going = going & ~arrives & (tries < broadcast(1e6));
     }
-    const FieldAtTime last = field_at(section, end);
-    dress(section, end, min(longest, 0.01 * length_of(last.b) / max(length_of(last.rate), broadcast(tiny))),
+    const FieldAtTime field = path_.field_at(section, end);
+    dress(section, end, min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))),
           begin, end, -1, dressed & counted);
-    size_ = followed(last, axes_).signed_size;
+    if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
+    size_ = followed(field, axes_).signed_size;
   }
 
-  /// Phases over a long step, by Kronrod's seven points; the error is what Gauss' three differ by, to the
-  /// power 3/2.
+  /// Phases over a long step, by Kronrod's seven points; the error is that of QUADPACK, by what Gauss' three
+  /// differ: 200^(3/2) times its power 3/2, over the root of the variation.
   [[gnu::noinline]] inline mask try_skip(const CourseSection& section, real s, real h, const LevelAxes& axes,
                                          real size, const Amplitudes& before, Amplitudes& turned,
                                          LevelAxes& there, real& error) const {
@@ -321,7 +318,7 @@ class LevelFlight {
                                    0.4509165386584741, 0.4013974147759622, 0.2684880898683334,
                                    0.1046562260264673};
     constexpr double gauss[7] = {0, 5.0 / 9, 0, 8.0 / 9, 0, 5.0 / 9, 0};
-    real angle[most_levels], off[most_levels];
+    real angle[most_levels], off[most_levels], begun[most_levels], varies = broadcast(tiny);
     for (int k = 0; k < f_.levels; ++k) angle[k] = off[k] = broadcast(0);
     mask good = ~mask{};
     real last_1{}, last_2{};
@@ -332,7 +329,8 @@ class LevelFlight {
       const Calm calm = calm_of(f_, now);
       const real turning2 = fma(f.turn_1, f.turn_1, f.turn_2 * f.turn_2),
                  stretching = f.size_rate / max(f.size, broadcast(tiny));
-      const real changes = sqrt(fma(stretching, stretching, turning2)) / max(calm.gap, broadcast(tiny));
+      const real swift = sqrt(fma(stretching, stretching, turning2)),
+                 changes = swift / max(calm.gap, broadcast(tiny));
       const real ratio_1 = f.turn_1 / max(calm.gap, broadcast(tiny)),
                  ratio_2 = f.turn_2 / max(calm.gap, broadcast(tiny));
       real moves = broadcast(0);
@@ -343,16 +341,20 @@ class LevelFlight {
       last_1 = ratio_1;
       last_2 = ratio_2;
       good = good & (f.cosine > broadcast(0.5)) & (f.signed_size * size > broadcast(0)) &
-             (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) < broadcast(2 * course_.tolerance));
+             (swift * h < broadcast(1.5)) &
+             (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) <
+              broadcast(2 * calm_share * course_.tolerance));
       real energy[most_levels];
       shifted_energies(f_, now, energy);
       for (int k = 0; k < f_.levels; ++k) {
         const real part = 0.5 * h * energy[k];
+        if (i == 0) begun[k] = part;
+        varies = max(varies, abs(part - begun[k]));
         angle[k] = fma(part, broadcast(kronrod[i]), angle[k]);
         off[k] = fma(part, broadcast(kronrod[i] - gauss[i]), off[k]);
       }
     }
-    const FollowedField end = followed(field_at(section, s + h), axes);
+    const FollowedField end = followed(path_.field_at(section, s + h), axes);
     good = good & (end.cosine > broadcast(0.5));
     there = moved_to(end.n, axes);
     // What is common to all levels that are there does not matter.
@@ -369,29 +371,14 @@ class LevelFlight {
       turned.re[k] = fma(before.re[k], cosine, before.im[k] * sine);
       turned.im[k] = fnma(before.re[k], sine, before.im[k] * cosine);
     }
-    error = sqrt(square) * sqrt(sqrt(square));
+    const real rms = sqrt(square);
+    error = 2828.0 * rms * sqrt(rms / max(varies, rms));
     return good;
-  }
-  /// By how much two states differ, but for a common phase.
-  inline real difference(const Amplitudes& one, const Amplitudes& other) const {
-    real square = broadcast(0), phase = broadcast(0);
-    for (int k = 0; k < f_.levels; ++k) {
-      const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
-      square = fma(re, re, fma(im, im, square));
-      phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
-    }
-    return sqrt(max(broadcast(0), fnma(phase, phase, square)));
   }
 
   const LevelCourse& course_;
   const LevelManifold& f_;
-  const RandomKey& key_;
-  const double y_;
-  const Vector place_, velocity_;
-  const real t_;
-  const Fall fall_;
-  const words particle_;
-  real phases_[most_drives];
+  LevelPath path_;
   LevelAxes axes_{};
   real size_{};  // [T] of the field where it was last, along the third axis
   mask reversed_{};

@@ -48,7 +48,7 @@ RABILINE_LANES LevelAxes moved_to(const Vector& n, const LevelAxes& a) {
 
 /// What a field does in the frame of the axes `from` moved to n = +-b/|b|, whichever is nearer.
 struct FollowedField {
-  Vector n;
+  Vector n, first;
   real size, signed_size, size_rate;  // [T], [T/s]
   real turn_1, turn_2, turn_3;        // [rad/s] of the frame, about its own axes
   real cosine;                        // of the turn from the third axis of `from`
@@ -66,31 +66,32 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
   const Vector turning = times(select(none, broadcast(0), over), add(field.rate, -f.size_rate, f.n));
   const real half = 1.0 / (1.0 + f.cosine);
   const LevelAxes here = moved_to(f.n, from, half);
+  f.first = here.first;
   f.turn_1 = -dot(turning, here.second());
   f.turn_2 = dot(turning, here.first);
   f.turn_3 = -dot(cross(from.third, f.n), turning) * half;
   return f;
 }
 
-/// The numbers of LevelManifold::rows at theta, for each lane.
-[[gnu::noinline]] inline void look_up(const LevelManifold& f, real theta, real* values) {
+constexpr int most_row = (3 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;
+/// The first numbers of LevelManifold::rows at theta, for each lane.
+[[gnu::noinline]] inline void look_up(const LevelManifold& f, int count, real theta, real* values) {
   constexpr double pi = 3.141592653589793;
   const real place = fma(theta, broadcast(f.cells / pi), broadcast(0.5 * f.cells));
   const real cell = max(broadcast(0), min(floor(place), broadcast(f.cells - 1)));
   const real x = fma(place - cell, broadcast(2), broadcast(-1));
-  constexpr int widest = 3 * most_levels + most_couplings + 8;
-  alignas(64) double found[lane_count][(widest + 7) / 8 * 8];
+  alignas(64) double found[lane_count][most_row];
   for (int k = 0; k < lane_count; ++k) {
     const double* row = f.rows + static_cast<long>(lane(cell, k)) * (level_powers * f.width);
     const real at = broadcast(lane(x, k));
-    for (int i = 0; i < f.width; i += lane_count) {
+    for (int i = 0; i < count; i += lane_count) {
       real sum = row_at(row + (level_powers - 1) * f.width + i);
       for (int power = level_powers - 2; power >= 0; --power)
         sum = fma(sum, at, row_at(row + power * f.width + i));
       store(found[k] + i, sum);
     }
   }
-  for (int i = 0; i < 3 * f.levels + f.couplings; ++i) {
+  for (int i = 0; i < count; ++i) {
     real value = broadcast(0);
     for (int k = 0; k < lane_count; ++k) set_lane(value, k, found[k][i]);
     values[i] = value;
@@ -101,7 +102,7 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
 inline void add_matrix(const LevelManifold& f, const FollowedField& at, real weight, LevelMatrix& h) {
   real values[3 * most_levels + most_couplings];
   const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1));
-  look_up(f, atan(ratio), values);
+  look_up(f, 3 * f.levels + f.couplings, atan(ratio), values);
   const real root = sqrt(fma(ratio, ratio, broadcast(1))), energy = weight * root, about = weight * at.turn_3;
   const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = energy * over,
              turning = cosine * fma(at.turn_1, at.turn_1, at.turn_2 * at.turn_2),
@@ -228,6 +229,31 @@ RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes
     a.re[k] = select(m, yes.re[k], a.re[k]);
     a.im[k] = select(m, yes.im[k], a.im[k]);
   }
+}
+
+/// From the matrices at the Gauss points to those of the two exponentials.
+inline void mix(const LevelManifold& f, LevelMatrix& one, LevelMatrix& two) {
+  const auto both = [](real& first, real& second) {
+    constexpr double near = 0.25 - 0.28867513459481288225, far = 0.25 + 0.28867513459481288225;
+    const real sum = far * first + near * second;
+    second = near * first + far * second;
+    first = sum;
+  };
+  for (int k = 0; k < f.levels; ++k) both(one.diagonal[k], two.diagonal[k]);
+  for (int j = 0; j < f.couplings; ++j) {
+    both(one.re[j], two.re[j]);
+    both(one.im[j], two.im[j]);
+  }
+}
+/// By how much two states differ, but for a common phase.
+inline real difference(int levels, const Amplitudes& one, const Amplitudes& other) {
+  real square = broadcast(0), phase = broadcast(0);
+  for (int k = 0; k < levels; ++k) {
+    const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
+    square = fma(re, re, fma(im, im, square));
+    phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
+  }
+  return sqrt(max(broadcast(0), fnma(phase, phase, square)));
 }
 
 /// How weak couplings are at one moment against what they couple.

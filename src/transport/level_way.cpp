@@ -2,18 +2,93 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numbers>
+#include <optional>
+
+#include "core/units.hpp"
 #include "transport/cost.hpp"
 
 namespace rabiline {
 
+namespace {
+
+/// A drive of half whose fields exp(-i omega t) belongs to a rate omega > 0.
+DriveTerm against(DriveTerm drive, double omega) {
+  if (drive.omega < 0) {
+    for (double& component : drive.second) component = -component;
+    for (double* number : {&drive.omega, &drive.phase, &drive.random_turn, &drive.twist, &drive.sweep.rate,
+                           &drive.slopes.phase_x, &drive.slopes.phase_z})
+      *number = -*number;
+  }
+  drive.omega -= omega;
+  return drive;
+}
+
+}  // namespace
+
+LevelWave LevelWay::Wave::view() const {
+  LevelWave out;
+  out.drives = static_cast<int>(drives.size());
+  out.drive = drives.data();
+  out.standing.levels = static_cast<int>(rate.size());
+  out.standing.couplings = static_cast<int>(to.size());
+  out.standing.to = to.data();
+  out.standing.from = from.data();
+  for (int k = 0; k < out.standing.levels; ++k)
+    out.standing.most_of_one = std::max(
+        out.standing.most_of_one, static_cast<int>(std::ranges::count(to, k) + std::ranges::count(from, k)));
+  out.photons = photons.data();
+  out.number = number.data();
+  out.moves = static_cast<int>(move.size());
+  out.move = move.data();
+  out.left_out = left_out.data();
+  out.rate = rate.data();
+  return out;
+}
+
 LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
     : fields_(std::move(fields)), table_(std::move(table)) {
+  for (const WaveFields& fields_there : fields_.waves) {
+    const LevelManifold& all = table_->manifolds().front();
+    const WaveFrame& frame = fields_there.frame;
+    const double omega = 2 * std::numbers::pi * fields_there.frequency;
+    Wave wave;
+    for (const DriveTerm& drive : fields_there.drives) wave.drives.push_back(against(drive, omega));
+    const auto ahead = [&](int to, int from) -> std::optional<int> {
+      const auto a = static_cast<std::size_t>(all.number[to]), b = static_cast<std::size_t>(all.number[from]);
+      return frame.set[a] == frame.set[b] ? std::optional(frame.photons[a] - frame.photons[b]) : std::nullopt;
+    };
+    const auto couple = [&](int to, int from, int photons, int number) {
+      wave.to.push_back(to);
+      wave.from.push_back(from);
+      wave.photons.push_back(photons);
+      wave.number.push_back(number);
+    };
+    for (int j = 0; j < all.couplings; ++j) {
+      if (ahead(all.to[j], all.from[j]) == 0)
+        couple(all.to[j], all.from[j], 0, j);
+      else
+        wave.move.push_back(j);
+    }
+    for (int p = 0; p < all.pairs; ++p) {
+      const std::optional<int> photons = ahead(all.low[p], all.high[p]);
+      wave.left_out.push_back(photons == 1 ? 2 : photons == -1 ? 1 : 3);
+      if (wave.left_out.back() != 3) couple(all.low[p], all.high[p], *photons, p);
+    }
+    for (int k = 0; k < all.levels; ++k)
+      wave.rate.push_back(frame.rate[static_cast<std::size_t>(all.number[k])]);
+    waves_.push_back(std::move(wave));
+    wave_views_.push_back(waves_.back().view());
+    wave_views_.back().omega = omega;
+  }
   course_.manifolds = table_->manifolds().data();
   course_.manifold_of = table_->manifold_of().data();
   course_.place_of = table_->place_of().data();
   course_.sections = fields_.sections.data();
   course_.count = static_cast<int>(fields_.sections.size());
   course_.shaped = fields_.shaped.data();
+  course_.waves = wave_views_.data();
   course_.begins_in_field = fields_.begins_in_field;
   course_.ends_in_field = fields_.ends_in_field;
   course_.tolerance = 0.2 * fields_.tolerance;  // errors of steps add up
@@ -40,11 +115,26 @@ double LevelWay::cost() const {
 
 std::string describe(const LevelWay& way) {
   const LevelFields& fields = way.fields();
+  std::string waves;
+  double neglected = 0;
+  std::vector<double> told;
+  for (const WaveFields& wave : fields.waves) {
+    neglected = std::max(neglected, wave.frame.neglected);
+    if (std::ranges::find(told, wave.frequency) != told.end()) continue;
+    told.push_back(wave.frequency);
+    waves += fmt::format("{}{}", waves.empty() ? "" : " and ",
+                         pretty_quantity(wave.frequency, Dimension::frequency));
+  }
+  if (!waves.empty())
+    waves = fmt::format(
+        "; {} in the rotating-wave approximation, whose rest shifts levels and would have amplitudes "
+        "up to {:.2g}",
+        waves, neglected);
   return fmt::format(
-      "coherent through whole fields of any direction from {:.4g} to {:.4g} m, by their amplitudes in "
-      "steps to {:.2g}{}",
-      fields.sections.front().field.begin, fields.sections.back().field.end, fields.tolerance,
-      way.table().manifolds().size() > 1 ? "; F far apart exchange nothing" : "");
+      "coherent through {}fields of any direction from {:.4g} to {:.4g} m, by their amplitudes in "
+      "steps to {:.2g}{}{}",
+      waves.empty() ? "whole " : "", fields.sections.front().field.begin, fields.sections.back().field.end,
+      fields.tolerance, way.table().are_parted() ? "; F far apart exchange nothing" : "", waves);
 }
 
 }  // namespace rabiline

@@ -6,16 +6,27 @@
 #include <string>
 #include <vector>
 
+#include "spin/wave_frame.hpp"
 #include "transport/level_course.hpp"
 
 namespace rabiline {
+
+/// Drives at one place whose frequencies are near to one another [Hz], and their frame.
+struct WaveFields {
+  double frequency = 0;
+  std::vector<DriveTerm> drives{};  // of kind turning; spin_rate is a field [T]
+  WaveFrame frame{};
+  bool operator==(const WaveFields&) const = default;
+};
 
 /// What a way consists of.
 struct LevelFields {
   std::vector<CourseSection> sections{};  // ascending
   std::vector<ShapedTerm> shaped{};
+  std::vector<WaveFields> waves{};
   bool begins_in_field = false, ends_in_field = false;
   double tolerance = 1e-6;
+  double apart = 0;  // [Hz] F whose zero-field energies differ by more exchange nothing but by waves
   bool operator==(const LevelFields&) const = default;
 };
 
@@ -37,6 +48,14 @@ class LevelWay {
  private:
   const LevelFields fields_;
   const std::shared_ptr<const LevelTable> table_;
+  struct Wave {
+    std::vector<DriveTerm> drives{};
+    std::vector<int> to{}, from{}, photons{}, number{}, move{}, left_out{};
+    std::vector<double> rate{};
+    LevelWave view() const;
+  };
+  std::vector<Wave> waves_;
+  std::vector<LevelWave> wave_views_;
   LevelCourse course_;
 };
 

@@ -75,11 +75,14 @@ struct ByLevel {
 };
 
 /// From the level at one place of a block to all of it: LevelBlock tells how.
+/// `fixed`: how many levels it has, or 0 for any; where it is known, all of them stay in registers.
+template <int fixed>
 RABILINE_LANES void mix_levels(const LevelBlock& block, const double* numbers, int from, real slowness,
                                real* p) {
   constexpr double two_pi = 6.283185307179586;
-  const int n = block.levels;
-  real re[most_levels], im[most_levels], next_re[most_levels], next_im[most_levels];
+  constexpr int most = fixed > 0 ? fixed : most_levels;
+  const int n = fixed > 0 ? fixed : block.levels;
+  real re[most], im[most], next_re[most], next_im[most];
   for (int to = 0; to < n; ++to) p[to] = broadcast(0);
   for (int sample = 0; sample < block.samples; ++sample) {
     const double* at = numbers;
@@ -117,6 +120,21 @@ RABILINE_LANES void mix_levels(const LevelBlock& block, const double* numbers, i
   }
   for (int to = 0; to < n; ++to) p[to] = min(broadcast(1), p[to] * (1.0 / block.samples));
 }
+inline void mix_block(const LevelBlock& block, const double* numbers, int from, real slowness, real* p) {
+  switch (block.levels) {
+    case 2:
+      return mix_levels<2>(block, numbers, from, slowness, p);
+    case 3:
+      return mix_levels<3>(block, numbers, from, slowness, p);
+    default:
+      return mix_levels<0>(block, numbers, from, slowness, p);
+  }
+}
+
+/// Whether particles in ascending order stand one behind the other, in whole lanes.
+RABILINE_LANES bool stand_together(const int* particles, int lanes) {
+  return lanes == lane_count && particles[lane_count - 1] - particles[0] == lane_count - 1;
+}
 
 /// Particles that begin in one level, a vector of them at a time.
 void share_by_transitions(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
@@ -137,20 +155,28 @@ void share_by_transitions(const SpinPathView& q, const BatchView& batch, const s
     while (levels[from] != level) ++from;
     for (int begin = 0; begin < count; begin += lane_count) {
       const int lanes = count - begin < lane_count ? count - begin : lane_count;
+      const bool together = stand_together(particles + begin, lanes);
       words weight_words{};
       real speed = broadcast(1), parts[most_levels];
-      for (int k = 0; k < lanes; ++k) {
-        set_lane(weight_words, k, weights[particles[begin + k]]);
-        set_lane(speed, k, batch.vy[particles[begin + k]]);
-      }
+      if (together) {
+        weight_words = load_anywhere(weights + particles[begin]);
+        speed = load_anywhere(batch.vy + particles[begin]);
+      } else
+        for (int k = 0; k < lanes; ++k) {
+          set_lane(weight_words, k, weights[particles[begin + k]]);
+          set_lane(speed, k, batch.vy[particles[begin + k]]);
+        }
       const real weight = number_of(weight_words);
-      mix_levels(block, t.numbers + block.first_number, from, 1.0 / speed, parts);
+      mix_block(block, t.numbers + block.first_number, from, 1.0 / speed, parts);
       for (int to = 0; to < block.levels; ++to) parts[to] = floor(weight * parts[to]);
       give_rest_to_largest(parts, block.levels, weight);
       for (int to = 0; to < block.levels; ++to) {
         const words part = weight_of(parts[to]);
-        for (int k = 0; k < lanes; ++k)
-          shares[levels[to] * batch.padded + particles[begin + k]] = lane(part, k);
+        std::uint64_t* column = shares + levels[to] * batch.padded;
+        if (together)
+          store_anywhere(column + particles[begin], part);
+        else
+          for (int k = 0; k < lanes; ++k) column[particles[begin + k]] = lane(part, k);
       }
     }
   }
@@ -185,7 +211,7 @@ void share_by_course(const SpinPathView& q, const BatchView& batch, const std::u
         set_lane(velocity.z, k, batch.vz[i]);
         set_lane(t, k, batch.t[i]);
       }
-      LevelFlight flight(course, manifold, q.key, batch.y, place, velocity, t, batch.fall, number);
+      LevelFlight flight(course, manifold, {course, q.key, batch.y, place, velocity, t, batch.fall, number});
       flight.fly(course.place_of[level], weight_words != words{});
       flight.probabilities(parts, q.levels);
       const real weight = number_of(weight_words);

@@ -51,7 +51,10 @@ struct PathWeights {
 class PathMasks {
  public:
   PathMasks() = default;
-  PathMasks(std::size_t columns, std::size_t padded) : padded_(padded), lines_(columns * padded / 8) {}
+  PathMasks(std::size_t columns, std::size_t padded)
+      : columns_(columns), padded_(padded), lines_(columns * padded / 8) {}
+  std::size_t columns() const { return columns_; }
+  std::size_t padded() const { return padded_; }
   std::uint64_t* column(std::size_t i) {
     return reinterpret_cast<std::uint64_t*>(lines_.data()) + i * padded_;
   }
@@ -63,7 +66,7 @@ class PathMasks {
   struct alignas(64) Line {
     std::uint64_t words[8] = {};
   };
-  std::size_t padded_ = 0;
+  std::size_t columns_ = 0, padded_ = 0;
   std::vector<Line> lines_;
 };
 

@@ -112,6 +112,13 @@ void project_many(const Projection& p, const BatchView& batch, LevelSums& sums) 
   }
 }
 
+/// Calls f with the first particle of each vector of lanes some of which a path has counted.
+template <class F>
+RABILINE_LANES void each_lanes_counted(const ShareCount& c, int path, const F& f) {
+  for (std::size_t k = c.first_eight[path]; k < c.first_eight[path + 1]; ++k)
+    for (int i = 8 * c.eights[k]; i < 8 * c.eights[k] + 8; i += lane_count) f(i);
+}
+
 }  // namespace
 
 void count_shares(const ShareCount& c, std::uint64_t* counts, std::uint64_t* totals, LevelSums& sums) {
@@ -119,14 +126,14 @@ void count_shares(const ShareCount& c, std::uint64_t* counts, std::uint64_t* tot
   for (int path = 0; path < c.paths; ++path) {
     Accumulator sum;
     const std::uint64_t* shares = c.shares + c.levels[path] * c.padded;
-    for (int i = 0; i < c.padded; i += lane_count) {
+    each_lanes_counted(c, path, [&](int i) {
       real q = number_of(load(shares + i) & load(c.hits + path * c.padded + i));
       if (c.efficiency != 1) q = floor(q * c.efficiency);
       sum.add(q);
       const words counted = weight_of(q);
       store(counts + path * c.padded + i, counted);
       store(totals + i, load(totals + i) + counted);
-    }
+    });
     sum.flush(sums, path);
   }
   Accumulator all;
@@ -134,8 +141,9 @@ void count_shares(const ShareCount& c, std::uint64_t* counts, std::uint64_t* tot
   all.flush(sums, c.paths);
   for (int path = 0; path < c.paths; ++path) {
     Accumulator products;
-    for (int i = 0; i < c.padded; i += lane_count)
+    each_lanes_counted(c, path, [&](int i) {
       products.add_product(number_of(load(counts + path * c.padded + i)), number_of(load(totals + i)));
+    });
     products.flush_products(sums, path);
   }
 }

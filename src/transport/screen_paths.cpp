@@ -34,6 +34,19 @@ void ScreenPaths::gather(const Paths& paths, std::size_t link, Isa isa) {
     }
   }
   find_neighbours();
+  find_eights();
+}
+
+void ScreenPaths::find_eights() {
+  eights_.clear();
+  first_eight_.assign(1, 0);
+  for (std::size_t path = 0; path < hits_.columns(); ++path) {
+    const std::uint64_t* hits = hits_.column(path);
+    for (std::size_t eight = 0; 8 * eight < hits_.padded(); ++eight)
+      if (std::any_of(hits + 8 * eight, hits + 8 * eight + 8, [](std::uint64_t hit) { return hit != 0; }))
+        eights_.push_back(static_cast<std::uint16_t>(eight));
+    first_eight_.push_back(eights_.size());
+  }
 }
 
 void ScreenPaths::find_neighbours() {
@@ -52,8 +65,14 @@ void ScreenPaths::add(const Paths& paths, const PathWeights& weights, Sum* sums,
   const BatchView& asked = paths.asked.view();
   const std::size_t all = paths.levels.size();
   by_path_ = {};
-  const ShareCount shares{weights.shares,        hits_.column(0), paths.levels.data(),
-                          static_cast<int>(all), asked.padded,    screen_.efficiency};
+  const ShareCount shares{.shares = weights.shares,
+                          .hits = hits_.column(0),
+                          .levels = paths.levels.data(),
+                          .eights = eights_.data(),
+                          .first_eight = first_eight_.data(),
+                          .paths = static_cast<int>(all),
+                          .padded = asked.padded,
+                          .efficiency = screen_.efficiency};
   std::uint64_t* totals = counts_.column(all);
   kernel::count_shares(isa_)(shares, counts_.column(0), totals, by_path_);
   for (std::size_t path = 0; path < all; ++path) caught_.of[path] = counts_.column(path);

@@ -25,12 +25,15 @@ class ScreenPaths : public PathTally {
     std::size_t sum;
   };
   void find_neighbours();
+  void find_eights();
 
   const Screen& screen_;
   const ScreenSums layout_;
   Isa isa_ = Isa::baseline;
-  PathMasks hits_;    // a column for each path
-  PathMasks counts_;  // likewise, then one for the totals [quanta]
+  PathMasks hits_;                        // a column for each path
+  PathMasks counts_;                      // likewise, then one for the totals [quanta]
+  std::vector<std::uint16_t> eights_;     // of particles, some of which a path has here
+  std::vector<std::size_t> first_eight_;  // [path], and where those of the last end
   std::vector<Cell> cells_;
   std::vector<std::uint8_t> cell_paths_;
   std::vector<Neighbours> neighbours_;

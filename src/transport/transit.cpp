@@ -5,8 +5,13 @@
 namespace rabiline {
 
 TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
-                             const std::vector<TransitLink>& links)
-    : cells_(cells), outcomes_(reach.size()), paths_before_{0}, pairs_before_{0}, links_(links) {
+                             const std::vector<TransitLink>& links, bool weights_alike)
+    : cells_(cells),
+      weights_alike_(weights_alike),
+      outcomes_(reach.size()),
+      paths_before_{0},
+      pairs_before_{0},
+      links_(links) {
   for (std::size_t from = 0; from < reach.size(); ++from) {
     for (int to = 0; to < most_levels; ++to)
       if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
@@ -18,7 +23,7 @@ TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::
     first_row_.push_back(rows_);
     rows_ += all_paths();
     if (link.is_screen)
-      rows_ += (all_paths() + all_pairs(true)) * link.screen.bins() +
+      rows_ += (all_paths() + all_pairs(!weights_alike)) * link.screen.bins() +
                all_pairs(false) * (link.screen.columns + link.screen.rows + 1);
   }
 }
@@ -56,7 +61,7 @@ void add_products(const double* a, const double* b, std::ptrdiff_t rows, std::pt
   for (std::ptrdiff_t begin = 0; begin < columns; begin += chunk) {
     const std::ptrdiff_t end = begin + chunk < columns ? begin + chunk : columns;
     for (std::ptrdiff_t j = 0; j < rows; j += at_once)
-      for (std::ptrdiff_t i = 0; i < rows; i += 8) {
+      for (std::ptrdiff_t i = j / 8 * 8; i < rows; i += 8) {
         vector sum[at_once][vectors];
         for (int q = 0; q < at_once; ++q)
           for (int v = 0; v < vectors; ++v)

@@ -39,11 +39,13 @@ inline constexpr int transit_powers = 8;
 /// that their level before the projection can lead to; pairs of paths by both ranks, the lower one last.
 class TransitLayout {
  public:
-  /// `reach`: the levels that can be found, as a mask for each level before.
+  /// `reach`: the levels that can be found, as a mask for each level before. `weights_alike`: each weight is
+  /// that of a whole particle, and w^2 = w of a path needs no rows of its own.
   TransitLayout(const SlownessCells&, const std::vector<std::uint64_t>& reach,
-                const std::vector<TransitLink>&);
+                const std::vector<TransitLink>&, bool weights_alike);
 
   const SlownessCells& cells() const { return cells_; }
+  bool weights_alike() const { return weights_alike_; }
   std::size_t levels() const { return outcomes_.size(); }  // before the projection
   const std::vector<int>& outcomes(std::size_t from) const { return outcomes_[from]; }
   const std::vector<std::vector<int>>& all_outcomes() const { return outcomes_; }
@@ -74,7 +76,9 @@ class TransitLayout {
   /// bins of a column, of a row and of a screen.
   std::size_t square(std::size_t link, std::size_t bin, std::size_t from, std::size_t a,
                      std::size_t b) const {
-    return squares_begin(link) + all_pairs(true) * bin + pairs_before(from, true) + a * (a + 1) / 2 + b;
+    if (weights_alike_ && a == b) return share(link, bin, from, a);
+    return squares_begin(link) + all_pairs(!weights_alike_) * bin + pairs_before(from, !weights_alike_) +
+           (weights_alike_ ? a * (a - 1) : a * (a + 1)) / 2 + b;
   }
   std::size_t column(std::size_t link, std::size_t x, std::size_t from, std::size_t a, std::size_t b) const {
     return across_begin(link) + all_pairs(false) * x + pairs_before(from, false) + a * (a - 1) / 2 + b;
@@ -96,10 +100,11 @@ class TransitLayout {
     return first_row_[link] + all_paths() * (1 + links_[link].screen.bins());
   }
   std::size_t across_begin(std::size_t link) const {
-    return squares_begin(link) + all_pairs(true) * links_[link].screen.bins();
+    return squares_begin(link) + all_pairs(!weights_alike_) * links_[link].screen.bins();
   }
 
   SlownessCells cells_;
+  bool weights_alike_;
   std::vector<std::vector<int>> outcomes_;                // [from] the levels found
   std::vector<std::size_t> paths_before_, pairs_before_;  // [from + 1]
   std::vector<TransitLink> links_;

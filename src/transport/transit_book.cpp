@@ -1,5 +1,8 @@
 #include "transport/transit_book.hpp"
 
+#include <stdexcept>
+
+
 namespace rabiline {
 
 void TransitBook::add(const TransitLayout& layout, const Paths& paths, const BatchView& batch,
@@ -54,6 +57,8 @@ void TransitBook::enter(const TransitLayout& layout, std::size_t from, std::uint
   const double at = (slowness - cells.first) / cells.width;
   const auto cell = static_cast<std::size_t>(at);
   const double t = 2 * (at - static_cast<double>(cell)) - 1;
+  if (layout.weights_alike() && weight != quanta_per_particle)
+    throw std::logic_error("weights that should be alike are not");
   const double w = static_cast<double>(weight), w2 = w * w * 0x1p-40;
   const auto put = [&](std::size_t row, double what) {
     entries_.push_back({row * static_cast<std::size_t>(cells.count) + cell, t, what});
@@ -65,7 +70,7 @@ void TransitBook::enter(const TransitLayout& layout, std::size_t from, std::uint
       continue;
     }
     put(layout.share(end.link, end.bin, from, a), w);
-    put(layout.square(end.link, end.bin, from, a, a), w2);
+    if (!layout.weights_alike()) put(layout.square(end.link, end.bin, from, a, a), w2);
     for (std::size_t b = 0; b < a; ++b) {
       if (ends_[b].link != end.link || ends_[b].bin == PathEnds::not_caught) continue;
       if (ends_[b].bin == end.bin) {

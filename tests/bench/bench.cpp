@@ -6,6 +6,7 @@
 #include "bench/checks.hpp"
 #include "bench/experiments.hpp"
 #include "bench/table.hpp"
+#include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 
 namespace rabiline::bench {
@@ -14,6 +15,7 @@ namespace {
 constexpr int frequencies = 101;
 constexpr std::uint64_t beam_particles = 1 << 20, scan_particles = 1 << 16, dorado_particles = 1 << 13;
 constexpr std::uint64_t rabi_particles = 1 << 16;
+constexpr std::uint64_t wire_particles = 10'000'000, image_particles = 1'000'000, clock_particles = 1'000'000;
 constexpr int dorado_points = 8, rabi_points = 201;
 
 template <class Work>
@@ -22,12 +24,13 @@ void time_it(benchmark::State& state, double items, Work work) {
   state.SetItemsProcessed(static_cast<std::int64_t>(static_cast<double>(state.iterations()) * items));
 }
 
+/// From the first particle to the result.
 void program(benchmark::State& state, const Experiment& experiment, double items, int threads = 1) {
   const Plan plan = make_plan(experiment);
   RunOptions options;
   options.isa = best_isa();
   options.threads = threads;
-  time_it(state, items, [&] { return run(plan, options).sums[0]; });
+  time_it(state, items, [&] { return finish(experiment, plan, run(plan, options).sums).emitted[0]; });
 }
 
 double dorado_steps() {
@@ -54,7 +57,15 @@ void dorado_program(benchmark::State& state) {
   program(state, suggested_experiment(dorado_points, dorado_particles), dorado_steps());
 }
 void rabi_program(benchmark::State& state, int points, int twice_spin) {
-  program(state, rabis_apparatus(points, rabi_particles, twice_spin), double{rabi_particles} * points);
+  program(state, rabis_apparatus(points, rabi_particles, twice_spin, {20, 20}),
+          double{rabi_particles} * points);
+}
+/// One item is the whole scan.
+void whole_scan(benchmark::State& state, int points, std::uint64_t particles, int twice_spin, Bins bins) {
+  program(state, rabis_apparatus(points, particles, twice_spin, bins), 1);
+}
+void clock_program(benchmark::State& state) {
+  program(state, clock(rabi_points, clock_particles), double{clock_particles} * rabi_points, 2);
 }
 /// By processor time all threads' times count together: on a machine that others use too, the clock shows
 /// them as well.
@@ -110,6 +121,17 @@ void register_all() {
     benchmark::RegisterBenchmark((name + "/one").c_str(), rabi_program, 1, twice_spin);
     benchmark::RegisterBenchmark((name + "/scan").c_str(), rabi_program, rabi_points, twice_spin);
   }
+  for (const int points : {2, rabi_points, 1001}) {
+    const auto scan = [&](const std::string& name, std::uint64_t particles, int twice_spin, Bins bins) {
+      benchmark::RegisterBenchmark(fmt::format("{}/{}", name, points).c_str(), whole_scan, points, particles,
+                                   twice_spin, bins)
+          ->Repetitions(5);
+    };
+    scan("wire 1/2", wire_particles, 1, {1, 1});
+    scan("wire 3/2", wire_particles, 3, {1, 1});
+    if (points <= rabi_points) scan("image", image_particles, 1, {20, 20});
+  }
+  benchmark::RegisterBenchmark("clock/program", clock_program)->Repetitions(5)->UseRealTime();
   for (const bool busy : {false, true}) {
     const std::string by = busy ? "by processor time" : "by the clock";
     for (const int threads : {1, 2}) {
@@ -126,6 +148,15 @@ const std::vector<Row> rows{
     {"frequency scan, tracks reused [particles x frequencies]", "scan/limit", "scan/program", 0.25, 0.6},
     {"Rabi's apparatus, 201 points against one, spin 1/2", "rabi 1/2/one", "rabi 1/2/scan"},
     {"  spin 3/2 [particles x frequencies]", "rabi 3/2/one", "rabi 3/2/scan"},
+    {"Rabi's apparatus, 1e7 particles, one slit: 201 points over 2, spin 1/2", "wire 1/2/2", "wire 1/2/201",
+     1 / 1.5, 1 / 1.1},
+    {"  1,001 points over 2 [scans]", "wire 1/2/2", "wire 1/2/1001", 1 / 2., 1 / 1.2},
+    {"  201 points over 2, spin 3/2 [scans]", "wire 3/2/2", "wire 3/2/201", 1 / 1.5, 1 / 1.1},
+    {"  1,001 points over 2, spin 3/2 [scans]", "wire 3/2/2", "wire 3/2/1001", 1 / 2., 1 / 1.2},
+    {"  201 points [particles x frequencies]", "", "wire 1/2/201", 0, 0,
+     double{wire_particles} * rabi_points},
+    {"20 x 20 bins, 1e6 particles: 201 points over 2 [scans]", "image/2", "image/201", 1 / 3., 1 / 1.5},
+    {"caesium clock, 1e6 atoms, two threads [atoms x frequencies]", "", "clock/program"},
     {"dorado region [steps]", "dorado/limit", "dorado/program", 0.4, 0.7},
     {"dorado scan, two threads against one, by the clock [steps]", "threads by the clock/1",
      "threads by the clock/2", 1.85, 1.95},

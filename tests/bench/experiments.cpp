@@ -1,8 +1,11 @@
 #include "bench/experiments.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "physics/suggested.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline::bench {
 namespace {
@@ -58,7 +61,7 @@ Experiment two_level_beamline(int points, std::uint64_t particles, bool polarise
   return scan(b, points, 20e3);
 }
 
-Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) {
+Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin, Bins bins) {
   Beamline b = test::suggested(larmor);
   b.law = QuantumLaw{};
   // LiCl at 850 K with the moment of Li-7, whatever its spin here.
@@ -85,7 +88,7 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin) 
              test::place("C", 0.68, UniformField{0.16, 0.2126, {}}),
              test::place("RF", 0.74, drive),
              test::place("B", 0.90, undo),
-             test::place("wire", 1.60, Detector{Rectangle{10e-3, 80e-6}, {20, 20}, {}})};
+             test::place("wire", 1.60, Detector{Rectangle{10e-3, 80e-6}, bins, {}})};
   Experiment experiment;
   for (int i = 0; i < points; ++i) {
     Beamline point = b;
@@ -102,6 +105,13 @@ Experiment suggested_experiment(int points, std::uint64_t particles) {
   b.law = DoradoLaw{Closure::torque, 1e-3};
   b.particles = particles;
   return scan(b, points, 12e3);
+}
+
+Experiment clock(int points, std::uint64_t particles) {
+  Changes changes;
+  changes.particles = fmt::format("{}", particles);
+  changes.scan = {fmt::format("first.frequency=9192631271.5 Hz:9192632271.5 Hz:{}", points)};
+  return load_experiment(load_file(RABILINE_BEAMLINES "/caesium-clock.yaml"), changes).experiment;
 }
 
 std::vector<RabiLine> lines_of(const Plan& plan) {

@@ -10,9 +10,12 @@ namespace rabiline::bench {
 Experiment two_level_beamline(int points, std::uint64_t particles, bool polarised = false);
 /// Rabi's apparatus: an oven, slits, magnet A, a field C with a radio frequency, magnet B that undoes what A
 /// did, and a narrow detector; spin 1/2 or 3/2, weights split over the levels.
-Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin);
+Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin, Bins);
 /// The suggested experiment under `dorado` at `points` frequencies around the Larmor frequency.
 Experiment suggested_experiment(int points, std::uint64_t particles);
+
+/// The shipped caesium clock.
+Experiment clock(int points, std::uint64_t particles);
 
 /// Rabi's line of the plan's closed form at each scan point, in order.
 std::vector<RabiLine> lines_of(const Plan&);

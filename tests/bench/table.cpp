@@ -18,18 +18,18 @@ void Table::ReportRuns(const std::vector<Run>& runs) {
 }
 
 void Table::Finalize() {
-  fmt::print("{:<58} {:>10} {:>10} {:>7} {:>6} {:>6}\n", "medians", "limit /s", "program /s", "ratio", "must",
+  fmt::print("{:<74} {:>10} {:>10} {:>7} {:>6} {:>6}\n", "medians", "limit /s", "program /s", "ratio", "must",
              "aim");
   for (const Row& row : rows_) {
     if (!rates_.contains(row.program)) continue;
-    const double program = median_rate(row.program);
+    const double program = median_rate(row.program) * row.in_one;
     if (!rates_.contains(row.limit)) {
-      fmt::print("{:<58} {:>10} {:>10.3g}\n", row.work, "-", program);
+      fmt::print("{:<74} {:>10} {:>10.3g}\n", row.work, "-", program);
       continue;
     }
-    const double limit = median_rate(row.limit);
-    fmt::print("{:<58} {:>10.3g} {:>10.3g} {:>7.3f}", row.work, limit, program, program / limit);
-    if (row.must > 0) fmt::print(" {:>6} {:>6}", row.must, row.aim);
+    const double limit = median_rate(row.limit) * row.in_one;
+    fmt::print("{:<74} {:>10.3g} {:>10.3g} {:>7.3f}", row.work, limit, program, program / limit);
+    if (row.must > 0) fmt::print(" {:>6.2g} {:>6.2g}", row.must, row.aim);
     fmt::print("\n");
   }
 }

@@ -12,6 +12,7 @@ namespace rabiline::bench {
 struct Row {
   std::string work, limit, program;
   double must = 0, aim = 0;  // 0: shown for information only
+  double in_one = 1;         // items of what is shown in one that was timed
 };
 
 /// Collects every repetition's rate and prints a table of medians at the end.

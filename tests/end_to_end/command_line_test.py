@@ -230,7 +230,7 @@ def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Pa
     output = tmp_path / "out.h5"
     output.write_bytes(b"precious")
     done = subprocess.run([PROGRAM, "run", EXPERIMENT, "--particles", "10", *EDGES, "-o", output, "--threads", "1"], text=True,
-                          capture_output=True, timeout=60,
+                          capture_output=True, timeout=300,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
     assert done.returncode == NOT_WRITTEN and "out.h5" in done.stderr
     assert list(tmp_path.iterdir()) == [output] and output.read_bytes() == b"precious"
@@ -257,7 +257,7 @@ def slow_run(output: Path) -> subprocess.Popen[str]:
 def stop(process: subprocess.Popen[str], how: signal.Signals) -> str:
     """What it said after the signal; it exits 4 and soon."""
     process.send_signal(how)
-    _, errors = process.communicate(timeout=30)
+    _, errors = process.communicate(timeout=300)
     assert process.returncode == STOPPED, errors
     return errors
 
@@ -290,7 +290,7 @@ def test_a_stopped_run_leaves_an_earlier_file_and_a_killed_one_too(tmp_path: Pat
     (tmp_path / "out.h5.checkpoint").unlink()
     process = slow_run(output)
     process.kill()
-    process.communicate(timeout=30)
+    process.communicate(timeout=300)
     assert process.returncode == -signal.SIGKILL
     assert output.read_bytes() == reference.read_bytes()
     assert {path.name for path in tmp_path.iterdir()} <= {"out.h5", ".out.h5.lock"}
@@ -495,5 +495,16 @@ def test_viewers_read_what_the_program_wrote(tmp_path: Path, reference: Path, cr
     assert rabiline("trace", EXPERIMENT, "-n", 1, "-o", tracks).returncode == DONE
     for arguments in ([reference], [crowded_reference], ["--tracks", tracks]):
         viewed = subprocess.run([sys.executable, Path(__file__).with_name("nexus_test.py"), *arguments], text=True,
-                                capture_output=True, timeout=60)
+                                capture_output=True, timeout=300,
         assert viewed.returncode == 0, viewed.stdout + viewed.stderr
+
+
+def test_a_run_ends_when_the_centre_of_its_line_is_known_and_says_so_where_there_is_none(folder: Path) -> None:
+    line = ("--scan", "H0.frequency=286 kHz:297 kHz:23", "--set", "scan.particles=independent",
+            "--set", "until={centre_error: 100 Hz}")
+    output = run(folder / "line.h5", *line, "--particles", 64000)
+    assert 1000 <= read(output, "fates/particles").sum() / 23 < 64000
+    missed = rabiline("run", EXPERIMENT, "-o", folder / "flat.h5", "--progress", "none", *line, "--set", "law=quantum",
+                      "--particles", 2000)
+    assert missed.returncode == DONE
+    assert "there is no line in `detected` that chance could not have made" in missed.stderr

@@ -1,4 +1,5 @@
-/* Preloaded: the call named by FAIL_CALL fails at the FAIL_AT-th time, or at every time from there on if FAIL_ON is set. */
+/* Preloaded: the call named by FAIL_CALL fails at the FAIL_AT-th time, or at every time from there on if FAIL_ON is set. At the
+   first failure a file FAIL_SEEN appears. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -7,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -24,6 +27,7 @@ __attribute__((constructor)) static void begin(void) {
 static int fails(const char* name) {
   if (at < 0 || strcmp(name, call) != 0) return 0;
   const long now = __atomic_add_fetch(&count, 1, __ATOMIC_RELAXED);
+  if (now == at && getenv("FAIL_SEEN") != NULL) syscall(SYS_mknod, getenv("FAIL_SEEN"), S_IFREG | 0600, 0);
   return now == at || (on && now > at);
 }
 

@@ -108,6 +108,30 @@ def test_fringes_in_a_mapped_field_stand_at_its_mean_along_the_falling_path(run)
     assert one["entry/field_check/spin"][()] < 1e-6
 
 
+def distance_of_lines(file):
+    profile = file["entry/screen_z"]
+    counts, z = profile["counts"][:], profile["z"][:]
+    up = z > 0
+    assert abs(counts[up].sum() / counts.sum() - 0.5) < 0.01
+    return np.average(z[up], weights=counts[up]) - np.average(z[~up], weights=counts[~up])
+
+
+@pytest.mark.experiment("iron-magnet-map")
+def test_a_magnet_by_finite_elements_deflects_as_the_integral_of_its_gradient_says(run):
+    real = distance_of_lines(run("iron-magnet-map"))
+    ideal = distance_of_lines(run("iron-magnet-map", "--set", "mapped.enabled=false", "--set", "ideal.enabled=true"))
+    table = np.loadtxt(EXPERIMENTS.parent / "geometries" / "iron-magnet.csv", delimiter=",", skiprows=1)
+    plane = table[table[:, 0] == 0]
+    y, z = np.unique(plane[:, 1]), np.unique(plane[:, 2])
+    size = np.linalg.norm(plane[:, 3:], axis=1).reshape(len(y), len(z))
+    gradient = np.gradient(size, z, axis=1)[:, len(z) // 2]
+    of_map = 2 * np.trapz(gradient, y)
+    of_poles = -2 * 1.2 / (1 + 1.2**2) / 4 * 500 * 40  # G/B = -2 z/(a^2 + z^2) at z = 1.2 a, on their length
+    assert abs(real / ideal / (of_map / of_poles) - 1) < 0.005
+    assert abs(real / ideal - 1.0876) < 0.002
+    assert abs(gradient[0] / size[0, len(z) // 2] / (-2 * 1.2 / (1 + 1.2**2) / 4) - 0.964) < 0.002
+
+
 def test_check_tells_larmor_frequency_and_detuning_in_a_mapped_field():
     page = subprocess.run([RABILINE, "check", EXPERIMENTS / "neutron-ramsey-map.yaml"], capture_output=True, text=True, check=True)
     assert page.stderr == ""

@@ -206,3 +206,36 @@ def test_random_flights_through_random_fields_agree_with_an_independent_integrat
     told = subprocess.run([script, PROGRAM, "--count", "50"], capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
     assert int(told.stdout.split()[0]) > 35
+
+
+BOX = "width: 1 cm, height: 1 cm, length: 20 cm, step: 2.5 mm"
+
+
+def test_a_formula_is_the_field_that_it_states(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: formula_field, formula: {Bx: -G*x, By: 'B0*sin(2*pi*y/L)', Bz: B0 + G*z, "
+                      "constants: {B0: 1 mT, G: 0.5 T/m, L: 20 cm}, " + BOX + "}")
+    table = line(path, "0.7 mm,0 m,-1.3 mm", "y", "1.001 m", "1.199 m", 57)
+    y = table[:, 1]
+    expected = np.stack([np.full_like(y, -0.5 * 0.7e-3), 1e-3 * np.sin(10 * np.pi * (y - 1)), np.full_like(y, 1e-3 - 0.5 * 1.3e-3)], axis=1)
+    assert np.abs(table[:, 3:6] - expected).max() < 1e-8
+    check = run("check", path)
+    assert "formula: 5 x 81 x 5 nodes" in check.stdout
+    assert "the formula of `F` is no field without currents" in check.stdout + check.stderr  # By has a divergence
+
+
+def levels_of(path: Path) -> np.ndarray:
+    out = run("run", path, "-o", path.with_suffix(".h5"), "--progress", "none")
+    assert out.returncode == 0, out.stderr
+    with h5py.File(path.with_suffix(".h5")) as file:
+        return file["entry/D_levels/levels"][:].ravel()
+
+
+def test_a_linear_formula_flies_as_the_gradient_that_it_states(tmp_path: Path) -> None:
+    levels = []
+    for name, part in (("formula", "kind: formula_field, formula: {Bx: -G*x, Bz: B0 + G*z, constants: {B0: 1 mT, G: 1 mT/m}, " + BOX + "}"),
+                       ("gradient", "kind: uniform_field, length: 20 cm, field: 1 mT, gradient: {quadrupole: 1 mT/m}")):
+        path = experiment(tmp_path, part + "}\n  - {name: H0, kind: rotating_field, at: 1.05 m, length: 10 cm, amplitude: 80 uT, "
+                          "frequency: 29.2 kHz, sense: co, phase: locked", f"{name}.yaml")
+        levels.append(levels_of(path))
+    assert 0.05 < levels[0][0] < 0.95
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6

@@ -20,7 +20,7 @@ I1 = 0.05**2 / 4 + 0.2**2 / 12  # kg m2
 
 
 def rabiline(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([PROGRAM, *map(str, arguments)], text=True, capture_output=True, timeout=120)
+    return subprocess.run([PROGRAM, *map(str, arguments)], text=True, capture_output=True, timeout=600)
 
 
 def solve(output: Path, *arguments: object) -> h5py.File:

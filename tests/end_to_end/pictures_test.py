@@ -36,10 +36,10 @@ def texts(figure: Figure) -> list[tuple[str, Bbox, bool]]:
             found.append((text.get_text(), box, text.get_rotation() % 90 == 0))
         draw(text, renderer)
 
-    figure.canvas.draw()  # the layout settles
+    figure.draw_without_rendering()  # the layout settles, as it does where a picture is saved
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Text, "draw", watched)
-        figure.canvas.draw()
+        figure.draw_without_rendering()
     return found
 
 

@@ -9,6 +9,7 @@
 #include "field/shaped_field.hpp"
 #include "particle/fate.hpp"
 #include "transport/cost.hpp"
+#include "transport/describe_outlook.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/stages/score.hpp"
 #include "transport/sum_sink.hpp"
@@ -206,6 +207,16 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
   return view;
 }
 
+std::string describe_between(const StretchOutlook& outlook) {
+  return fmt::format(
+      "the field splits the paths of the levels by {}, where the smallest slit or bin is {}, and "
+      "spreads their phases by {:.2g} turns: neither one path nor no phase; here levels {}, by "
+      "`outcomes` of the law",
+      pretty_quantity(outlook.splitting, Dimension::length),
+      pretty_quantity(outlook.feature, Dimension::length), outlook.turns,
+      outlook.sorts ? "are sorted" : "stay coherent");
+}
+
 void explain_levels(const TurningRegion& region, PlanReport& report) {
   const StretchOutlook& outlook = region.outlook;
   if (outlook.splitting == 0) return;
@@ -215,15 +226,8 @@ void explain_levels(const TurningRegion& region, PlanReport& report) {
       pretty_quantity(outlook.splitting, Dimension::length),
       pretty_quantity(outlook.feature, Dimension::length), outlook.turns);
   if (outlook.between)
-    report.warn(
-        report.field_at((region.y() + region.zones.back().field.end) / 2), "kind",
-        fmt::format(
-            "the field splits the paths of the levels by {}, where the smallest slit or bin is {}, and "
-            "spreads their phases by {:.2g} turns: neither one path nor no phase; here levels {}, by "
-            "`outcomes` of the law",
-            pretty_quantity(outlook.splitting, Dimension::length),
-            pretty_quantity(outlook.feature, Dimension::length), outlook.turns,
-            outlook.sorts ? "are sorted" : "stay coherent"));
+    report.warn(report.field_at((region.y() + region.zones.back().field.end) / 2), "kind",
+                describe_between(outlook));
 }
 
 double cost_of(const RegionZone& zone, double speed) {

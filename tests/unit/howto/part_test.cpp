@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "constants.hpp"
-#include "input/describe_page.hpp"
-#include "input/member.hpp"
-#include "input/schema_page.hpp"
+#include "manual/describe_page.hpp"
+#include "manual/schema_page.hpp"
 #include "parts/long_solenoid.hpp"
+#include "scan/member.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "input/model_file.hpp"
+#include "scan/model_file.hpp"
 
 namespace rabiline {
 namespace {

@@ -1,4 +1,4 @@
-#include "input/describe.hpp"
+#include "manual/describe.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "input/document.hpp"
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline {
 namespace {

@@ -1,4 +1,4 @@
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

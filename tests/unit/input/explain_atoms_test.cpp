@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "input/experiment.hpp"
 #include "plan/explain.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/plan.hpp"
 #include "rules/warnings.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline {
 namespace {

@@ -7,7 +7,7 @@
 #include <random>
 #include <sstream>
 
-#include "input/experiment.hpp"
+#include "scan/experiment.hpp"
 
 namespace rabiline {
 namespace {

@@ -15,6 +15,8 @@ struct Apparatus {
   Bins bins{1, 1};
   double efficiency = 1;
   bool ramsey = false, aimed = false;
+  DriveProfile profile{};
+  double twist = 0;
   std::uint64_t particles = 30000;
 
   Beamline at(double frequency) const {
@@ -29,6 +31,8 @@ struct Apparatus {
     drive.amplitude = 1e-6;
     drive.frequency = frequency;
     drive.sense = Sense::co;
+    drive.profile = profile;
+    drive.twist = twist;
     Detector detector{Rectangle{4e-3, 0.6e-3}, bins, {}};
     detector.efficiency = efficiency;
     if (efficiency < 1) detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};

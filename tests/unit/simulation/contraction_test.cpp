@@ -18,15 +18,13 @@ bool has_moments(const std::vector<Beamline>& points) {
   return has_moments(make_plan(e).trees.front().next);
 }
 
-void expect_as_alone(const Apparatus& apparatus, int points) {
-  const std::vector<Beamline> scan = apparatus.scan(points);
+void expect_as_alone(const std::vector<Beamline>& scan) {
   ASSERT_TRUE(has_moments(scan));
   ASSERT_FALSE(has_moments({scan.front()}));
   const Result all = run_points(scan);
   const DetectorResult& screen = all.detectors[0];
   const double emitted = all.emitted[0];
-  for (int i = 0; i < points; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  for (std::size_t at = 0; at < scan.size(); ++at) {
     const Result one = run_points({scan[at]});
     const DetectorResult& alone = one.detectors[0];
     for (std::size_t b = 0; b < alone.counts.size(); ++b) {
@@ -53,6 +51,7 @@ void expect_as_alone(const Apparatus& apparatus, int points) {
     }
   }
 }
+void expect_as_alone(const Apparatus& apparatus, int points) { expect_as_alone(apparatus.scan(points)); }
 
 TEST(Moments, GiveEachPointOfAScanAsIfItWereFlownAlone) { expect_as_alone({}, 9); }
 TEST(Moments, GiveEveryBinOfAScreenThatCountsTwoThirds) {
@@ -71,6 +70,32 @@ TEST(Moments, OfTwoFieldsOnOneOscillatorGiveRamseysFringes) {
   apparatus.ramsey = true;
   apparatus.particles = 100000;
   expect_as_alone(apparatus, 9);
+}
+TEST(Moments, OfFieldsWhoseSizeOrDirectionRunsAlongTheBeam) {
+  for (const bool twisted : {false, true})
+    for (const bool ramsey : {false, true}) {
+      Apparatus apparatus;
+      apparatus.ramsey = ramsey;
+      apparatus.particles = 10000;
+      if (twisted)
+        apparatus.twist = 2;
+      else
+        apparatus.profile = HalfSineProfile{};
+      expect_as_alone(apparatus.scan(7));
+    }
+}
+TEST(Moments, OfACoilThatTiltsSpins) {
+  Apparatus apparatus;
+  apparatus.particles = 10000;
+  std::vector<Beamline> scan = apparatus.scan(7);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    std::erase_if(scan[i].parts, [](const PlacedPart& part) { return part.placement.name == "drive"; });
+    UniformField coil{0.02, 0.1e-6 * static_cast<double>(i + 1), {}};
+    coil.direction = {1, 0, 0};
+    std::get<UniformField>(scan[i].parts[1].part).field = 0.5e-6;
+    scan[i].parts.insert(scan[i].parts.begin() + 2, place("coil", 0.3, coil));
+  }
+  expect_as_alone(scan);
 }
 TEST(Moments, OfParticlesThatWeighDifferently) {
   Apparatus apparatus;

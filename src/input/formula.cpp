@@ -1,0 +1,81 @@
+// Fields as formulas, which are worked out while they are read.
+#include <fmt/format.h>
+
+#include "field/field_formula.hpp"
+#include "input/reader.hpp"
+
+namespace rabiline {
+
+std::shared_ptr<const FieldMap> SampledFormulas::find(const FormulaBox& box) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(known_, [](const auto& known) { return known.second.expired(); });
+  for (const auto& [formula, map] : known_)
+    if (formula == box) return map.lock();
+  return nullptr;
+}
+
+void SampledFormulas::add(const FormulaBox& box, const std::shared_ptr<const FieldMap>& map) {
+  const std::scoped_lock lock(mutex_);
+  known_.emplace_back(box, map);
+}
+
+bool ValueType<NamedValues>::read(const Node& node, const Row& row, Reading& reading, NamedValues& out) {
+  if (!node.is_mapping()) {
+    reading.error(
+        node.place,
+        fmt::format("`{}` is a mapping of names to values, but {} stands here", row.key, quote(node)),
+        fmt::format("write it like `{}: {}`", row.key, example));
+    return false;
+  }
+  const std::size_t errors = reading.errors.size();
+  for (const Entry& entry : node.entries) {
+    if (!can_name_constant(entry.key)) {
+      reading.error(
+          entry.key_place, fmt::format("`{}` cannot name a constant of a formula", entry.key),
+          "a name is a letter, then letters, digits or `_`; x, y, z, t, pi, mu_0 and functions are taken");
+      continue;
+    }
+    const ParsedQuantity value =
+        entry.value.is_scalar() ? parse_quantity(entry.value.scalar) : ParsedQuantity{};
+    if (!entry.value.is_scalar())
+      reading.error(
+          entry.value.place,
+          fmt::format("`{}` is a number with its unit, but {} stands here", entry.key, quote(entry.value)),
+          fmt::format("write it like `{}: 1 mT`", entry.key));
+    else if (!value.error.empty())
+      reading.error(
+          entry.value.place, fmt::format("{} {}", quote(entry.value), value.error),
+          value.suggestion.empty() ? fmt::format("write it like `{}: 1 mT`", entry.key) : value.suggestion);
+    out[entry.key] = value.value;
+  }
+  return reading.errors.size() == errors;
+}
+
+bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& reading,
+                                     SampledFormula& out) {
+  out = {};
+  if (!read_struct(node, node.place, row, reading, out.box)) return false;
+  constexpr std::string_view keys[] = {"Bx", "By", "Bz"};
+  if (std::ranges::none_of(keys, [&](std::string_view key) { return node.find(key) != nullptr; })) {
+    reading.error(node.place, fmt::format("`{}` has no component of the field", row.key),
+                  "add `Bx`, `By` or `Bz` [T], such as `Bz: 1e-3*(1 + z/0.1)`");
+    return false;
+  }
+  if (const double places = places_of(out.box); places > most_formula_places) {
+    reading.error(
+        place_of(node, "step"), fmt::format("the formula would be worked out at {:.2g} places", places),
+        fmt::format("make `step` longer, or the box smaller: {:.0g} are the most", most_formula_places));
+    return false;
+  }
+  if ((out.map = reading.formulas->find(out.box))) return true;
+  try {
+    out.map = map_of(out.box);
+    reading.formulas->add(out.box, out.map);
+  } catch (const FormulaFault& fault) {
+    const Entry* entry = node.find(keys[fault.component]);
+    reading.error(place_within(entry->value, fault.from, fault.length), fault.what(), fault.help);
+  }
+  return out.map != nullptr;
+}
+
+}  // namespace rabiline

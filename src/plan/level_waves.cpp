@@ -1,0 +1,186 @@
+#include "plan/level_waves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "core/constants.hpp"
+#include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "plan/zones.hpp"
+#include "spin/levels.hpp"
+#include "spin/rotating_frame.hpp"
+
+namespace rabiline {
+namespace {
+
+using constants::two_pi;
+/// Along a section: a resonance between two of them is still within the coupling of what would matter.
+constexpr int places_of_frame = 129;
+
+struct StaticField {
+  Vector3 here, slope;  // [T], and [T/m] along the beam
+};
+StaticField static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y) {
+  FieldHere<double> here{};
+  for (const ShapedTerm& term : shaped) add_field<HostMaths>(term, 0.0, y, 0.0, here);
+  return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
+          {here.slope[1], here.slope[4], here.slope[7]}};
+}
+double place_in(double begin, double end, int number) {
+  return begin + (number + 0.5) / places_of_frame * (end - begin);
+}
+
+/// What drives, in axes along a static field.
+WavePlace place_of(const SpinZone& drives, const StaticField& there, double speed) {
+  WavePlace out;
+  const Vector3& field = there.here;
+  out.field = length_of(field);
+  if (out.field > 0) out.turning = speed * length_of(there.slope) / out.field;
+  const Vector3 third = out.field > 0 ? (1 / out.field) * field : Vector3{0, 0, 1},
+                first = some_normal(third), second = cross(third, first);
+  for (int i = 0; i < drives.drives; ++i) {
+    const DriveTerm& drive = drives.drive[i];
+    const double sense = drive.omega < 0 ? -1 : 1;
+    const Vector3 a{drive.first[0], drive.first[1], drive.first[2]},
+        b = sense * Vector3{drive.second[0], drive.second[1], drive.second[2]};
+    const double size = std::abs(drive.spin_rate);
+    out.lowering += size * portable::hypot(dot(a, first) - dot(b, second), dot(b, first) + dot(a, second));
+    out.raising += size * portable::hypot(dot(a, first) + dot(b, second), dot(b, first) - dot(a, second));
+    out.along += size * portable::hypot(dot(a, third), dot(b, third));
+  }
+  return out;
+}
+
+/// In axes along a static field; of a plane that is not across it, as if it swung along its first axis.
+RotatingTerm along_field(const DriveTerm& drive, const Vector3& third) {
+  RotatingTerm out;
+  const Vector3 a{drive.first[0], drive.first[1], drive.first[2]},
+      b{drive.second[0], drive.second[1], drive.second[2]};
+  const double along = dot(a, third), turns = dot(cross(a, b), third);
+  out.amplitude = std::abs(drive.spin_rate);
+  out.oscillator.frequency = std::abs(drive.omega) / two_pi;
+  out.envelope = drive.envelope;
+  if (std::abs(turns) > 0.99) {
+    out.oscillator.turn = (turns > 0) == (drive.omega > 0) ? Turn::positive : Turn::negative;
+  } else {
+    out.motion = FieldMotion::swings_in_rotating_wave;
+    out.first = {std::sqrt(std::max(0.0, 1 - along * along)), 0, along};
+  }
+  return out;
+}
+
+/// [Hz] How far a drive is from the nearest difference of levels that it couples.
+double nearest_line(const CoupledSpins& spins, double field, const RotatingTerm& drive) {
+  const DrivenStates states = driven_states(spins, levels_at(spins, field), drive);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < spins.levels(); ++i)
+    for (int j = 0; j < i; ++j)
+      if (states.coupling(i, j) != 0)
+        nearest = std::min(
+            nearest, std::abs(std::abs(states.energy(i) - states.energy(j)) - drive.oscillator.frequency));
+  return nearest;
+}
+
+}  // namespace
+
+double angular_frequency(const DriveTerm& drive, double speed) {
+  double rate = std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive))) +
+                std::abs(drive.twist) * speed;
+  if (drive.envelope.shape == Shape::gaussian) rate += speed / drive.envelope.sigma;
+  if (drive.envelope.shape == Shape::half_sine) rate += std::numbers::pi * speed / drive.envelope.length;
+  if (drive.envelope.shape == Shape::standing_wave)
+    rate += drive.envelope.half_waves * std::numbers::pi * speed / drive.envelope.length;
+  return rate;
+}
+
+std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from, double to,
+                              const ZoneMaker& zones, double periods) {
+  struct Clock {
+    int part = 0;
+    double frequency = 0, periods = 0;
+  };
+  std::vector<Clock> turning;
+  std::set<int> out;
+  double whole = 0;
+  for (const Section& section : sections)
+    for (const RotatingTerm& term : section.rotating) {
+      const double length = std::min(section.end, to) - std::max(section.begin, from);
+      const int part = term.oscillator.part;
+      if (length <= 0 || term.amplitude == 0) continue;
+      if (term.motion == FieldMotion::swings_in_rotating_wave && term.oscillator.frequency != 0)
+        out.insert(part);
+      if (out.contains(part)) continue;
+      Section alone;
+      alone.rotating = {term};
+      const double frequency = angular_frequency(zones.zone_of(alone).drive[0], zones.speed()) / two_pi,
+                   turns = frequency * length / zones.speed();
+      whole += turns;
+      if (term.motion != FieldMotion::turns || term.oscillator.frequency == 0) continue;
+      auto clock = std::ranges::find(turning, part, &Clock::part);
+      if (clock == turning.end()) clock = turning.insert(clock, {part, frequency, 0});
+      clock->periods += turns;
+    }
+  std::ranges::stable_sort(turning, std::ranges::greater(), &Clock::frequency);
+  for (const Clock& clock : turning) {
+    if (whole <= periods) break;
+    out.insert(clock.part);
+    whole -= clock.periods;
+  }
+  return out;
+}
+
+WaveFields wave_fields(const SpinZone& drives, const Section& section, const Species& atom,
+                       const std::vector<int>& manifold_of, double speed) {
+  WaveFields out;
+  out.drives.assign(drives.drive, drives.drive + drives.drives);
+  out.frequency = std::abs(out.drives.front().omega) / two_pi;
+  std::vector<WavePlace> places;
+  for (int i = 0; i < places_of_frame; ++i) {
+    places.push_back(place_of(
+        drives, static_field_on_axis(section.field, section.shaped, place_in(section.begin, section.end, i)),
+        speed));
+    if (section.shaped.empty()) break;
+  }
+  out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, out.frequency, places);
+  return out;
+}
+
+std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structure& structure) {
+  const CoupledSpins spins = coupled_spins(structure);
+  std::vector<LevelZone> out;
+  for (const CourseSection& section : fields.sections) {
+    std::vector<DriveTerm> drives(section.field.drive, section.field.drive + section.field.drives);
+    if (section.wave >= 0)
+      std::ranges::copy(fields.waves[static_cast<std::size_t>(section.wave)].drives,
+                        std::back_inserter(drives));
+    const SpinZone& zone = section.field;
+    const Vector3 uniform =
+        zone.spin_rate *
+        (zone.turned ? Vector3{zone.frame[6], zone.frame[7], zone.frame[8]} : Vector3{0, 0, 1});
+    const std::span shaped(fields.shaped.data() + section.shaped_begin,
+                           fields.shaped.data() + section.shaped_end);
+    for (const DriveTerm& drive : drives) {
+      LevelZone best{zone.begin, zone.end};
+      double nearest = std::numeric_limits<double>::infinity();
+      for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
+        const Vector3 b = static_field_on_axis(uniform, shaped, place_in(zone.begin, zone.end, i)).here;
+        const double size = length_of(b);
+        const RotatingTerm term = along_field(drive, size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
+        const double distance = nearest_line(spins, size, term);
+        if (best.drive && distance >= nearest) continue;
+        best.field = size;
+        best.drive = term;
+        nearest = distance;
+      }
+      out.push_back(best);
+    }
+  }
+  return out;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,31 @@
+#pragma once
+// Which drives on an atom's way are taken in the rotating-wave approximation, and in which frames.
+#include <set>
+#include <vector>
+
+#include "beamline/beamline.hpp"
+#include "plan/zones.hpp"
+#include "section/section.hpp"
+#include "spin/level_drive.hpp"
+#include "transport/level_way.hpp"
+
+namespace rabiline {
+
+/// [rad/s] The fastest that a drive changes for a particle of that speed.
+double angular_frequency(const DriveTerm&, double speed);
+
+/// Clocks of the drives between two places that are not followed as whole fields: what swings in the
+/// rotating-wave approximation, as its name says; and of what turns, which has no such name, the highest
+/// frequencies as long as all that is whole has more than so many periods.
+std::set<int> clocks_of_waves(const std::vector<Section>&, double from, double to, const ZoneMaker&,
+                              double periods);
+
+/// The drives of a zone with the frame in which they stand nearly still, by what acts on the axis of a
+/// section.
+WaveFields wave_fields(const SpinZone& drives, const Section&, const Species& atom,
+                       const std::vector<int>& manifold_of, double speed);
+
+/// What drives on a way, in axes along the static field at the place of its section where a line is nearest.
+std::vector<LevelZone> zones_near_lines(const LevelFields&, const Structure&);
+
+}  // namespace rabiline

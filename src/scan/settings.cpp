@@ -1,0 +1,106 @@
+#include "scan/settings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace rabiline {
+namespace {
+
+Setting read_setting(const std::shared_ptr<const SourceText>& source, Reading& reading) {
+  const std::string& text = source->lines.front();
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    reading.error({source, 1, 1, std::max(1, static_cast<int>(text.size()))}, "a value is set as NAME=VALUE",
+                  "such as `H0.amplitude=0.3 uT`");
+    return {};
+  }
+  Node value = parse_value(source, equals + 1, text.size() - equals - 1);
+  const std::string name = text.substr(0, equals);
+  if (!value.is_null()) return {name, {source, 1, 1, static_cast<int>(equals)}, std::move(value)};
+  reading.error({source, 1, static_cast<int>(equals) + 2, 1}, fmt::format("`{}` is set to nothing", name),
+                "write the value after `=`");
+  return {};
+}
+
+}  // namespace
+
+std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Reading& reading) {
+  std::vector<Setting> out;
+  for (const std::string& text : changes.set) {
+    sources.push_back(make_source_text("--set", text));
+    out.push_back(read_setting(sources.back(), reading));
+  }
+  const auto add_count = [&](const std::string& name, const std::optional<std::string>& value) {
+    if (!value) return;
+    sources.push_back(make_source_text("--" + name, *value));
+    const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
+    out.push_back({name, node.place, node});
+  };
+  add_count("particles", changes.particles);
+  add_count("seed", changes.seed);
+  return out;
+}
+
+std::uint64_t read_argument(const std::string& option, const std::string& text, const Range& range) {
+  Reading reading;
+  const auto source = make_source_text(option, text);
+  std::uint64_t out = 0;
+  if (!read_count(parse_value(source, 0, source->lines.front().size()),
+                  {option, Dimension::number, range, ""}, reading, out))
+    throw InputError(std::move(reading.errors));
+  return out;
+}
+
+double read_time_argument(const std::string& option, const std::string& text, const Range& range) {
+  Reading reading;
+  const auto source = make_source_text(option, text);
+  double out = 0;
+  if (!read_quantity(parse_value(source, 0, source->lines.front().size()),
+                     {option, Dimension::time, range, ""}, reading, out))
+    throw InputError(std::move(reading.errors));
+  return out;
+}
+
+Sources scan_arguments(const Changes& changes, Sources& sources) {
+  Sources out;
+  for (const std::string& text : changes.scan) out.push_back(make_source_text("--scan", text));
+  sources.insert(sources.end(), out.begin(), out.end());
+  return out;
+}
+
+void refuse_settings_of_scanned(const std::vector<Setting>& settings, const ScanPlan& plan,
+                                Reading& reading) {
+  for (const Setting& s : settings)
+    for (const Axis& axis : plan.axes)
+      for (const NamedAt& scanned : axis.parameters)
+        if (!scanned.name.empty() && (s.name == scanned.name || s.name.starts_with(scanned.name + ".")))
+          reading.error(s.place, fmt::format("`{}` is scanned, so it cannot be set as well", scanned.name),
+                        fmt::format("replace the scan: `--scan {}=...`", scanned.name));
+}
+
+void add_files(const Reading& reading, std::vector<InputText>& inputs, Sources& sources) {
+  for (const auto& [path, file] : reading.files) {
+    if (std::find(sources.begin(), sources.end(), file.source) != sources.end()) continue;
+    inputs.push_back({path, file.text});
+    sources.push_back(file.source);
+  }
+}
+
+void throw_if_wrong(Reading& reading, const Sources& sources) {
+  if (reading.errors.empty()) return;
+  const auto key = [&](const Diagnostic& d) {
+    const auto found = std::find(sources.begin(), sources.end(), d.place.text);
+    return std::tuple(found - sources.begin(), d.place.line, d.place.column);
+  };
+  std::stable_sort(reading.errors.begin(), reading.errors.end(),
+                   [&](const Diagnostic& a, const Diagnostic& b) { return key(a) < key(b); });
+  const auto same = [&](const Diagnostic& a, const Diagnostic& b) {
+    return key(a) == key(b) && a.message == b.message;
+  };
+  reading.errors.erase(std::unique(reading.errors.begin(), reading.errors.end(), same), reading.errors.end());
+  throw InputError(std::move(reading.errors));
+}
+
+}  // namespace rabiline

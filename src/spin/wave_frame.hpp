@@ -1,0 +1,33 @@
+#pragma once
+// Frames in which levels along a field of any direction stand nearly still where one frequency drives them.
+#include <span>
+#include <vector>
+
+#include "spin/coupled_spins.hpp"
+
+namespace rabiline {
+
+/// A static field at one place and the size there of what drives, Re(c exp(-i w t)) with a complex vector c,
+/// in axes whose third is along the static field: |c_1 + i c_2|, |c_1 - i c_2| and |c_3|.
+struct WavePlace {
+  double field = 0;                             // [T]
+  double turning = 0;                           // [rad/s] about how fast a particle sees its direction change
+  double lowering = 0, raising = 0, along = 0;  // [T] what takes up a photon and m - 1, m + 1 or m
+};
+
+/// Amplitudes c_k in the laboratory are a_k exp(-i rate_k t), rate_k = 2 pi (n_k f + e_set). A coupling by
+/// the drive stands still where n differs by one photon, and by the turning of the static field where it does
+/// not differ, within one set. What does neither acts to second order, as a shift.
+struct WaveFrame {
+  std::vector<int> photons{}, set{};  // [level]
+  std::vector<double> rate{};         // [rad/s]
+  double neglected = 0;               // the largest amplitude |V|/|detuning| of what does not stand still
+  bool operator==(const WaveFrame&) const = default;
+};
+
+/// For a frequency [Hz] > 0 along a way. Couplings near resonance anywhere on it come first, then levels of
+/// one manifold (LevelTable) that the turning of the static field mixes, then what is far from resonance.
+WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of, double frequency,
+                     std::span<const WavePlace> places);
+
+}  // namespace rabiline

@@ -1,0 +1,86 @@
+#pragma once
+// The fields that a particle meets on a straight path, for kernels only.
+#include "field/lane_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "transport/level_wave_lanes.hpp"
+#include "transport/plane_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// Eight particles that leave `place` at the time t, and the fields of a course on their ways.
+class LevelPath {
+ public:
+  LevelPath(const LevelCourse& course, const RandomKey& key, double y, const Vector& place,
+            const Vector& velocity, real t, const Fall& fall, words particle)
+      : course_(course),
+        key_(key),
+        y_(y),
+        place_(place),
+        velocity_(velocity),
+        t_(t),
+        fall_(fall),
+        particle_(particle) {}
+
+  /// Draws the phases of a section's drives.
+  inline void enter(const CourseSection& section) {
+    for (int i = 0; i < section.field.drives; ++i)
+      phases_[i] = oscillator_phase(section.field.drive[i], key_, particle_);
+    if (section.wave < 0) return;
+    const LevelWave& wave = course_.waves[section.wave];
+    for (int i = 0; i < wave.drives; ++i) wave_phases_[i] = oscillator_phase(wave.drive[i], key_, particle_);
+  }
+  /// When they are at a place along the beam, from the time t on.
+  inline real time_at(double y) const { return (y - broadcast(y_)) * (1.0 / velocity_.y); }
+  inline real speed() const { return velocity_.y; }
+  inline real clock(real s) const { return t_ + s; }
+
+  [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
+    const Vector r = place_at(s), v{fma(broadcast(fall_.x), s, velocity_.x), velocity_.y,
+                                    fma(broadcast(fall_.z), s, velocity_.z)};
+    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r).spin,
+                   {broadcast(0), broadcast(0), broadcast(0)}};
+    if (section.moment > 0) {
+      // Four neighbours: to (moment x rate)^4/30 of itself.
+      const auto near = [&](double moments) {
+        const double ds = moments * section.moment;
+        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v)).spin;
+      };
+      const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
+      const double over = 1 / (12 * section.moment);
+      const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
+      at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
+                 rate(earlier.z, before.z, after.z, later.z)};
+    }
+    if (section.shaped_begin == section.shaped_end) return at;
+    FieldHere<real> field{};
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      add_field<LaneMaths>(course_.shaped[i], r.x, r.y, r.z, field);
+    at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
+    const real* g = field.slope;
+    at.rate = add(at.rate, broadcast(1),
+                  {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
+    return at;
+  }
+
+  [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
+    return RABILINE_ISA::wave_at(wave, wave_phases_, t_ + s, place_at(s));
+  }
+
+ private:
+  inline Vector place_at(real s) const {
+    return {fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
+            fma(velocity_.y, s, broadcast(y_)),
+            fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
+  }
+
+  const LevelCourse& course_;
+  const RandomKey& key_;
+  const double y_;
+  const Vector place_, velocity_;
+  const real t_;
+  const Fall fall_;
+  const words particle_;
+  real phases_[most_drives], wave_phases_[most_drives];
+};
+
+}  // namespace rabiline::RABILINE_ISA

@@ -1,0 +1,129 @@
+#pragma once
+// What drives levels in the rotating-wave approximation, in the frame in which it stands nearly still, for
+// kernels only: WaveFrame's lanes.
+#include "transport/level_matrix_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+/// The field is Re(c exp(-i omega t)) with c = re + i im.
+struct Wave {
+  Vector re, im;
+};
+inline Wave wave_at(const LevelWave& wave, const real* phases, real t, const Vector& r) {
+  const real zero = broadcast(0);
+  Wave c{{zero, zero, zero}, {zero, zero, zero}};
+  for (int i = 0; i < wave.drives; ++i) {
+    const DriveTerm& drive = wave.drive[i];
+    const Phasor p = phasor(angle_at(drive, phases[i], t, r));
+    const real size = drive.spin_rate * share_of(drive, t, r), cosine = size * p.c, sine = size * p.s;
+    const double *a = drive.first, *b = drive.second;
+    c.re = add(c.re, broadcast(1),
+               {fma(cosine, broadcast(a[0]), sine * b[0]), fma(cosine, broadcast(a[1]), sine * b[1]),
+                fma(cosine, broadcast(a[2]), sine * b[2])});
+    c.im = add(c.im, broadcast(1),
+               {fnma(sine, broadcast(a[0]), cosine * b[0]), fnma(sine, broadcast(a[1]), cosine * b[1]),
+                fnma(sine, broadcast(a[2]), cosine * b[2])});
+  }
+  return c;
+}
+
+struct ComplexReal {
+  real re, im;
+};
+/// V/(E - E') with what is nearer than V bounded by it, times V.
+RABILINE_LANES real shift_by(real square, real apart) {
+  return square * apart / max(fma(apart, apart, square), broadcast(tiny));
+}
+
+/// H in the frame that moves with the field and turns with the wave, in rad/s times `weight`, added to what
+/// is there; its couplings are those of wave.standing.
+[[gnu::noinline]] inline void add_matrix(const LevelManifold& f, const LevelWave& wave,
+                                         const FollowedField& at, const Wave& c, real weight,
+                                         LevelMatrix& h) {
+  real values[most_row];
+  const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1)),
+             root = sqrt(fma(ratio, ratio, broadcast(1)));
+  look_up(f, f.width, atan(ratio), values);
+  const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = root * over,
+             turning = cosine * fma(at.turn_1, at.turn_1, at.turn_2 * at.turn_2),
+             stretching = cosine * theta_rate * theta_rate;
+  const real *coupled = values + f.levels, *shift_1 = coupled + f.couplings, *shift_2 = shift_1 + f.levels,
+             *pair = shift_2 + f.levels;
+  // Energies [rad/s] in no frame of the wave, for what is left to second order.
+  real energy[most_levels], shift[most_levels];
+  for (int k = 0; k < f.levels; ++k) {
+    energy[k] = fma(root, values[k], broadcast(f.taken_off[k]));
+    shift[k] = fma(turning, shift_1[k], stretching * shift_2[k]);
+  }
+  const auto move = [&](int j) -> ComplexReal {
+    if (j >= f.ladders) return {broadcast(0), -theta_rate * coupled[j]};
+    return {-0.5 * at.turn_1 * coupled[j], -0.5 * at.turn_2 * coupled[j]};
+  };
+  const auto apply = [&](int one, int other, real by) {
+    shift[one] = shift[one] + by;
+    shift[other] = shift[other] - by;
+  };
+  for (int i = 0; i < wave.moves; ++i) {
+    const int j = wave.move[i];
+    const ComplexReal v = move(j);
+    apply(f.to[j], f.from[j], shift_by(fma(v.re, v.re, v.im * v.im), energy[f.to[j]] - energy[f.from[j]]));
+  }
+  // (c_1 + i c_2)/4 and c_3/2 lead from m to m - 1 and m with a photon taken up; those of the conjugate of c
+  // give one off.
+  const Vector second = cross(at.n, at.first);
+  const real by = broadcast(0.25 * f.moment), c1r = dot(c.re, at.first), c1i = dot(c.im, at.first),
+             c2r = dot(c.re, second), c2i = dot(c.im, second), c3r = 2.0 * by * dot(c.re, at.n),
+             c3i = 2.0 * by * dot(c.im, at.n);
+  const ComplexReal lowering[2] = {{by * (c1r - c2i), by * (c1i + c2r)},
+                                   {by * (c1r + c2i), by * (c2r - c1i)}},
+                    along[2] = {{c3r, c3i}, {c3r, -c3i}};
+  for (int p = 0; p < f.pairs; ++p) {
+    const ComplexReal* v = f.m[f.low[p]] == f.m[f.high[p]] ? along : lowering;
+    const real apart = energy[f.low[p]] - energy[f.high[p]], square = pair[p] * pair[p];
+    for (int side = 0; side < 2; ++side)
+      if (wave.left_out[p] & (1 << side))
+        apply(f.low[p], f.high[p],
+              shift_by(square * fma(v[side].re, v[side].re, v[side].im * v[side].im),
+                       apart - (side == 0 ? wave.omega : -wave.omega)));
+  }
+  for (int j = 0; j < wave.standing.couplings; ++j) {
+    const int photons = wave.photons[j], number = wave.number[j];
+    ComplexReal v;
+    if (photons == 0) {
+      v = move(number);
+    } else {
+      const ComplexReal* sides = f.m[f.low[number]] == f.m[f.high[number]] ? along : lowering;
+      const ComplexReal& side = sides[photons > 0 ? 0 : 1];
+      v = {pair[number] * side.re, pair[number] * side.im};
+    }
+    h.re[j] = fma(weight, v.re, h.re[j]);
+    h.im[j] = fma(weight, v.im, h.im[j]);
+  }
+  for (int k = 0; k < f.levels; ++k) {
+    const real own = fma(root, values[k], shift[k] + (f.taken_off[k] - wave.rate[k]));
+    h.diagonal[k] = fma(weight, fnma(at.turn_3, broadcast(f.m[k]), own), h.diagonal[k]);
+  }
+}
+
+/// Amplitudes get the phases of the wave's frame at the time t, instead of those of the manifold's energies
+/// at B = 0; or the other way round.
+inline void change_frame(const LevelManifold& f, const LevelWave& wave, real t, double sign, Amplitudes& a) {
+  for (int k = 0; k < f.levels; ++k) {
+    const Phasor p = phasor((sign * (wave.rate[k] - f.taken_off[k])) * t);
+    const real re = fnma(a.im[k], p.s, a.re[k] * p.c);
+    a.im[k] = fma(a.re[k], p.s, a.im[k] * p.c);
+    a.re[k] = re;
+  }
+}
+/// Levels of a field against the third axis are named as those of one along it: the axes turn about the first
+/// by half a turn.
+inline void turn_over(const LevelManifold& f, mask lanes, Amplitudes& a) {
+  const Amplitudes before = a;
+  for (int k = 0; k < f.levels; ++k) {
+    const int to = f.mirror[k];
+    a.re[to] = select(lanes, f.mirror_sign[k] * before.re[k], before.re[to]);
+    a.im[to] = select(lanes, f.mirror_sign[k] * before.im[k], before.im[to]);
+  }
+}
+
+}  // namespace rabiline::RABILINE_ISA
