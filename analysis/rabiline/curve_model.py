@@ -99,8 +99,8 @@ class CurveModel:
             return [self.experiment.scan().unit(one) for one in name.split("+")][0]
         except KeyError:
             wrong = [text for one in name.split("+") for text in unknown(self.experiment, one, 1.0)]
-            raise NoFit(wrong[0] if wrong and "did you mean" in wrong[0] else f"`{name}` is no number that the file states: write it there, or give its dotted "
-                        "name as in --set") from None
+            raise NoFit(wrong[0] if wrong and "did you mean" in wrong[0] else
+                        f"`{name}` is no number that the file states: write it there, or give its dotted name as in --set") from None
 
     def at(self, values: Sequence[float], whole: bool = False) -> Evaluated:
         """Flies it, with the parameters in SI: `explored` particles, or the `whole` of them."""
@@ -114,7 +114,7 @@ class CurveModel:
                 y, covariance = self._flown({**changed, "particles": particles})
                 groups = y[None]
             else:
-                flown = [self._flown({**changed, "particles": particles // len(SEEDS), "seed": seed}) for seed in SEEDS]
+                flown = [self._flown({**changed, "particles": max(particles // len(SEEDS), 1), "seed": seed}) for seed in SEEDS]
                 groups = np.array([y for y, _ in flown])
                 y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(SEEDS)**2
             if self.told is not None:

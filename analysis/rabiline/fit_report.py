@@ -36,7 +36,7 @@ def report(fit: CountsFit) -> Iterable[str]:
                 if abs(correlation[i, j]) > 0.3:
                     yield f"  correlation of {fit.names[j]} and {name}: {correlation[i, j]:+.2f}"
     yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.3g}" if fit.freedom > 0 else \
-        f"  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
+        "  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.99)) * fit.particles

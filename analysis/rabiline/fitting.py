@@ -95,8 +95,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
-    a scale is free. `explore` particles, by default a quarter of all and 5000 at most or as many more as this needs, show how the curve changes with the
-    parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
+    a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
+    the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
     for a table that cannot be used, and InputError as `load` does."""
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
@@ -224,7 +224,7 @@ def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
         relative = vector * fisher.errors / np.where(values == 0, 1.0, values)
         relative = relative / relative[np.argmax(np.abs(relative))]
         directions.append(Direction(tuple(names), relative))
-        combined += _combination(directions[-1], values, covariance)
+        combined += _combination(directions[-1], values, covariance) if np.sum(~known) == 1 else []
     grown = np.zeros(values.size)  # what is not known has no error: as large as the parameter itself, at least
     for direction in directions:
         grown[direction.involved] = np.abs(values[direction.involved])

@@ -69,8 +69,8 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figu
         plt.close(natural)
     if factor < LEAST:
         fewer = "; --points chooses fewer images" if len(shots) > 1 else ""
-        raise InputError(f"--size: letters would become too small; {25.4 * LEAST / factor * asked[0]:.0f}x{25.4 * LEAST / factor * asked[1]:.0f} is the "
-                         f"least of this shape{fewer}")
+        least = "x".join(f"{25.4 * LEAST / factor * length:.0f}" for length in asked)
+        raise InputError(f"--size: letters would become too small; {least} is the least of this shape{fewer}")
     with style.letters_by(factor):
         figure = _draw(results, detector, shots, factor)
         figure.set_size_inches(factor * figure.get_size_inches())
