@@ -312,5 +312,5 @@ def test_tallies_know_how_adiabatic_a_path_was_and_where(tmp_path: Path) -> None
         assert len(found) == 2
         least, place = (int(np.argmax(file[f"entry/{name}/counts"][:])) for name in ("D_a", "D_p"))
     expected = 2 * np.pi * 29.16469e6 * 3 * (1e-3) ** 2 / (4 * 1000)  # gamma (G r/2)^2 over v G
-    assert abs((least + 0.5) * 1e-3 - expected) < 2e-3
+    assert abs((least + 0.5) * 1e-3 - expected) < 1e-3
     assert abs(1 + (place + 0.5) * 1e-4 - 1.05) < 2e-3
