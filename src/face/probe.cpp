@@ -5,7 +5,6 @@
 #include "core/constants.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
-#include "section/magnet_field.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -40,28 +39,29 @@ void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, 
   sum.slope[7] += slope.z;
 }
 
+void add_swinging(const SwingingTerm& term, const Vector3& place, double time, Here& sum) {
+  const double share =
+      portable::cos(2 * std::numbers::pi * term.oscillator.frequency * time + term.oscillator.phase);
+  Here peak{};
+  add_field<HostMaths>(term.field, place.x, place.y, place.z, peak);
+  for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
+  for (int i = 0; i < 9; ++i) sum.slope[i] += share * peak.slope[i];
+}
+
 /// What some parts of a beamline make there together.
 Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart*>& parts,
                     const Vector3& place, double time) {
   SectionBuilder builder(Wall{});
   for (const PlacedPart* part : parts)
     std::visit([&](const auto& any) { contribute(any, part->placement, builder); }, part->part);
-  const Sections all = builder.build();
   const double gamma = beamline.species.empty() ? 0 : beamline.species.front().species.gyromagnetic_ratio;
   Here sum{};
-  bool in_magnet = false;
-  for (const Plane& plane : all.planes)
-    if (const auto* magnet = std::get_if<MagnetTerm>(&plane.term))
-      if (plane.y <= place.y && place.y < magnet->end) {
-        in_magnet = true;  // and its field on the axis, which `dorado` has instead, is left out
-        for (const ShapedTerm& term : field_terms_of(*magnet, plane.y))
-          add_field<HostMaths>(term, place.x, place.y, place.z, sum);
-      }
-  for (const Section& section : all.sections) {
+  for (const Section& section : builder.build(Magnets::fields).sections) {
     if (place.y < section.begin || place.y >= section.end) continue;
-    if (!in_magnet) add_uniform(section.field, sum);
+    add_uniform(section.field, sum);
     for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place, time, sum);
     for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, place.x, place.y, place.z, sum);
+    for (const SwingingTerm& term : section.swinging) add_swinging(term, place, time, sum);
   }
   return sum;
 }

@@ -25,9 +25,9 @@ double power(double x, double y) {
   return x > 0 ? portable::pow(x, y) : std::numeric_limits<double>::quiet_NaN();
 }
 double logarithm(double x) { return x > 0 ? portable::log(x) : std::numeric_limits<double>::quiet_NaN(); }
-double sinh(double x) { return (portable::exp(x) - portable::exp(-x)) / 2; }
-double cosh(double x) { return (portable::exp(x) + portable::exp(-x)) / 2; }
-double tanh(double x) {
+double hyperbolic_sine(double x) { return (portable::exp(x) - portable::exp(-x)) / 2; }
+double hyperbolic_cosine(double x) { return (portable::exp(x) + portable::exp(-x)) / 2; }
+double hyperbolic_tangent(double x) {
   const double left = portable::exp(-2 * std::abs(x)), size = (1 - left) / (1 + left);
   return x < 0 ? -size : size;
 }
@@ -52,9 +52,9 @@ class FormulaParser : public mu::Parser {
                                   {"log", &logarithm},
                                   {"sqrt", take([](double x) { return std::sqrt(x); })},
                                   {"abs", take([](double x) { return std::abs(x); })},
-                                  {"sinh", &rabiline::sinh},
-                                  {"cosh", &rabiline::cosh},
-                                  {"tanh", &rabiline::tanh},
+                                  {"sinh", &hyperbolic_sine},
+                                  {"cosh", &hyperbolic_cosine},
+                                  {"tanh", &hyperbolic_tangent},
                                   {"sq", &squared}})
       DefineFun(name, f);
     using Two = double (*)(double, double);
@@ -97,9 +97,9 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
   const std::string& token = error.GetToken();
   const auto told = [&](std::string message, std::string help) {
     FormulaFault fault(message, std::move(help));
-    fault.from = std::min(static_cast<std::size_t>(std::max(error.GetPos(), 0)), text.size());
-    while (fault.from > 0 && !token.empty() && text.compare(fault.from, token.size(), token) != 0)
-      --fault.from;  // the parser tells where some tokens end
+    const std::size_t end = std::min(static_cast<std::size_t>(std::max(error.GetPos(), 0)), text.size()),
+                      found = token.empty() ? text.npos : text.rfind(token, end);
+    fault.from = found == text.npos ? end : found;  // the parser tells where some tokens end
     fault.length = std::max<std::size_t>(1, token.size());
     return fault;
   };

@@ -34,7 +34,8 @@ struct ShapedTerm {
     MapShape map;
     RoundMapShape round_map;
   };
-  int part = 0;  // whose field it is
+  int part = 0;    // whose field it is
+  int drive = -1;  // of its zone, with whose angle it swings; -1: it stands
 
   ShapedTerm() = default;
   explicit ShapedTerm(const LinearShape& f) : kind(ShapedKind::linear), linear(f) {}
@@ -75,7 +76,8 @@ template <class Ask>
 inline bool operator==(const ShapedTerm& a, const ShapedTerm& b) {
   for (int i = 0; i < 9; ++i)
     if (a.axes[i] != b.axes[i]) return false;
-  if (a.kind != b.kind || a.x != b.x || a.y != b.y || a.z != b.z || a.part != b.part) return false;
+  if (a.kind != b.kind || a.x != b.x || a.y != b.y || a.z != b.z || a.part != b.part || a.drive != b.drive)
+    return false;
   switch (a.kind) {
     case ShapedKind::loop:
       return a.loop == b.loop;

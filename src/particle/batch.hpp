@@ -16,6 +16,9 @@ struct Fall {
   bool operator==(const Fall&) const = default;
 };
 
+/// An adiabaticity beyond any axis.
+inline constexpr double no_turning = 1e30;
+
 /// Columns of a batch, each `padded` long and aligned to 64 bytes. All particles are referred to the same
 /// plane y: where they are, or where their free flight through that plane was or would be (those caught
 /// earlier). Plain, because kernels of every instruction set read it.
@@ -29,6 +32,8 @@ struct BatchView {
   double* t = nullptr;                                 // [s] since emission, or since the pulse began
   double *sx = nullptr, *sy = nullptr, *sz = nullptr;  // spin direction (vector laws); image of z (quantum)
   double* slowness = nullptr;                          // [s/m] 1/vy of a caught particle
+  double* adiabaticity = nullptr;      // the smallest so far; no_turning where no field has turned
+  double* adiabaticity_y = nullptr;    // [m] where it was
   std::uint64_t* level = nullptr;      // 0 for m = I, 1 for m = I-1, ...; its number (quantum)
   std::uint64_t* prepared = nullptr;   // the level that it started in
   std::uint64_t* weight = nullptr;     // [quanta]
@@ -40,8 +45,9 @@ struct BatchView {
 
 /// The columns, a new one here too: what makes room for particles or copies them goes through these lists.
 inline constexpr double* BatchView::*real_columns[] = {
-    &BatchView::x, &BatchView::z,  &BatchView::vx, &BatchView::vy, &BatchView::vz,
-    &BatchView::t, &BatchView::sx, &BatchView::sy, &BatchView::sz, &BatchView::slowness};
+    &BatchView::x,  &BatchView::z,        &BatchView::vx,           &BatchView::vy,
+    &BatchView::vz, &BatchView::t,        &BatchView::sx,           &BatchView::sy,
+    &BatchView::sz, &BatchView::slowness, &BatchView::adiabaticity, &BatchView::adiabaticity_y};
 inline constexpr std::uint64_t* BatchView::*word_columns[] = {
     &BatchView::level,  &BatchView::prepared,  &BatchView::weight, &BatchView::particle,
     &BatchView::flying, &BatchView::caught_by, &BatchView::scratch};

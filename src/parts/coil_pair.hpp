@@ -1,6 +1,7 @@
 #pragma once
 #include "parts/coil_strength.hpp"
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -38,6 +39,7 @@ struct CoilPair {
   std::optional<double> reach{};  // [m]
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const CoilPair&) const = default;
 };
 template <>
@@ -54,6 +56,8 @@ inline constexpr auto parameters<CoilPair> = std::tuple{
           "largest"),
     param("offset", &CoilPair::offset, "displacement of the middle from the axis", Offset{}),
     param("tilt", &CoilPair::tilt, "how the pair is turned about its middle", Tilt{}),
+    param("oscillates", &CoilPair::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const CoilPair&, const Placement&, SectionBuilder&);

@@ -1,6 +1,7 @@
 #pragma once
 #include "parts/coil_strength.hpp"
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -19,6 +20,7 @@ struct CurrentLoop {
   std::optional<double> reach{};  // [m]
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const CurrentLoop&) const = default;
 };
 template <>
@@ -31,6 +33,8 @@ inline constexpr auto parameters<CurrentLoop> = std::tuple{
           "how far the field is taken on both sides; where it is missing, up to 1e-4 of its largest"),
     param("offset", &CurrentLoop::offset, "displacement of the centre from the axis", Offset{}),
     param("tilt", &CurrentLoop::tilt, "how the ring is turned about its centre", Tilt{}),
+    param("oscillates", &CurrentLoop::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const CurrentLoop&, const Placement&, SectionBuilder&);

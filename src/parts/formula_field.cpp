@@ -36,8 +36,8 @@ std::shared_ptr<const FieldMap> map_of(const FormulaBox& box) {
 }
 
 void contribute(const FormulaField& part, const Placement& place, SectionBuilder& builder) {
-  contribute_map(*part.formula.map, part.scale, part.outside, turned_frame(part.tilt), part.offset, place,
-                 builder);
+  contribute_map(*part.formula.map, part.scale, part.outside, part.oscillates, turned_frame(part.tilt),
+                 part.offset, place, builder);
 }
 
 }  // namespace rabiline

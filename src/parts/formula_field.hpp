@@ -6,6 +6,7 @@
 
 #include "parts/mapped_field.hpp"
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -62,6 +63,7 @@ struct FormulaField {
   MapOutside outside = MapOutside::zero;
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const FormulaField&) const = default;
 };
 template <>
@@ -72,6 +74,8 @@ inline constexpr auto parameters<FormulaField> = std::tuple{
           MapOutside::zero),
     param("offset", &FormulaField::offset, "displacement of the formulas' origin from the axis", Offset{}),
     param("tilt", &FormulaField::tilt, "how the field is turned about its origin", Tilt{}),
+    param("oscillates", &FormulaField::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const FormulaField&, const Placement&, SectionBuilder&);

@@ -30,19 +30,20 @@ std::pair<double, double> extent_along_beam(const FieldMap& map, const OwnFrame&
 
 }  // namespace
 
-void contribute_map(const FieldMap& map, double scale, MapOutside outside, const OwnFrame& frame,
-                    const Offset& offset, const Placement& place, SectionBuilder& builder) {
+void contribute_map(const FieldMap& map, double scale, MapOutside outside,
+                    const std::optional<TimeFactor>& oscillates, const OwnFrame& frame, const Offset& offset,
+                    const Placement& place, SectionBuilder& builder) {
   const auto [begin, end] = extent_along_beam(map, frame);
   if (place.at + end <= 0) return;
   const ShapedTerm term =
       map.is_round() ? ShapedTerm(map.round_shape(scale, outside)) : ShapedTerm(map.shape(scale, outside));
-  builder.shaped(std::max(0.0, place.at + begin), place.at + end,
-                 placed(term, place_of(place.at, offset), frame));
+  add_shaped(oscillates, std::max(0.0, place.at + begin), place.at + end,
+             placed(term, place_of(place.at, offset), frame), builder);
 }
 
 void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
   const FieldMap& map = *part.map.map;
-  contribute_map(map, part.scale, part.outside,
+  contribute_map(map, part.scale, part.outside, part.oscillates,
                  map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt),
                  part.offset, place, builder);
 }

@@ -5,6 +5,7 @@
 
 #include "field/field_map.hpp"
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -63,6 +64,7 @@ struct MappedField {
   UnitVector direction{0, 1, 0};
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const MappedField&) const = default;
 };
 template <>
@@ -75,11 +77,13 @@ inline constexpr auto parameters<MappedField> = std::tuple{
           "of the axis z of a map in r and z; the beam's where it is missing", UnitVector{0, 1, 0}),
     param("offset", &MappedField::offset, "displacement of the map's origin from the axis", Offset{}),
     param("tilt", &MappedField::tilt, "how the map is turned about its origin, field and all", Tilt{}),
+    param("oscillates", &MappedField::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const MappedField&, const Placement&, SectionBuilder&);
 /// Where that frame has the map.
-void contribute_map(const FieldMap&, double scale, MapOutside, const OwnFrame&, const Offset&,
-                    const Placement&, SectionBuilder&);
+void contribute_map(const FieldMap&, double scale, MapOutside, const std::optional<TimeFactor>&,
+                    const OwnFrame&, const Offset&, const Placement&, SectionBuilder&);
 
 }  // namespace rabiline

@@ -18,6 +18,7 @@ struct MultipoleField {
   double radius = 0;        // [m] r_0
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const MultipoleField&) const = default;
 };
 template <>
@@ -30,6 +31,8 @@ inline constexpr auto parameters<MultipoleField> = std::tuple{
     param("radius", &MultipoleField::radius, Dimension::length, range::positive, "where `field` is"),
     param("offset", &MultipoleField::offset, "displacement of its centre from the axis", Offset{}),
     param("tilt", &MultipoleField::tilt, "how the field is turned inside its slab", Tilt{}),
+    param("oscillates", &MultipoleField::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const MultipoleField&, const Placement&, SectionBuilder&);

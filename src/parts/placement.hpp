@@ -23,7 +23,7 @@ struct StaticField {
 /// traits`.
 struct PartTraits {
   bool field = false;        // a field fills its length
-  bool homogeneous = false;  // a static field in which a deflecting magnet may stand
+  bool homogeneous = false;  // a static field that is the same everywhere in it
   bool deflects = false;     // by the gradient of its field
   bool drives = false;       // its field has a clock: it can drive transitions
   bool target = false;       // a source may be aimed at it

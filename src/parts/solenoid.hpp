@@ -1,6 +1,7 @@
 #pragma once
 #include "parts/coil_strength.hpp"
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -21,6 +22,7 @@ struct Solenoid {
   std::optional<double> reach{};  // [m]
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const Solenoid&) const = default;
 };
 template <>
@@ -35,6 +37,8 @@ inline constexpr auto parameters<Solenoid> = std::tuple{
           "largest"),
     param("offset", &Solenoid::offset, "displacement of the middle from the axis", Offset{}),
     param("tilt", &Solenoid::tilt, "how the cylinder is turned about its middle", Tilt{}),
+    param("oscillates", &Solenoid::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const Solenoid&, const Placement&, SectionBuilder&);

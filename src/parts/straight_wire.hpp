@@ -1,5 +1,6 @@
 #pragma once
 #include "parts/placement.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
@@ -20,6 +21,7 @@ struct StraightWire {
   std::optional<double> wire_length{};  // [m]
   Offset offset{};
   Tilt tilt{};
+  std::optional<TimeFactor> oscillates{};
   bool operator==(const StraightWire&) const = default;
 };
 template <>
@@ -35,6 +37,8 @@ inline constexpr auto parameters<StraightWire> = std::tuple{
           "of the wire, half on each side of `at`; endless where it is missing"),
     param("offset", &StraightWire::offset, "displacement of the wire from the axis", Offset{}),
     param("tilt", &StraightWire::tilt, "how the wire is turned", Tilt{}),
+    param("oscillates", &StraightWire::oscillates,
+          "frequency and phase with which the whole field swings; it stands where it is missing"),
 };
 
 void contribute(const StraightWire&, const Placement&, SectionBuilder&);

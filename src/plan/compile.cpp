@@ -228,7 +228,7 @@ class Compiler {
     if (turning_.rate_per_tesla == 0) return false;
     const bool spins_aligned = turning_.take_off_spin_component && outlook_.tip == 0;
     return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
-      if (!s.shaped.empty()) return true;
+      if (s.has_shaped_fields()) return true;
       if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
         return true;
       const Vector3 field = zones_.static_field(s);
@@ -266,7 +266,9 @@ class Compiler {
     }
     Plane entrance;
     entrance.y = begin;
-    entrance.part = touching.front().shaped.front().part;
+    entrance.part = std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); })
+                        ->shaped.front()
+                        .part;
     entrance.term = MagnetTerm{stretch.end};
     if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
     fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
@@ -359,10 +361,7 @@ Sections sections_of(const Beamline& beamline) {
     std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
                beamline.parts[i].part);
   }
-  Sections sections = builder.build();
-  if (!law_traits(beamline.law).deflects)
-    std::erase_if(sections.planes, [](const Plane& p) { return std::holds_alternative<MagnetTerm>(p.term); });
-  return sections;
+  return builder.build(law_traits(beamline.law).deflects ? Magnets::deflect : Magnets::uniform);
 }
 
 std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,

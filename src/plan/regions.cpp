@@ -95,7 +95,21 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   zone.uniform[0] = uniform.x, zone.uniform[1] = uniform.y, zone.uniform[2] = uniform.z;
   zone.shaped_begin = static_cast<int>(region_.shaped.size());
   region_.shaped.insert(region_.shaped.end(), section_->shaped.begin(), section_->shaped.end());
+  const Oscillator* last = nullptr;
+  for (const SwingingTerm& term : section_->swinging) {
+    if (last == nullptr || !(*last == term.oscillator))
+      zone.field.drive[zone.field.drives++] = zones_.clock_of(term.oscillator);
+    last = &term.oscillator;
+    region_.shaped.push_back(term.field);
+    region_.shaped.back().drive = zone.field.drives - 1;
+  }
   zone.shaped_end = static_cast<int>(region_.shaped.size());
+  zone.gap_begin = static_cast<int>(region_.gaps.size());
+  for (const GapTerm& gap : section_->gaps)
+    region_.gaps.push_back({gap.walls, gap.offset.x, gap.offset.z, gap.height, portable::cos(gap.tilt.y),
+                            portable::sin(gap.tilt.y)});
+  zone.gap_end = static_cast<int>(region_.gaps.size());
+  if (!section_->gaps.empty()) zone.wall_part = section_->gaps.front().part;
 }
 
 RegionZone RegionMaker::zone_up_to(double end) {
@@ -126,7 +140,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
   if (circles) zone.detour = 2;
   const double* gravity = region_.feels.gravity;
   const DriveTerm *drives = zone.field.drive, *last = drives + zone.field.drives;
-  if (!section.shaped.empty() || gravity[0] != 0 || gravity[2] != 0 ||
+  if (section.has_shaped_fields() || gravity[0] != 0 || gravity[2] != 0 ||
       std::any_of(drives, last, is_shaped_otherwise)) {
     fly_through_field(zone);
     return zone;

@@ -105,6 +105,17 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   return out;
 }
 
+bool asks_for_adiabaticity(const Beamline& beamline) {
+  return std::ranges::any_of(beamline.parts, [](const PlacedPart& part) {
+    const std::vector<Tally>* tallies = tallies_of(part.part);
+    return tallies != nullptr && std::ranges::any_of(*tallies, [](const Tally& tally) {
+             return std::ranges::any_of(tally.axes, [](const TallyAxis& axis) {
+               return axis.quantity == Quantity::adiabaticity || axis.quantity == Quantity::adiabaticity_y;
+             });
+           });
+  });
+}
+
 }  // namespace
 
 std::vector<Stretch> flown_in_steps(std::vector<Stretch> stretches, const Law& law, const Species& species) {
@@ -121,6 +132,7 @@ FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   if (law.deflects) feels.pull = full_moment(species) / species.mass;
   feels.levels = law.has_levels ? species.levels() : 0;
   feels.tolerance = tolerance_of(beamline.law);
+  feels.watches_turning = asks_for_adiabaticity(beamline);
   if (const auto& gravity = beamline.gravity) {
     feels.gravity[0] = gravity->acceleration * gravity->direction.x;
     feels.gravity[2] = gravity->acceleration * gravity->direction.z;
@@ -143,7 +155,7 @@ FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species
 std::vector<Stretch> stretches_of(const Sections& sections) {
   std::vector<Stretch> stretches;
   for (const Section& section : sections.sections) {
-    if (section.shaped.empty()) continue;
+    if (!section.has_shaped_fields()) continue;
     if (!stretches.empty() && stretches.back().end == section.begin)
       stretches.back().end = section.end;
     else

@@ -94,6 +94,15 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
   return zone;
 }
 
+DriveTerm ZoneMaker::clock_of(const Oscillator& oscillator) const {
+  DriveTerm drive;
+  put({}, drive.second);
+  drive.omega = two_pi * oscillator.frequency;
+  drive.phase = oscillator.phase;
+  drive.oscillator = oscillator.random_phase ? oscillator.part : -1;
+  return drive;
+}
+
 /// A drive about the static field's axis, whose signed size along it is given [T].
 DriveTerm ZoneMaker::drive_of(const RotatingTerm& term, const Vector3& axis, double static_field) const {
   DriveTerm drive;

@@ -34,6 +34,8 @@ class ZoneMaker {
         latest_start_(latest_start) {}
 
   SpinZone zone_of(const Section&) const;
+  /// A drive without a field of its own, for one that swings with its angle.
+  DriveTerm clock_of(const Oscillator&) const;
   /// By how much anything has turned when a particle leaves a zone [rad].
   double phase_behind(const SpinZone&) const;
   /// Sum of everything static in a section [T].

@@ -42,6 +42,18 @@ void check_structures(const Beamline& beamline, Faults& out) {
 /// Parts that know one moment only.
 void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
+    if (std::visit(
+            [](const auto& any) {
+              if constexpr (requires { any.oscillates; }) return any.oscillates.has_value();
+              return false;
+            },
+            part.part))
+      out.push_back(
+          {part.placement.name, "oscillates",
+           fmt::format("`{}` swings, but fields that differ from place to place do not drive the {} "
+                       "levels of `{}` here",
+                       part.placement.name, atom.levels(), atom.name),
+           "drive them by an `oscillating_field`"});
     const PartTraits traits = traits_of(part.part);
     if (traits.needs_one_moment.empty()) continue;
     out.push_back(

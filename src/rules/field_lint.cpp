@@ -28,6 +28,7 @@ Vector3 field_at(const Section& section, double y) {
   FieldHere<double> sum{};
   sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
   for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
+  for (const SwingingTerm& term : section.swinging) add_field<HostMaths>(term.field, 0.0, y, 0.0, sum);
   return {sum.field[0], sum.field[1], sum.field[2]};
 }
 constexpr double hair = 1e-9;  // of a section's length: its end itself may be rounded to outside
@@ -52,7 +53,7 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
   std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
   std::optional<AxisField> out;
   for (const Section& section : builder.build().sections) {
-    if (section.shaped.empty()) continue;
+    if (!section.has_shaped_fields()) continue;
     constexpr int places = 256;
     const double inside = hair * (section.end - section.begin);
     AxisField here{section.begin, section.end, 0, field_at(section, section.begin + inside),

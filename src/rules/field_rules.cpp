@@ -153,8 +153,8 @@ void check_fields(const Beamline& beamline, Faults& out) {
   check_one_way(beamline, out);
 }
 
-/// Where a particle is deflected in one level, nothing else may act or ask about it. Parts may touch a
-/// magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
+/// Where a particle is deflected in one level, static fields may overlap the magnet, but nothing may drive
+/// that level or ask about it. Parts may touch a magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
 void check_magnets(const Beamline& beamline, Faults& out) {
   if (!law_traits(beamline.law).deflects) return;
   constexpr double rounding = 1e-12;  // [m]
@@ -173,7 +173,8 @@ void check_magnets(const Beamline& beamline, Faults& out) {
       const double begin = part.placement.at, end = end_of(part);
       const double first = magnet.placement.at + rounding, last = end_of(magnet) - rounding;
       const bool overlaps = begin < end ? begin < last && end > first : begin > first && begin < last;
-      if (&part == &magnet || traits_of(part.part).homogeneous || !overlaps) continue;
+      const bool is_static = traits_of(part.part).field && !traits_of(part.part).drives && !aligns(part);
+      if (&part == &magnet || is_static || !overlaps) continue;
       out.push_back({part.placement.name, "at",
                      fmt::format("`{}` stands in the deflecting magnet `{}` ({} to {})", part.placement.name,
                                  name, metres(magnet.placement.at), metres(end_of(magnet))),

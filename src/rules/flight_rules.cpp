@@ -26,12 +26,16 @@ std::vector<const PlacedPart*> fields_at(const Beamline& beamline, double y, boo
 /// Every kernel has room for so many fields at one place.
 void check_overlaps(const Beamline& beamline, const Sections& sections, Faults& out) {
   for (const Section& section : sections.sections) {
-    if (section.rotating.size() <= static_cast<std::size_t>(most_drives)) continue;
+    const std::size_t drives = section.rotating.size() + section.swinging.size();
+    if (drives <= static_cast<std::size_t>(most_drives)) continue;
     const double y = (section.begin + section.end) / 2;
     out.push_back(
-        {fields_at(beamline, y, false).back()->placement.name, "at",
-         fmt::format("{} alternating or turning fields overlap from {} to {}, and {} are the most",
-                     section.rotating.size(), metres(section.begin), metres(section.end), most_drives),
+        {section.swinging.empty()
+             ? fields_at(beamline, y, false).back()->placement.name
+             : beamline.parts[static_cast<std::size_t>(section.swinging.back().field.part)].placement.name,
+         "at",
+         fmt::format("{} alternating or turning fields overlap from {} to {}, and {} are the most", drives,
+                     metres(section.begin), metres(section.end), most_drives),
          "move one of them along the beam"});
     return;
   }
@@ -120,11 +124,17 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
     const bool sorts = sorts_levels(beamline, sections, stretch);
     const std::string* field = nullptr;
     for (const Section& section : sections.sections) {
-      if (section.shaped.empty() || section.begin < stretch.begin || section.end > stretch.end) continue;
-      if (field == nullptr) field = &part(section.shaped.front().part).placement.name;
-      if (!sorts || section.rotating.empty()) continue;
+      if (!section.has_shaped_fields() || section.begin < stretch.begin || section.end > stretch.end)
+        continue;
+      if (field == nullptr)
+        field =
+            &part(section.shaped.empty() ? section.swinging.front().field.part : section.shaped.front().part)
+                 .placement.name;
+      if (!sorts || (section.rotating.empty() && section.swinging.empty())) continue;
       const std::string& drive =
-          fields_at(beamline, (section.begin + section.end) / 2, true).front()->placement.name;
+          section.swinging.empty()
+              ? fields_at(beamline, (section.begin + section.end) / 2, true).front()->placement.name
+              : part(section.swinging.front().field.part).placement.name;
       out.push_back(
           {drive, "at",
            fmt::format("`{}` acts where the field of `{}` sorts the levels by its gradient, and they "
@@ -134,9 +144,7 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
       return;
     }
     for (const Plane& plane : sections.planes) {
-      const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
-      const bool reaches_in = magnet != nullptr && plane.y < stretch.end && magnet->end > stretch.begin;
-      if (!reaches_in && (plane.y <= stretch.begin || plane.y >= stretch.end)) continue;
+      if (plane.y <= stretch.begin || plane.y >= stretch.end) continue;
       const bool both_ways =
           std::holds_alternative<PlateTerm>(plane.term) || std::holds_alternative<ScreenTerm>(plane.term) ||
           std::holds_alternative<MonitorTerm>(plane.term) || std::holds_alternative<AlignTerm>(plane.term);

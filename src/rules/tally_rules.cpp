@@ -26,6 +26,7 @@ class TallyRules {
     check_repeats();
     check_size();
     check_levels();
+    check_turning();
     if (is_quantum(beamline_)) check_spins();
   }
 
@@ -115,6 +116,8 @@ class TallyRules {
 
   /// Levels are those of the law `quantum`, and of one spin.
   void check_levels();
+  /// How fast a field turns is told against one Larmor frequency, on flights through it in steps.
+  void check_turning();
   /// Under `quantum` a measurement is along one direction, and a spin has outcomes and no angles.
   void check_spins();
 
@@ -156,6 +159,19 @@ void TallyRules::check_levels() {
               ? "fly one of them at a time"
               : "tally `spin` along `axis: z`, in units of I, or fly one of them at a time");
   }
+}
+
+void TallyRules::check_turning() {
+  const auto atom = std::ranges::find_if(
+      beamline_.species, [](const Component& component) { return component.species.structure.has_value(); });
+  if (atom == beamline_.species.end()) return;
+  for (std::size_t i = 0; i < tally_.axes.size(); ++i)
+    if (const Quantity asked = tally_.axes[i].quantity;
+        asked == Quantity::adiabaticity || asked == Quantity::adiabaticity_y)
+      add_at_axis(i,
+                  fmt::format("`{}` is told against one Larmor frequency, but `{}` has a structure of levels",
+                              word_of(asked), atom->species.name),
+                  "fly a spin 1/2 with the electron's moment through the same fields");
 }
 
 void TallyRules::check_spins() {

@@ -34,6 +34,22 @@ struct CoilTerm {
   bool operator==(const CoilTerm&) const = default;
 };
 
+/// A field that swings in time with cos(omega t + phase), and differs from place to place.
+struct SwingingTerm {
+  ShapedTerm field;  // at its peak
+  Oscillator oscillator;
+  bool operator==(const SwingingTerm&) const = default;
+};
+/// The free space in a deflecting magnet that is flown through as one field among others.
+struct GapTerm {
+  MagnetWalls walls;
+  Offset offset;      // of the point (0, height) in the walls' frame
+  Roll tilt;          // of that frame, about that point
+  double height = 0;  // [m]
+  int part = 0;
+  bool operator==(const GapTerm&) const = default;
+};
+
 /// A stretch of the beam with all the fields that overlap there.
 struct Section {
   double begin = 0, end = 0;  // [m]
@@ -41,8 +57,11 @@ struct Section {
   std::vector<RotatingTerm> rotating;
   std::vector<CoilTerm> coils;
   std::vector<ShapedTerm> shaped;  // that differ from place to place
-  Wall wall;                       // the narrowest
+  std::vector<SwingingTerm> swinging;
+  std::vector<GapTerm> gaps;
+  Wall wall;  // the narrowest
   bool operator==(const Section&) const = default;
+  bool has_shaped_fields() const { return !shaped.empty() || !swinging.empty(); }
 };
 
 /// What misses the opening stops; of a beam stop, what hits the shape.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "section/magnet_field.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -29,6 +31,10 @@ void SectionBuilder::shaped(double begin, double end, ShapedTerm term) {
   term.part = part_;
   shaped_.push_back({{begin, end, part_}, term});
 }
+void SectionBuilder::swinging(double begin, double end, ShapedTerm term, Oscillator oscillator) {
+  term.part = oscillator.part = part_;
+  swinging_.push_back({{begin, end, part_}, {term, oscillator}});
+}
 void SectionBuilder::bore(double begin, double end, double radius, Offset offset) {
   bores_.push_back({{begin, end, part_}, {radius, part_, offset}});
 }
@@ -53,6 +59,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(zones_);
   add_edges(coils_);
   add_edges(shaped_);
+  add_edges(swinging_);
   add_edges(bores_);
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
@@ -60,7 +67,49 @@ std::vector<double> SectionBuilder::edges() const {
   return edges;
 }
 
-Sections SectionBuilder::build() const {
+/// Whether another static field acts where a magnet does.
+bool SectionBuilder::is_overlapped(const Plane& plane) const {
+  const double begin = plane.y + same_place, end = std::get<MagnetTerm>(plane.term).end - same_place;
+  const auto overlaps = [&](const auto& contributions, auto acts) {
+    return std::ranges::any_of(contributions, [&](const auto& c) {
+      return c.first.part != plane.part && c.first.begin < end && c.first.end > begin && acts(c.second);
+    });
+  };
+  return overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
+         overlaps(coils_, [](const CoilTerm& coil) { return coil.angle != 0; }) ||
+         overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
+         overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
+         std::ranges::any_of(planes_, [&](const Plane& other) {
+           const auto* magnet = std::get_if<MagnetTerm>(&other.term);
+           return magnet != nullptr && other.part != plane.part && other.y < end && magnet->end > begin;
+         });
+}
+
+void SectionBuilder::make_field(const Plane& plane) {
+  const MagnetTerm& magnet = std::get<MagnetTerm>(plane.term);
+  const Extent extent{plane.y, magnet.end, plane.part};
+  std::erase_if(uniform_, [&](const auto& uniform) { return uniform.first.part == plane.part; });
+  for (ShapedTerm& term : field_terms_of(magnet, plane.y)) {
+    term.part = plane.part;
+    shaped_.push_back({extent, term});
+  }
+  gaps_.push_back({extent, {magnet.walls, magnet.offset, magnet.tilt, magnet.shape.height, plane.part}});
+}
+
+Sections SectionBuilder::build(Magnets magnets) const {
+  SectionBuilder all = *this;
+  for (const Plane& plane : planes_)
+    if (std::holds_alternative<MagnetTerm>(plane.term) &&
+        (magnets == Magnets::fields || (magnets == Magnets::deflect && is_overlapped(plane))))
+      all.make_field(plane);
+  std::erase_if(all.planes_, [&](const Plane& plane) {
+    return std::holds_alternative<MagnetTerm>(plane.term) &&
+           (magnets != Magnets::deflect || is_overlapped(plane));
+  });
+  return all.cut();
+}
+
+Sections SectionBuilder::cut() const {
   const std::vector<double> edges = this->edges();
   const auto snapped = [&](double y) {
     const auto next = std::lower_bound(edges.begin(), edges.end(), y - same_place);
@@ -68,7 +117,7 @@ Sections SectionBuilder::build() const {
   };
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, chamber_};
+    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) {
       return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
     };
@@ -81,6 +130,10 @@ Sections SectionBuilder::build() const {
       if (covers(extent)) section.coils.push_back(term), anything = true;
     for (const auto& [extent, term] : shaped_)
       if (covers(extent)) section.shaped.push_back(term), anything = true;
+    for (const auto& [extent, term] : swinging_)
+      if (covers(extent)) section.swinging.push_back(term), anything = true;
+    for (const auto& [extent, gap] : gaps_)
+      if (covers(extent)) section.gaps.push_back(gap);
     for (const auto& [extent, wall] : bores_)
       if (covers(extent) && wall.radius < section.wall.radius) section.wall = wall, anything = true;
     if (anything) result.sections.push_back(section);

@@ -9,6 +9,13 @@
 
 namespace rabiline {
 
+/// What becomes of deflecting magnets.
+enum class Magnets {
+  deflect,  // a plane, and the field on the axis; where other static fields overlap it, a field among them
+  fields,   // fields among others
+  uniform   // their fields on the axis alone
+};
+
 class SectionBuilder {
  public:
   /// `wall` is the chamber's; every part's own bore narrows it.
@@ -27,11 +34,13 @@ class SectionBuilder {
   void coil(double begin, double end, const CoilTerm&);
   /// A static field that differs from place to place; it ends where its stretch ends.
   void shaped(double begin, double end, ShapedTerm);
+  /// One that swings by a clock of its own.
+  void swinging(double begin, double end, ShapedTerm, Oscillator);
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
   /// The sections between neighbouring edges where anything stands, and the planes in order of y.
-  Sections build() const;
+  Sections build(Magnets = Magnets::deflect) const;
 
  private:
   struct Extent {
@@ -46,12 +55,17 @@ class SectionBuilder {
     std::string oscillator;  // empty: no clock
   };
   RotatingTerm follow(const Zone&) const;
+  Sections cut() const;
+  bool is_overlapped(const Plane& magnet) const;
+  void make_field(const Plane& magnet);
   std::vector<double> edges() const;
 
   std::map<std::string, Oscillator> oscillators_;
   std::vector<std::pair<Extent, Zone>> zones_;
   std::vector<std::pair<Extent, CoilTerm>> coils_;
   std::vector<std::pair<Extent, ShapedTerm>> shaped_;
+  std::vector<std::pair<Extent, SwingingTerm>> swinging_;
+  std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
 };

@@ -54,8 +54,15 @@ Acting acting_at(const Problem& p, double x, double y, double z, double t) {
     at.spin = at.spin + drive.spin_rate * along;
     at.turn = at.turn + drive.turn_rate * along;
   }
-  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i)
-    add_field<HostMaths>(p.region.shaped[static_cast<std::size_t>(i)], x, y, z, at.field);
+  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i) {
+    const ShapedTerm& term = p.region.shaped[static_cast<std::size_t>(i)];
+    FieldHere<double> peak{};
+    add_field<HostMaths>(term, x, y, z, peak);
+    const double share =
+        term.drive < 0 ? 1 : portable::cos(zone.drive[term.drive].omega * t + p.phases[term.drive]);
+    for (int k = 0; k < 3; ++k) at.field.field[k] += share * peak.field[k];
+    for (int k = 0; k < 9; ++k) at.field.slope[k] += share * peak.slope[k];
+  }
   if (p.region.feels.follows_level) return at;
   const Vector3 b = vector_at(at.field.field);
   at.spin = at.spin + p.region.feels.spin_per_tesla * b;

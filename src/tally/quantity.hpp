@@ -23,6 +23,8 @@ enum class Quantity {
   spin_azimuth,
   level,
   prepared_level,
+  adiabaticity,
+  adiabaticity_y,
   weight
 };
 
@@ -123,6 +125,13 @@ inline constexpr QuantityRow quantity_rows[] = {
      .to = "",
      .title = "m along +z that the particle was prepared in",
      .categorical = true},
+    {Quantity::adiabaticity, "adiabaticity",
+     "the smallest Larmor frequency over the rate at which the static field turns, on the way through fields "
+     "that differ "
+     "from place to place (Majorana)",
+     Dimension::number, limits::not_negative, "0", "10", "smallest adiabaticity on the way"},
+    {Quantity::adiabaticity_y, "adiabaticity_y", "place along the beam where the adiabaticity was smallest",
+     Dimension::length, limits::any, "0 m", "2 m"},
     {Quantity::weight, "weight", "what one particle counts; 1 where nothing takes off", Dimension::number,
      limits::not_negative, "0", "1", "weight in particles"},
 };

@@ -271,6 +271,8 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
     store(batch.t + i, broadcast(0));
     store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
     store(batch.caught_by + i, words{});
+    store(batch.adiabaticity + i, broadcast(no_turning));
+    store(batch.adiabaticity_y + i, broadcast(0));
   }
   if (e.gaussian_spot) draw_spot(emission, view);
   if (e.pulse.kind != PulseKind::none) draw_times(emission, view);

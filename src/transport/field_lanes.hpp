@@ -6,6 +6,7 @@
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
 #include "field/lane_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "transport/adiabaticity_lanes.hpp"
 #include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/visit_lanes.hpp"
@@ -105,7 +106,10 @@ struct FieldStepper {
     if (zone.shaped_begin == zone.shaped_end) return here;
     FieldHere<real> field{};
     for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
-      add_field<LaneMaths>(region.shaped[i], r.x, r.y, r.z, field);
+      if (region.shaped[i].drive < 0)
+        add_field<LaneMaths>(region.shaped[i], r.x, r.y, r.z, field);
+      else
+        add_swinging(region.shaped[i], t, r, field);
     const Vector b{field.field[0], field.field[1], field.field[2]};
     here.spin = add(here.spin, broadcast(region.feels.spin_per_tesla), b);
     here.turn = add(here.turn, broadcast(region.feels.turn_per_tesla), b);
@@ -119,6 +123,13 @@ struct FieldStepper {
       here.slope[i] = {pull * field.slope[3 * i], pull * field.slope[3 * i + 1],
                        pull * field.slope[3 * i + 2]};
     return here;
+  }
+  inline void add_swinging(const ShapedTerm& term, real t, const Vector& r, FieldHere<real>& field) const {
+    const real share = phasor(angle_at(zone.field.drive[term.drive], phases[term.drive], t, r)).c;
+    FieldHere<real> peak{};
+    add_field<LaneMaths>(term, r.x, r.y, r.z, peak);
+    for (int k = 0; k < 3; ++k) field.field[k] = fma(share, peak.field[k], field.field[k]);
+    for (int k = 0; k < 9; ++k) field.slope[k] = fma(share, peak.slope[k], field.slope[k]);
   }
   /// mu grad |B| = mu (B . dB/dx_k)/|B|, zero where B is 0 and has no direction.
   /// No spin is carried.
@@ -208,6 +219,18 @@ struct FieldStepper {
     return outside;
   }
 
+  /// Which lanes touch no pole.
+  inline mask in_gaps(const Vector& r) const {
+    mask free = r.x == r.x;
+    for (int i = zone.gap_begin; i < zone.gap_end; ++i) {
+      const RegionGap& gap = region.gaps[i];
+      const real x = r.x - gap.x, z = r.z - gap.z;
+      free = free & is_free<mask>(gap.walls, fma(x, broadcast(gap.cosine), -(z * gap.sine)),
+                                  fma(x, broadcast(gap.sine), z * gap.cosine) + gap.height);
+    }
+    return free;
+  }
+
   /// No longer than a radian of the velocity's turning.
   inline real longest(const State& s, real most) const {
     if (!turns()) return most;
@@ -267,9 +290,10 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   const real deadline = start.t + region.most_way / speed, most = zone.longest / speed;
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
-  mask going = chosen;
+  const bool has_gaps = zone.gap_begin < zone.gap_end;
+  mask going = has_gaps ? chosen & stepper.in_gaps(start.place) : chosen;
   const bool switched = is_switched(zone.field);
-  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   while (any(going)) {
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
     const real ahead = (end - now.place.y) / now.velocity.y;
@@ -289,20 +313,23 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     now = choose(steps_on, extrapolated(whole, halves), now);
     now.spin = of_unit_length(now.spin);
     steps = steps + 1.0;
+    if (region.feels.watches_turning)
+      Adiabaticity(region, zone, lookout.batch, lookout.row).watch(old, now, steps_on);
     if constexpr (looks)
       lookout.look(now.place.y, steps_on, zone.sights_passed, [&](real y, mask crosses) {
         return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
       });
     const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
     const real from_axis2 = fma(from_x, from_x, from_z * from_z);
-    const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2);
+    const mask in_gap = has_gaps ? stepper.in_gaps(now.place) : ~mask{};
+    const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2) & in_gap;
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
-    const mask arrives = now.place.y >= end - 1e-14 * (abs(end) + length);
+    const mask arrives = (now.place.y >= end - 1e-14 * (abs(end) + length)) & in_gap;
     const mask lost = stepper.outside_maps(now.place) & steps_on & ~arrives;
     const mask stays = inside & in_time & ~arrives & ~lost;
     const mask leaves = (steps_on & ~stays) | (going & ~in_time);
     const mask forward = arrives & steps_on, backwards = (now.place.y < begin) & steps_on;
-    const mask wall = (from_axis2 > wall2) & steps_on & ~forward & ~backwards;
+    const mask wall = ((from_axis2 > wall2) | ~in_gap) & steps_on & ~forward & ~backwards;
     before = choose(leaves, old, before);
     last_h = select(leaves, trial, last_h);
     v.state = choose(leaves, now, v.state);

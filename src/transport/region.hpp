@@ -40,6 +40,13 @@ struct SpanTable {
          drive_bend = 0;  // [rad/s] the turning of the velocity by the static and the rotating field
   bool operator==(const SpanTable&) const = default;
 };
+/// The free space between a magnet's poles, in a frame turned about the beam.
+struct RegionGap {
+  MagnetWalls walls;
+  double x = 0, z = 0, height = 0;  // [m] (x, z) of the laboratory is (0, height) of the frame
+  double cosine = 1, sine = 0;
+  bool operator==(const RegionGap&) const = default;
+};
 /// One zone of a region with its wall and course.
 struct RegionZone {
   SpinZone field;
@@ -52,6 +59,7 @@ struct RegionZone {
   ZoneCourse course = ZoneCourse::steps;
   SpanTable table;
   int shaped_begin = 0, shaped_end = 0;  // of the region's fields that differ from place to place
+  int gap_begin = 0, gap_end = 0;        // of the gaps of magnets
   double uniform[3] = {};                // [T] the sum of all static fields that do not
   double longest = 0;                    // [m] way in one step through a field
   bool operator==(const RegionZone&) const = default;
@@ -63,11 +71,12 @@ struct FieldCoupling {
   double pull = 0;            // [m/s^2 per T/m] the whole moment over the mass; 0: no force by a gradient
   int levels = 0;             // quantum: the moment is (m/I) along the image of z; 0: it is along S
   bool follows_level =
-      false;                // the particle stays in its level along the field, and the force is mu grad |B|
-  MomentLaw moments{};      // of that level where it depends on |B| [J/T]
-  double mass = 1;          // [kg]
-  double gravity[3] = {};   // [m/s^2]
-  double tolerance = 1e-6;  // of spin, direction, and place over the length of a zone
+      false;               // the particle stays in its level along the field, and the force is mu grad |B|
+  MomentLaw moments{};     // of that level where it depends on |B| [J/T]
+  double mass = 1;         // [kg]
+  double gravity[3] = {};  // [m/s^2]
+  bool watches_turning = false;  // how fast the static field turns, for tallies
+  double tolerance = 1e-6;       // of spin, direction, and place over the length of a zone
   bool operator==(const FieldCoupling&) const = default;
 };
 /// What becomes of a species' levels where a field differs from place to place, reckoned on the axis and
@@ -95,6 +104,7 @@ struct Region {
   int zone_count = 0;
   bool take_off_spin_component = false;  // closure torque
   const ShapedTerm* shaped = nullptr;
+  const RegionGap* gaps = nullptr;
   FieldCoupling feels;
   double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
   std::uint64_t most_visits = 0;  // of zones

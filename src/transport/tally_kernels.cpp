@@ -55,6 +55,10 @@ RABILINE_LANES real value_of(const Gauge& gauge, const BatchView& batch, int i) 
     }
     case Quantity::prepared_level:
       return number_of(load(batch.prepared + i));
+    case Quantity::adiabaticity:
+      return load(batch.adiabaticity + i);
+    case Quantity::adiabaticity_y:
+      return load(batch.adiabaticity_y + i);
     case Quantity::weight:
       return number_of(load(batch.weight + i)) * 0x1p-40;
     case Quantity::spin:

@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-
 namespace rabiline {
 
 void TransitBook::add(const TransitLayout& layout, const Paths& paths, const BatchView& batch,

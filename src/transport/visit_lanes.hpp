@@ -55,6 +55,8 @@ struct Lookout {
       to.sx[at] = lane(s.spin.x, i);
       to.sy[at] = lane(s.spin.y, i);
       to.sz[at] = lane(s.spin.z, i);
+      to.adiabaticity[at] = batch.adiabaticity[at];
+      to.adiabaticity_y[at] = batch.adiabaticity_y[at];
       to.level[at] = to.prepared[at] = lane(level, i);
       to.weight[at] = batch.weight[at];
       to.particle[at] = batch.particle[at];

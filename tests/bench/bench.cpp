@@ -99,6 +99,11 @@ void dorado_limit(benchmark::State& state) {
   time_it(state, 8.0 * steps * packs,
           [&] { return turning_flight(zone.field, zone.step, 0, start, steps, packs).place[1]; });
 }
+void map_flight(benchmark::State& state, double (*fly)(const MapShape&, int, int)) {
+  const FieldMap map = map_of_64();
+  constexpr int steps = 400, packs = 20;
+  time_it(state, 8.0 * steps * packs, [&] { return fly(map.shape(1, MapOutside::zero), steps, packs); });
+}
 #endif
 
 void register_all() {
@@ -111,6 +116,8 @@ void register_all() {
     benchmark::RegisterBenchmark("beam/flux-weighted limit", beam_limit, flux_weighted_beam);
     benchmark::RegisterBenchmark("scan/limit", scan_limit);
     benchmark::RegisterBenchmark("dorado/limit", dorado_limit);
+    benchmark::RegisterBenchmark("map/limit", map_flight, leapfrog_by_hand);
+    benchmark::RegisterBenchmark("map/program", map_flight, leapfrog_as_flown);
   }
 #endif
   // A run flies in threads of its own, so that the time of the one that waits for it tells nothing.
@@ -160,6 +167,7 @@ const std::vector<Row> rows{
     {"20 x 20 bins, 1e6 particles: 201 points over 2 [scans]", "image/2", "image/201", 1 / 3., 1 / 1.5},
     {"caesium clock, 1e6 atoms, by processor time [atoms x frequencies]", "", "clock/program"},
     {"dorado region [steps]", "dorado/limit", "dorado/program", 0.4, 0.7},
+    {"a map of 64^3 nodes, leapfrog in grad |B| [steps]", "map/limit", "map/program", 0.6, 0.7},
     {"dorado scan, two threads against one, by the clock [steps]", "threads by the clock/1",
      "threads by the clock/2", 1.85, 1.95},
     {"  by processor time [steps]", "threads by processor time/1", "threads by processor time/2"},

@@ -71,9 +71,17 @@ void check_flight() {
   }
 }
 
+/// The path through a map.
+void check_map() {
+  const FieldMap map = map_of_64();
+  const MapShape shape = map.shape(1, MapOutside::zero);
+  expect_near(leapfrog_by_hand(shape, 100, 1), leapfrog_as_flown(shape, 100, 1), 1e-15, "place in a map");
+}
+
 }  // namespace
 
 void check_limits() {
+  check_map();
   check_beam();
   check_flight();
 }

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+
 #include "physics/suggested.hpp"
 #include "scan/experiment.hpp"
 
@@ -122,6 +125,23 @@ std::vector<RabiLine> lines_of(const Plan& plan) {
     lines.push_back({w1 * w1 / (rate * rate), 0.5 * rate * (zone.end - zone.begin)});
   }
   return lines;
+}
+
+FieldMap map_of_64() {
+  constexpr int n = 64;
+  const LoopShape ring{6e-3, 1e-3};
+  MapNodes nodes{{3, MapAxis{n, 0, 0.016 / (n - 1)}}, {}};
+  nodes.axes[0].begin = nodes.axes[1].begin = -8e-3;
+  nodes.axes[2].begin = 5e-3;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        const FieldHere<double> here = field_of<HostMaths>(ring, nodes.axes[0].begin + i * nodes.axes[0].step,
+                                                           nodes.axes[1].begin + j * nodes.axes[1].step,
+                                                           nodes.axes[2].begin + k * nodes.axes[2].step);
+        nodes.field.insert(nodes.field.end(), here.field, here.field + 3);
+      }
+  return {std::move(nodes), {}, "a ring"};
 }
 
 const Emission& emission_of(const Plan& plan) { return plan.trees.at(0).source; }

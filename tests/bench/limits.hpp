@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "field/map_shape.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline::bench {
@@ -34,5 +35,10 @@ struct Particle {
 /// Flies `packs` equal packs of 8 particles through `steps` whole steps of a zone with one rotating field
 /// under closure `torque`, from time t on, and returns the last particle. No edge, no wall, nothing drawn.
 Particle turning_flight(const SpinZone&, double step, double t, const Particle&, int steps, int packs);
+
+/// Leapfrog steps in the gradient of |B| of a map, by bare instructions and by the kernels' function: where
+/// the first of eight particles ends across the beam [m].
+double leapfrog_by_hand(const MapShape&, int steps, int packs);
+double leapfrog_as_flown(const MapShape&, int steps, int packs);
 
 }  // namespace rabiline::bench

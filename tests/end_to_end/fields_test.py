@@ -246,3 +246,78 @@ def test_a_linear_formula_flies_as_the_gradient_that_it_states(tmp_path: Path) -
         levels.append(levels_of(path))
     assert 0.05 < levels[0][0] < 0.95
     assert np.abs(levels[0] - levels[1]).max() < 1e-6
+
+
+def test_a_swinging_formula_drives_as_the_oscillating_field_of_its_size(tmp_path: Path) -> None:
+    levels = []
+    for name, part in (("formula", "kind: formula_field, formula: {Bx: '40e-6', " + BOX + "}, oscillates: {frequency: 29 kHz, phase: 30 deg}"),
+                       ("drive", "kind: oscillating_field, length: 20 cm, amplitude: 40 uT, frequency: 29 kHz, phase: 30 deg, approximation: none")):
+        path = experiment(tmp_path, part + "}\n  - {name: B, kind: uniform_field, at: 1 m, length: 20 cm, field: 1 mT", f"{name}.yaml")
+        levels.append(levels_of(path))
+    assert 0.05 < levels[0][0] < 0.95
+    assert np.abs(levels[0] - levels[1]).max() < 2e-6
+    at = {time: run("probe", tmp_path / "formula.yaml", "--at", "0 m,1.1 m,0 m", "--time", time).stdout for time in ("0 s", "17.24137931 us")}
+    assert "34.64 uT" in at["0 s"] and "-34.64 uT" in at["17.24137931 us"]
+
+
+MAGNET = """rabiline: 1
+species: {{name: silver, mass: 107.868 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: -28.0250 GHz/T, source: the electron's moment alone}}
+law: quantum
+source:
+  speed: {{kind: single, value: 600 m/s}}
+  opening: {{width: 10 um, height: 10 um}}
+  direction: parallel
+parts:
+  - {{name: magnet, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: 0.5 T, gradient: 100 T/m{gap}}}
+{more}  - {{name: D, kind: detector, at: 1 m, width: 1 cm, height: 1 cm, bins: [1, 1000]}}
+particles: 4000
+seed: 1
+"""
+
+
+def lines(folder: Path, more: str = "", gap: str = "") -> tuple[float, float]:
+    """The mean height of each of two lines."""
+    path = folder / "magnet.yaml"
+    path.write_text(MAGNET.format(more=more, gap=gap))
+    out = run("run", path, "-o", folder / "magnet.h5", "--progress", "none")
+    assert out.returncode == 0, out.stderr
+    with h5py.File(folder / "magnet.h5") as file:
+        z, counts = file["entry/D_z/z"][:], file["entry/D_z/counts"][:]
+    return tuple(np.average(z[side], weights=counts[side]) if counts[side].sum() else np.nan for side in (z > 0, z < 0))
+
+
+def test_a_field_across_that_of_a_magnet_turns_the_force_to_the_gradient_of_their_sum(tmp_path: Path) -> None:
+    alone = lines(tmp_path)
+    field = "  - {{name: B, kind: uniform_field, at: 0 m, length: 0.6 m, field: 0.5 T, direction: {}}}\n"
+    along, across = lines(tmp_path, field.format("z")), lines(tmp_path, field.format("x"))
+    assert np.allclose(along, alone, rtol=2e-4)
+    assert np.allclose(np.subtract(*across) / np.subtract(*alone), np.sqrt(0.5), rtol=1e-3)  # Bz/|B| of dBz/dz
+
+
+def test_two_magnets_at_one_place_push_by_the_sum_of_their_fields(tmp_path: Path) -> None:
+    alone = lines(tmp_path)
+    again = "  - {name: second, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: 0.5 T, gradient: 50 T/m}\n"
+    assert np.allclose(lines(tmp_path, again), 1.5 * np.array(alone), rtol=1e-3)
+
+
+def test_the_gap_of_a_magnet_that_is_one_field_among_others_stops_what_touches_it(tmp_path: Path) -> None:
+    field = "  - {name: B, kind: uniform_field, at: 0 m, length: 0.6 m, field: 1 mT}\n"
+    up, down = lines(tmp_path, field, ", gap: {width: 1 mm, height: 1 mm}, offset: {z: 0.46 mm}")
+    assert up > 0 and np.isnan(down)
+
+
+def test_tallies_know_how_adiabatic_a_path_was_and_where(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: uniform_field, length: 0.1 m, field: 0 T, direction: y, gradient: {longitudinal: 3 T/m}, offset: {x: 1 mm}")
+    text = path.read_text().replace("width: 0.2 mm, height: 0.2 mm", "width: 1 nm, height: 1 nm").replace(
+        "bins: [10, 10]", "bins: [1, 1], tallies: [{name: a, axes: [{quantity: adiabaticity, from: 0, to: 1, bins: 1000}]}, "
+        "{name: p, axes: [{quantity: adiabaticity_y, from: 1 m, to: 1.1 m, bins: 1000}]}]")
+    path.write_text(text)
+    out = run("run", path, "-o", tmp_path / "a.h5", "--progress", "none")
+    assert out.returncode == 0, out.stderr
+    with h5py.File(tmp_path / "a.h5") as file:
+        found = [name for name in file["entry"] if name in ("D_a", "D_p")]
+        assert len(found) == 2
+        least, place = (int(np.argmax(file[f"entry/{name}/counts"][:])) for name in ("D_a", "D_p"))
+    expected = 2 * np.pi * 29.16469e6 * 3 * (1e-3) ** 2 / (4 * 1000)  # gamma (G r/2)^2 over v G
+    assert abs((least + 0.5) * 1e-3 - expected) < 1e-3
+    assert abs(1 + (place + 0.5) * 1e-4 - 1.05) < 2e-3

@@ -175,10 +175,12 @@ TEST(TwoMagnets, BetweenRamseysZonesEraseTheirFringes) {
                       {place("B", 0.1, UniformField{0.5, field, {}}), place("first", 0.1, first),
                        place("second", 0.58, second)},
                       1, 1, 1);
-    if (gradient != 0) {
+    if (gradient != 0) {  // nothing overlaps it: it projects, however weak it is
       GradientMagnet part = magnet(0.1, gradient);
-      part.field = 0;
+      part.field = field;
+      b.parts[0] = place("B", 0.1, UniformField{0.2, field, {}});
       b.parts.insert(b.parts.begin() + 2, place("M", 0.3, part));
+      b.parts.insert(b.parts.begin() + 3, place("behind", 0.4, UniformField{0.2, field, {}}));
     }
     b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
     b.particles = 20000;

@@ -113,6 +113,16 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
   }
 }
 
+/// The field of one term, or its share of the mean peak of one that swings.
+void add_on_axis(const TurningRegion& region, const ShapedTerm& term, double y, FieldHere<double>& here,
+                 double share, SpinZone& zone) {
+  if (term.drive < 0) return add_field<HostMaths>(term, 0.0, y, 0.0, here);
+  FieldHere<double> peak{};
+  add_field<HostMaths>(term, 0.0, y, 0.0, peak);
+  zone.drive[term.drive].spin_rate +=
+      share * region.feels.spin_per_tesla * portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
+}
+
 /// The fields of a zone as they are on the axis on average: along what drives turn about, else along
 /// themselves.
 SpinZone on_axis(const TurningRegion& region, const RegionZone& zone) {
@@ -125,7 +135,7 @@ SpinZone on_axis(const TurningRegion& region, const RegionZone& zone) {
     FieldHere<double> here{};
     for (int k = 0; k < 3; ++k) here.field[k] = zone.uniform[k];
     for (int k = zone.shaped_begin; k < zone.shaped_end; ++k)
-      add_field<HostMaths>(region.shaped[static_cast<std::size_t>(k)], 0.0, y, 0.0, here);
+      add_on_axis(region, region.shaped[static_cast<std::size_t>(k)], y, here, 1.0 / places, out);
     const double* b = here.field;
     along += (b[0] * out.frame[6] + b[1] * out.frame[7] + b[2] * out.frame[8]) / places;
     size += portable::hypot(b[0], b[1], b[2]) / places;
@@ -201,6 +211,7 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
   view.zone_count = static_cast<int>(region.zones.size());
   view.take_off_spin_component = region.take_off_spin_component;
   view.shaped = region.shaped.data();
+  view.gaps = region.gaps.data();
   view.feels = region.feels;
   view.most_way = region.most_way;
   view.most_visits = 64 + 4 * region.zones.size();
@@ -282,7 +293,7 @@ void TurningRegion::list_sums(SumSink& sink) const {
   if (!shaped.empty()) sink.fate(fate::left_map, no_part, RegionSums::left_map());
   sink.fate(fate::overflowed, no_part, RegionSums::overflowed());
   for (std::size_t i = 0; i < zones.size(); ++i)
-    if (std::isfinite(zones[i].wall_radius))
+    if (std::isfinite(zones[i].wall_radius) || zones[i].gap_begin < zones[i].gap_end)
       sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
   std::size_t screen = layout.screens();
   for (std::size_t i = 0; i < edges.size(); ++i) {

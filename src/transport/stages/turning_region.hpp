@@ -23,6 +23,7 @@ struct TurningRegion {
   bool take_off_spin_component = false;
   double most_way = 0;  // [m] in one zone at one visit
   std::vector<ShapedTerm> shaped{};
+  std::vector<RegionGap> gaps{};
   FieldCoupling feels{};
   StretchOutlook outlook{};
   bool operator==(const TurningRegion&) const = default;

@@ -38,7 +38,7 @@ TEST(FieldFormula, GivesEachComponentAtEachNode) {
 TEST(FieldFormula, KnowsTheFunctionsAndOperatorsThatItNames) {
   const auto value = [](const std::string& text) { return sampled({{text, "0", "0"}, {}}, axes).field[0]; };
   // At x = -0.01, y = 0, z = -0.03.
-  EXPECT_DOUBLE_EQ(value("tanh(x)"), std::tanh(-0.01));
+  EXPECT_NEAR(value("tanh(x)"), std::tanh(-0.01), 1e-16);
   EXPECT_NEAR(value("sinh(3) + cosh(3)"), std::exp(3.0), 1e-13);
   EXPECT_DOUBLE_EQ(value("hypot(x, z)"), std::hypot(0.01, 0.03));
   EXPECT_DOUBLE_EQ(value("atan2(z, x)"), std::atan2(-0.03, -0.01));
@@ -64,7 +64,7 @@ TEST(FieldFormula, SaysWhatIsWrongAndWhere) {
   expect("B0 + ", "ends too soon", 5, 1);
   expect("B0 = 3", "", 3, 1);
   expect("1/y", "no finite value", 0, 3);
-  expect("hypot(x)", "another number of arguments", 7, 1);
+  expect("hypot(x)", "another number of arguments", 0, 5);
   expect("1, 2", "several values", 0, 4);
 }
 

@@ -104,5 +104,48 @@ TEST(Oscillator, TurnsWithThePrecessionOfEitherSignOfGamma) {
   EXPECT_LT(oscillator.omega(-1e8), 0);
 }
 
+GradientMagnet magnet_of(double length) {
+  GradientMagnet magnet;
+  magnet.length = length;
+  magnet.field = 0.5;
+  magnet.gradient = 100;
+  magnet.gap = Rectangle{0.004, 0.001};
+  return magnet;
+}
+
+TEST(SectionBuilder, KeepsAMagnetAPlaneWhereOtherFieldsOnlyTouchIt) {
+  SectionBuilder builder(chamber);
+  contribute(magnet_of(0.1), {"M", 0.1, {}}, builder);
+  builder.begin_part(1);
+  contribute(UniformField{0.1, 1e-3, {}}, {"A", 0.0, {}}, builder);
+  contribute(UniformField{0.1, 0.0, {}}, {"none", 0.15, {}}, builder);
+  const Sections s = builder.build();
+  ASSERT_EQ(s.planes.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<MagnetTerm>(s.planes[0].term));
+  for (const Section& section : s.sections) EXPECT_FALSE(section.has_shaped_fields());
+}
+
+TEST(SectionBuilder, MakesAMagnetThatAnotherFieldOverlapsOneFieldAmongOthersWithItsGap) {
+  SectionBuilder builder(chamber);
+  contribute(magnet_of(0.1), {"M", 0.1, {}}, builder);
+  builder.begin_part(1);
+  contribute(UniformField{0.1, 1e-3, {}}, {"A", 0.15, {}}, builder);
+  const Sections s = builder.build();
+  EXPECT_TRUE(s.planes.empty());
+  ASSERT_EQ(s.sections.size(), 3U);
+  for (const int i : {0, 1}) {
+    const Section& section = s.sections[static_cast<std::size_t>(i)];
+    ASSERT_EQ(section.shaped.size(), 1U);
+    EXPECT_EQ(section.shaped[0].part, 0);
+    ASSERT_EQ(section.gaps.size(), 1U);
+    EXPECT_EQ(section.gaps[0].walls.half_z, 0.0005);
+    EXPECT_EQ(section.field.z, i == 0 ? 0 : 1e-3);
+  }
+  EXPECT_FALSE(s.sections[2].has_shaped_fields());
+  const Sections fields = builder.build(Magnets::uniform);
+  EXPECT_TRUE(fields.planes.empty());
+  EXPECT_EQ(fields.sections[0].field.z, 0.5);
+}
+
 }  // namespace
 }  // namespace rabiline
