@@ -83,7 +83,7 @@ class Resonance:
 
 def curves(results: Results, detector: str | None = None) -> list[Curve]:
     """The rows of the scan for one detector, or for each in turn. A row runs along the numeric axis with the most
-    points; the other axis, if any, tells the rows apart. Raises NoResonance where nothing is scanned."""
+    points; the others, if any, tell the rows apart. Raises NoResonance where nothing is scanned."""
     scan = results.scan
     if not scan.axes:
         raise NoResonance("nothing is scanned in this file")
@@ -298,12 +298,13 @@ def _common(values: tuple[str, ...], points: np.ndarray) -> str:
 
 
 def _label(results: Results, rows: np.ndarray, row: int, others: list[Axis]) -> str:
-    """The law, the species where it differs between rows, and the value of any other second axis."""
+    """The law, the species where it differs between rows, and the value of each other axis."""
     parts = [law_name(_common(results.laws, rows[row]))]
     if len(set(results.species)) > 1:
         parts.append(_common(results.species, rows[row]))
-    for axis in others:
+    places = np.unravel_index(row, [len(axis.values) for axis in others])
+    for axis, at in zip(others, places):
         if axis.parameter not in ("law", "species"):
-            value = axis.labels[row] if axis.labels else axis.text(axis.values[row])
+            value = axis.labels[at] if axis.labels else axis.text(axis.values[at])
             parts.append(f"{axis.parameter} = {value}")
     return ", ".join(filter(None, parts))

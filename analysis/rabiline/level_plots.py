@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve
+from .errors import BadInput
 from .results import Detector, Levels
 from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of
 from .style import LAWS, OTHERS, Look
@@ -22,13 +23,19 @@ LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
 MARKERS = "osD^vPX<>*"
 PANEL = 2.6  # inches high, where there are several
 MOST_PANELS = 6
+LOWEST_PANEL = 0.9  # inches: below that ticks and titles meet
+
+
+class TooSmall(BadInput):
+    """A size was asked for into which the panels do not fit."""
 
 
 def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: dict[str, float],
                 wanted: Sequence[int] | None = None) -> Figure:
     """The fraction of what a detector caught that is in each level, or in those `wanted` by number, over the scan, with error
     bars. One panel for each row of the scan, such as a law; levels that are too many for one panel have one for each F, or
-    species. Points at which nothing was detected have no level and are left out."""
+    species. Points at which nothing was detected have no level and are left out. Raises TooSmall where panels do not fit into the size
+    that was asked for."""
     axis, labels = rows[0].axis, detector.levels.labels
     scale = axis.scale
     shown = list(range(len(labels)) if wanted is None else wanted)
@@ -39,6 +46,9 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
     pieces = pieces_of(rows)
     figure, grid = plt.subplots(len(panels_of), len(pieces), squeeze=False, sharex="col", sharey="row", layout="constrained",
                                 figsize=style.size(7.2, 1.9 + max(PANEL, 3.2 / len(panels_of)) * len(panels_of)))
+    if figure.get_figheight() < LOWEST_PANEL * len(panels_of):
+        plt.close(figure)
+        raise TooSmall(f"{len(panels_of)} panels need a height of {25.4 * LOWEST_PANEL * len(panels_of):.0f} mm at least (--size)")
     panels = list(grid[:, -1])
     one_look = dict(zip(shown, LOOKS)) if len(shown) <= len(LOOKS) else None
     for number, (panel, (row, name, levels)) in enumerate(zip(panels, panels_of)):
@@ -50,8 +60,8 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
         top = 1.0 if top > 0.5 or top == 0 else top
         panel.set_ylim(-0.04 * top, 1.04 * top)
         draw_marks(panel, marks, scale, named=panel is panels[0])
-        grid[number, 0].set_title(", ".join(filter(None, (row.label, name))), loc="left", fontsize="medium",
-                        pad=18 if marks and panel is panels[0] else 6)
+        title = style.in_lines(", ".join(filter(None, (row.label, name))), figure.get_figwidth() - 1.0, style.points("font.size"))
+        grid[number, 0].set_title(title, loc="left", fontsize="medium", pad=18 if marks and panel is panels[0] else 6)
         if one_look is None and panel.get_legend_handles_labels()[0]:
             panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, ncol=1 + (len(levels) - 1) // 14)
     if axis.labels:

@@ -113,7 +113,7 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
         if all(axis.labels for axis in axes):
             _write_numbers(panel, edges, counts[point], most)
         panel.spines[["top", "right"]].set_visible(True)
-        panel.set_title(_heading(results, point))
+        panel.set_title(style.in_lines(_heading(results, point), panel.figure.get_figwidth() / len(points) - 0.5, style.points("axes.titlesize")))
         panel.set_xlabel(_label(axes[0], scales[0]))
         for axis, own, ticks, turn in ((axes[0], edges[0], panel.set_xticks, 90 if len(axes[0].labels) > FEW else 0),
                                        (axes[1], edges[1], panel.set_yticks, 0)):

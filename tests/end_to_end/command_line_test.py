@@ -495,7 +495,7 @@ def test_viewers_read_what_the_program_wrote(tmp_path: Path, reference: Path, cr
     assert rabiline("trace", EXPERIMENT, "-n", 1, "-o", tracks).returncode == DONE
     for arguments in ([reference], [crowded_reference], ["--tracks", tracks]):
         viewed = subprocess.run([sys.executable, Path(__file__).with_name("nexus_test.py"), *arguments], text=True,
-                                capture_output=True, timeout=300,
+                                capture_output=True, timeout=300)
         assert viewed.returncode == 0, viewed.stdout + viewed.stderr
 
 
