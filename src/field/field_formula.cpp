@@ -95,7 +95,7 @@ std::vector<std::string> words_of(const mu::Parser& parser) {
 /// In our words, with the place in the text.
 FormulaFault fault_of(const mu::ParserError& error, const std::string& text, const mu::Parser& parser) {
   const std::string& token = error.GetToken();
-  const auto told = [&](std::string message, std::string help) {
+  const auto told = [&](const std::string& message, std::string help) {
     FormulaFault fault(message, std::move(help));
     const std::size_t end = std::min(static_cast<std::size_t>(std::max(error.GetPos(), 0)), text.size()),
                       found = token.empty() ? text.npos : text.rfind(token, end);

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "beamline/beamline.hpp"
 #include "core/unit_vector.hpp"
 #include "input/document.hpp"
 #include "parameter/parameter.hpp"

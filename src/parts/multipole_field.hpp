@@ -1,5 +1,6 @@
 #pragma once
 #include "parts/multipole_magnet.hpp"
+#include "parts/time_factor.hpp"
 
 namespace rabiline {
 
