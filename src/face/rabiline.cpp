@@ -11,6 +11,7 @@
 
 #include "core/isa.hpp"
 #include "core/version.hpp"
+#include "face/cost.hpp"
 #include "face/memory.hpp"
 #include "face/models.hpp"
 #include "face/order.hpp"
@@ -188,8 +189,11 @@ std::vector<PartName> parts_of(const Setup& setup) {
 Report check(const Setup& setup) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);
+  const double begin = processor_time();
   const Plan plan = make_plan(loaded.experiment);
-  return {explain(loaded.experiment, plan) + report_of_fields(loaded.base),
+  const double planning = processor_time() - begin;
+  return {explain(loaded.experiment, plan) + told_cost(loaded.experiment, plan, planning) +
+              report_of_fields(loaded.base),
           warnings_before(loaded, loaded.experiment, plan)};
 }
 

@@ -34,7 +34,6 @@ class Explainer {
     for (const PlanTree& tree : plan_.trees)
       if (serves_first_point(tree.points) && !seen_component_[static_cast<std::size_t>(tree.component)])
         component(tree);
-    cost();
     return std::move(report_.text);
   }
   /// What the stages warn of.
@@ -157,15 +156,6 @@ class Explainer {
     if (shared == 1) return "  [this point only]";
     return shared == static_cast<std::size_t>(plan_.points) ? "  [once for all points]"
                                                             : fmt::format("  [once for {} points]", shared);
-  }
-
-  void cost() {
-    double seconds = 0;
-    for (const PlanTree& tree : plan_.trees)
-      seconds += tree.cost * static_cast<double>(tree.last - tree.first);
-    line("");
-    line("cost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread", seconds,
-         static_cast<double>(plan_.sums * sizeof(Sum) + bytes_of_stages(plan_)) / 1048576.0);
   }
 
   const Experiment& experiment_;

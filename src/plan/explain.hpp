@@ -8,8 +8,7 @@
 
 namespace rabiline {
 
-/// What will be computed: species, stages with the points that share them, derived numbers of every field and
-/// cost.
+/// What will be computed: species, stages with the points that share them, derived numbers of every field.
 std::string explain(const Experiment&, const Plan&);
 
 /// What the stages that the first scan point passes warn of.

@@ -30,10 +30,10 @@ inline double wilson_error(double k, double n) {
 
 /// Variance of what was counted of n particles of one species, in particles^2: Wilson's where everything that
 /// was counted weighs `each`, the most that it can; else the standard one. Species are drawn in fixed shares,
-/// so their variances add up.
+/// so their variances add up. Shares of a particle between levels are rounded to quanta, 1e-12 of it each.
 inline double variance_of(const Moments& m, double n, std::uint64_t each = quanta_per_particle) {
   const double sum2 = static_cast<double>(m.q2);
-  if (std::abs(sum2 - static_cast<double>(m.q) * static_cast<double>(each)) <= 1e-12 * sum2) {
+  if (std::abs(sum2 - static_cast<double>(m.q) * static_cast<double>(each)) <= 1e-10 * sum2) {
     const double weight = particles(each);
     return weight == 0 ? 0 : portable::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
   }
@@ -46,9 +46,11 @@ struct Counts {
   explicit Counts(std::size_t bins) : counts(bins, 0.0), variances(bins, 0.0) {}
   std::vector<double> counts, variances;
   void add(const std::vector<Moments>& species, double n, std::uint64_t each = quanta_per_particle) {
+    const double of_none = variance_of({}, n, each);
     for (std::size_t b = 0; b < species.size(); ++b) {
+      const bool is_empty = species[b].q == 0 && species[b].q2 == 0;
       counts[b] += particles(species[b].q);
-      variances[b] += variance_of(species[b], n, each);
+      variances[b] += is_empty ? of_none : variance_of(species[b], n, each);
     }
   }
   void put(std::vector<double>& to, std::vector<double>& errors) const {

@@ -36,6 +36,9 @@ class DetectorFinisher {
       const ScreenGrid& grid = grids.at(detector.name);
       detector.x = {"x", edges_of(grid.low_x, grid.high_x, screen->bins.x)};
       detector.z = {"z", edges_of(grid.low_z, grid.high_z, screen->bins.z)};
+      const std::size_t bins = (detector.x.edges.size() - 1) * (detector.z.edges.size() - 1);
+      detector.counts.reserve(points_ * bins);
+      detector.counts_errors.reserve(points_ * bins);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, grid, detector);
       detector.detected_covariance = covariance_of(
           deviations_[detector.name], run_.experiment.particles,

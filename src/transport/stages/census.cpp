@@ -11,11 +11,24 @@
 namespace rabiline {
 namespace {
 
-void add_crossed(std::uint64_t q, std::uint64_t particle, Sum* sums) {
-  sums[CensusSums::total()] += q;
-  sums[CensusSums::total() + 1] += square(q);
-  sums[CensusSums::group(particle % group_count)] += q;
-}
+/// What crosses the face; totals stay in registers until all of a batch has.
+class Crossed {
+ public:
+  explicit Crossed(Sum* sums) : sums_(sums) {}
+  void add(std::uint64_t q, std::uint64_t particle) {
+    total_ += q;
+    squares_ += square(q);
+    sums_[CensusSums::group(particle % group_count)] += q;
+  }
+  void put() {
+    sums_[CensusSums::total()] += total_;
+    sums_[CensusSums::total() + 1] += squares_;
+  }
+
+ private:
+  Sum* sums_;
+  Sum total_ = 0, squares_ = 0;
+};
 
 /// Which particles cross the face on each path.
 class CensusPaths : public PathTally {
@@ -32,12 +45,14 @@ class CensusPaths : public PathTally {
       crossed_[path][numbers[n]] = weights[n] != 0 ? ~std::uint64_t{0} : 0;
   }
   void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
+    Crossed crossed(sums);
     for (std::size_t k = 0; k < paths.count(); ++k) {
       std::uint64_t q = 0;
       for (std::size_t path = 0; path < paths.levels.size(); ++path)
         q += weights.of[path][k] & crossed_[path][paths.number[k]];
-      add_crossed(q, paths.asked.view().particle[k], sums);
+      crossed.add(q, paths.asked.view().particle[k]);
     }
+    crossed.put();
   }
 
  private:
@@ -52,7 +67,9 @@ void Census::pass(StageContext& context) const {
   const BatchView& batch = context.batch.view();
   alignas(64) std::uint64_t weights[Batch::capacity];
   kernel::cross(context.isa)(face, batch, weights);
-  for (int i = 0; i < batch.count; ++i) add_crossed(weights[i], batch.particle[i], context.sums);
+  Crossed crossed(context.sums);
+  for (int i = 0; i < batch.count; ++i) crossed.add(weights[i], batch.particle[i]);
+  crossed.put();
 }
 void Census::list_sums(SumSink& sink) const { sink.plane(part, plane, 0); }
 double Census::y() const { return face.y; }

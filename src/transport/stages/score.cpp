@@ -52,10 +52,18 @@ void Score::pass(StageContext& context) const {
     caught[count] = i;
     count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
   }
+  Sum squares = 0;  // the totals of a batch stay in registers
   for (int k = 0; k < count; ++k) {
     const int i = caught[k];
-    add_caught(layout, context.sums, batch.scratch[i], batch.weight[i], batch.particle[i]);
+    const std::uint64_t weight = batch.weight[i];
+    const Sum squared = square(weight);
+    context.sums[ScreenSums::bin(batch.scratch[i])] += weight;
+    context.sums[ScreenSums::bin(batch.scratch[i]) + 1] += squared;
+    context.sums[layout.group(batch.particle[i] % group_count)] += weight;
+    squares += squared;
   }
+  context.sums[layout.total()] += taken.counted;
+  context.sums[layout.total() + 1] += squares;
 }
 
 void Score::explain(PlanReport& report) const {

@@ -1,0 +1,93 @@
+#include "face/cost.hpp"
+
+#include <algorithm>
+#include <ctime>
+
+#include <fmt/format.h>
+
+#include "simulation/field_check.hpp"
+#include "simulation/run.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double start_up = 0.012,  // [s] of the program
+    each_bin = 9e-8;                // [s] to finish and write its count and error
+constexpr std::uint64_t first_particles = 64;
+constexpr double enough = 5e-3;  // [s] to time a difference well
+constexpr std::size_t most_trees = 8;
+constexpr std::size_t most_sums = 1U << 26;  // 1 GiB: beyond that, nothing is flown for a line of text
+
+double bins_of(const Experiment& experiment) {
+  double bins = 0;
+  for (const PlacedPart& part : experiment.points.front().parts)
+    if (const Detector* detector = detector_in(part.part))
+      bins += static_cast<double>(detector->bins.x) * static_cast<double>(detector->bins.z);
+  return bins * static_cast<double>(experiment.points.size());
+}
+
+/// What the plan estimates for all of its particles [s].
+double estimate_of(const Plan& plan) {
+  double seconds = 0;
+  for (const PlanTree& tree : plan.trees) seconds += tree.cost * static_cast<double>(tree.last - tree.first);
+  return seconds;
+}
+
+/// The first particles of the first trees.
+Plan sample_of(const Plan& plan, std::uint64_t particles) {
+  Plan sample = plan;
+  for (std::size_t k = 0; k < sample.trees.size(); ++k) {
+    PlanTree& tree = sample.trees[k];
+    tree.last = k < most_trees ? std::min(tree.last, tree.first + particles) : tree.first;
+  }
+  return sample;
+}
+
+template <class Work>
+double time_of(Work work) {
+  const double begin = processor_time();
+  work();
+  return processor_time() - begin;
+}
+double time_to_fly(const Plan& plan) {
+  RunOptions options;
+  options.isa = best_isa();
+  return time_of([&] { run(plan, options); });
+}
+
+/// Sums are made and added up once, however many particles fly: what one more takes is told from two flights.
+double time_of_flight(const Plan& plan) {
+  const double all = estimate_of(plan);
+  if (plan.sums > most_sums) return all;
+  std::uint64_t particles = first_particles;
+  Plan sample = sample_of(plan, particles);
+  double flown = estimate_of(sample), seconds = time_to_fly(sample);
+  for (;;) {
+    sample = sample_of(plan, particles *= 4);
+    const double more = estimate_of(sample);
+    if (more == flown) return seconds * std::max(1.0, all / flown);
+    const double longer = time_to_fly(sample);
+    if (longer - seconds > enough || more == all)
+      return longer + std::max(0.0, longer - seconds) * (all - more) / (more - flown);
+    flown = more;
+    seconds = longer;
+  }
+}
+
+}  // namespace
+
+double processor_time() {
+  std::timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::string told_cost(const Experiment& experiment, const Plan& plan, double planning) {
+  const double seconds = start_up + planning + time_of_flight(plan) +
+                         time_of([&] { check_fields(plan, best_isa()); }) + each_bin * bins_of(experiment);
+  return fmt::format("\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n",
+                     seconds,
+                     static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0);
+}
+
+}  // namespace rabiline
