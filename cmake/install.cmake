@@ -16,7 +16,7 @@ foreach(folder IN LISTS folders)
   endforeach()
 endforeach()
 set_target_properties(rabiline_library PROPERTIES OUTPUT_NAME rabiline EXPORT_NAME rabiline LINKER_LANGUAGE CXX)
-target_link_libraries(rabiline_library PRIVATE fmt::fmt yaml-cpp muparser::muparser hdf5::hdf5 GSL::gsl OpenSSL::Crypto OpenMP::OpenMP_CXX)
+target_link_libraries(rabiline_library PRIVATE fmt::fmt yaml-cpp muparser::muparser hdf5::hdf5 GSL::gsl OpenSSL::Crypto Threads::Threads)
 target_include_directories(rabiline_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_compile_features(rabiline_library INTERFACE cxx_std_20)
 

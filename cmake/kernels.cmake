@@ -26,9 +26,10 @@ function(rabiline_add_kernels target)
     target_compile_options(${objects} PRIVATE $<IF:$<BOOL:${RABILINE_SANITIZE}>,-O1,-O3> -ffp-contract=off -fno-math-errno ${flags_of_${isa}})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
     set_target_properties(${objects} PROPERTIES RABILINE_UNWATCHED ON)
-    if(RABILINE_SANITIZE AND NOT isa STREQUAL avx2)
+    if(RABILINE_SANITIZE STREQUAL address AND NOT isa STREQUAL avx2)
       # Addresses alone, and by calls: that compiles in 70 % of the time. The widest and the narrowest lanes have the source of all.
-      target_compile_options(${objects} PRIVATE -fsanitize=address --param=asan-instrumentation-with-call-threshold=0)
+      target_compile_options(${objects} PRIVATE -fsanitize=address
+        $<IF:$<CXX_COMPILER_ID:Clang>,SHELL:-mllvm -asan-instrumentation-with-call-threshold=0,--param=asan-instrumentation-with-call-threshold=0>)
     endif()
   endforeach()
 endfunction()

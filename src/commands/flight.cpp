@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <span>
 
-#include <omp.h>
-
 #include "commands/progress_line.hpp"
 #include "commands/stop.hpp"
+#include "core/processors.hpp"
 #include "particle/batch.hpp"
 #include "scan/settings.hpp"
 #include "storage/lock.hpp"
@@ -117,12 +116,12 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
       say(stderr, "continues from {}: {:.1f} % have flown\n", checkpoint_of(output).string(),
           100 * start->done());
   }
-  if (settings.ranks != nullptr && settings.threads > omp_get_num_procs())
+  if (settings.ranks != nullptr && settings.threads > processors())
     say(stderr,
         "warning: the {} threads of a process share {} core{}\n  help: start them with `mpirun --bind-to "
         "none`, or "
         "`--map-by slot:PE={}`\n",
-        settings.threads, omp_get_num_procs(), omp_get_num_procs() == 1 ? "" : "s", settings.threads);
+        settings.threads, processors(), processors() == 1 ? "" : "s", settings.threads);
   std::size_t told = 0;
   Snapshot last;
   ProgressLine progress(options.progress);

@@ -48,6 +48,7 @@ void stop_after(double seconds) {
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<std::time_t>(std::floor(seconds));
   timer.it_value.tv_usec = static_cast<suseconds_t>((seconds - std::floor(seconds)) * 1e6);
+  if (seconds < 1e-6) timer.it_value.tv_usec = 1;  // a timer of zero never rings
   std::signal(SIGALRM, on_signal);
   setitimer(ITIMER_REAL, &timer, nullptr);
 }

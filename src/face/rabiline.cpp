@@ -6,10 +6,10 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <omp.h>
 #include <unistd.h>
 
 #include "core/isa.hpp"
+#include "core/processors.hpp"
 #include "core/version.hpp"
 #include "face/cost.hpp"
 #include "face/memory.hpp"
@@ -88,10 +88,10 @@ int threads_of(const RunSettings& settings) {
     throw std::invalid_argument("`threads` must be from 1 to 1024, or 0 for as many as the process may use");
   if (settings.threads > 0) return settings.threads;
   // Processes that were bound to no cores of their own share those of the machine.
-  const int sharing = settings.ranks != nullptr && omp_get_num_procs() == sysconf(_SC_NPROCESSORS_ONLN)
+  const int sharing = settings.ranks != nullptr && processors() == sysconf(_SC_NPROCESSORS_ONLN)
                           ? settings.ranks->neighbours()
                           : 1;
-  return std::max(1, omp_get_num_procs() / sharing);
+  return std::max(1, processors() / sharing);
 }
 
 int batch_of(const RunSettings& settings) {

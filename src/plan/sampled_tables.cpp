@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/portable_math.hpp"
+#include "core/processors.hpp"
 
 namespace rabiline {
 
@@ -46,8 +47,7 @@ void SampledTables::work_out_transitions(int threads) {
         error = std::current_exception();
       }
   };
-  const std::size_t workers =
-      threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+  const auto workers = static_cast<std::size_t>(threads > 0 ? threads : processors());
   {
     std::vector<std::jthread> others;
     try {

@@ -33,11 +33,12 @@ Vector3 field_at(const Section& section, double y) {
 }
 constexpr double hair = 1e-9;  // of a section's length: its end itself may be rounded to outside
 
-/// Static fields of all parts but one just inside of where that one's begins or ends.
+/// Static fields of all parts but one just inside of where that one's begins or ends; what follows another
+/// part's clock has none.
 Vector3 field_of_others(const Beamline& beamline, const PlacedPart& part, double y) {
   Vector3 field;
   for (const PlacedPart& other : beamline.parts) {
-    if (&other == &part || !traits_of(other.part).field) continue;
+    if (&other == &part || !traits_of(other.part).field || clock_of(other.part)) continue;
     SectionBuilder builder(Wall{});
     std::visit([&](const auto& any) { contribute(any, other.placement, builder); }, other.part);
     for (const Section& section : builder.build().sections)

@@ -103,6 +103,7 @@ def test_a_limit_of_time_stops_a_run_with_a_checkpoint(tmp_path: Path) -> None:
     done = rabiline("run", EXPERIMENT, "-o", tmp_path / "a.h5", *LONG, "--max-time", "0.7 s")
     assert done.returncode == STOPPED and 0.6 < time.monotonic() - begin < 30
     assert (tmp_path / "a.h5.checkpoint").exists()
+    assert rabiline("resume", tmp_path / "a.h5", "--max-time", "1 ns").returncode == STOPPED
     refused = rabiline("run", EXPERIMENT, "-o", tmp_path / "a.h5", *LONG, "--max-time", "0.7 m")
     assert refused.returncode == BAD_INPUT and "--max-time:1:1" in refused.stderr
 

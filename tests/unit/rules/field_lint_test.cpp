@@ -49,6 +49,18 @@ TEST(FieldLint, SaysWhereAFieldEndsAndHowLargeItStillIs) {
   EXPECT_THAT(found[0].help, HasSubstr("`reach`"));
 }
 
+TEST(FieldLint, KnowsThatAFieldFollowsTheClockOfAnother) {
+  CurrentLoop loop{0.01, CoilField{1e-3}};
+  loop.reach = 0.05;
+  Beamline beamline = with(loop);
+  RotatingField follower;
+  follower.length = 0.05;
+  follower.amplitude = 1e-6;
+  follower.oscillator = "H0";
+  beamline.parts.push_back(place("H1", 0.58, follower));
+  EXPECT_EQ(warnings_of_fields(beamline).size(), 1U);
+}
+
 TEST(FieldLint, DoesNotMindEdgesThatAreHardByNature) {
   EXPECT_TRUE(warnings_of_fields(with(MultipoleField{0.1, 4, 1e-3, 0.01})).empty());
 }
