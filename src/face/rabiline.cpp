@@ -274,8 +274,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
   if (flight) flight->asked_for = moments.everywhere;
-  Result result =
-      finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings), std::move(outcome.sums));
+  Result result = finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings),
+                         std::move(outcome.sums), options.threads);
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
@@ -309,7 +309,7 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
   const std::vector<Diagnostic> warnings =
       located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
   if (settings.planned) settings.planned(warnings);
-  Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa);
+  Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa, threads_of(settings));
   result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));

@@ -1,62 +1,58 @@
 #include "plan/sampled_tables.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <cassert>
-#include <exception>
-#include <mutex>
-#include <system_error>
-#include <thread>
+#include <functional>
 #include <vector>
 
+#include "core/in_parallel.hpp"
 #include "core/portable_math.hpp"
-#include "core/processors.hpp"
 
 namespace rabiline {
 
+namespace {
+
+/// Of what scan points mostly differ in.
+std::size_t hash_of(const std::vector<LevelZone>& zones) {
+  std::size_t hash = 0;
+  const auto mix = [&](double number) { hash = hash * 31 + std::hash<double>()(number); };
+  for (const LevelZone& zone : zones) {
+    mix(zone.begin);
+    mix(zone.field);
+    if (!zone.drive) continue;
+    mix(zone.drive->oscillator.frequency);
+    mix(zone.drive->amplitude);
+  }
+  return hash;
+}
+
+}  // namespace
+
 const DrivenLevels& SampledTables::transitions(const Structure& structure,
                                                const std::vector<LevelZone>& zones, double largest_slowness) {
-  const auto found = std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) {
-    return d.largest_slowness == largest_slowness && d.structure == structure && d.zones == zones;
-  });
-  if (found != driven_.end()) return found->levels;
-  driven_.push_back({structure, zones, largest_slowness, {}});
-  return driven_.back().levels;
+  const std::size_t hash = hash_of(zones);
+  const auto [begin, end] = alike_.equal_range(hash);
+  for (auto known = begin; known != end; ++known)
+    if (const Driven& d = *known->second;
+        d.largest_slowness == largest_slowness && d.structure == structure && d.zones == zones)
+      return d.levels;
+  Driven& made = driven_.emplace_back(Driven{structure, zones, largest_slowness});
+  alike_.emplace(hash, &made);
+  driven_by_.emplace(&made.levels, &made);
+  return made.levels;
 }
 
 const SampledTables::Driven& SampledTables::driven_by(const DrivenLevels* levels) const {
-  const auto found =
-      std::find_if(driven_.begin(), driven_.end(), [&](const Driven& d) { return &d.levels == levels; });
-  assert(found != driven_.end());
-  return *found;
+  return *driven_by_.at(levels);
 }
 
 void SampledTables::work_out_transitions(int threads) {
   std::vector<Driven*> open;
   for (Driven& driven : driven_)
     if (driven.levels.levels() == 0) open.push_back(&driven);
-  std::exception_ptr error;
-  std::mutex lock;
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < open.size(); i = next++) try {
-        Driven& d = *open[i];
-        d.levels = DrivenLevels(coupled_spins(d.structure), d.zones, d.largest_slowness);
-      } catch (...) {
-        const std::lock_guard guard(lock);
-        error = std::current_exception();
-      }
-  };
-  const auto workers = static_cast<std::size_t>(threads > 0 ? threads : processors());
-  {
-    std::vector<std::jthread> others;
-    try {
-      while (others.size() + 1 < std::min(workers, open.size())) others.emplace_back(work);
-    } catch (const std::system_error&) {  // fewer will do
-    }
-    work();
-  }
-  if (error) std::rethrow_exception(error);
+  in_parallel(open.size(), threads, [&](std::size_t i) {
+    Driven& d = *open[i];
+    d.levels = DrivenLevels(coupled_spins(d.structure), d.zones, d.largest_slowness);
+  });
 }
 
 const MomentTable& SampledTables::moments(const Structure& structure) {

@@ -2,6 +2,7 @@
 // Tables that kernels read, made once for a plan however many scan points and species use them.
 #include <list>
 #include <memory>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -37,6 +38,8 @@ class SampledTables {
 
  private:
   std::list<Driven> driven_;
+  std::unordered_multimap<std::size_t, const Driven*> alike_;  // by a hash of the zones
+  std::unordered_map<const DrivenLevels*, const Driven*> driven_by_;
   std::list<std::pair<Structure, MomentTable>> moments_;
   struct Manifolds {
     Structure structure;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/in_parallel.hpp"
 #include "simulation/counting.hpp"
 
 namespace rabiline {
@@ -73,14 +74,15 @@ class Contraction {
     for (std::size_t from = 0; from < layout_.levels(); ++from) inside_.push_back(inside(from));
   }
 
-  void run(std::vector<ScreenCovariance>& covariances) {
-    for (const PlanNode::Way& way : node_.ways) {
+  void run(int threads, std::vector<ScreenCovariance>& covariances) {
+    in_parallel(node_.ways.size(), threads, [&](std::size_t i) {
+      const PlanNode::Way& way = node_.ways[i];
       put_decided(way.shift);
       Shares shares;
       for (std::size_t from = 0; from < layout_.levels(); ++from)
         shares.push_back(nodes_.shares(*path_of(way.stage), tree_.source.key, from));
       put(shares, way.shift);
-    }
+    });
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (layout_.link(k).is_screen)
         covariances.push_back(covariance_of(tree_, node_, nodes_, *links_[k].whole, layout_.link(k).counted,
@@ -236,36 +238,37 @@ class Contraction {
 };
 
 /// Levels of what a screen caught, for every point: its level before is that of the rows of rank 0.
-void contract_levels(const PlanTree& tree, const PlanNode& node, Sums& sums) {
+void contract_levels(const PlanTree& tree, const PlanNode& node, int threads, Sums& sums) {
   const TransitLayout& layout = *node.transit;
   const TransitNodes nodes(layout, sums.data() + node.moments);
   const TransitNodes::WholeScreen whole = nodes.whole_screen(0);
   std::vector<int> all(layout.levels());
   std::iota(all.begin(), all.end(), 0);
-  for (const PlanNode::Way& way : node.ways) {
+  in_parallel(node.ways.size(), threads, [&](std::size_t i) {
+    const PlanNode::Way& way = node.ways[i];
     Shares shares;
     for (std::size_t from = 0; from < layout.levels(); ++from)
       shares.push_back(nodes.shares(*path_of(way.stage), tree.source.key, from, all));
     put_levels(whole, shares, {layout.levels(), all}, 1, sums.data() + node.sums + way.shift);
-  }
+  });
 }
 
-void contract(const PlanTree& tree, const std::vector<PlanNode>& nodes, Sums& sums,
+void contract(const PlanTree& tree, const std::vector<PlanNode>& nodes, int threads, Sums& sums,
               std::vector<ScreenCovariance>& covariances) {
   for (const PlanNode& node : nodes) {
     if (node.transit && node.next.empty())
-      contract_levels(tree, node, sums);
+      contract_levels(tree, node, threads, sums);
     else if (node.transit)
-      Contraction(tree, node, sums).run(covariances);
-    contract(tree, node.next, sums, covariances);
+      Contraction(tree, node, sums).run(threads, covariances);
+    contract(tree, node.next, threads, sums, covariances);
   }
 }
 
 }  // namespace
 
-std::vector<ScreenCovariance> contract_moments(const Plan& plan, Sums& sums) {
+std::vector<ScreenCovariance> contract_moments(const Plan& plan, int threads, Sums& sums) {
   std::vector<ScreenCovariance> covariances;
-  for (const PlanTree& tree : plan.trees) contract(tree, tree.next, sums, covariances);
+  for (const PlanTree& tree : plan.trees) contract(tree, tree.next, threads, sums, covariances);
   return covariances;
 }
 

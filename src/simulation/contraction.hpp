@@ -7,7 +7,8 @@
 namespace rabiline {
 
 /// Adds what follows from the moments to the sums of every way to share the weights, and tells how the counts
-/// of screens go together. Throws std::logic_error where moments do not add up to what was booked.
-std::vector<ScreenCovariance> contract_moments(const Plan&, Sums&);
+/// of screens go together; `threads` as for in_parallel(). Throws std::logic_error where moments do not add
+/// up to what was booked.
+std::vector<ScreenCovariance> contract_moments(const Plan&, int threads, Sums&);
 
 }  // namespace rabiline

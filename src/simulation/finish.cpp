@@ -58,8 +58,8 @@ void add_absolute_numbers(const ScanPoints& points, Result& result) {
 
 }  // namespace
 
-Result finish(const Experiment& experiment, const Plan& plan, Sums sums) {
-  const std::vector<ScreenCovariance> covariances = contract_moments(plan, sums);
+Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int threads) {
+  const std::vector<ScreenCovariance> covariances = contract_moments(plan, threads, sums);
   const Tallies tallies(plan);
   const std::vector<Moments> emitted = emitted_of(plan, sums);
   const Summed run{experiment, plan, sums, tallies, emitted};

@@ -15,7 +15,7 @@ struct Summed {
 };
 
 /// Everything of a Result but its provenance. Throws std::logic_error if the fates do not add up to what was
-/// emitted, in quanta.
-Result finish(const Experiment&, const Plan&, Sums);
+/// emitted, in quanta. `threads`: as for in_parallel().
+Result finish(const Experiment&, const Plan&, Sums, int threads = 1);
 
 }  // namespace rabiline

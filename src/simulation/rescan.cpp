@@ -221,7 +221,8 @@ std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& 
   return record;
 }
 
-Result rescan(const Experiment& flown, const FlightRecord& record, const Experiment& wanted, Isa isa) {
+Result rescan(const Experiment& flown, const FlightRecord& record, const Experiment& wanted, Isa isa,
+              int threads) {
   const MomentsWanted moments{true, &record.cells};
   const Experiment one = with_totals(first_point_of(flown), record.totals_of),
                    scan = with_totals(wanted, record.totals_of);
@@ -235,7 +236,7 @@ Result rescan(const Experiment& flown, const FlightRecord& record, const Experim
   SumsCopy(record.sums, sums).copy(alone, plan);
   add_stragglers(plan, record.stragglers, isa, sums);
   Result result =
-      finish(part_of(scan, plan, record.halvings), part_of(plan, record.halvings), std::move(sums));
+      finish(part_of(scan, plan, record.halvings), part_of(plan, record.halvings), std::move(sums), threads);
   result.flight = record;
   return result;
 }
