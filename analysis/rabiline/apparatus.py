@@ -27,7 +27,7 @@ PATHS = 50
 PLACES = 600  # along the beam, where fields are probed
 FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
-AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds after which no more are flown than were flown by then
+AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds of processor time after which no more are flown than were flown by then
 FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
@@ -106,8 +106,8 @@ def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str 
 def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
     if paths is not None:
         return experiment.trace(paths) if paths > 0 else None
-    begun, tracks = time.monotonic(), experiment.trace(AT_ONCE)
-    while len(tracks.tracks) < PATHS and time.monotonic() - begun < PATIENCE:
+    begun, tracks = time.process_time(), experiment.trace(AT_ONCE)
+    while len(tracks.tracks) < PATHS and time.process_time() - begun < PATIENCE:
         tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(AT_ONCE, len(tracks.tracks)).tracks))
     return tracks
 
