@@ -54,7 +54,7 @@ def test_weak_fields_and_two_fields_at_once_are_limits() -> None:
 
 
 def test_a_weak_field_leaves_its_strength_and_contrast_unknown_and_the_centre_known() -> None:
-    y = 900 + 1600 * ramsey(X - 29003.0, 0.5, 0.003, 0.02, 0.05) / ramsey(np.zeros(1), 0.5, 0.003, 0.02, 0.05)
+    y = 900 + 1600 * ramsey(X - 29003.0, 0.5, 0.003, 0.02, 0.2) / ramsey(np.zeros(1), 0.5, 0.003, 0.02, 0.2)
     found = fit_line(X, np.random.default_rng(2).poisson(y), np.diag(y), "ramsey")
     assert abs(found["centre"][0] - 29003) < 4 * found["centre"][1] < 4 and abs(found["time"][0] - 0.02) < 4 * found["time"][1] < 4e-3
     words = {line.split()[0]: line for line in described(found, "Hz")}
