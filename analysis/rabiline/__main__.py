@@ -104,6 +104,8 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
         import_module(f".{VERBS[words[0]][0]}", __package__).arguments(words[0], parser)
         if VERBS[words[0]][0] in DRAWING:
             parser.add_argument("--dpi", type=float, default=200, metavar="N", help="dots per inch of a PNG; 200 by default")
+            parser.add_argument("--size", metavar="WxH", type=import_module(".picture_options", __package__).size_of,
+                                help="of the picture in mm, such as 86x60; what has a shape of its own fills it one way")
         return words[0], parser
     listed = "\n".join(f"  {verb:<15} {about}" for verb, (_, about) in VERBS.items())
     parser = Parser(prog="rabiline", description="Pictures, figures and fits from rabiline's HDF5 files.",

@@ -92,6 +92,7 @@ def line_through(name: str, times: np.ndarray, values: np.ndarray, spread: np.nd
     return Angles(name, times, values, spread, rate, float(np.sqrt(variance)), float(middle - rate * centre))
 
 
+@style.in_proportion
 def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int) -> Figure:
     """Each angle above what it has beyond its fit; `expected` are rates in turns per second, drawn through the middle
     of the planes."""
@@ -122,7 +123,7 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
             seen += [furthest for furthest in [np.nanmax(np.abs(line - fit))] if furthest <= SEEN * largest]
         below.set_ylim(-1.15 * small.apply(max(seen)), 1.15 * small.apply(max(seen)))
         panel.set_ylabel(f"{one.name} (deg)")
-        below.set_ylabel(small.label("beyond the fit"), fontsize=8.5)
+        below.set_ylabel(small.label("beyond the fit"), fontsize=style.scaled(8.5))
         panel.legend(loc="best")
         for each in (panel, below):
             each.grid(True)

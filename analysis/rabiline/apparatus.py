@@ -27,7 +27,7 @@ PATHS = 50
 PLACES = 600  # along the beam, where fields are probed
 FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
-AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds after which no more are flown than were flown by then
+AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds of processor time after which no more are flown than were flown by then
 FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
@@ -76,7 +76,11 @@ def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str 
     pieces = pieces_of(experiment)
     if not pieces:
         raise InputError(f"{experiment.path}: no parts to draw")
-    tracks = _traced(experiment, paths)
+    return _draw(experiment, pieces, _traced(experiment, paths), title or experiment.title)
+
+
+@style.in_proportion
+def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, title: str) -> Figure:
     end = max(piece.begin + piece.length for piece in pieces) * 1.02
     fields = fields_along(experiment, pieces, end)
     figure, panels = plt.subplots(4 if fields else 3, 1, figsize=(9.0, 7.8 if fields else 6.4), sharex=True, layout="constrained",
@@ -99,15 +103,15 @@ def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str 
         legend = top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
         for line in legend.get_lines():
             line.set(linewidth=2, alpha=1)
-    style.write_title(figure, title or experiment.title)
+    style.write_title(figure, title)
     return figure
 
 
 def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
     if paths is not None:
         return experiment.trace(paths) if paths > 0 else None
-    begun, tracks = time.monotonic(), experiment.trace(AT_ONCE)
-    while len(tracks.tracks) < PATHS and time.monotonic() - begun < PATIENCE:
+    begun, tracks = time.process_time(), experiment.trace(AT_ONCE)
+    while len(tracks.tracks) < PATHS and time.process_time() - begun < PATIENCE:
         tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(AT_ONCE, len(tracks.tracks)).tracks))
     return tracks
 
@@ -257,6 +261,6 @@ def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
         placed.append((middle, begin + len(words) * letter / 2, row, words))
     axes.set_ylim(-0.6, max(len(rows), 3))
     for middle, at, row, words in placed:
-        axes.text(at, row + 0.1, words, ha="center", va="bottom", fontsize=8, zorder=3,
+        axes.text(at, row + 0.1, words, ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
         axes.plot([middle, at], [-0.6, row + 0.05], color=GREY, linewidth=0.5)

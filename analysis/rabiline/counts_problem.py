@@ -88,10 +88,8 @@ class Problem:
         y, slopes = self.surface.at(values[:k])
         each = self.exposure.each * free.get(SCALE, 1.0)
         mu = each * y + self.exposure.background + free.get(BACKGROUND, 0.0) * self.exposure.time
-        rows = [each * slopes]
-        rows += [(self.exposure.each * y)[None]] if SCALE in free else []
-        rows += [self.exposure.time[None]] if BACKGROUND in free else []
-        return np.maximum(mu, 1e-9), np.concatenate(rows), each
+        by = {SCALE: self.exposure.each * y, BACKGROUND: self.exposure.time}
+        return np.maximum(mu, 1e-9), np.concatenate([each * slopes, *(by[name][None] for name in self.extra)]), each
 
     def modes(self, mu: np.ndarray, each: np.ndarray) -> np.ndarray:
         """[n, r] What the simulation may be off, in counts, as columns that are each one standard deviation."""

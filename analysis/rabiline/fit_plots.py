@@ -43,8 +43,10 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
-    above.set_title(style.in_rows(figure, lines, 9), fontsize=9)
-    if fit.counts.across is None:
+    above.set_title(style.in_rows(figure, lines, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"))
+    if style.size(0, 0) != (0, 0):
+        style.legend_at_foot(figure, *above.get_legend_handles_labels())
+    elif fit.counts.across is None:
         above.legend(loc="best")
     else:
         below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3)
@@ -63,8 +65,9 @@ def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]
 
 
 def _numbers(fit: CountsFit) -> list[str]:
-    width = [f"{name} = {format_value(value, unit, error)}" for name, unit, value, error in
-             zip(fit.names, fit.units, fit.values, fit.errors)]
+    unknown = {i for direction in fit.degenerate for i in direction.involved}
+    width = [f"{name} not known by itself" if i in unknown else f"{name} = {format_value(value, unit, error)}"
+             for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors))]
     return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"] if fit.freedom > 0 else [])]
 
 

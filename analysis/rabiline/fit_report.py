@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Iterable
 
 import numpy as np
 
+from .held import PART, Held
 from .units import format_value
 
 if TYPE_CHECKING:
@@ -42,8 +43,23 @@ def report(fit: CountsFit) -> Iterable[str]:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.99)) * fit.particles
         yield (f"  {fit.share_of_simulation:.0%} of a variance is the simulation's own: `particles` of {wanted:.2g} make it a "
                "tenth")
+    for one in fit.held:
+        yield from _about_held(fit, one)
     if fit.p < LEAST_P:
         yield "  the experiment does not describe these counts: errors mean little"
+
+
+def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
+    """What the counts say about a parameter that was not free, and what hangs on it."""
+    if one.is_wanted:
+        i = int(np.argmax(np.abs(one.moved)))
+        yield (f"  `{one.name}` is not free, and the counts lean towards {one.value:.3g} by {np.sqrt(one.fall):.1f} standard "
+               f"deviations, whatever chi² says: that moves {fit.names[i]} by {abs(one.moved[i]):.1f} of its errors, or more")
+        yield f"  help: fit with `{one.name}` in --free"
+    elif one.matters:
+        i = int(np.argmax(np.abs(one.by_part)))
+        yield (f"  `{one.name}` is taken as known: {PART:.0%} of the counts more by it would move {fit.names[i]} by {abs(one.by_part[i]):.1f} of its "
+               "errors")
 
 
 def _signed(by: float, unit: str) -> str:

@@ -16,6 +16,7 @@ from .counts import Counts, read_counts
 from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
+from .held import Held, held
 
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
@@ -28,15 +29,16 @@ class Direction:
 
     names: tuple[str, ...]
     parts: np.ndarray  # relative changes, the largest 1
+    weights: np.ndarray  # changes in errors that are left where the others are known, the largest 1
 
     @property
     def involved(self) -> np.ndarray:
         """[any] The numbers of the parameters that it does not know."""
-        return np.flatnonzero(np.abs(self.parts) > SLIGHT)
+        return np.flatnonzero(np.abs(self.weights) > SLIGHT)
 
     def __str__(self) -> str:
         changes = ", ".join(f"`{self.names[i]}` by {100 * self.parts[i]:+.3g} %" for i in self.involved)
-        return f"degenerate: {changes} together change next to nothing"
+        return f"degenerate: {changes} together change next to nothing that this simulation could see"
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class CountsFit:
     flights: int
     share_of_simulation: float  # of the variance of a parameter, the largest
     particles: int  # at each point of the simulation
+    held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
 
     @property
@@ -210,7 +213,7 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.nd
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, found, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
-                     share_of_simulation(problem, values), model.particles, model.start()[:k])
+                     share_of_simulation(problem, values), model.particles, () if degenerate else held(problem, values, errors), model.start()[:k])
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
@@ -222,8 +225,7 @@ def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
     directions, combined = [], []
     for vector in vectors[:, ~known].T:
         relative = vector * fisher.errors / np.where(values == 0, 1.0, values)
-        relative = relative / relative[np.argmax(np.abs(relative))]
-        directions.append(Direction(tuple(names), relative))
+        directions.append(Direction(tuple(names), *(one / one[np.argmax(np.abs(one))] for one in (relative, vector))))
         combined += _combination(directions[-1], values, covariance) if np.sum(~known) == 1 else []
     grown = np.zeros(values.size)  # what is not known has no error: as large as the parameter itself, at least
     for direction in directions:
@@ -234,7 +236,7 @@ def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
 
 def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarray) -> list[tuple[str, float, float]]:
     """Of two degenerate parameters, the product of powers that the data do know."""
-    if direction.involved.size != 2 or (values[direction.involved] == 0).any():
+    if direction.involved.size != 2 or (values[direction.involved] <= 0).any():
         return []
     first, second = direction.involved
     power = -direction.parts[first] / direction.parts[second]

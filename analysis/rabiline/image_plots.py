@@ -12,14 +12,12 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
-from .errors import InputError
 from .results import Detector, Results
 from .style import COUNTS, GREY, LAWS, TITLE, in_lines
 from .units import format_value, law_name
 
 MILLI = 1e3
 LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
-LEAST = 0.6  # times the usual size of letters
 BEAM = LAWS["quantum"][0]
 
 
@@ -58,27 +56,10 @@ def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
     return [Shot(shot.point, word + shot.heading if shot.heading else "") for word, shot in zip(words, shots)]
 
 
+@style.in_proportion
 def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figure:
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
-    (right). A size that is asked for is not exceeded: everything, letters too, is made smaller or larger by one factor."""
-    factor, asked = 1.0, style.size(0, 0)
-    if asked != (0, 0):
-        with style.letters_by(1.0):
-            natural = _draw(results, detector, shots, 1.0)
-        factor = min(np.array(asked) / natural.get_size_inches())
-        plt.close(natural)
-    if factor < LEAST:
-        fewer = "; --points chooses fewer images" if len(shots) > 1 else ""
-        least = "x".join(f"{25.4 * LEAST / factor * length:.0f}" for length in asked)
-        raise InputError(f"--size: letters would become too small; {least} is the least of this shape{fewer}")
-    with style.letters_by(factor):
-        figure = _draw(results, detector, shots, factor)
-        figure.set_size_inches(factor * figure.get_size_inches())
-        return figure
-
-
-def _draw(results: Results, detector: Detector, shots: list[Shot], letters: float) -> Figure:
-    """In its usual size, with the title by `letters` larger; `letters_by` makes the others so."""
+    (right)."""
     size = _image_size(detector)
     title = f"{results.title}: {detector.name}" if results.title else detector.name
     title = in_lines(title, _width(size, len(shots)), TITLE)
@@ -105,7 +86,7 @@ def _draw(results: Results, detector: Detector, shots: list[Shot], letters: floa
     rows[0][0].set_ylabel("z (mm)")
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
-    figure.suptitle(title, fontsize=letters * TITLE, y=1 - 0.12 / figure.get_figheight(), va="top")
+    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top")
     return figure
 
 

@@ -13,6 +13,7 @@ from .templates import Templates
 SHOWN = 5  # times the level, at least, on the axis
 
 
+@style.in_proportion
 def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     """-2 ln L above its least value over κ, scan points, the level of acceptance and the interval connected to 0."""
     result, colour = found.profile, LAWS["dorado"][0]

@@ -16,6 +16,7 @@ from .templates import Screen, Templates, spread_over_bins
 from .units import Scale, fitting_scale, law_name
 
 
+@style.in_proportion
 def draw_laws(made: Templates, beam: Beam, pair: tuple[int, int], data: Observation | None,
               title: str | None) -> Figure:
     """One column for each law and one for the difference, above, where there are places to show; below, fractions with

@@ -13,6 +13,7 @@ from scipy import optimize, stats
 
 from .errors import BadInput
 
+LEAST = 1e-6  # of the largest singular value: directions below it are not known
 HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
 
 
@@ -97,7 +98,7 @@ class LineFit:
     form: str
     names: tuple[str, ...]  # centre, or centre_1, ...; the form's own; contrast; baseline
     values: np.ndarray  # [parameters] in the units of x and y
-    errors: np.ndarray  # [parameters] one standard deviation
+    errors: np.ndarray  # [parameters] one standard deviation; infinite of what is not known, such as the strength of a weak field
     covariance: np.ndarray  # [parameters, parameters]
     chi_squared: float
     freedom: int
@@ -181,11 +182,16 @@ def _first_guess(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, li
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray], np.ndarray], first: np.ndarray, y: np.ndarray,
              covariance: np.ndarray) -> LineFit:
     sigma = np.sqrt(np.diag(covariance))
-    found = optimize.least_squares(lambda values: (model(values) - y) / sigma, first, x_scale="jac")
+    found = optimize.least_squares(lambda values: (model(values) - y) / sigma, first, x_scale="jac", ftol=1e-6)  # weak fields have no strength
     if not (found.success and np.isfinite(found.x).all()):
         raise NoLine(f"the fit of the form {name} does not converge")
-    linear = np.linalg.pinv(found.jac, rcond=1e-10) / sigma
+    sizes = np.maximum(np.linalg.norm(found.jac, axis=0), 1e-300)
+    u, singular, rows = np.linalg.svd(found.jac / sizes, full_matrices=False)
+    kept = singular > LEAST * singular[0]
+    linear = (rows[kept].T / singular[kept]) @ u[:, kept].T / sizes[:, None] / sigma
     spread = linear @ covariance @ linear.T
+    unknown = (np.abs(rows[~kept]) > 0.1).any(axis=0)
+    spread[unknown, unknown] = np.inf
     left = (model(found.x) - y) / sigma
     freedom = y.size - first.size
     return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), freedom, model(found.x))

@@ -32,6 +32,7 @@ INPUTS = {"fast_top"}  # findings that follow from the input alone, shown where 
 Styled = Sequence[tuple[Motion, Look, str]]
 
 
+@style.in_proportion
 def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     """The paths of all motions in three dimensions; beside them their distance from the first one, where the paths are
     drawn whole, and the first course in which they differ, or that varies at all."""
@@ -65,6 +66,7 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     return figure
 
 
+@style.in_proportion
 def draw_findings(file: Motions, title: str) -> Figure:
     """What was found over the scanned parameter, with what is expected; findings that are rounding alone, and those for
     which there is no room, are named."""
@@ -95,7 +97,7 @@ def draw_findings(file: Motions, title: str) -> Figure:
               (("not shown", [finding.name for finding in left]),
                (f"nothing beyond {ROUNDING:.0e} at any point", kept)) if names]
     if footer:
-        figure.supxlabel("\n".join(_wrapped(line, 38 * columns) for line in footer), fontsize=8, color=GREY)
+        figure.supxlabel("\n".join(_wrapped(line, 38 * columns) for line in footer), fontsize=style.scaled(8), color=GREY)
     return figure
 
 
@@ -132,15 +134,11 @@ def _draw_paths(axes: Axes, styled: Styled) -> None:
     axes.set(**{f"{name}label": scale.label(name) for name in "xyz"})
     part = f"first {SHOWN_TURNS:g} and last {SHOWN_TURNS:g} turns" if some_long else "paths"
     axes.set_title(f"{part}; the ring is the start", y=1.02)
-    axes.yaxis.labelpad = 9 if extent[1] < 2 * extent[::2].max() else 14
     axes.view_init(elev=20, azim=-35)
     for plane, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent / extent.max()):
         plane.pane.set_facecolor("white")
         plane.set_major_locator(MaxNLocator(4 if size > 0.5 else 2))
-    axes.tick_params(labelsize=8, pad=1)
-    if tall:  # its axis stands nearer to the numbers
-        axes.zaxis.set_tick_params(pad=7)
-        axes.zaxis.labelpad = 24
+    style.pad_in_space(axes, {"x": 4, "y": 9 if extent[1] < 2 * extent[::2].max() else 14, "z": 24 if tall else 4}, {"z": 7} if tall else {})
 
 
 def _is_long(path: np.ndarray) -> bool:
@@ -238,7 +236,7 @@ def _draw_finding(axes: Axes, x: np.ndarray, finding: Finding, joined: bool) -> 
         about = f"{about} ({finding.basis} 0)"
     _fit_values(axes, finding.values / scale.factor)  # not what they are beyond an origin
     axes.set_ylabel(_wrapped(scale.label(finding.name), 30))
-    axes.set_title(_wrapped(about), fontsize=7.5, color=GREY)
+    axes.set_title(_wrapped(about), fontsize=style.scaled(7.5), color=GREY)
     axes.grid()
 
 

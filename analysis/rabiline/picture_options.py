@@ -21,8 +21,6 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
     if verb in ("plot-scan", "plot-levels"):
         parser.add_argument("--mark", action="append", default=[], metavar="LABEL=VALUE",
                             help='points out a value: "Larmor frequency=291.647 kHz"')
-    if verb in SIZED:
-        parser.add_argument("--size", metavar="WxH", type=size_of, help="of the picture in mm, such as 86x60; of images, at most")
     if verb in RANGED:
         for axis in "xy":
             parser.add_argument(f"--{axis}-range", metavar="FROM:TO", type=range_of, help="as the axis writes it, such as 280:300")
@@ -31,7 +29,6 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
 
 
 RANGED = {"plot", "plot-scan", "plot-levels", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
-SIZED = {*RANGED, "plot-image"}
 
 
 def size_of(text: str) -> tuple[float, float]:

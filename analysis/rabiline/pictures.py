@@ -45,19 +45,20 @@ def limited(figure: Figure, options: argparse.Namespace) -> Figure:
 
 def plot_of(opened: object, kind: str | None = None, options: dict[str, object] | None = None) -> Figure:
     """The picture of what is open, with the options of `plot-KIND` as keywords."""
-    parser = ArgumentParser()
+    parser, options = ArgumentParser(), dict(options or {})
+    size = options.pop("size", None)
     verb = f"plot-{kind or _fitting_kind(opened)}"
     if verb.replace("-", "_") not in globals():
         raise InputError(f"there is no picture `{kind}`")
     arguments(verb, parser)
-    name = [str((options or {}).pop("name"))] if verb == "plot-tally" else []
+    name = [str(options.pop("name"))] if verb == "plot-tally" else []
     chosen = parser.parse_args(["FILE", *name, "-o", "none.png"])
-    for key, value in (options or {}).items():
+    for key, value in options.items():
         if not hasattr(chosen, key):
             raise InputError(f"{verb} has no option `{key}`")
         setattr(chosen, key, value)
     chosen.file, chosen.files = opened, [opened]
-    with style.here(getattr(chosen, "size", None)):
+    with style.here(size):
         return limited(chosen.command(chosen), chosen)
 
 

@@ -129,6 +129,7 @@ class Panel:
     labels: Sequence[str]
 
 
+@style.in_proportion
 def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) -> Figure:
     """Scans of several files side by side, over the same axis: each panel like draw_scan's, with its legend below."""
     figure, row = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.5), sharey=True, squeeze=False,
@@ -209,7 +210,7 @@ def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = 
         if not named:
             continue
         axes.annotate(name, (scale.apply(value), 1), xycoords=("data", "axes fraction"), xytext=(0, 3),
-                      textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
+                      textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
 
 
 def _measured(curve: Curve) -> Sequence[Resonance]:

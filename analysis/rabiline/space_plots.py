@@ -20,6 +20,7 @@ from .units import Scale, fitting_scale
 LETTER, ROW = 0.022, 0.1  # of a name above its region: the width of a letter, and the height of a row, in parts of the axes
 
 
+@style.in_proportion
 def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
     """x, y and z of every track, in the laboratory: y along the beam to the right, z along the static field upwards.
     Along the beam the scale is another one than across, so that small deflections are seen. Faint lines on the floor
@@ -46,10 +47,10 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
     _draw_frames(axes, regions, along, low, high)
     for k, (name, about) in enumerate(zip("xyz", ("", ", along the beam", ", along the static field"))):
         getattr(axes, f"set_{name}lim")(low[k], high[k])
-        getattr(axes, f"set_{name}label")(scales[k].label(name + about), labelpad=12 if name == "y" else 4)
+        getattr(axes, f"set_{name}label")(scales[k].label(name + about))
         getattr(axes, f"{name}axis").pane.set_facecolor("white")
         getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(6 if name == "y" else 4))
-    axes.tick_params(labelsize=8, pad=1)
+    style.pad_in_space(axes, {"x": 4, "y": 12, "z": 4})
     axes.set_box_aspect((1, 2, 1), zoom=1.12)
     axes.view_init(elev=20, azim=-35)
     style.write_title(figure, title)
@@ -77,4 +78,4 @@ def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.nd
         half = 0.5 * LETTER * (len(region.name) + 2) * (high[1] - low[1])
         row = next((i for i, end in enumerate(rows) if end <= middle - half), len(rows))
         rows[row:row + 1] = [middle + half]
-        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), region.name, color=GREY, fontsize=9, ha="center", va="bottom")
+        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), region.name, color=GREY, fontsize=style.scaled(9), ha="center", va="bottom")

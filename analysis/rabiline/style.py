@@ -4,14 +4,19 @@ from __future__ import annotations
 import textwrap
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Iterator, Sequence
+from typing import Callable, Iterator, Sequence
 
 from matplotlib import pyplot as plt
 from matplotlib import rcParamsDefault
+from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
+from matplotlib.lines import Line2D
+
+from .errors import InputError
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
 # Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
@@ -35,7 +40,49 @@ RULES = {
 def write_title(figure: Figure, title: str) -> None:
     """Above the figure, in lines that fit its width."""
     size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
-    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=size)
+    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=scaled(size))
+
+
+def scaled(points: float) -> float:
+    """The size of letters in a picture that is drawn `in_proportion`."""
+    return _factor * points
+
+
+def pad_in_space(axes: Axes, labels: dict[str, float], numbers: dict[str, float] | None = None) -> None:
+    """Distances [points] of the `labels` of "x", "y" and "z", and of their `numbers`, from axes in three dimensions, to which matplotlib
+    adds fixed ones."""
+    for name, pad in labels.items():
+        axis = getattr(axes, f"{name}axis")
+        axis.labelpad = scaled(pad + 21) - 21
+        axis.set_tick_params(labelsize=scaled(8), pad=scaled((numbers or {}).get(name, 1) + 8) - 8)
+
+
+def in_proportion(draw: Callable[..., Figure]) -> Callable[..., Figure]:
+    """For pictures with a shape of their own: where a size is asked for they fill it one way, everything, letters too, smaller or larger
+    by one factor. Raises InputError where letters would become too small."""
+    @wraps(draw)
+    def fitted(*arguments: object, **options: object) -> Figure:
+        global _asked
+        asked, _asked = _asked, None
+        try:
+            if asked is None:
+                return draw(*arguments, **options)
+            with letters_by(1.0):
+                natural = draw(*arguments, **options)
+            factor = min(wanted / own for wanted, own in zip(asked, natural.get_size_inches()))
+            plt.close(natural)
+            if factor < LEAST:
+                least = "x".join(f"{25.4 * LEAST / factor * length:.0f}" for length in asked)
+                raise InputError(f"--size: letters would become too small; {least} is the least of this shape")
+            with letters_by(factor):
+                figure = draw(*arguments, **options)
+            figure.set_size_inches(factor * figure.get_size_inches())
+            for line in figure.findobj(Line2D):
+                line.set(linewidth=factor * line.get_linewidth(), markersize=factor * line.get_markersize())
+            return figure
+        finally:
+            _asked = asked
+    return fitted
 
 
 def size(width: float, height: float) -> tuple[float, float]:
@@ -98,8 +145,13 @@ def letters_by(factor: float) -> Iterator[None]:
     usual = {key: value for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
     usual |= {key: rcParamsDefault[key] for key in ("axes.labelpad", "axes.titlepad", "xtick.major.pad", "ytick.major.pad",
                                                     "xtick.major.size", "ytick.major.size")}
-    with plt.rc_context({key: value * factor for key, value in usual.items()}):
-        yield
+    global _factor
+    before, _factor = _factor, factor
+    try:
+        with plt.rc_context({key: value * factor for key, value in usual.items()}):
+            yield
+    finally:
+        _factor = before
 
 
 @contextmanager
@@ -118,7 +170,9 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
 
 TITLE = 11.5  # points
 NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
+LEAST = 0.6  # times the usual size of letters
 _asked: tuple[float, float] | None = None
+_factor = 1.0  # of letters
 
 
 @dataclass(frozen=True)

@@ -101,6 +101,7 @@ def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: 
     return figure
 
 
+@style.in_proportion
 def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray, points: Sequence[int]) -> Figure:
     """The first axis across, the second one up; one colour scale for all scan points."""
     figure, panels = plt.subplots(1, len(points), figsize=(1.4 + 4.4 * len(points), 4.8), squeeze=False,
@@ -130,4 +131,4 @@ def _write_numbers(panel: Axes, edges: list[np.ndarray], counts: np.ndarray, mos
     for i in range(counts.shape[0]):
         for k in range(counts.shape[1]):
             panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, f"{counts[i, k]:.{digits}g}",
-                       ha="center", va="center", fontsize=size, color="white" if counts[i, k] > 0.5 * most else "black")
+                       ha="center", va="center", fontsize=style.scaled(size), color="white" if counts[i, k] > 0.5 * most else "black")

@@ -33,6 +33,7 @@ class Region:
     end: float  # m
 
 
+@style.in_proportion
 def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
     """x, z and the tilt of the spin from the z axis, over y, with the fields of the file where no `regions` are named; and the
     spins' paths in three dimensions. Spins are shown from their first alignment on: what they were before is chance."""
@@ -104,7 +105,7 @@ def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         axes.plot([region.begin, region.end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
         axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
-                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=9)
+                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
 
 
 def _extent(files: Sequence[Tracks]) -> tuple[float, float]:
@@ -137,7 +138,7 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
     for plane in (axes.xaxis, axes.yaxis, axes.zaxis):
         plane.pane.set_facecolor("white")
         plane.set_major_locator(MaxNLocator(4))
-    axes.tick_params(labelsize=8, pad=1)
+    style.pad_in_space(axes, {"x": 4, "y": 4, "z": 4})
 
 
 def _while_turning(track: Track) -> slice | None:

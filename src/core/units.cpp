@@ -220,11 +220,38 @@ std::string without_prefix(const Decimal& number, std::string_view symbol) {
   return {};
 }
 
+/// Units that people write out, or count in, and how they are written here.
+std::string_view written_out(std::string_view symbol) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> names{{{"gauss", "G"},
+                                                                                        {"tesla", "T"},
+                                                                                        {"kelvin", "K"},
+                                                                                        {"hertz", "Hz"},
+                                                                                        {"metre", "m"},
+                                                                                        {"meter", "m"},
+                                                                                        {"metres", "m"},
+                                                                                        {"meters", "m"},
+                                                                                        {"second", "s"},
+                                                                                        {"seconds", "s"},
+                                                                                        {"sec", "s"},
+                                                                                        {"ampere", "A"},
+                                                                                        {"amps", "A"},
+                                                                                        {"degrees", "deg"},
+                                                                                        {"degree", "deg"},
+                                                                                        {"radian", "rad"},
+                                                                                        {"radians", "rad"},
+                                                                                        {"volt", "V"}}};
+  const auto found =
+      std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == lower(symbol); });
+  return found == names.end() ? std::string_view{} : found->second;
+}
+
 /// The unit that was meant; empty where none is near.
 std::string suggest_unit(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
   const bool dimension_known = wanted && *wanted != Dimension::number;
   if (symbol.starts_with("\u00b0C") || symbol.starts_with("\u00b0F") || symbol == "degC" || symbol == "degF")
     return "temperatures are absolute: write them in kelvin, like `300 K`";
+  if (const std::string_view unit = written_out(symbol); !unit.empty())
+    return fmt::format("write `{}`", unit);
   std::string same_letters;
   std::vector<std::string> candidates;
   for (const UnitSymbol& unit : unit_table()) {

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <utility>
 
+#include "input/yaml_faults.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -290,31 +292,6 @@ void refuse_what_yaml_mistakes(const std::shared_ptr<const SourceText>& source, 
   }
 }
 
-/// The parser's words for what somebody forgot, in plainer ones.
-Diagnostic explain(Place place, std::string_view message) {
-  struct Case {
-    std::string_view message, problem, help;
-  };
-  static constexpr Case cases[] = {
-      {"end of map flow not found", "a `{` is never closed",
-       "a `}` or a comma is missing, in this line or above"},
-      {"end of sequence flow not found", "a `[` is never closed",
-       "a `]` or a comma is missing, in this line or above"},
-      {"end of map not found", "this key stands in another column than the keys it belongs to",
-       "keys that belong together begin in the same column"},
-      {"end of sequence not found", "this item stands in another column than the items it belongs to",
-       "items of a list begin in the same column, each with `- `"},
-      {"illegal map value", "a second colon makes no sense here",
-       "a text that holds `: ` stands in quotes; or a brace or a line end is missing before it"},
-      {"illegal flow end", "this closes what was not opened, or something before it is still open",
-       "compare the brackets and braces"},
-  };
-  for (const Case& c : cases)
-    if (message.find(c.message) != message.npos)
-      return {std::move(place), std::string(c.problem), std::string(c.help)};
-  return {std::move(place), fmt::format("this is not YAML: {}", message), {}};
-}
-
 }  // namespace
 
 const Entry* Node::find(std::string_view key) const {
@@ -347,7 +324,7 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
     if (!parser.HandleNextDocument(builder)) return {};
     parser.HandleNextDocument(builder);  // refuses what it finds
   } catch (const YAML::Exception& e) {
-    throw InputError({explain(builder.place_of(e.mark), e.msg)});
+    throw InputError({explain_yaml(builder.place_of(e.mark), e.msg)});
   }
   return builder.take_root();
 }

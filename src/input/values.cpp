@@ -42,9 +42,12 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {
-    std::string help = row.dimension == Dimension::number
-                           ? "write it without a unit"
-                           : fmt::format("write {} such as `{}`", wanted, example_for(row));
+    const bool celsius = row.dimension == Dimension::temperature && got.dimension == Dimension::charge;
+    std::string help =
+        row.dimension == Dimension::number ? "write it without a unit"
+        : celsius
+            ? fmt::format("temperatures are absolute, and C is coulomb: write `{:.6g} K`", got.value + 273.15)
+            : fmt::format("write {} such as `{}`", wanted, example_for(row));
     reading.error(node.place,
                   fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
                               row.key, wanted),
@@ -54,8 +57,9 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
   const std::string_view si = si_unit_of(row.dimension);
   const bool angle = row.dimension == Dimension::angle;
   reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
-                angle ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
-                      : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si));
+                node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
+                : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
+                                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si));
 }
 
 }  // namespace
@@ -302,8 +306,9 @@ bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& r
           node.place,
           fmt::format("`{}` is a speed, a wavelength or an energy, but {} {}", row.key, quote(node),
                       number ? "has no unit" : fmt::format("is {}", with_article(name_of(parsed.dimension)))),
-          number ? fmt::format("write `{0} m/s` if m/s is meant", node.scalar)
-                 : "write it like `1000 m/s`, `4 angstrom` or `25 meV`");
+          node.scalar.ends_with('%') ? "write the number that this part is, in m/s"
+          : number                   ? fmt::format("write `{0} m/s` if m/s is meant", node.scalar)
+                                     : "write it like `1000 m/s`, `4 angstrom` or `25 meV`");
       return false;
     }
   }

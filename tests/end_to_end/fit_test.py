@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
@@ -16,6 +17,7 @@ from rabiline.curve_model import NOISE, SPREAD, CurveModel, NoFit, noise_of  # n
 from rabiline.errors import BadInput  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
+from rabiline.held import Held, held  # noqa: E402
 
 PROGRAM = os.environ["RABILINE_PROGRAM"]
 RAMSEY = (Path(__file__).parents[2] / "docs/example/ramsey-fringes.yaml").read_text(encoding="utf-8")
@@ -151,6 +153,33 @@ def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.
         expected.values)[0] for _ in range(200)])
     assert np.std(found, axis=0, ddof=1) == pytest.approx(expected.errors, rel=0.1)  # of 200 it is known to 5 %
     assert (np.abs(found.mean(axis=0) - expected.values) < 4 * expected.errors / np.sqrt(200)).all()
+
+
+def test_a_background_that_chi_squared_does_not_show_is_told() -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml")
+    clock = clock.scan().scan("first.frequency", "9192631271.5 Hz:9192632271.5 Hz:51")
+    expected = forecast(clock, ["C.field", "first.amplitude+second.amplitude"], rate=2e6)
+    problem = replace(expected.problem, surface=replace(expected.problem.surface, covariance=np.zeros((51, 51))))
+    generator = np.random.default_rng(3)
+
+    def fitted(background: float) -> tuple[Held, float, np.ndarray]:
+        counted = replace(problem, counts=generator.poisson(expected.counts + background).astype(float))
+        values, badness = counted.least(expected.values)
+        one, = held(counted, values, expected.errors)
+        return one, float(stats.chi2.sf(badness, 48)), (values - expected.values) / expected.errors
+
+    without = [fitted(0)[0] for _ in range(200)]
+    assert np.mean([one.fall for one in without]) == pytest.approx(1, abs=0.3) and np.mean([one.is_wanted for one in without]) < 0.06
+    one, p, off = fitted(0.02 * expected.counts.mean())
+    assert one.is_wanted and one.fall > 20 and p > 0.01 and abs(off[0]) > 5
+    assert one.moved[0] == pytest.approx(-off[0], rel=0.5) and one.by_part[0] == pytest.approx(-off[0] / 2, rel=0.5)
+
+
+def test_what_a_fit_takes_as_known_is_told(fitted: CountsFit, fringes: Counts, ramsey: rabiline.Experiment) -> None:
+    assert "`background` is taken as known: 1% of the counts more by it would move C1.amplitude+C2.amplitude by" in str(fitted)
+    known = Counts(**{**vars(fringes), "emitted": np.full(41, 36000.0)})  # a tenth of what was emitted is not in the table
+    told = str(fit_counts(ramsey, known, ["guide.field", "source.speed.mean", "background"], intervals=False))
+    assert "`scale` is not free, and the counts lean towards 1." in told and "fit with `scale` in --free" in told
 
 
 @pytest.mark.slow

@@ -20,7 +20,7 @@ BEAMLINES = Path(__file__).parents[2] / "beamline"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
 PARTICLES = 300  # what is drawn, not what it means
-COLUMN = (100 / 25.4, 80 / 25.4)  # inches
+COLUMN, PAGE = (100 / 25.4, 80 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
 
 
@@ -86,8 +86,11 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             experiment = experiment.set(particles=PARTICLES)
             figures = drawn(experiment.fly(), name)
             figures["tracks"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG})
+            figures["tracks, small"] = pictures.plot_of(experiment.trace(2), "tracks", {"title": LONG, "size": PAGE})
             figures["in space"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 20, LONG)
+            with style.here(PAGE):
+                figures["draw, small"] = draw_apparatus(experiment.scan(), 20, LONG)
         wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
     for figure in figures.values():
         plt.close(figure)

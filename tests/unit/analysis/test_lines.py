@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from rabiline.errors import InputError
-from rabiline.line_commands import derived
+from rabiline.line_commands import derived, described
 from rabiline.lines import FORMS, NoLine, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
@@ -51,6 +51,14 @@ def test_weak_fields_and_two_fields_at_once_are_limits() -> None:
     assert ramsey(np.array([0.0]), 125.0, 0.002, 0.02, 0.0) == pytest.approx(1)  # two pulses of a quarter turn
     slow = ramsey_over(np.array([1e-3]), np.array([1.0]))
     assert slow.f(d, 125.0, 2.0, 20.0) == pytest.approx(ramsey(d, 125.0, 0.002, 0.02, 0.0))
+
+
+def test_a_weak_field_leaves_its_strength_and_contrast_unknown_and_the_centre_known() -> None:
+    y = 900 + 1600 * ramsey(X - 29003.0, 0.5, 0.003, 0.02, 0.2) / ramsey(np.zeros(1), 0.5, 0.003, 0.02, 0.2)
+    found = fit_line(X, np.random.default_rng(2).poisson(y), np.diag(y), "ramsey")
+    assert abs(found["centre"][0] - 29003) < 4 * found["centre"][1] < 4 and abs(found["time"][0] - 0.02) < 4 * found["time"][1] < 4e-3
+    words = {line.split()[0]: line for line in described(found, "Hz")}
+    assert words["strength"].endswith("not known") and words["contrast"].endswith("not known") and "±" in words["time"]
 
 
 def test_any_callable_is_fitted_from_its_start() -> None:

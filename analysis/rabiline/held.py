@@ -1,0 +1,54 @@
+"""What a fit would say with one more parameter of the exposure free.
+
+A chi² over many points hardly sees one direction: a background that makes it rise by 16 of 48 leaves p as it was, while parameters
+that imitate a background have moved by many of their errors. So that direction is asked for by itself, on the surface that
+the fit has at its end. How far Q falls with the parameter free is distributed as chi² of one degree of freedom where what is held is
+right (Wilks, Ann. Math. Stat. 9, 60, 1938). Far from there the surface is not that of the experiment: values are a direction and no result.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .counts_problem import BACKGROUND, SCALE, Problem
+
+LEANS, ASKS = 4.0, 9.0  # falls of Q, of two standard deviations and of three
+PART = 0.01  # of the counts
+NEUTRAL = {SCALE: 1.0, BACKGROUND: 0.0}
+
+
+@dataclass(frozen=True)
+class Held:
+    """A parameter that was not free, and the fit with it free."""
+
+    name: str
+    value: float  # where Q is least
+    fall: float  # of Q
+    moved: np.ndarray  # [k] the fit's parameters, in their errors
+    by_part: np.ndarray  # [k] the same where this parameter is off by as much as is PART of all counts
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether the counts contradict what it is held at, or lean towards something that would move a parameter by its error."""
+        return self.fall > ASKS or self.fall > LEANS and bool((np.abs(self.moved) > 1).any())
+
+    @property
+    def matters(self) -> bool:
+        """Whether the errors of the fit hang on its being known."""
+        return bool((np.abs(self.by_part) > 1).any())
+
+
+def held(problem: Problem, values: np.ndarray, errors: np.ndarray) -> tuple[Held, ...]:
+    """What of the exposure was not free in a fit that has come to rest at `values` [k] with `errors` [k]."""
+    found, k = [], values.size
+    surface = replace(problem.surface, noise=np.zeros_like(problem.surface.noise))  # a noisy slope weighs wrongly, but it is one
+    for name in filter(lambda name: name not in problem.extra, NEUTRAL):
+        freed, start = replace(problem, surface=surface, extra=(*problem.extra, name)), np.append(values, NEUTRAL[name])
+        mu, slopes, each = freed.mean(start)
+        fisher = freed.fisher(start, freed.modes(mu, each))
+        part = PART * mu.sum() / slopes[k].sum()
+        moved, least = freed.least(start)
+        found.append(Held(name, float(moved[k]), freed.least(start, [k])[1] - least,
+                          (moved[:k] - values) / errors, -part * fisher.of(range(k)).inverse @ fisher.matrix[:k, k] / errors))
+    return tuple(found)

@@ -1,0 +1,101 @@
+#include "input/yaml_faults.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rabiline {
+namespace {
+
+/// The line without its comment; brackets within quotes as blanks.
+std::string without_texts(std::string line) {
+  char quote = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quote == 0 && line[i] == '#' && (i == 0 || line[i - 1] == ' ')) return line.substr(0, i);
+    if (quote != 0 && line[i] == quote)
+      quote = 0;
+    else if (quote == 0 && (line[i] == '"' || line[i] == '\'') && (i == 0 || line[i - 1] == ' '))
+      quote = line[i];
+    else if (quote != 0)
+      line[i] = ' ';
+  }
+  return line;
+}
+
+/// The brace or bracket in front of a place that is still open there.
+std::optional<Place> last_open(const Place& place) {
+  std::vector<Place> open;
+  for (int number = 1; number <= place.line && number <= static_cast<int>(place.text->lines.size());
+       ++number) {
+    std::string line = without_texts(place.text->lines[static_cast<std::size_t>(number) - 1]);
+    if (number == place.line)
+      line.resize(std::min(line.size(), static_cast<std::size_t>(std::max(place.column - 1, 0))));
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (line[i] == '{' || line[i] == '[') open.push_back({place.text, number, static_cast<int>(i) + 1, 1});
+      if ((line[i] == '}' || line[i] == ']') && !open.empty()) open.pop_back();
+    }
+  }
+  return open.empty() ? std::nullopt : std::optional(open.back());
+}
+
+/// A key that goes on where a value should have ended: `length: 1 m field: 1 T`.
+std::optional<Diagnostic> missing_comma(const Place& colon) {
+  const auto at = static_cast<std::size_t>(colon.column - 1);
+  const auto number = static_cast<std::size_t>(colon.line - 1);
+  const std::vector<std::string>& lines = colon.text->lines;
+  if (number >= lines.size() || at >= lines[number].size() || lines[number][at] != ':') return std::nullopt;
+  const std::string before = lines[number].substr(0, at);
+  const std::size_t gap = before.find_last_of(" ,{");
+  const std::size_t begin = gap == before.npos ? 0 : gap + 1;
+  const std::string key = before.substr(begin);
+  if (key.empty()) return std::nullopt;
+  if (before.find_first_not_of(' ') < begin)
+    return Diagnostic{{colon.text, colon.line, static_cast<int>(begin) + 1, static_cast<int>(key.size())},
+                      fmt::format("a comma is missing in front of `{}`", key),
+                      "a comma stands between the keys of one `{}`"};
+  for (std::size_t above = number; above-- > 0;) {
+    const std::size_t end = without_texts(lines[above]).find_last_not_of(' ');
+    if (end == std::string::npos) continue;
+    return Diagnostic{{colon.text, static_cast<int>(above) + 1, static_cast<int>(end) + 1, 1},
+                      fmt::format("a `}}` or a comma is missing behind this, in front of `{}`", key),
+                      "a `{` ends with a `}`, and commas stand between its keys"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Diagnostic explain_yaml(Place place, std::string_view message) {
+  if (place.text && message.find("end of map flow not found") != message.npos)
+    if (std::optional<Diagnostic> missing = missing_comma(place)) return *std::move(missing);
+  if (place.text && message.find("illegal block entry") != message.npos)
+    if (const std::optional<Place> open = last_open(place))
+      return {*open, "this is never closed", "a `}` or `]` is missing in front of the next item"};
+  struct Case {
+    std::string_view message, problem, help;
+  };
+  static constexpr Case cases[] = {
+      {"end of map flow not found", "a `{` is never closed",
+       "a `}` or a comma is missing, in this line or above"},
+      {"end of sequence flow not found", "a `[` is never closed",
+       "a `]` or a comma is missing, in this line or above"},
+      {"end of map not found", "this key stands in another column than the keys it belongs to",
+       "keys that belong together begin in the same column"},
+      {"end of sequence not found", "this item stands in another column than the items it belongs to",
+       "items of a list begin in the same column, each with `- `"},
+      {"illegal map value", "a second colon makes no sense here",
+       "a text that holds `: ` stands in quotes; or a brace or a line end is missing before it"},
+      {"illegal flow end", "this closes what was not opened, or something before it is still open",
+       "compare the brackets and braces"},
+  };
+  for (const Case& c : cases)
+    if (message.find(c.message) != message.npos)
+      return {std::move(place), std::string(c.problem), std::string(c.help)};
+  return {std::move(place), fmt::format("this is not YAML: {}", message), {}};
+}
+
+}  // namespace rabiline
