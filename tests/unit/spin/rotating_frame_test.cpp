@@ -103,22 +103,23 @@ TEST(StandingCoupling, OfPotassiumAgreesWithTheWholeField) {
   struct Setting {
     double field, frequency, tilt;
   };
-  for (const auto& [field, frequency, tilt] : {Setting{30e-4, 18.4e6, 0},
-                                               {30e-4, 18.4e6, 0.6},
-                                               {30e-4, 21.2e6, 0},
-                                               {0.5e-4, 461.37e6, 0},
-                                               {0.5e-4, 461.72e6, 1}})
+  for (const Setting& set : {Setting{30e-4, 18.4e6, 0},
+                             {30e-4, 18.4e6, 0.6},
+                             {30e-4, 21.2e6, 0},
+                             {0.5e-4, 461.37e6, 0},
+                             {0.5e-4, 461.72e6, 1}})
     for (const auto& [amplitude, most] : {std::pair{10e-6, 1e-4}, {60e-6, 1e-3}, {300e-6, 2e-2}}) {
-      RotatingTerm whole = drive(oscillating, amplitude, frequency);
-      whole.first = {std::sqrt(1 - tilt * tilt), 0, tilt};
-      const int periods = static_cast<int>(time * frequency);
-      const double length = periods / frequency;  // at 1 m/s
-      const Eigen::MatrixXd expected = under_the_whole_field(spins, field, whole, periods);
+      RotatingTerm whole = drive(oscillating, amplitude, set.frequency);
+      whole.first = {std::sqrt(1 - set.tilt * set.tilt), 0, set.tilt};
+      const int periods = static_cast<int>(time * set.frequency);
+      const double length = periods / set.frequency;  // at 1 m/s
+      const Eigen::MatrixXd expected = under_the_whole_field(spins, set.field, whole, periods);
       const auto found = [&](double size) {
         whole.amplitude = size;
-        return test::probabilities(DrivenLevels(spins, {{0, length, field, whole}}, 1), 1);
+        return test::probabilities(DrivenLevels(spins, {{0, length, set.field, whole}}, 1), 1);
       };
-      EXPECT_LT(difference(found(amplitude), expected), most) << field << " T, " << frequency << " Hz";
+      EXPECT_LT(difference(found(amplitude), expected), most)
+          << set.field << " T, " << set.frequency << " Hz";
       if (amplitude > 20e-6) {
         EXPECT_GT(difference(found(1.01 * amplitude), expected), most);
       }
