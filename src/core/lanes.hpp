@@ -42,16 +42,16 @@ RABILINE_LANES real from_bits(words x) { return reinterpret_cast<real>(x); }
 
 // Columns are aligned to 64 bytes and padded to whole vectors. may_alias: words are also read from columns of
 // std::uint64_t, which need not be unsigned long long.
-using real_in_memory = real __attribute__((may_alias));
-using words_in_memory = words __attribute__((may_alias));
+using real_in_memory [[gnu::may_alias]] = real;
+using words_in_memory [[gnu::may_alias]] = words;
 RABILINE_LANES real load(const double* p) { return *reinterpret_cast<const real_in_memory*>(p); }
 RABILINE_LANES words load(const unsigned long long* p) {
   return *reinterpret_cast<const words_in_memory*>(p);
 }
 RABILINE_LANES words load(const unsigned long* p) { return *reinterpret_cast<const words_in_memory*>(p); }
 /// The same, aligned to nothing more than themselves.
-using real_anywhere = double __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
-using words_anywhere = unsigned long long __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+using real_anywhere [[gnu::aligned(8), gnu::may_alias]] = real;  // clang overlooks them behind the type
+using words_anywhere [[gnu::aligned(8), gnu::may_alias]] = words;
 RABILINE_LANES real load_anywhere(const double* p) { return *reinterpret_cast<const real_anywhere*>(p); }
 RABILINE_LANES words load_anywhere(const unsigned long* p) {
   return *reinterpret_cast<const words_anywhere*>(p);
@@ -59,7 +59,7 @@ RABILINE_LANES words load_anywhere(const unsigned long* p) {
 RABILINE_LANES void store_anywhere(unsigned long* p, words x) { *reinterpret_cast<words_anywhere*>(p) = x; }
 /// Single-precision numbers, aligned to nothing more than themselves; conversion is exact.
 RABILINE_LANES real load(const float* p) {
-  using floats = float __attribute__((vector_size(4 * lane_count), aligned(4), may_alias));
+  using floats [[gnu::aligned(4), gnu::may_alias]] = float __attribute__((vector_size(4 * lane_count)));
   return __builtin_convertvector(*reinterpret_cast<const floats*>(p), real);
 }
 RABILINE_LANES void store(double* p, real x) { *reinterpret_cast<real_in_memory*>(p) = x; }

@@ -61,7 +61,7 @@ template <class Maths, class Number>
 
 /// Eight numbers at once, on every instruction set elementwise, wherever they stand in memory.
 using MapOctet = double __attribute__((vector_size(64)));
-using MapOctetInMemory = double __attribute__((vector_size(64), aligned(8), may_alias));
+using MapOctetInMemory [[gnu::aligned(8), gnu::may_alias]] = double __attribute__((vector_size(64)));
 
 /// Weights and cells are worked out for all lanes together, the sums then particle by particle along rows of
 /// the table: four nodes along z with four numbers each are two octets.

@@ -8,7 +8,7 @@ namespace rabiline::RABILINE_ISA {
 
 /// Numbers in a row that are aligned to nothing more than themselves.
 RABILINE_LANES real row_at(const double* p) {
-  using numbers = double __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+  using numbers [[gnu::aligned(8), gnu::may_alias]] = double __attribute__((vector_size(8 * lane_count)));
   return *reinterpret_cast<const numbers*>(p);
 }
 

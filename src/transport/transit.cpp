@@ -55,7 +55,7 @@ void add_moments(const TransitEntry* entries, std::size_t count, CellMoments* mo
 /// Lanes are rows, so that every sum goes over the columns in their order.
 void add_products(const double* a, const double* b, std::ptrdiff_t rows, std::ptrdiff_t columns,
                   double* sums) {
-  using vector = double __attribute__((vector_size(8 * lane_count), aligned(8), may_alias));
+  using vector [[gnu::aligned(8), gnu::may_alias]] = double __attribute__((vector_size(8 * lane_count)));
   constexpr int vectors = 8 / lane_count, at_once = 4;
   constexpr std::ptrdiff_t chunk = 512;  // of columns, which stay in the cache
   for (std::ptrdiff_t begin = 0; begin < columns; begin += chunk) {

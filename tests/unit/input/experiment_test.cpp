@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
+#include <ctime>
 #include <cmath>
 #include <fstream>
 
@@ -166,9 +166,9 @@ TEST(Scan, CanDrawItsParticlesAnewFromTheCommandLine) {
 }
 
 TEST(Scan, OfAThousandPointsTakesLessThanASecond) {
-  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t start = std::clock();  // of the processor
   EXPECT_EQ(load({}, {"H0.frequency=1 kHz:2 kHz:1000"}).experiment.points.size(), 1000U);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+  EXPECT_LT(std::clock() - start, CLOCKS_PER_SEC);
 }
 
 TEST(Settings, ChangeTheFileAndEveryPointOfItsScan) {
