@@ -58,6 +58,21 @@ Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
   return standing_coupling(rotating_frame(levels.labels, *zone.drive, alone), states).second.diagonal();
 }
 
+bool is_pulsed(const LevelZone& zone) { return zone.drive->gate != Gate{}; }
+/// [Hz] 1 over the time for which it drives at a stretch.
+double width_of(const LevelZone& zone, double speed) {
+  const double passing = speed / (zone.end - zone.begin);
+  const Gate& gate = zone.drive->gate;
+  return is_pulsed(zone) ? std::max(passing, 1 / (gate.end - gate.begin)) : passing;
+}
+
+/// [Hz] About what shifts a line that the approximation leaves out: the fourth order, by what the second
+/// does.
+struct LeftOutShift {
+  double shift = 0, width = 0;
+  std::string line{}, field{};
+};
+
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
 
@@ -101,7 +116,7 @@ void tell_transitions(const Structure& structure, const LevelZone& zone, double 
     if (i >= least && !(all && std::abs(t.detuning) <= 100 * width)) break;
     std::string flips;
     if (const double rate = portable::hypot(t.rabi, t.detuning);
-        zone.drive->envelope.shape == Shape::rectangular && rate > 0)
+        zone.drive->envelope.shape == Shape::rectangular && !is_pulsed(zone) && rate > 0)
       flips = fmt::format(", alone it flips {:.3g}",
                           portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
     const double by = shifts(t.upper) - shifts(t.lower);
@@ -201,11 +216,12 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
     const LevelZone& zone = at[point]->zones[number];
     if (before && *before == zone) continue;
     before = &zone;
-    const double width = speed / (zone.end - zone.begin);
-    out.push_back(fmt::format("at B = {}{}{}: {}, width v/L {}", tesla(zone.field),
+    const double width = width_of(zone, speed);
+    out.push_back(fmt::format("at B = {}{}{}: {}, width {} {}", tesla(zone.field),
                               at[point]->on_way ? ", where a line is nearest" : "",
                               last == 0 ? "" : fmt::format(", scan point {}", point + 1),
                               megahertz(zone.drive->oscillator.frequency),
+                              is_pulsed(zone) ? "of a pulse" : "v/L",
                               pretty_quantity(width, Dimension::frequency)));
     if (point == 0) out.push_back(fmt::format("    its parts about B: {}", parts_of(*zone.drive)));
     tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, point == 0, out);
@@ -269,6 +285,7 @@ std::vector<Fault> DrivenParts::warnings() const {
     std::vector<Best> best;
     const Driven* before = nullptr;
     double neglected = 0;
+    LeftOutShift most;
     for (std::size_t point = 0; point < at.size(); ++point) {
       const Driven* driven = at[point];
       if (driven == nullptr || driven == before) continue;
@@ -277,10 +294,17 @@ std::vector<Fault> DrivenParts::warnings() const {
       const std::vector<LevelZone>& zones = driven->zones;
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
-        const double width = speed_at(point, component) / (zones[i].end - zones[i].begin);
+        const double width = width_of(zones[i], speed_at(point, component));
         std::vector<Transition> near = transitions_near(driven->structure, zones[i]);
-        for (const Transition& t : near)
-          if (!is_far(t, width)) useful.insert(name_at(zones[i].begin));
+        const Eigen::VectorXd shifts = shifts_of(driven->structure, zones[i]);
+        for (const Transition& t : near) {
+          if (is_far(t, width)) continue;
+          useful.insert(name_at(zones[i].begin));
+          const double shift =
+              std::abs(shifts(t.upper) - shifts(t.lower)) * driven->neglected * driven->neglected;
+          if (shift > width && shift * most.width >= most.shift * width)
+            most = {shift, width, name_of(driven->structure, t), name_at(zones[i].begin)};
+        }
         if (useful.contains(name_at(zones[i].begin))) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
@@ -292,6 +316,14 @@ std::vector<Fault> DrivenParts::warnings() const {
       add(name, "",
           fmt::format("the rotating-wave approximation before `{}` is poor: {}", name, left_out(neglected)),
           "a smaller field helps, or one that turns: a `rotating_field`");
+    else if (most.shift > 0)
+      add(most.field, "approximation",
+          fmt::format(
+              "what the rotating-wave approximation of `{}` leaves out would shift {} by about {}, more "
+              "than the line's width, {}",
+              most.field, most.line, pretty_quantity(most.shift, Dimension::frequency),
+              pretty_quantity(most.width, Dimension::frequency)),
+          "`approximation: none` takes the whole field");
   }
   for (const Best& b : all) {
     if (b.zone == nullptr || useful.contains(name_at(b.zone->begin))) continue;

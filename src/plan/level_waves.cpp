@@ -65,6 +65,7 @@ RotatingTerm along_field(const DriveTerm& drive, const Vector3& third) {
   out.amplitude = std::abs(drive.spin_rate);
   out.oscillator.frequency = std::abs(drive.omega) / two_pi;
   out.envelope = drive.envelope;
+  out.gate = drive.gate;
   if (std::abs(turns) > 0.99) {
     out.oscillator.turn = (turns > 0) == (drive.omega > 0) ? Turn::positive : Turn::negative;
   } else {

@@ -48,18 +48,34 @@ bool has_field(const Section& section) {
          std::ranges::any_of(section.rotating, [](const RotatingTerm& term) { return term.amplitude != 0; });
 }
 
+bool is_pulsed(const DriveTerm& drive) { return drive.gate.begin != drive.gate.end; }
+
+/// By which part of its highest size a drive is switched at once, at its edges or by pulses, as often as a
+/// particle meets that.
+double jump_of(const DriveTerm& drive, double stay) {
+  const Envelope& e = drive.envelope;
+  if (is_pulsed(drive))
+    return std::sqrt(std::clamp(stay / std::max(drive.gate.period, drive.gate.end - drive.gate.begin), 1.0,
+                                drive.gate.times));
+  constexpr double inside = 1e-9;
+  return std::max(std::abs(share_of(e, e.begin + inside * e.length)),
+                  std::abs(share_of(e, e.begin + (1 - inside) * e.length)));
+}
+
 /// By which energies F must differ to exchange nothing (level_fields).
 double far_apart(const Species& species, const LevelFields& fields, double speed) {
   constexpr int places = 256;
-  double passing = 0, driving = 0, frequency = 0;  // [T/s], [Hz]
+  double passing = 0, driving = 0, switching = 0, frequency = 0;  // [T/s], [T], [Hz]
   for (const CourseSection& section : fields.sections) {
-    double drives = 0;
+    double drives = 0, jumps = 0;
     for (int i = 0; i < section.field.drives; ++i) {
       const DriveTerm& drive = section.field.drive[i];
+      jumps += std::abs(drive.spin_rate) * jump_of(drive, (section.field.end - section.field.begin) / speed);
       drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
       frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
     }
     driving = std::max(driving, drives);
+    switching = std::max(switching, jumps);
     for (int place = 0; place < places; ++place) {
       FieldHere<double> here{};
       for (int i = section.shaped_begin; i < section.shaped_end; ++i)
@@ -71,9 +87,12 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
     }
   }
   // What drives does so for long.
-  const double amplitude =
-      std::sqrt(fields.tolerance) * 2 * std::numbers::pi * scale_of(coupled_spins(*species.structure));
-  return std::max({2 * passing / amplitude, 10 * driving / amplitude, 2 * frequency});
+  const CoupledSpins spins = coupled_spins(*species.structure);
+  const double root = std::sqrt(fields.tolerance), amplitude = root * 2 * std::numbers::pi * scale_of(spins);
+  // A field that is there at once leaves each level with b (zeeman_j - zeeman_i)/2 over what F are apart of
+  // the other F.
+  return std::max({3 * passing / amplitude, 10 * driving / amplitude,
+                   switching * std::abs(spins.zeeman_j - spins.zeeman_i) / root, 2 * frequency});
 }
 
 }  // namespace
@@ -115,6 +134,10 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     double fastest = 0;
     for (int i = 0; i < part.field.drives; ++i)
       fastest = std::max(fastest, angular_frequency(part.field.drive[i], speed));
+    part.is_pulsed = std::ranges::any_of(section.rotating, [](const RotatingTerm& term) {
+      return term.amplitude != 0 && term.gate != Gate{};
+    });
+    if (part.field.drives > 0 && part.is_pulsed) fastest = std::max(fastest, speed / (end - begin));
     if (fastest > 0) part.moment = short_time / fastest;
     part.shaped_begin = static_cast<int>(out.shaped.size());
     out.shaped.insert(out.shaped.end(), section.shaped.begin(), section.shaped.end());

@@ -122,15 +122,6 @@ void check_drive(const Field& field, const std::string& name, const Species& ato
            "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
            "for m - 1"});
   }
-  if constexpr (requires { field.pulses; })
-    if (field.pulses)
-      out.push_back(
-          {name, "pulses",
-           fmt::format(
-               "`{}` is switched in time, and the levels of `{}` are driven by fields that go on all the "
-               "time",
-               name, atom.name),
-           "omit `pulses`, or define a species with the moment and the spin of the two levels"});
 }
 
 void check_drives(const Beamline& beamline, const Species& atom, Faults& out) {

@@ -14,6 +14,9 @@ namespace {
 /// What turns with the static field must not be dropped for a drive farther from resonance than this; below
 /// the other share of a gap it mixes nothing, and shifts at most.
 constexpr double strength_of_motion = 0.01, least_motion = 1e-4;
+/// A drive that makes smaller amplitudes shifts levels alone: what it couples need not turn together, at the
+/// rate of its detuning.
+constexpr double least_strength = 1e-4;
 
 /// One coupling at one place: `upper` takes up a photon, [Hz].
 struct Coupling {
@@ -64,7 +67,8 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
   for (const WavePlace& place : places) {
     couplings.push_back(couplings_at(spins, place));
     for (const Coupling& c : couplings.back())
-      if (c.up > 0) edges.push_back({c.upper, c.lower, 1, ratio(c.up, c.apart - frequency)});
+      if (const double strength = ratio(c.up, c.apart - frequency); strength > least_strength)
+        edges.push_back({c.upper, c.lower, 1, strength});
   }
   const auto is_mixed = [&](const Coupling& c, double turning) {
     const auto upper = static_cast<std::size_t>(c.upper), lower = static_cast<std::size_t>(c.lower);

@@ -13,7 +13,8 @@ struct CourseSection {
   int shaped_begin = 0, shaped_end = 0;  // of the course's terms
   double longest = 0;                    // [m] way in one step
   double moment = 0;                     // [s] short against whatever drives there; 0: nothing does
-  int wave = -1;  // of the course's: what drives there in the rotating-wave approximation
+  int wave = -1;           // of the course's: what drives there in the rotating-wave approximation
+  bool is_pulsed = false;  // by any of its drives, at times of the clock
   bool operator==(const CourseSection&) const = default;
 };
 

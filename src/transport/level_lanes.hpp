@@ -7,6 +7,7 @@
 // from n at the begin by the shortest way, which adds a turn about n. Where all couplings V_kl are weak
 // against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with S_kl =
 // V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
+#include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -35,7 +36,7 @@ class LevelFlight {
       pass(course_.sections[i], i > 0 ? &course_.sections[i - 1] : nullptr, counted);
     if (!course_.ends_in_field) {
       const FollowedField z = followed({{zero, zero, one}, {zero, zero, zero}}, axes_);
-      turn_to(z.n, zero, counted);
+      turn_to(f_, z.n, zero, counted, axes_, a);
       reversed_ = z.signed_size < zero;
     } else {
       reversed_ = size_ < zero;
@@ -54,53 +55,25 @@ class LevelFlight {
   }
 
  private:
-  /// The frame turns at once and the state stays: it turns back by -W . F of the levels at that size.
-  [[gnu::noinline]] inline void turn_to(const Vector& n, real size, mask counted) {
-    const LevelAxes next = moved_to(n, axes_);
-    const Vector across = cross(axes_.third, n);
-    const real sine = length_of(across), cosine = dot(axes_.third, n);
-    const mask turns = counted & (sine > broadcast(1e-12));
-    if (any(turns)) {
-      // Half the angle from its tangent: it is at most 45 degrees.
-      const real angle = 2.0 * atan(sine / (1.0 + cosine)), by = angle / select(turns, sine, broadcast(1));
-      constexpr int parts = 8;
-      FollowedField still{n, next.first, abs(size), size, broadcast(0), {}, {}, {}, broadcast(1)};
-      still.turn_1 = select(turns, by * dot(across, axes_.first), broadcast(0)) * (1.0 / parts);
-      still.turn_2 = select(turns, by * dot(across, axes_.second()), broadcast(0)) * (1.0 / parts);
-      still.turn_3 = broadcast(0);
-      LevelMatrix h;
-      clear(f_, h);
-      add_matrix(f_, still, broadcast(1), h);
-      for (int k = 0; k < f_.levels; ++k) h.diagonal[k] = broadcast(0);
-      for (int i = 0; i < parts; ++i) {
-        Amplitudes turned = a;
-        exponentiate(f_, h, turned);
-        choose(f_.levels, turns, turned, a);
-      }
+  /// Drives are switched at s, and the state stays; until when they are then as they are.
+  [[gnu::noinline]] inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
+    const FieldAtTime before = path_.field_at(section, s);
+    const real until = path_.switch_pulses(section, s, end, lanes);
+    const FieldAtTime field = path_.field_at(section, s);
+    const Vector jump = add(field.b, broadcast(-1), before.b);
+    const mask jumps = lanes & (dot(jump, jump) > broadcast(0));
+    if (!any(jumps)) return until;
+    const Amplitudes in_wave = a;
+    if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(s), -1, a);
+    const FollowedField behind = followed(field, axes_);
+    const real size = dot(before.b, axes_.third);
+    turn_to(f_, behind.n, size, jumps, axes_, a);
+    resize(f_, axes_, size, behind.signed_size, jumps, a);
+    if (section.wave >= 0) {
+      change_frame(f_, course_.waves[section.wave], path_.clock(s), 1, a);
+      choose(f_.levels, ~jumps, in_wave, a);
     }
-    axes_ = next;
-  }
-
-  /// The field along the axis becomes another at once and the state stays.
-  [[gnu::noinline]] inline void resize_to(real to) {
-    if (f_.couplings == f_.ladders) return;
-    constexpr int parts = 8;
-    const real each = (to - size_) * (1.0 / parts);
-    for (int i = 0; i < parts; ++i) {
-      const auto at = [&](double share, LevelMatrix& h) {
-        const real b = fma(broadcast(i + share), each, size_), zero = broadcast(0);
-        clear(f_, h);
-        add_matrix(f_, {axes_.third, axes_.first, abs(b), b, each, zero, zero, zero, broadcast(1)},
-                   broadcast(1), h);
-        for (int k = 0; k < f_.levels; ++k) h.diagonal[k] = zero;
-      };
-      LevelMatrix one, two;
-      at(gauss_first, one);
-      at(gauss_second, two);
-      mix(f_, one, two);
-      exponentiate(f_, one, a);
-      exponentiate(f_, two, a);
-    }
+    return until;
   }
 
   /// What exponentials and their bounds need of the manifold.
@@ -201,6 +174,7 @@ class LevelFlight {
     const real begin = path_.time_at(section.field.begin), end = path_.time_at(section.field.end),
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
+    real until = section.is_pulsed ? path_.switch_pulses(section, begin, end, ~mask{}) : end;
     const FollowedField entry = followed(path_.field_at(section, begin), axes_);
     if (last == nullptr && course_.begins_in_field) {
       // Levels are those along the field itself.
@@ -210,12 +184,13 @@ class LevelFlight {
     } else if (last != nullptr && last->field.end == section.field.begin &&
                (last->moment > 0 || section.moment > 0)) {
       // A drive is switched on or off.
-      turn_to(entry.n, size_, counted);
-      resize_to(entry.signed_size);
+      turn_to(f_, entry.n, size_, counted, axes_, a);
+      resize(f_, axes_, size_, entry.signed_size, counted, a);
     } else {
       const real least = select(abs(size_) < entry.size, abs(size_), entry.size);
       const mask alike = (size_ < broadcast(0)) == (entry.signed_size < broadcast(0));
-      turn_to(entry.n, select(alike, select(size_ < broadcast(0), -least, least), broadcast(0)), counted);
+      turn_to(f_, entry.n, select(alike, select(size_ < broadcast(0), -least, least), broadcast(0)), counted,
+              axes_, a);
     }
     if (section.wave >= 0) {
       const mask back = dot(path_.field_at(section, begin).b, axes_.third) < broadcast(0);
@@ -227,10 +202,11 @@ class LevelFlight {
     real s = begin, h = longest, skip = longest;
     mask going = counted, dressed = mask{};
     const bool driven = section.moment > 0 || section.wave >= 0;
+    const bool rests = section.is_pulsed && section.wave < 0;  // between pulses
     const double tolerance = course_.tolerance;
     real tries = broadcast(0);
     while (any(going)) {
-      const real left = end - s;
+      const real left = until - s;
       LevelMatrix now;
       const FieldAtTime field = path_.field_at(section, s);
       const FollowedField here = followed(field, axes_);
@@ -242,7 +218,8 @@ class LevelFlight {
       const mask is_calm =
           (calm.left_out(changes) < broadcast(calm_share * tolerance)) & (calm.gap > broadcast(0));
       const real leap = min(min(skip, left), 0.5 / max(changes * calm.gap, broadcast(tiny)));
-      const mask skips = going & is_calm & (leap * spread > broadcast(10)) & (driven ? mask{} : ~mask{});
+      const mask free_of_drives = !driven ? ~mask{} : rests ? ~path_.is_driven(section) : mask{};
+      const mask skips = going & is_calm & (leap * spread > broadcast(10)) & free_of_drives;
       const mask resolves = going & ~skips;
       const real near = min(longest, 0.01 / max(changes * calm.gap, broadcast(tiny)));
       dress(section, s, near, begin, end, 1, skips & ~dressed);
@@ -296,6 +273,14 @@ class LevelFlight {
         const real wanted = max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root));
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
+      }
+      const mask switches = arrives & (until < end);
+      if (any(switches)) {
+        s = select(switches, until, s);
+        dress(section, s, near, begin, end, -1, switches & dressed);
+        dressed = dressed & ~switches;
+        until = select(switches, switch_pulses(section, s, end, switches), until);
+        arrives = arrives & ~switches;
       }
       tries = tries + 1.0;
       going = going & ~arrives & (tries < broadcast(1e6));

@@ -21,13 +21,44 @@ class LevelPath {
         fall_(fall),
         particle_(particle) {}
 
-  /// Draws the phases of a section's drives.
+  /// Draws the phases of a section's drives, all of which are on.
   inline void enter(const CourseSection& section) {
-    for (int i = 0; i < section.field.drives; ++i)
+    for (int i = 0; i < section.field.drives; ++i) {
       phases_[i] = oscillator_phase(section.field.drive[i], key_, particle_);
+      on_[i] = ~mask{};
+    }
     if (section.wave < 0) return;
     const LevelWave& wave = course_.waves[section.wave];
-    for (int i = 0; i < wave.drives; ++i) wave_phases_[i] = oscillator_phase(wave.drive[i], key_, particle_);
+    for (int i = 0; i < wave.drives; ++i) {
+      wave_phases_[i] = oscillator_phase(wave.drive[i], key_, particle_);
+      wave_on_[i] = ~mask{};
+    }
+  }
+  /// Lanes for which pulses of a section's drives are switched at s, or begin to be followed there: until
+  /// when they stay so, `end` at the latest.
+  inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
+    // A pulse that rounding leaves just ahead begins at once.
+    const real now = t_ + s, latest = t_ + end, from = fma(abs(now), broadcast(1e-14), now);
+    const DriveTerm* waves = section.wave < 0 ? nullptr : course_.waves[section.wave].drive;
+    const int count = section.wave < 0 ? 0 : course_.waves[section.wave].drives;
+    real next = latest;
+    for (int i = 0; i < section.field.drives; ++i) next = next_change(section.field.drive[i], from, next);
+    for (int i = 0; i < count; ++i) next = next_change(waves[i], from, next);
+    const real middle = 0.5 * (from + next);
+    const auto put = [&](const DriveTerm* drive, int drives, mask* on) {
+      for (int i = 0; i < drives; ++i)
+        if (drive[i].gate.begin != drive[i].gate.end)
+          on[i] = (is_on(drive[i].gate, middle) & lanes) | (on[i] & ~lanes);
+    };
+    put(section.field.drive, section.field.drives, on_);
+    put(waves, count, wave_on_);
+    return select(next < latest, next - t_, end);
+  }
+  /// Whether any of its whole fields drives, as they are switched now.
+  inline mask is_driven(const CourseSection& section) const {
+    mask on{};
+    for (int i = 0; i < section.field.drives; ++i) on = on | on_[i];
+    return on;
   }
   /// When they are at a place along the beam, from the time t on.
   inline real time_at(double y) const { return (y - broadcast(y_)) * (1.0 / velocity_.y); }
@@ -37,13 +68,13 @@ class LevelPath {
   [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
     const Vector r = place_at(s), v{fma(broadcast(fall_.x), s, velocity_.x), velocity_.y,
                                     fma(broadcast(fall_.z), s, velocity_.z)};
-    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r).spin,
+    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r, on_).spin,
                    {broadcast(0), broadcast(0), broadcast(0)}};
     if (section.moment > 0) {
       // Four neighbours: to (moment x rate)^4/30 of itself.
       const auto near = [&](double moments) {
         const double ds = moments * section.moment;
-        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v)).spin;
+        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v), on_).spin;
       };
       const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
       const double over = 1 / (12 * section.moment);
@@ -63,7 +94,7 @@ class LevelPath {
   }
 
   [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
-    return RABILINE_ISA::wave_at(wave, wave_phases_, t_ + s, place_at(s));
+    return RABILINE_ISA::wave_at(wave, wave_phases_, wave_on_, t_ + s, place_at(s));
   }
 
  private:
@@ -81,6 +112,7 @@ class LevelPath {
   const Fall fall_;
   const words particle_;
   real phases_[most_drives], wave_phases_[most_drives];
+  mask on_[most_drives], wave_on_[most_drives];
 };
 
 }  // namespace rabiline::RABILINE_ISA

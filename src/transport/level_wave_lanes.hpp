@@ -9,13 +9,14 @@ namespace rabiline::RABILINE_ISA {
 struct Wave {
   Vector re, im;
 };
-inline Wave wave_at(const LevelWave& wave, const real* phases, real t, const Vector& r) {
+inline Wave wave_at(const LevelWave& wave, const real* phases, const mask* on, real t, const Vector& r) {
   const real zero = broadcast(0);
   Wave c{{zero, zero, zero}, {zero, zero, zero}};
   for (int i = 0; i < wave.drives; ++i) {
     const DriveTerm& drive = wave.drive[i];
     const Phasor p = phasor(angle_at(drive, phases[i], t, r));
-    const real size = drive.spin_rate * share_of(drive, t, r), cosine = size * p.c, sine = size * p.s;
+    const real size = drive.spin_rate * select(on[i], share_of(drive, r), broadcast(0)), cosine = size * p.c,
+               sine = size * p.s;
     const double *a = drive.first, *b = drive.second;
     c.re = add(c.re, broadcast(1),
                {fma(cosine, broadcast(a[0]), sine * b[0]), fma(cosine, broadcast(a[1]), sine * b[1]),

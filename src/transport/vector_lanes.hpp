@@ -159,18 +159,24 @@ RABILINE_LANES bool has_one_size(const DriveTerm& drive) {
   return drive.envelope.shape == Shape::rectangular && drive.gate.begin == drive.gate.end &&
          drive.slopes.size_x == 0 && drive.slopes.size_z == 0;
 }
-/// The share of its highest size on the axis at time t and place r.
-RABILINE_LANES real share_of(const DriveTerm& drive, real t, const Vector& r) {
-  real share = share_of(drive.envelope, r.y);
-  const Slopes& slopes = drive.slopes;
-  if (slopes.size_x != 0 || slopes.size_z != 0)
-    share = share * fma(broadcast(slopes.size_x), r.x - slopes.x,
-                        fma(broadcast(slopes.size_z), r.z - slopes.z, broadcast(1)));
-  const Gate& gate = drive.gate;
-  if (gate.begin == gate.end) return share;
+/// Whether a field that is switched is on at the time t.
+RABILINE_LANES mask is_on(const Gate& gate, real t) {
   const real since = t - opening_before(gate, t);
-  const mask on = (since >= broadcast(0)) & (since < broadcast(gate.end - gate.begin));
-  return select(on, share, broadcast(0));
+  return (since >= broadcast(0)) & (since < broadcast(gate.end - gate.begin));
+}
+/// While it is on, the share of its highest size on the axis at place r.
+RABILINE_LANES real share_of(const DriveTerm& drive, const Vector& r) {
+  const real share = share_of(drive.envelope, r.y);
+  const Slopes& slopes = drive.slopes;
+  if (slopes.size_x == 0 && slopes.size_z == 0) return share;
+  return share * fma(broadcast(slopes.size_x), r.x - slopes.x,
+                     fma(broadcast(slopes.size_z), r.z - slopes.z, broadcast(1)));
+}
+/// The same at time t.
+RABILINE_LANES real share_of(const DriveTerm& drive, real t, const Vector& r) {
+  const real share = share_of(drive, r);
+  const Gate& gate = drive.gate;
+  return gate.begin == gate.end ? share : select(is_on(gate, t), share, broadcast(0));
 }
 
 RABILINE_LANES Vector third_axis(const SpinZone& zone) {
@@ -191,11 +197,13 @@ RABILINE_LANES Vector from_frame(const SpinZone& zone, const Vector& v) {
           fma(v.x, broadcast(f[2]), fma(v.y, broadcast(f[5]), v.z * f[8]))};
 }
 
-/// The fields of a zone as angular velocities, summed over drives whose phases at emission are given.
+/// The fields of a zone as angular velocities, summed over drives whose phases at emission are given, and
+/// where `on` is given which of them are switched on.
 struct Rates {
   Vector spin, turn;
 };
-RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, const Vector& place) {
+RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, const Vector& place,
+                              const mask* on = nullptr) {
   const real zero = broadcast(0), spin_rate = broadcast(zone.spin_rate),
              turn_rate = broadcast(zone.turn_rate);
   Rates r{{zero, zero, spin_rate}, {zero, zero, turn_rate}};
@@ -208,7 +216,8 @@ RABILINE_LANES Rates rates_at(const SpinZone& zone, const real* phases, real t, 
     const DriveTerm& drive = zone.drive[i];
     Phasor p = phasor(angle_at(drive, phases[i], t, place));
     if (!has_one_size(drive)) {
-      const real size = share_of(drive, t, place);
+      const real size =
+          on == nullptr ? share_of(drive, t, place) : select(on[i], share_of(drive, place), broadcast(0));
       p = {p.c * size, p.s * size};
     }
     const real spin = broadcast(drive.spin_rate), turn = broadcast(drive.turn_rate);

@@ -5,6 +5,7 @@
 
 #include <functional>
 
+#include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline {
@@ -101,6 +102,27 @@ TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
     ASSERT_EQ(faults.size(), 1U);
     EXPECT_EQ(faults[0].subject, "M");
   }
+}
+
+/// Atoms through a gradient along x, whose bins are of a given size.
+std::vector<Fault> warned_of_gradient(double bins, Outcomes outcomes) {
+  Beamline b = test::atoms("Cs-133 atom", 200, test::in_level(4, 4));
+  b.law = QuantumLaw{outcomes};
+  b.source.opening = Rectangle{1e-4, 1e-4};
+  UniformField field{0.2, 1e-4, {}};
+  field.gradient.quadrupole = 1e-3;
+  b.parts = {
+      place("G", 0.1, field),
+      place("screen", 1.3, Detector{Rectangle{0.01, 0.01}, {static_cast<int>(0.01 / bins + 0.5), 1}, {}})};
+  return warned({b});
+}
+TEST(Warnings, TellThatAtomsInAGradientAreBetweenOnePathAndNoPhase) {
+  const std::vector<Fault> faults = warned_of_gradient(1e-5, Outcomes::coherent);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "G");
+  EXPECT_NE(faults[0].message.find("neither one path nor no phase; here levels stay coherent"),
+            std::string::npos);
+  EXPECT_TRUE(warned_of_gradient(1e-3, Outcomes::coherent).empty());
 }
 
 }  // namespace

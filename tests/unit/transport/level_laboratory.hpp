@@ -112,7 +112,11 @@ class Laboratory {
     gsl_odeiv2_driver* driver =
         gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-10, 1e-12, 1e-12);
     double t = 0;
-    gsl_odeiv2_driver_apply(driver, &t, stay, reinterpret_cast<double*>(state.data()));
+    for (const double edge : edges(stay)) {
+      moment_of_pulses_ = (t + edge) / 2;
+      gsl_odeiv2_driver_apply(driver, &t, edge, reinterpret_cast<double*>(state.data()));
+      gsl_odeiv2_driver_reset(driver);
+    }
     gsl_odeiv2_driver_free(driver);
     const Eigen::VectorXcd found = states_at(stay).adjoint() * state;
     std::vector<double> p;
@@ -121,6 +125,21 @@ class Laboratory {
   }
 
  private:
+  /// When pulses begin and end, and the end.
+  std::vector<double> edges(double stay) const {
+    std::vector<double> out{stay};
+    const auto add = [&](const Gate& gate) {
+      for (int i = 0; gate.begin != gate.end && i < gate.times; ++i)
+        for (const double edge : {gate.begin + i * gate.period, gate.end + i * gate.period})
+          if (edge > 0 && edge < stay) out.push_back(edge);
+    };
+    const SpinZone& zone = f_.fields.sections[0].field;
+    for (int i = 0; i < zone.drives; ++i) add(zone.drive[i].gate);
+    for (const WaveFields& wave : f_.fields.waves)
+      for (const DriveTerm& drive : wave.drives) add(drive.gate);
+    std::ranges::sort(out);
+    return out;
+  }
   Eigen::MatrixXcd hamiltonian_at(double b) const {
     CoupledSpins alone = f_.spins;
     alone.offset = 0;
@@ -139,6 +158,12 @@ class Laboratory {
       const double y = f_.speed * t, begin = drive.envelope.begin,
                    share = (y - begin) / drive.envelope.length;
       if (drive.envelope.shape == Shape::half_sine && (share < 0 || share > 1)) return;
+      const double since = moment_of_pulses_ - drive.gate.begin,
+                   pulse = drive.gate.times > 1 ? std::floor(since / drive.gate.period) : 0;
+      if (drive.gate.begin != drive.gate.end &&
+          (since < 0 || pulse >= drive.gate.times ||
+           since - pulse * drive.gate.period > drive.gate.end - drive.gate.begin))
+        return;
       const double angle = drive.omega * t + drive.phase,
                    size = drive.spin_rate *
                           (drive.envelope.shape == Shape::half_sine ? std::sin(two_pi / 2 * share) : 1);
@@ -182,6 +207,7 @@ class Laboratory {
   const Flight& f_;
   const Eigen::MatrixXcd zero_;
   Eigen::MatrixXcd moment_[3];
+  double moment_of_pulses_ = 0;  // [s] at which they are as they are between two edges
 };
 
 inline double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {

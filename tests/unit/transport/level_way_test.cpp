@@ -73,6 +73,48 @@ TEST(LevelWay, IsSchroedingersEquationOfAFieldThatTurnsInTime) {
   EXPECT_LT(p[0], 0.9);
 }
 
+/// Potassium in a field that turns, and three pulses of 2 MHz of a microsecond and a half.
+Flight in_pulses() {
+  Flight f = flight(of("K-39 atom"), 800, 0.012, linear(0.02e-3, 0, 0.2857e-3, 0, 0, 0.004), 0.006);
+  swing(f, 12e-6, 2e6);
+  f.fields.sections[0].is_pulsed = true;
+  f.fields.sections[0].field.drive[0].gate = {2.1e-6, 3.7e-6, 4.3e-6, 3};
+  f.apart = 1e8;
+  return f;
+}
+TEST(LevelWay, IsSchroedingersEquationOfPulses) {
+  const Flight f = in_pulses();
+  for (const int level : {0, 3}) {
+    const std::vector<double> p = carried(f, level);
+    EXPECT_LT(worst_difference(p, Laboratory(f).carried(level)), 1e-6);
+    EXPECT_LT(p[static_cast<std::size_t>(level)], 0.95);
+  }
+  Flight later = f;
+  later.fields.sections[0].field.drive[0].gate.end += 0.02e-6;
+  EXPECT_GT(worst_difference(carried(f, 0), carried(later, 0)), 1e-4);
+}
+TEST(LevelWay, IsSchroedingersEquationOfAFieldAcrossThatIsThereForAMoment) {
+  // Of no frequency; F that are near are mixed as it is switched.
+  Flight f = flight(structure(3, 1, 2e6, 0, 2.002, 2e-4), 1000, 0.02, linear(0, 0, 40e-6, 0, 0, 0), 0);
+  swing(f, 60e-6, 0);
+  f.fields.sections[0].is_pulsed = true;
+  f.fields.sections[0].moment = 1e-9;
+  f.fields.sections[0].field.drive[0].gate = {4e-6, 5.1e-6, 0, 1};
+  f.apart = 1e8;
+  const std::vector<double> p = carried(f, 1);
+  EXPECT_LT(worst_difference(p, Laboratory(f).carried(1)), 1e-6);
+  EXPECT_LT(p[1], 0.9);
+}
+TEST(LevelWay, SwitchesPulsesForEachParticleWhereItIsThen) {
+  const Flight f = in_pulses();
+  Flight faster = f;
+  faster.speed *= 1.03;
+  const std::vector<double> all = all_carried(f, 0, best_isa()), alone = carried(faster, 0);
+  for (std::size_t level = 0; level < alone.size(); ++level)
+    EXPECT_EQ(all[level * particles + 3], alone[level]);
+  EXPECT_GT(worst_difference(carried(f, 0), alone), 1e-3);
+}
+
 TEST(LevelWay, IsShiftedByTheOtherFThatADriveMixesIn) {
   // Potassium at 30 G and 18.4 MHz, near a line of F=2, for ten Rabi periods; F=1 is left to second order.
   Flight f = flight(of("K-39 atom"), 1000, 0.02, linear(0, 0, 3e-3, 0, 0, 0), 0);
@@ -125,13 +167,13 @@ TEST(LevelWay, TurnsAtOnceWhereOneFieldEndsAndAnotherBegins) {
 }
 
 TEST(LevelWay, GivesTheSameBitsOnEachInstructionSet) {
-  for (const char* atom : {"K-39 atom", "ortho-H2"}) {
-    Flight f = past_zero(of(atom));
-    if (f.spins.twice_j > 1) f.apart = 1e8;
+  std::vector<Flight> flights{past_zero(of("K-39 atom")), past_zero(of("ortho-H2")), in_pulses()};
+  flights[1].apart = 1e8;
+  for (const Flight& f : flights) {
     const std::vector<double> p = all_carried(f, 1, Isa::baseline);
     for (const Isa isa : {Isa::avx2, Isa::avx512}) {
       if (supported(isa)) {
-        EXPECT_EQ(all_carried(f, 1, isa), p) << atom;
+        EXPECT_EQ(all_carried(f, 1, isa), p) << f.spins.levels();
       }
     }
   }
