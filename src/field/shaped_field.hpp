@@ -29,6 +29,12 @@ template <class Number>
   }
 }
 
+/// A map that ends what leaves it.
+inline bool nothing_may_leave(const ShapedTerm& term) {
+  return (term.kind == ShapedKind::map && term.map.outside == MapOutside::error) ||
+         (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error);
+}
+
 /// 1 where a map ends that nothing may leave (`outside: error`), else 0.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline Number is_lost(const ShapedTerm& term, const Number& x, const Number& y,

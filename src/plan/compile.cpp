@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "field/shaped_field.hpp"
 #include "plan/geometry.hpp"
 #include "plan/level_questions.hpp"
 #include "plan/magnets.hpp"
@@ -276,9 +277,21 @@ class Compiler {
     chain_.back() = SortingField{std::move(region), entrance.part};
   }
 
+  void keep_in_maps(const Section& section, double from, double to) {
+    for (const ShapedTerm& term : section.shaped)
+      if (from < to && nothing_may_leave(term)) chain_.push_back(MapBounds{{term.part, from}, to, term});
+  }
   void fly_straight_through(const Section& section) {
     if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall);
-    add_planes_up_to(std::nextafter(section.end, section.begin));
+    const double last = std::nextafter(section.end, section.begin);
+    double from = section.begin;
+    while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= last) {
+      const Plane& plane = sections_.planes[next_plane_++];
+      keep_in_maps(section, from, plane.y);
+      from = plane.y;
+      add_plane(plane);
+    }
+    keep_in_maps(section, from, section.end);
     if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall);
   }
 

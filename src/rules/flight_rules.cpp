@@ -167,30 +167,6 @@ SpinHistory history_of(const Beamline& beamline, const Species& atom, const Sect
           flown_in_steps(stretches_of(beamline, atom, sections), beamline.law, atom)};
 }
 
-/// Particles that stay coherent fly straight, and no map is asked whether they have left it.
-void check_maps(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
-  for (const Stretch& stretch : stretches_of(beamline, atom, sections)) {
-    if (stretch.outlook.sorts) continue;
-    for (const Section& section : sections.sections) {
-      if (section.begin < stretch.begin || section.end > stretch.end) continue;
-      for (const ShapedTerm& term : section.shaped) {
-        const bool ends = (term.kind == ShapedKind::map && term.map.outside == MapOutside::error) ||
-                          (term.kind == ShapedKind::round_map && term.round_map.outside == MapOutside::error);
-        if (!ends) continue;
-        const std::string& name = beamline.parts[static_cast<std::size_t>(term.part)].placement.name;
-        out.push_back(
-            {name, "outside",
-             fmt::format("the levels of `{}` stay coherent in the field of `{}`, and paths are not followed "
-                         "there: who leaves the map is not known",
-                         atom.name, name),
-             "write `outside: clamp` or `outside: zero`, and let a `chamber` or a slit keep the beam in the "
-             "map"});
-        return;
-      }
-    }
-  }
-}
-
 /// The drive that acts on levels in a section.
 std::string drive_at(const Beamline& beamline, const CourseSection& section) {
   return fields_at(beamline, (section.field.begin + section.field.end) / 2, true).back()->placement.name;
@@ -277,7 +253,6 @@ void check_flight(const Beamline& beamline, Faults& out) {
   for (const Component& component : beamline.species) {
     if (is_quantum(beamline) && component.species.structure) {
       check_clocks(beamline, component.species, sections, out);
-      check_maps(beamline, component.species, sections, out);
       check_cycles(beamline, component.species, sections, out);
     } else
       check_phases(beamline, component.species, sections, out);

@@ -17,6 +17,7 @@
 #include "transport/stages/filter.hpp"
 #include "transport/stages/histogram.hpp"
 #include "transport/stages/level_projection.hpp"
+#include "transport/stages/map_bounds.hpp"
 #include "transport/stages/passage.hpp"
 #include "transport/stages/precession.hpp"
 #include "transport/stages/score.hpp"
@@ -32,7 +33,7 @@ template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
                         TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping,
-                        VelocitySelection, SortingField>;
+                        VelocitySelection, SortingField, MapBounds>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

@@ -60,6 +60,13 @@ std::vector<StageSample> samples_of<Passage>() {
 }
 
 template <>
+std::vector<StageSample> samples_of<MapBounds>() {
+  // Its field is not asked for.
+  ShapedTerm box(MapShape{nullptr, {5, 5, 4}, {-2e-3, 0, -1.5e-3}, {1e3, 10, 1e3}, 1, MapOutside::error});
+  return {{"box", MapBounds{{part, start}, 0.4, box}}};
+}
+
+template <>
 std::vector<StageSample> samples_of<Alignment>() {
   return {{"levels", Alignment{0.7, -1, {0, 0.6, 0.8}, 3, part, start}, 3},
           {"vectors", Alignment{0.7, 1, {0.6, 0, 0.8}, 0, part, start}}};
