@@ -7,23 +7,24 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <set>
 
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
-#include "transport/vector_lanes.hpp"
+#include "simulation/level_check.hpp"
+#include "simulation/zone_rates.hpp"
 
 namespace rabiline {
 namespace {
 
 constexpr int particles_checked = 16, most_regions = 8;
 constexpr long most_evaluations = 4'000'000;
+constexpr double most_operations = 4e8;  // for levels of atoms
 
 /// x, z [m], t [s], velocity [m/s], S; y is the variable.
 constexpr int numbers = 9;
 using Row = std::array<double, numbers>;
-
-Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
 
 /// One particle in one zone, as an initial value problem.
 struct Problem {
@@ -41,19 +42,8 @@ struct Acting {
 };
 Acting acting_at(const Problem& p, double x, double y, double z, double t) {
   const SpinZone& zone = p.zone.field;
-  const Vector3 axis = zone.turned ? vector_at(zone.frame + 6) : Vector3{0, 0, 1};
-  Acting at{zone.spin_rate * axis, zone.turn_rate * axis};
-  for (int i = 0; i < zone.drives; ++i) {
-    const DriveTerm& drive = zone.drive[i];
-    const double angle = drive.omega * t + drive.twist * (y - drive.envelope.begin) + p.phases[i] +
-                         swept(drive.sweep, t) + phase_of(drive.slopes, x, z);
-    const double share =
-        is_on(drive.gate, t) ? share_of(drive.envelope, y) * share_of(drive.slopes, x, z) : 0;
-    const Vector3 along = share * (portable::cos(angle) * vector_at(drive.first) +
-                                   portable::sin(angle) * vector_at(drive.second));
-    at.spin = at.spin + drive.spin_rate * along;
-    at.turn = at.turn + drive.turn_rate * along;
-  }
+  const ZoneRates rates = rates_of(zone, p.phases, {x, y, z}, t, t);
+  Acting at{rates.spin, rates.turn};
   for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i) {
     const ShapedTerm& term = p.region.shaped[static_cast<std::size_t>(i)];
     FieldHere<double> peak{};
@@ -127,12 +117,6 @@ Row state_of(const BatchView& b, int i) {
   return {b.x[i], b.z[i], b.t[i], b.vx[i], b.vy[i], b.vz[i], b.sx[i], b.sy[i], b.sz[i]};
 }
 
-/// A drive's phase at the particle's emission, as kernels draw it.
-double phase_of(const DriveTerm& drive, const RandomKey& key, std::uint64_t particle) {
-  namespace lanes = isa_baseline;
-  return lanes::lane(lanes::oscillator_phase(drive, key, lanes::broadcast_word(particle)), 0);
-}
-
 bool through_field(const TurningRegion& region) {
   return std::ranges::any_of(region.zones,
                              [](const RegionZone& z) { return z.course == ZoneCourse::through_field; });
@@ -153,12 +137,16 @@ class Checker {
     kernel::emit(isa_)(tree.source, tree.first, batch.view());
     walk(tree.next, batch);
   }
-  std::optional<FieldCheck> found() const { return regions_ > 0 ? std::optional(found_) : std::nullopt; }
+  std::optional<FieldCheck> found() const {
+    return regions_ > 0 || found_.particles > 0 ? std::optional(found_) : std::nullopt;
+  }
 
  private:
   void walk(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
     for (const PlanNode& node : nodes) {
       if (regions_ >= most_regions) return;
+      if (const SpinPath* path = path_of(node.stage); path != nullptr && path->way != nullptr)
+        compare(*path, at_begin.view());
       if (!node.ways
                .empty()) {  // behind a projection that splits, particles stay in the levels that they had
         walk(node.next, at_begin);
@@ -174,6 +162,35 @@ class Checker {
       if (const auto* sorting = std::get_if<SortingField>(&node.stage))
         compare(sorting->region, at_begin.view(), batch.view());
       walk(node.next, batch);
+    }
+  }
+
+  /// The levels at the end of a way, which is asked for there.
+  void compare(const SpinPath& path, const BatchView& batch) {
+    const LevelWay& way = *path.way;
+    if (!LevelReference::is_for(way) || !ways_.insert(&way).second) return;
+    alignas(64) std::uint64_t weights[Batch::capacity] = {}, shares[most_levels * Batch::capacity];
+    std::fill_n(weights, batch.count, quanta_per_particle);
+    share_levels(path, key_, isa_, batch, weights, shares);
+    const LevelReference reference(way, key_);
+    for (int i = 0; i < batch.count; ++i) {
+      const auto expected = reference.carried({{batch.x[i], batch.y, batch.z[i]},
+                                               {batch.vx[i], batch.vy[i], batch.vz[i]},
+                                               batch.t[i],
+                                               batch.fall,
+                                               batch.particle[i],
+                                               static_cast<int>(batch.level[i])},
+                                              operations_);
+      if (!expected) return;
+      found_.tolerance = way.fields().tolerance;
+      ++found_.particles;
+      for (std::size_t level = 0; level < expected->size(); ++level) {
+        const double found =
+            static_cast<double>(
+                shares[level * static_cast<std::size_t>(batch.padded) + static_cast<std::size_t>(i)]) /
+            static_cast<double>(quanta_per_particle);
+        found_.levels = std::max(found_.levels, std::abs(found - (*expected)[level]));
+      }
     }
   }
 
@@ -215,6 +232,8 @@ class Checker {
   RandomKey key_;
   int regions_ = 0;
   long evaluations_ = 0;
+  double operations_ = most_operations;
+  std::set<const LevelWay*> ways_;
   FieldCheck found_;
 };
 

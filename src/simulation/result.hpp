@@ -128,8 +128,9 @@ struct FieldCheck {
   double place = 0;      // over the length of the stretch
   double direction = 0;  // [rad]
   double spin = 0;       // of S, or of the image of z: that of a probability is about as large
+  double levels = 0;     // of the probability of a level of an atom
   double tolerance = 0;  // that steps were chosen for
-  double largest() const { return std::max({place, direction, spin}); }
+  double largest() const { return std::max({place, direction, spin, levels}); }
 };
 
 struct Result {

@@ -148,7 +148,7 @@ std::vector<int> manifolds_of(const CoupledSpins& spins, double apart) {
 }
 
 LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, bool is_driven)
-    : scale_(scale_of(spins)), manifold_of_(manifold_of) {
+    : spins_(spins), scale_(scale_of(spins)), manifold_of_(manifold_of) {
   const std::vector<LevelLabel> labels = level_labels(spins);
   const std::size_t count = labels.size();
   const std::vector<int> exchanges = std::move(manifold_of);

@@ -46,6 +46,7 @@ class LevelTable {
   /// levels are flown together, each relative to the mean of its manifold at B = 0.
   LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, bool is_driven = false);
 
+  const CoupledSpins& spins() const { return spins_; }
   const std::vector<LevelManifold>& manifolds() const { return views_; }
   /// By the atom's level: its manifold, and its place there.
   const std::vector<int>& manifold_of() const { return manifold_of_; }
@@ -63,6 +64,7 @@ class LevelTable {
     int ladders = 0;
     std::size_t numbers() const { return 3 * number.size() + to.size() + low.size(); }
   };
+  const CoupledSpins spins_;
   int cells_ = 0;
   bool parted_ = false;
   double scale_ = 1;

@@ -341,6 +341,7 @@ void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   put("place", check.place, "largest deviation of the place, over the length of the stretch");
   put("direction", check.direction, "largest deviation of the direction (rad)");
   put("spin", check.spin, "largest deviation of the spin, a unit vector");
+  put("levels", check.levels, "largest deviation of the probability of a level of an atom");
   put("tolerance", check.tolerance, "what steps were chosen for");
 }
 

@@ -1,0 +1,270 @@
+#include "simulation/level_check.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+
+#include "core/constants.hpp"
+#include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "simulation/zone_rates.hpp"
+#include "spin/angular_momentum.hpp"
+#include "spin/levels.hpp"
+
+namespace rabiline {
+namespace {
+
+using constants::two_pi;
+using Complex = std::complex<double>;
+using State = Eigen::VectorXcd;
+
+/// H = zero + B . moment in rad/s, and levels along a field, in products of the states of J and I along z.
+class Spins {
+ public:
+  explicit Spins(const CoupledSpins& spins)
+      : spins_(spins), zero_(Eigen::MatrixXcd::Zero(spins.levels(), spins.levels())) {
+    const AngularMomentum j = angular_momentum(spins.twice_j), i = angular_momentum(spins.twice_i);
+    const Eigen::MatrixXd one_j = Eigen::MatrixXd::Identity(j.z.rows(), j.z.rows()),
+                          one_i = Eigen::MatrixXd::Identity(i.z.rows(), i.z.rows());
+    const Complex minus_i(0, -1);
+    const Eigen::MatrixXcd all_of_j[3] = {kronecker(j.x, one_i).cast<Complex>(),
+                                          minus_i * kronecker(j.i_times_y, one_i).cast<Complex>(),
+                                          kronecker(j.z, one_i).cast<Complex>()},
+                           all_of_i[3] = {kronecker(one_j, i.x).cast<Complex>(),
+                                          minus_i * kronecker(one_j, i.i_times_y).cast<Complex>(),
+                                          kronecker(one_j, i.z).cast<Complex>()};
+    Eigen::MatrixXcd product = zero_;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Eigen::MatrixXcd &of_j = all_of_j[axis], &of_i = all_of_i[axis];
+      product += of_j * of_i;
+      moment_[axis] = two_pi * (spins.zeeman_j * of_j + spins.zeeman_i * of_i);
+      total_[axis] = of_j + of_i;
+    }
+    zero_ = two_pi * (spins.coupling * product + spins.coupling_squared * product * product);
+    zero_ -= zero_.trace() / static_cast<double>(spins.levels()) *
+             Eigen::MatrixXcd::Identity(spins.levels(), spins.levels());
+  }
+
+  int levels() const { return spins_.levels(); }
+  const Eigen::MatrixXcd& zero() const { return zero_; }
+  Eigen::MatrixXcd with_moment(const Vector3& b) const {
+    return b.x * moment_[0] + b.y * moment_[1] + b.z * moment_[2];
+  }
+  /// What bounds its eigenvalues in a field of that size.
+  double radius(double field) const {
+    return zero_.cwiseAbs().rowwise().sum().maxCoeff() +
+           field * moment_[2].cwiseAbs().rowwise().sum().maxCoeff();
+  }
+  /// Columns are the levels along a direction in a field of the size `to`, with the signs of those in `from`.
+  Eigen::MatrixXcd states(const Vector3& n, double from, double to) const {
+    const double polar = portable::atan2(portable::hypot(n.x, n.y, 0), n.z),
+                 azimuth = portable::atan2(n.y, n.x);
+    Eigen::MatrixXd out = levels_at(spins_, from).states;
+    const int parts = from == to ? 0 : spins_.coupling_squared == 0 ? 1 : 64;
+    for (int i = 1; i <= parts; ++i) {
+      Eigen::MatrixXd next = levels_at(spins_, from + (to - from) * i / parts).states;
+      for (Eigen::Index k = 0; k < next.cols() && parts > 1; ++k)
+        if (next.col(k).dot(out.col(k)) < 0) next.col(k) *= -1;
+      out = std::move(next);
+    }
+    return turn(2, azimuth) * turn(1, polar) * out.cast<Complex>();
+  }
+
+ private:
+  Eigen::MatrixXcd turn(std::size_t axis, double angle) const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> own(total_[axis]);
+    State phases(levels());
+    for (Eigen::Index k = 0; k < phases.size(); ++k)
+      phases(k) =
+          Complex(portable::cos(angle * own.eigenvalues()(k)), -portable::sin(angle * own.eigenvalues()(k)));
+    return own.eigenvectors() * phases.asDiagonal() * own.eigenvectors().adjoint();
+  }
+
+  const CoupledSpins& spins_;
+  Eigen::MatrixXcd zero_;
+  std::array<Eigen::MatrixXcd, 3> moment_, total_;
+};
+
+/// One particle on a way.
+class FollowedAtom {
+ public:
+  FollowedAtom(const LevelWay& way, const Spins& spins, const RandomKey& key, const StraightFlight& flight)
+      : way_(way), spins_(spins), key_(key), flight_(flight) {}
+
+  /// The operations for each halving of the steps.
+  double work() const {
+    double steps = 0;
+    for (const CourseSection& section : way_.fields().sections) steps += stay(section) / longest(section);
+    constexpr double terms = 40;
+    return steps * terms * spins_.levels() * spins_.levels();
+  }
+  std::vector<double> probabilities(double share) {
+    Vector3 last{}, direction{0, 0, 1};
+    State a = State::Unit(spins_.levels(), flight_.level), state = spins_.states(direction, 0, 0) * a;
+    const LevelFields& fields = way_.fields();
+    const CourseSection* before = nullptr;
+    for (const CourseSection& section : fields.sections) {
+      enter(section);
+      const double begin = time_at(section.field.begin), end = time_at(section.field.end);
+      const std::vector<double> edges = edges_of(section, begin, end);
+      moment_ = flight_.t + (begin + edges.front()) / 2;
+      const Vector3 entry = field_at(section, begin);
+      const bool switched = before != nullptr && before->field.end == section.field.begin &&
+                            (before->moment > 0 || section.moment > 0);
+      if (before == nullptr && fields.begins_in_field)
+        state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
+      else if (!switched)
+        state = renamed(state, last, direction, entry, axis_of(entry, direction));
+      double s = begin;
+      for (const double edge : edges) {
+        moment_ = flight_.t + (s + edge) / 2;
+        const int steps = static_cast<int>(std::ceil((edge - s) / (share * longest(section))));
+        for (int i = 0; i < steps; ++i)
+          advance(section, s + i * ((edge - s) / steps), (edge - s) / steps, state);
+        s = edge;
+      }
+      last = field_at(section, end);
+      direction = axis_of(last, direction);
+      before = &section;
+    }
+    if (!fields.ends_in_field) {
+      constexpr Vector3 along_z{0, 0, 1};
+      state = renamed(state, last, direction, {}, along_z);
+      last = {};
+      direction = along_z;
+    }
+    const State found = spins_.states(direction, length_of(last), length_of(last)).adjoint() * state;
+    std::vector<double> p;
+    for (const Complex& amplitude : found) p.push_back(std::norm(amplitude));
+    return p;
+  }
+
+ private:
+  double time_at(double y) const { return (y - flight_.place.y) / flight_.velocity.y; }
+  double stay(const CourseSection& section) const {
+    return (section.field.end - section.field.begin) / flight_.velocity.y;
+  }
+  static Vector3 axis_of(const Vector3& b, const Vector3& else_along) {
+    return length_of(b) > 0 ? (1 / length_of(b)) * b : else_along;
+  }
+  void enter(const CourseSection& section) {
+    for (int i = 0; i < section.field.drives; ++i)
+      phases_[i] = phase_of(section.field.drive[i], key_, flight_.particle);
+  }
+  /// The moments within at which pulses are switched, and the end.
+  std::vector<double> edges_of(const CourseSection& section, double begin, double end) const {
+    std::vector<double> out{end};
+    for (int i = 0; i < section.field.drives; ++i) {
+      const Gate& gate = section.field.drive[i].gate;
+      if (gate.begin == gate.end) continue;
+      const double first = gate.period > 0 ? std::floor((flight_.t + begin - gate.end) / gate.period) : 0;
+      for (double pulse = std::max(0.0, first); pulse < gate.times; ++pulse) {
+        const double on = gate.begin + pulse * gate.period - flight_.t;
+        if (on >= end) break;
+        for (const double edge : {on, on + (gate.end - gate.begin)})
+          if (edge > begin && edge < end) out.push_back(edge);
+      }
+    }
+    std::ranges::sort(out);
+    return out;
+  }
+  Vector3 field_at(const CourseSection& section, double s) const {
+    const Vector3& v = flight_.velocity;
+    const Vector3 place{flight_.place.x + (v.x + flight_.fall.x * s / 2) * s, flight_.place.y + v.y * s,
+                        flight_.place.z + (v.z + flight_.fall.z * s / 2) * s};
+    FieldHere<double> here{};
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      add_field<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], place.x, place.y, place.z,
+                           here);
+    return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);
+  }
+  /// [s] Of a step before it is halved: by what turns the state, and what the field does.
+  double longest(const CourseSection& section) const {
+    constexpr int places = 16;
+    double most = 0;
+    for (int i = 0; i <= places; ++i)
+      most = std::max(
+          most, length_of(field_at(section, time_at(section.field.begin) + i * (stay(section) / places))));
+    for (int i = 0; i < section.field.drives; ++i) most += std::abs(section.field.drive[i].spin_rate);
+    const double drives = section.moment > 0 ? 300 * section.moment : stay(section);
+    return std::min({6 / spins_.radius(most), drives, stay(section) / 100});
+  }
+  /// Where static fields meet, levels keep their names while the size changes, and the direction changes at
+  /// once in the smaller of both fields, or in none where it turns by more than a right angle.
+  State renamed(const State& state, const Vector3& from, const Vector3& old, const Vector3& to,
+                const Vector3& next) const {
+    const double size = length_of(from), least = dot(from, to) > 0 ? std::min(size, length_of(to)) : 0;
+    const State named = spins_.states(old, size, size).adjoint() * state,
+                turned =
+                    spins_.states(next, least, least).adjoint() * (spins_.states(old, size, least) * named);
+    return spins_.states(next, least, length_of(to)) * turned;
+  }
+  /// One step from s: with H h = K_0 + K_1 u + ..., u from 0 to 1, the series' terms follow from one another.
+  void advance(const CourseSection& section, double s, double h, State& state) const {
+    static const Eigen::Matrix4d coefficients = [] {
+      Eigen::Matrix4d powers;
+      for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 4; ++k) powers(i, k) = k == 0 ? 1 : powers(i, k - 1) * nodes[i];
+      return Eigen::Matrix4d(powers.inverse());
+    }();
+    Vector3 b[4], of_power[4] = {};
+    for (int i = 0; i < 4; ++i) b[i] = field_at(section, s + nodes[i] * h);
+    for (int k = 0; k < 4; ++k)
+      for (int i = 0; i < 4; ++i) of_power[k] = of_power[k] + coefficients(k, i) * b[i];
+    Eigen::MatrixXcd hamiltonian[4];
+    bool acts[4];
+    for (int k = 0; k < 4; ++k) {
+      hamiltonian[k] = Complex(0, -h) * spins_.with_moment(of_power[k]);
+      if (k == 0) hamiltonian[k] += Complex(0, -h) * spins_.zero();
+      acts[k] = hamiltonian[k].cwiseAbs().maxCoeff() > 1e-17;
+    }
+    constexpr int most = 100;
+    std::vector<State> term{state};
+    for (int n = 0, small = 0; n < most && small < 4; ++n) {
+      State next = State::Zero(state.size());
+      for (int k = 0; k <= std::min(n, 3); ++k)
+        if (acts[k]) next.noalias() += hamiltonian[k] * term[static_cast<std::size_t>(n - k)];
+      next /= n + 1;
+      small = next.squaredNorm() < 1e-32 ? small + 1 : 0;
+      state += next;
+      term.push_back(std::move(next));
+    }
+  }
+
+  /// Gauss's, of a step from 0 to 1.
+  static constexpr double nodes[4] = {0.06943184420297371, 0.33000947820757187, 0.66999052179242813,
+                                      0.93056815579702629};
+  const LevelWay& way_;
+  const Spins& spins_;
+  const RandomKey& key_;
+  const StraightFlight& flight_;
+  double phases_[most_drives] = {};
+  double moment_ = 0;  // [s] for which pulses are followed
+};
+
+}  // namespace
+
+LevelReference::LevelReference(const LevelWay& way, const RandomKey& key) : way_(way), key_(key) {}
+
+std::optional<std::vector<double>> LevelReference::carried(const StraightFlight& flight,
+                                                           double& operations) const {
+  const Spins spins(way_.table().spins());
+  FollowedAtom atom(way_, spins, key_, flight);
+  const double work = atom.work();
+  std::optional<std::vector<double>> before;
+  for (double share = 1; work / share <= operations; share /= 2) {
+    std::vector<double> now = atom.probabilities(share);
+    operations -= work / share;
+    double error = before ? 0 : 1;
+    for (std::size_t k = 0; before && k < now.size(); ++k)
+      error = std::max(error, std::abs(now[k] - (*before)[k]));
+    if (error < 0.05 * way_.fields().tolerance) return now;
+    before = std::move(now);
+  }
+  return std::nullopt;
+}
+
+}  // namespace rabiline

@@ -1,0 +1,33 @@
+#include "simulation/zone_rates.hpp"
+
+#include "core/portable_math.hpp"
+#include "field/terms.hpp"
+#include "transport/vector_lanes.hpp"
+
+namespace rabiline {
+
+ZoneRates rates_of(const SpinZone& zone, const double* phases, const Vector3& place, double t,
+                   double moment) {
+  const Vector3 axis = zone.turned ? vector_at(zone.frame + 6) : Vector3{0, 0, 1};
+  ZoneRates at{zone.spin_rate * axis, zone.turn_rate * axis};
+  for (int i = 0; i < zone.drives; ++i) {
+    const DriveTerm& drive = zone.drive[i];
+    const double angle = drive.omega * t + drive.twist * (place.y - drive.envelope.begin) + phases[i] +
+                         swept(drive.sweep, t) + phase_of(drive.slopes, place.x, place.z);
+    const double share = is_on(drive.gate, moment)
+                             ? share_of(drive.envelope, place.y) * share_of(drive.slopes, place.x, place.z)
+                             : 0;
+    const Vector3 along = share * (portable::cos(angle) * vector_at(drive.first) +
+                                   portable::sin(angle) * vector_at(drive.second));
+    at.spin = at.spin + drive.spin_rate * along;
+    at.turn = at.turn + drive.turn_rate * along;
+  }
+  return at;
+}
+
+double phase_of(const DriveTerm& drive, const RandomKey& key, std::uint64_t particle) {
+  namespace lanes = isa_baseline;
+  return lanes::lane(lanes::oscillator_phase(drive, key, lanes::broadcast_word(particle)), 0);
+}
+
+}  // namespace rabiline
