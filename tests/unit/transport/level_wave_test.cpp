@@ -120,28 +120,6 @@ TEST(LevelWave, IsTheClosedFormInAUniformField) {
   }
 }
 
-/// Two pulses on caesium's clock line are Ramsey's method in time: 5 us each, 40 us from begin to begin.
-TEST(LevelWave, OfTwoPulsesHasRamseysFringes) {
-  const CoupledSpins caesium = of("Cs-133 atom");
-  const double tau = 5e-6, period = 40e-6, line = transition_frequency(levels_at(caesium, 6e-6), 12, 4);
-  for (const double detuning : {0.0, 7e3, -19e3}) {
-    Flight f = flight(caesium, 250, 0.02, linear(0, 0, 6e-6, 0, 0, 0), 0);
-    const double moment = std::abs(caesium.zeeman_j - caesium.zeeman_i) / 2;  // [Hz/T] of m=0 along z
-    drive(f, 1 / (4 * tau) / moment, line + detuning, Eigen::Vector3d(0, 0, 1));
-    DriveTerm& term = f.fields.waves[0].drives[0];
-    term.envelope = {};
-    term.gate = {10e-6, 10e-6 + tau, period, 2};
-    f.fields.sections[0].is_pulsed = true;
-    const double w1 = two_pi * moment * term.spin_rate, delta = two_pi * detuning, a = std::hypot(w1, delta);
-    const double s = w1 / a, c = delta / a, half = a * tau / 2, free = delta * (period - tau) / 2;
-    const double flips = 4 * s * s * std::pow(std::sin(half), 2) *
-                         std::pow(std::cos(free) * std::cos(half) - c * std::sin(free) * std::sin(half), 2);
-    const std::vector<double> p = carried(f, 4);
-    EXPECT_NEAR(p[12], flips, 2e-5) << detuning;
-    EXPECT_NEAR(p[4], 1 - flips, 2e-5) << detuning;
-  }
-}
-
 TEST(LevelWave, GivesTheSameBitsOnEachInstructionSet) {
   const Flight f = between_manifolds();
   const std::vector<double> p = all_carried(f, 1, Isa::baseline);
