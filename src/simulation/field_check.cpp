@@ -20,7 +20,7 @@ namespace {
 
 constexpr int particles_checked = 16, most_regions = 8;
 constexpr long most_evaluations = 4'000'000;
-constexpr double most_operations = 4e8;  // for levels of atoms
+constexpr double most_operations = 1e8;  // for levels of atoms
 
 /// x, z [m], t [s], velocity [m/s], S; y is the variable.
 constexpr int numbers = 9;

@@ -82,6 +82,14 @@ TEST_F(ExplainAtoms, WarnsWhereAFieldDrivesNothing) {
   EXPECT_THAT(check({"R.frequency=9 GHz", "R.amplitude=300 uT"}), Not(HasSubstr("drives no transition")));
 }
 
+TEST_F(ExplainAtoms, WarnsWhereTheRotatingWaveApproximationLeavesMoreOutThanTheLineIsWide) {
+  EXPECT_THAT(
+      check({"R.amplitude=50 mT"}),
+      HasSubstr("what the rotating-wave approximation of `R` leaves out would shift F=4 m=0 - F=3 m=0 by "
+                "about 43.66 kHz, more than the line's width, 10 kHz"));
+  EXPECT_THAT(check({"R.amplitude=20 mT"}), Not(HasSubstr("leaves out")));
+}
+
 TEST_F(ExplainAtoms, WarnsOfAScanOnlyWhereNoPointDrivesAnything) {
   EXPECT_THAT(check({}, {"R.frequency=9 GHz:9.1 GHz:5"}),
               HasSubstr("`R` drives no transition at any scan point"));
