@@ -220,29 +220,22 @@ std::string without_prefix(const Decimal& number, std::string_view symbol) {
   return {};
 }
 
-/// Units that people write out, or count in, and how they are written here.
-std::string_view written_out(std::string_view symbol) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 18> names{{{"gauss", "G"},
+/// Units that people write out, and how they are written here; empty where it is none.
+std::string written_out(std::string_view symbol) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 10> names{{{"gauss", "G"},
                                                                                         {"tesla", "T"},
                                                                                         {"kelvin", "K"},
                                                                                         {"hertz", "Hz"},
                                                                                         {"metre", "m"},
                                                                                         {"meter", "m"},
-                                                                                        {"metres", "m"},
-                                                                                        {"meters", "m"},
                                                                                         {"second", "s"},
-                                                                                        {"seconds", "s"},
-                                                                                        {"sec", "s"},
                                                                                         {"ampere", "A"},
-                                                                                        {"amps", "A"},
-                                                                                        {"degrees", "deg"},
                                                                                         {"degree", "deg"},
-                                                                                        {"radian", "rad"},
-                                                                                        {"radians", "rad"},
-                                                                                        {"volt", "V"}}};
-  const auto found =
-      std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == lower(symbol); });
-  return found == names.end() ? std::string_view{} : found->second;
+                                                                                        {"radian", "rad"}}};
+  const std::string word = lower(symbol);
+  for (const auto& [name, unit] : names)
+    if (word == name || word == fmt::format("{}s", name)) return std::string(unit);
+  return {};
 }
 
 /// The unit that was meant; empty where none is near.
@@ -250,8 +243,9 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
   const bool dimension_known = wanted && *wanted != Dimension::number;
   if (symbol.starts_with("\u00b0C") || symbol.starts_with("\u00b0F") || symbol == "degC" || symbol == "degF")
     return "temperatures are absolute: write them in kelvin, like `300 K`";
-  if (const std::string_view unit = written_out(symbol); !unit.empty())
-    return fmt::format("write `{}`", unit);
+  const UnitSymbol* whole = find_unit(written_out(symbol));
+  if (whole && (!dimension_known || whole->dimension == *wanted))
+    return fmt::format("write `{}`", whole->symbol);
   std::string same_letters;
   std::vector<std::string> candidates;
   for (const UnitSymbol& unit : unit_table()) {

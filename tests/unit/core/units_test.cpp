@@ -107,7 +107,9 @@ TEST(Units, RefuseNumbersThatWouldOverflowOrVanish) {
 TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_THAT(parse_quantity("1 KHz").suggestion, HasSubstr("`kHz`"));
   EXPECT_THAT(parse_quantity("1 mt").suggestion, HasSubstr("`mT`"));
-  EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "");
+  EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write `m`");
+  EXPECT_EQ(parse_quantity("1 Gauss", Dimension::magnetic_field).suggestion, "write `G`");
+  EXPECT_EQ(parse_quantity("1 Gauss", Dimension::length).suggestion, "");
   EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);
   EXPECT_EQ(parse_quantity("1 pT/m", Dimension::field_gradient).suggestion, "write `1e-12 T/m`");
   EXPECT_EQ(parse_quantity("-2.5e3 GT/m", Dimension::field_gradient).suggestion, "write `-2.5e12 T/m`");
