@@ -117,8 +117,8 @@ void dismiss(Ranks&, int exit_code);
 
 /// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
 /// level. `changes` come on top of those of the flight; particles and seed are its own. Of the settings,
-/// `isa`, `threads`, `planned` and `arguments` apply. Throws StorageError where nothing was kept, InputError, and
-/// std::invalid_argument where the scan does not follow from the flight.
+/// `isa`, `threads`, `planned` and `arguments` apply. Throws StorageError where nothing was kept, InputError,
+/// and std::invalid_argument where the scan does not follow from the flight.
 Result rescan(const std::filesystem::path& result, const Changes& changes, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the

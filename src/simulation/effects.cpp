@@ -37,13 +37,12 @@ bool points_agree(const Seen& seen, std::size_t points, std::size_t a, std::size
 std::vector<std::string> warnings_of(const Result& result) {
   std::vector<std::string> out;
   if (const auto& check = result.field_check; check && check->largest() > check->tolerance)
-    out.push_back(
-        fmt::format("flights through fields are off by up to {:.2g} in place, {:.2g} in direction, {:.2g} in "
-                    "spin and {:.2g} in probabilities of levels, by an independent integration of {} "
-                    "particles: more than the tolerance of {:.2g}\n"
-                    "  help: a smaller `tolerance` of the law takes shorter steps",
-                    check->place, check->direction, check->spin, check->levels, check->particles,
-                    check->tolerance));
+    out.push_back(fmt::format(
+        "flights through fields are off by up to {:.2g} in place, {:.2g} in direction, {:.2g} in "
+        "spin and {:.2g} in probabilities of levels, by an independent integration of {} "
+        "particles: more than the tolerance of {:.2g}\n"
+        "  help: a smaller `tolerance` of the law takes shorter steps",
+        check->place, check->direction, check->spin, check->levels, check->particles, check->tolerance));
   const Seen seen = seen_in(result);
   const std::size_t points = result.emitted.size();
   if (seen.empty()) return out;
