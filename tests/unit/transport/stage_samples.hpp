@@ -58,5 +58,7 @@ template <>
 std::vector<StageSample> samples_of<VelocitySelection>();
 template <>
 std::vector<StageSample> samples_of<SortingField>();
+template <>
+std::vector<StageSample> samples_of<MapBounds>();
 
 }  // namespace rabiline::test
