@@ -123,7 +123,7 @@ TEST(LevelWave, IsTheClosedFormInAUniformField) {
 /// Two pulses on caesium's clock line are Ramsey's method in time: 5 us each, 40 us from begin to begin.
 TEST(LevelWave, OfTwoPulsesHasRamseysFringes) {
   const CoupledSpins caesium = of("Cs-133 atom");
-  const double tau = 5e-6, period = 40e-6, line = transition_frequency(levels_at(caesium, 6e-6), 4, 12);
+  const double tau = 5e-6, period = 40e-6, line = transition_frequency(levels_at(caesium, 6e-6), 12, 4);
   for (const double detuning : {0.0, 7e3, -19e3}) {
     Flight f = flight(caesium, 250, 0.02, linear(0, 0, 6e-6, 0, 0, 0), 0);
     const double moment = std::abs(caesium.zeeman_j - caesium.zeeman_i) / 2;  // [Hz/T] of m=0 along z
