@@ -13,10 +13,9 @@ namespace {
 
 constexpr double start_up = 0.012,  // [s] of the program
     each_bin = 9e-8;                // [s] to finish and write its count and error
-constexpr std::uint64_t first_particles = 64;
-constexpr double enough = 5e-3;  // [s] to time a difference well
-constexpr std::size_t most_trees = 8;
-constexpr std::size_t most_sums = 1U << 26;  // 1 GiB: beyond that, nothing is flown for a line of text
+constexpr std::uint64_t first_particles = 8;
+constexpr double enough = 5e-3, plenty = 0.25;  // [s] to time a difference well; to time anything well
+constexpr std::size_t most_sums = 1U << 23;     // 128 MiB: beyond that, nothing is flown for a line of text
 
 double bins_of(const Experiment& experiment) {
   double bins = 0;
@@ -33,13 +32,13 @@ double estimate_of(const Plan& plan) {
   return seconds;
 }
 
-/// The first particles of the first trees.
+/// The first particles of the first, the middle and the last tree.
 Plan sample_of(const Plan& plan, std::uint64_t particles) {
   Plan sample = plan;
-  for (std::size_t k = 0; k < sample.trees.size(); ++k) {
-    PlanTree& tree = sample.trees[k];
-    tree.last = k < most_trees ? std::min(tree.last, tree.first + particles) : tree.first;
-  }
+  for (PlanTree& tree : sample.trees) tree.last = tree.first;
+  const std::size_t last = plan.trees.size() - 1;
+  for (const std::size_t k : {std::size_t{0}, last / 2, last})
+    sample.trees[k].last = std::min(plan.trees[k].last, plan.trees[k].first + particles);
   return sample;
 }
 
@@ -62,6 +61,7 @@ double time_of_flight(const Plan& plan) {
   std::uint64_t particles = first_particles;
   Plan sample = sample_of(plan, particles);
   double flown = estimate_of(sample), seconds = time_to_fly(sample);
+  if (seconds > plenty) return seconds * all / flown;
   for (;;) {
     sample = sample_of(plan, particles *= 4);
     const double more = estimate_of(sample);
@@ -83,8 +83,9 @@ double processor_time() {
 }
 
 std::string told_cost(const Experiment& experiment, const Plan& plan, double planning) {
-  const double seconds = start_up + planning + time_of_flight(plan) +
-                         time_of([&] { check_fields(plan, best_isa()); }) + each_bin * bins_of(experiment);
+  constexpr double of_field_check = 0.3;  // [s] about the most that it takes: what is longer hides it
+  double seconds = start_up + planning + time_of_flight(plan) + each_bin * bins_of(experiment);
+  if (seconds < of_field_check) seconds += time_of([&] { check_fields(plan, best_isa()); });
   return fmt::format("\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n",
                      seconds,
                      static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0);

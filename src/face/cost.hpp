@@ -6,7 +6,7 @@
 
 namespace rabiline {
 
-/// In words, as a line of a report: time on one core of this machine and memory. A few particles of the first
+/// In words, as a line of a report: time on one core of this machine and memory. A few particles of three
 /// trees are flown for it, and the others' share follows from what the plan estimates. `planning`: what it
 /// took to make the plan [s].
 std::string told_cost(const Experiment&, const Plan&, double planning);
