@@ -88,9 +88,9 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             figures["tracks"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG})
             figures["tracks, small"] = pictures.plot_of(experiment.trace(2), "tracks", {"title": LONG, "size": PAGE})
             figures["in space"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG, "in_space": True})
-            figures["draw"] = draw_apparatus(experiment.scan(), 20, LONG)
+            figures["draw"] = draw_apparatus(experiment.scan(), 10, LONG)
             with style.here(PAGE):
-                figures["draw, small"] = draw_apparatus(experiment.scan(), 20, LONG)
+                figures["draw, small"] = draw_apparatus(experiment.scan(), 2, LONG)
         wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
     for figure in figures.values():
         plt.close(figure)
