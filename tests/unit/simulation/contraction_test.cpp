@@ -60,20 +60,6 @@ TEST(Moments, GiveEveryBinOfAScreenThatCountsTwoThirds) {
   apparatus.efficiency = 2.0 / 3;
   expect_as_alone(apparatus, 7);
 }
-/// What every level of a particle leads to in one column is a whole particle, whatever its shares are rounded
-/// to.
-TEST(Moments, GiveAColumnTheErrorOfWholeParticles) {
-  Apparatus apparatus;
-  apparatus.species = point_of_spin(2);
-  apparatus.bins = {2, 8};
-  std::vector<Beamline> scan = apparatus.scan(7);
-  for (Beamline& point : scan) {
-    auto& screen = std::get<Detector>(point.parts.back().part);
-    screen.face = Rectangle{8e-3, 8e-3};
-    screen.efficiency = 0.7;
-  }
-  expect_as_alone(scan);
-}
 TEST(Moments, OfASpinThreeHalvesFollowMajorana) {
   Apparatus apparatus;
   apparatus.species = point_of_spin(3);

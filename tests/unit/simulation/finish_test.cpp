@@ -29,6 +29,16 @@ TEST(Wilson, ErrorIsNeverZeroAndNearTheBinomialOneForManyParticles) {
   EXPECT_NEAR(wilson_error(3000, 10000), std::sqrt(0.3 * 0.7 / 10000), 1e-6);
 }
 
+/// Three levels share each of 32 particles, and each share is rounded down to a quantum.
+TEST(Finish, CountsWholeParticlesHoweverTheirSharesWereRounded) {
+  const Sum each = counted_of_one(0.7);
+  const auto variance = [&](Sum weight) {
+    return variance_of({32 * weight, 32 * weight * weight}, 3000, static_cast<std::uint64_t>(each));
+  };
+  EXPECT_NEAR(variance(each - 3), variance(each), 1e-9);
+  EXPECT_GT(variance(each) - variance(each - each / 1'000'000), 0.05);
+}
+
 TEST(Finish, AddsUpFatesHistogramsAndFractions) {
   const Result r = run_points({divergent(1)});
   double sum = 0;
