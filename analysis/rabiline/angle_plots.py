@@ -93,7 +93,8 @@ def line_through(name: str, times: np.ndarray, values: np.ndarray, spread: np.nd
 
 
 @style.in_proportion
-def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int) -> Figure:
+def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[float | None], point: int,
+                title: str | None = None) -> Figure:
     """Each angle above what it has beyond its fit; `expected` are rates in turns per second, drawn through the middle
     of the planes."""
     figure, panels = plt.subplots(4, 1, figsize=(7.2, 8.4), sharex=True, layout="constrained",
@@ -107,7 +108,7 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
                        ecolor=colour, elinewidth=1.2, label="mean, and standard deviation of the particles")
         turns, error = one.turns
         panel.plot(shown, np.degrees(fit), color=INK, linewidth=1,
-                   label=f"fit: {format_value(turns, 'Hz', error)}\n{ABOUT_ERROR}")
+                   label=f"fit: {format_value(turns, 'Hz', error)}\n{ABOUT_ERROR}".replace("-", "−"))
         below.axhline(0, color=INK, linewidth=1)
         rest = one.residuals
         largest = np.nanmax(np.abs(rest[1:])) or 1.0
@@ -118,7 +119,7 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
             middle = np.nanmean(one.times)
             line = one.offset + one.rate * middle + 2 * np.pi * rate * (one.times - middle)
             looks = {"color": GREY, "linewidth": 2, "linestyle": (0, (2, 3))}
-            panel.plot(shown, np.degrees(line), label=f"expected: {format_value(rate, 'Hz')}", **looks)
+            panel.plot(shown, np.degrees(line), label=f"expected: {format_value(rate, 'Hz')}".replace("-", "−"), **looks)
             below.plot(shown, small.apply(line - fit), **looks)
             seen += [furthest for furthest in [np.nanmax(np.abs(line - fit))] if furthest <= SEEN * largest]
         below.set_ylim(-1.15 * small.apply(max(seen)), 1.15 * small.apply(max(seen)))
@@ -128,6 +129,6 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
         for each in (panel, below):
             each.grid(True)
     panels[-1].set_xlabel(scale.label("time of flight, mean in each plane"))
-    style.write_title(figure, f"{results.title}\n{law_name(results.laws[point])}, {results.species[point]}")
+    style.write_title(figure, f"{title or results.title}\n{law_name(results.laws[point])}, {results.species[point]}")
     figure.align_ylabels(panels)
     return figure

@@ -108,11 +108,14 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
 
 
 def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
+    there = int(experiment.value("particles"))
     if paths is not None:
-        return experiment.trace(paths) if paths > 0 else None
-    begun, tracks = time.process_time(), experiment.trace(AT_ONCE)
-    while len(tracks.tracks) < PATHS and time.process_time() - begun < PATIENCE:
-        tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(AT_ONCE, len(tracks.tracks)).tracks))
+        return experiment.trace(min(paths, there)) if paths > 0 else None
+    most = min(PATHS, there)
+    begun, tracks = time.process_time(), experiment.trace(min(AT_ONCE, most))
+    while len(tracks.tracks) < most and time.process_time() - begun < PATIENCE:
+        flown = len(tracks.tracks)
+        tracks = replace(tracks, tracks=(*tracks.tracks, *experiment.trace(min(AT_ONCE, most - flown), flown).tracks))
     return tracks
 
 

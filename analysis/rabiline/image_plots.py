@@ -57,11 +57,11 @@ def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
 
 
 @style.in_proportion
-def draw_images(results: Results, detector: Detector, shots: list[Shot]) -> Figure:
+def draw_images(results: Results, detector: Detector, shots: list[Shot], title: str | None = None) -> Figure:
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
     (right)."""
     size = _image_size(detector)
-    title = f"{results.title}: {detector.name}" if results.title else detector.name
+    title = title or (f"{results.title}: {detector.name}" if results.title else detector.name)
     title = in_lines(title, _width(size, len(shots)), TITLE)
     headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
     room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25

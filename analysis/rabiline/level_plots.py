@@ -2,10 +2,10 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Sequence
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -20,9 +20,9 @@ from .style import LAWS, OTHERS, Look
 from .units import Scale, is_logarithmic, law_name
 
 LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
-MARKERS = "osD^vPX<>*"
 PANEL = 2.6  # inches high, where there are several
 MOST_PANELS = 6
+BESIDE = 0.3  # of the step between two names, over which levels are spread
 LOWEST_PANEL = 0.9  # inches: below that ticks and titles meet
 
 
@@ -51,19 +51,21 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
         raise TooSmall(f"{len(panels_of)} panels need a height of {25.4 * LOWEST_PANEL * len(panels_of):.0f} mm at least (--size)")
     panels = list(grid[:, -1])
     one_look = dict(zip(shown, LOOKS)) if len(shown) <= len(LOOKS) else None
+    by_m = one_look or _by_m(labels, shown)
+    top = 0.0
     for number, (panel, (row, name, levels)) in enumerate(zip(panels, panels_of)):
-        top = 0.0
         for part, piece in zip(grid[number], pieces):
-            top = max(top, _draw_row(part, row.piece(piece), detector.levels, scale, one_look or _shades(levels)))
+            top = max(top, _draw_row(part, row.piece(piece), detector.levels, scale, {level: by_m[level] for level in levels}))
             if len(pieces) > 1:
                 part.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
-        top = 1.0 if top > 0.5 or top == 0 else top
-        panel.set_ylim(-0.04 * top, 1.04 * top)
         draw_marks(panel, marks, scale, named=panel is panels[0])
-        title = style.in_lines(", ".join(filter(None, (row.label, name))), figure.get_figwidth() - 1.0, style.points("font.size"))
-        grid[number, 0].set_title(title, loc="left", fontsize="medium", pad=18 if marks and panel is panels[0] else 6)
+        heading = style.in_lines(", ".join(filter(None, (row.label, name))), figure.get_figwidth() - 1.0, style.points("font.size"))
+        grid[number, 0].set_title(heading, loc="left", fontsize="medium", pad=18 if marks and panel is panels[0] else 6)
         if one_look is None and panel.get_legend_handles_labels()[0]:
-            panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, ncol=1 + (len(levels) - 1) // 14)
+            panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, handlelength=3, ncol=1 + (len(levels) - 1) // 14)
+    top = 1.0 if top > 0.8 or top == 0 else top
+    for panel in panels:
+        panel.set_ylim(-0.04 * top, 1.04 * top)
     if axis.labels:
         panels[-1].set_xticks(axis.values, [style.beside_ticks(figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
@@ -83,35 +85,41 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
 
 
 def _families(labels: Sequence[str], shown: Sequence[int]) -> dict[str, list[int]]:
-    """Levels by what stands before their m: F, or the species."""
+    """Levels by what stands before their m: F, or the species; components of a vector together."""
     families: dict[str, list[int]] = {}
     for i in shown:
-        families.setdefault(re.split(r" m\b| \(", labels[i])[0], []).append(i)
+        families.setdefault("" if labels[i].startswith("(") else re.split(r" m\b| \(", labels[i])[0], []).append(i)
     return families
 
 
-def _shades(levels: Sequence[int]) -> dict[int, Look]:
-    """By m from dark to bright, each with a marker of its own."""
-    colours = colormaps["viridis"](np.linspace(0, 0.88, len(levels)))
-    return {level: Look(colour, MARKERS[i % len(MARKERS)]) for i, (level, colour) in enumerate(zip(levels, colours))}
+def _by_m(labels: Sequence[str], levels: Sequence[int]) -> dict[int, Look]:
+    """A colour and a symbol for each |m|, which levels of different F share; those of negative m have open symbols and dashed lines.
+    Names without one m go by their order."""
+    found = {level: re.search(r"m *= *([-+]?)(\S+)$", labels[level]) for level in levels}
+    sizes = sorted({name[2] for name in found.values() if name})
+    of_size = {size: LOOKS[i % len(LOOKS)] for i, size in enumerate(sizes)}
+    return {level: replace(of_size[name[2]], open=name[1] == "-") if name else LOOKS[i % len(LOOKS)]
+            for i, (level, name) in enumerate(found.items())}
 
 
 def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[int, Look]) -> float:
     """The levels that this row has: a law may not know those of another. Lines break where nothing was detected, and over
-    gaps of the scan. Gives back how far up they reach."""
+    gaps of the scan; over names levels stand side by side. Gives back how far up they reach."""
     x, top = scale.apply(row.x), 0.0
-    for i, look in looks.items():
+    for number, (i, look) in enumerate(looks.items()):
         y, errors = levels.fractions[row.points, i], levels.errors[row.points, i]
         known = np.isfinite(y)
         if not known.any():
             continue
         top = max(top, float((y + errors)[known].max()))
-        if not row.axis.labels:
-            for run in runs_of(row.x):
-                axes.plot(x[run], y[run], color=look.colour, linewidth=1.1)
-        axes.errorbar(x[known], y[known], errors[known], color=look.colour, marker=look.marker, linestyle="none",
-                      markersize=2 * SYMBOL if row.axis.labels else SYMBOL, markeredgewidth=0, elinewidth=0.9, capsize=2,
-                      capthick=0.9, label=re.sub(r"(?<=[= ])-(?=[\d ])", "−", levels.labels[i]).replace("S_z", "$S_z$"))
+        symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else SYMBOL,
+                   "markerfacecolor": "white" if look.open else look.colour, "markeredgewidth": 0.8 if look.open else 0}
+        label = re.sub(r"(?<=[= ])-(?=[\d ])", "−", levels.labels[i]).replace("S_z", "$S_z$")
+        at = x + BESIDE * ((number + 0.5) / len(looks) - 0.5) if row.axis.labels else x
+        axes.errorbar(at[known], y[known], errors[known], color=look.colour, linestyle="none", elinewidth=0.9)
+        for run in runs_of(row.x):
+            axes.plot(at[run], y[run], linewidth=1.1, linestyle="none" if row.axis.labels else "--" if look.open else "-", label=label, **symbols)
+            label = None
     if top == 0:
         axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center")
     axes.margins(x=0.1 if row.axis.labels else 0.02)

@@ -14,8 +14,7 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
     parser.add_argument("-o", "--output", type=Path, metavar="PNG",
                         help=f"PNG, PDF or SVG; FILE{verb.removeprefix('plot')}.png where it is missing")
-    if verb not in ("plot-image", "plot-tally", "plot-angles"):
-        parser.add_argument("--title", help="instead of the file's own")
+    parser.add_argument("--title", help="instead of the file's own")
     if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
         parser.add_argument("--detector", metavar="NAME", help="the first one by default")
     if verb in ("plot-scan", "plot-levels"):
@@ -28,7 +27,7 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
         OWN_OPTIONS[verb](parser)
 
 
-RANGED = {"plot", "plot-scan", "plot-levels", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
+RANGED = {"plot", "plot-scan", "plot-levels", "plot-image", "plot-profiles", "plot-tally", "plot-transit", "plot-field"}
 
 
 def size_of(text: str) -> tuple[float, float]:

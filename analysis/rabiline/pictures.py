@@ -88,7 +88,7 @@ def plot(options: argparse.Namespace) -> Figure:
     """The picture that fits a file: its scan, else its image; its tracks; the motions of a model."""
     opened = _read(options.file)
     kind = _fitting_kind(opened)
-    return plot_of(opened, kind, {"title": options.title} if options.title and kind != "image" else {})
+    return plot_of(opened, kind, {"title": options.title} if options.title else {})
 
 
 def plot_scan(options: argparse.Namespace) -> Figure:
@@ -177,7 +177,7 @@ def plot_image(options: argparse.Namespace) -> Figure:
         shots = image_plots.off_and_on(file, curves(file, name))
     else:
         shots = [image_plots.shot_of(file, 0)]
-    return image_plots.draw_images(file, file.detectors[name], shots)
+    return image_plots.draw_images(file, file.detectors[name], shots, options.title)
 
 
 def plot_profiles(options: argparse.Namespace) -> Figure:
@@ -211,11 +211,11 @@ def plot_tally(options: argparse.Namespace) -> Figure:
         if not file.scan.axes:
             raise InputError(f"{file.path}: nothing is scanned in this file")
         along = max(range(len(file.scan.axes)), key=lambda i: file.scan.axes[i].values.size)
-        return tally_plots.draw_over_scan(file, tally, names.index(chosen[0] if options.axes else names[-1]), along)
+        return tally_plots.draw_over_scan(file, tally, names.index(chosen[0] if options.axes else names[-1]), along, options.title)
     points = _points(options.points, len(file.laws)) if options.points else [0]
     if len(points) > MOST_PANELS:
         raise InputError(f"{len(points)} scan points are too many for one picture")
-    return tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points)
+    return tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points, options.title)
 
 
 def plot_angles(options: argparse.Namespace) -> Figure:
@@ -233,7 +233,7 @@ def plot_angles(options: argparse.Namespace) -> Figure:
         raise InputError(f"a rate is written like `2.9 kHz`: {problem}") from problem
     for line in angles:
         print(line)
-    return angle_plots.draw_angles(file, angles, expected, options.point)
+    return angle_plots.draw_angles(file, angles, expected, options.point, options.title)
 
 
 def plot_transit(options: argparse.Namespace) -> Figure:

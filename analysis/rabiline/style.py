@@ -181,6 +181,7 @@ class Look:
 
     colour: str
     marker: str
+    open: bool = False  # an open symbol and a dashed line
 
 
 def looks(laws: Sequence[str]) -> list[Look]:

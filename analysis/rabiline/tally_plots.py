@@ -14,11 +14,11 @@ from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, fitting_scale, is_logarithmic, law_name
 
-FEW = 4  # levels whose names stand side by side
+FEW = 4  # levels whose names stand side by side, or values that are the ticks of their axis
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
 
 
-def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequence[int]) -> Figure:
+def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequence[int], title: str | None = None) -> Figure:
     """Counts over one or two of a tally's axes at some scan points, summed over its other axes."""
     others = tuple(1 + i for i in range(len(tally.axes)) if i not in axes)
     counts = tally.counts.sum(axis=others)
@@ -28,11 +28,11 @@ def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequ
     shown = [tally.axes[i] for i in axes]
     figure = _draw_curves(results, shown[0], counts, errors, points) if len(shown) == 1 else \
         _draw_images(results, shown, counts, points)
-    _write_title(figure, results, tally)
+    _write_title(figure, results, tally, title)
     return figure
 
 
-def draw_over_scan(results: Results, tally: Tally, number: int, along: int) -> Figure:
+def draw_over_scan(results: Results, tally: Tally, number: int, along: int, title: str | None = None) -> Figure:
     """One axis of a tally up, an axis of the scan across, at the first value of every other axis of the scan."""
     axis, scanned = tally.axes[number], results.scan.axes[along]
     counts = tally.counts.sum(axis=tuple(1 + i for i in range(len(tally.axes)) if i != number))
@@ -45,19 +45,21 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int) -> F
         panel.set_xscale("log")
     if scanned.labels:
         panel.set_xticks(scanned.values, [law_name(label).replace(", ", "\n") for label in scanned.labels])
+    elif scanned.values.size <= FEW:  # whose cells reach far beyond them
+        panel.set_xticks(across.apply(scanned.values))
     panel.set_xlabel(across.label(scanned.parameter))
     if axis.labels:
         panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panel.set_ylabel(_label(axis, up))
     figure.colorbar(mesh, ax=panel, label="particles per bin")
-    _write_title(figure, results, tally)
+    _write_title(figure, results, tally, title)
     return figure
 
 
-def _write_title(figure: Figure, results: Results, tally: Tally) -> None:
+def _write_title(figure: Figure, results: Results, tally: Tally, title: str | None) -> None:
     """Outcomes are those of a measurement, which only one law knows."""
     split = tally.is_expectation and all(law.startswith("quantum") for law in results.laws)
-    style.write_title(figure, tally.title + ("\nspin: expectation, weights split over the outcomes" if split else ""))
+    style.write_title(figure, (title or tally.title) + ("\nspin: expectation, weights split over the outcomes" if split else ""))
 
 
 def _heading(results: Results, point: int) -> str:

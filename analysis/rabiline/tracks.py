@@ -54,8 +54,12 @@ class Track:
 
     @cached_property
     def tilt(self) -> np.ndarray:
-        """[n] The angle between the spin and the z axis, +z or -z whichever is nearer, rad."""
-        return np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), np.abs(self.spin[:, 2]))
+        """[n] The angle between the spin and the z axis, +z or -z whichever was nearer at the beginning of the stretch, rad: a spin
+        that is flipped comes to 180 degrees."""
+        pole = np.ones(self.time.size)
+        for part in self.stretches:
+            pole[part] = -1.0 if self.spin[part.start, 2] < 0 else 1.0
+        return np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), pole * self.spin[:, 2])
 
 
 @dataclass(frozen=True)

@@ -68,9 +68,8 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     figures = {}
     for kind, options in kinds:
-        titled = {} if kind in ("image", "tally", "angles") else {"title": LONG}
         try:
-            figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {**options, **titled})
+            figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {"title": LONG, **options})
         except BadInput:
             continue  # what this file does not have
     return figures

@@ -101,7 +101,7 @@ def test_levels_are_drawn_where_something_was_detected_with_their_errors(tmp_pat
     file = results.read(path)
     figure = draw_levels(curves(file), file.detectors["screen"], "a title", {})
     (axes,) = figure.axes
-    assert legend(figure) == ["m = +1/2", "m = −1/2"]
+    assert legend(figure) == ["m = +1/2", "m = −1/2"] and figure._suptitle.get_text() == "a title"
     assert axes.get_title(loc="left") == "dorado (hypothesis), torque, κ = 1"
     for level, bars in enumerate(axes.containers):
         points, _, (stems,) = bars.lines
@@ -127,3 +127,21 @@ def test_a_law_has_only_its_own_levels(tmp_path: Path) -> None:
     quantum, dorado = draw_levels(curves(file), file.detectors["screen"], "a title", {}).axes
     assert quantum.get_legend_handles_labels()[1] == ["m = +1/2", "m = −1/2"]
     assert dorado.get_legend_handles_labels()[1] == ["(1 + $S_z$)/2", "(1 − $S_z$)/2"]
+
+
+def test_sixteen_levels_differ_in_colour_symbol_or_line_and_m_has_one_colour(tmp_path: Path) -> None:
+    axis, levels = frequencies(11), [(F, m) for F in (4, 3) for m in range(F, -F - 1, -1)]
+    path = write_results(tmp_path / "a.h5", [axis], np.ones(11), law=["quantum"] * 11, bins=4)
+    with h5py.File(path, "a") as file:
+        group = file["entry/screen_levels"]
+        for name in ("levels", "levels_errors", "level_index", "level_index_labels"):
+            del group[name]
+        group["levels"] = group["levels_errors"] = np.full((11, 16), 1 / 16)
+        group["level_index"] = np.arange(16.0)
+        group["level_index_labels"] = np.array([f"F={F} m={m:+d}" if m else f"F={F} m=0" for F, m in levels], dtype="S")
+    file = results.read(path)
+    panels = draw_levels(curves(file), file.detectors["screen"], "a title", {}).axes
+    looks = [[(line.get_color(), line.get_marker(), line.get_linestyle(), line.get_markerfacecolor()) for line in axes.get_legend().get_lines()]
+             for axes in panels]
+    assert [len(set(of_panel)) for of_panel in looks] == [9, 7]
+    assert looks[0][1:-1] == looks[1]
