@@ -28,7 +28,10 @@ PLACES = 600  # along the beam, where fields are probed
 FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
 AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds of processor time after which no more are flown than were flown by then
-FIELDS = {"polarizer", "uniform_field", "guide_field", "gradient_magnet", "two_wire_magnet", "iron_magnet", "multipole_magnet"}
+COILS = {"current_loop", "solenoid", "coil_pair", "straight_wire", "field_map", "formula_field"}  # drawn where their field is
+FIELDS = COILS | {"polarizer", "uniform_field", "guide_field", "multipole_field", "gradient_magnet", "two_wire_magnet", "iron_magnet",
+                  "multipole_magnet"}
+SMALL = 0.1  # of a coil's largest field on the axis: less is not shaded
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
 COUNTERS = {"detector", "monitor"}
@@ -40,7 +43,8 @@ THIN = 0.006  # of the length of the beam, drawn of what has none
 class Piece:
     """A part as it is drawn, SI."""
 
-    name: str
+    part: str  # as the file calls it
+    name: str  # as pictures do
     kind: str
     begin: float
     length: float
@@ -89,6 +93,7 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     _write_names(names, pieces, end)
     if fields:
         _draw_fields(panels[1], fields)
+        pieces = [_where_it_acts(piece, fields) for piece in pieces]
     for axes, across in ((side, "z"), (top, "x")):
         half = _extent(pieces, across, tracks)
         _draw_view(axes, pieces, across, half, end)
@@ -126,6 +131,7 @@ class FieldsAlong:
     y: np.ndarray  # [n]
     static: np.ndarray  # [n] its size
     drives: np.ndarray  # [n] the size of what has a clock, at time 0
+    parts: dict[str, np.ndarray]  # [n] the size of each
 
 
 def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> FieldsAlong | None:
@@ -137,8 +143,18 @@ def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> Fie
     fields = experiment.field(places)
     static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), np.zeros((y.size, 3)))
                       for wanted in (False, True))
-    found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1))
+    found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1),
+                        {name: np.linalg.norm(B, axis=1) for name, B in fields.items()})
     return found if found.static.any() or found.drives.any() else None
+
+
+def _where_it_acts(piece: Piece, fields: FieldsAlong) -> Piece:
+    """A coil or a map, which has a place but no edges, with those of its field on the axis."""
+    size = fields.parts.get(piece.part, np.zeros(1))
+    if piece.kind not in COILS or not size.any():
+        return piece
+    reached = fields.y[size > SMALL * size.max()]
+    return replace(piece, begin=float(reached[0]), length=float(np.ptp(reached)))
 
 
 def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
@@ -174,11 +190,11 @@ def pieces_of(experiment: Experiment) -> list[Piece]:
         opening = f"{name}.gap" if number(f"{name}.gap.width") or number(f"{name}.gap.height") else name
         radius = next(filter(None, (number(f"{name}.{key}") for key in ("radius", "bore.radius", "pole_radius"))), None)
         half = {across: number(f"{opening}.{key}") for across, key in (("x", "width"), ("z", "height"))}
-        half = {across: radius if size is None else size / 2 for across, size in half.items()}
+        half = {across: None if kind in COILS else radius if size is None else size / 2 for across, size in half.items()}
         offset = {across: number(f"{name}.offset.{across}") or 0.0 for across in "xz"}
         field = next((format_value(number(f"{name}.{key}") or 0.0, unit) for key, unit in
                       (("field", "T"), ("amplitude", "T"), ("pole_field", "T")) if number(f"{name}.{key}")), "")
-        pieces.append(Piece(label, kind, number(f"{name}.at") or 0.0, number(f"{name}.length") or 0.0, half, offset, field))
+        pieces.append(Piece(name, label, kind, number(f"{name}.at") or 0.0, number(f"{name}.length") or 0.0, half, offset, field))
     return pieces
 
 
@@ -254,7 +270,7 @@ def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
     rows: list[float] = []
     placed = []
     for piece in pieces:
-        words = f"{piece.name}{f', {piece.words}' if piece.words else ''}"
+        words = ", ".join(filter(None, (piece.name, piece.words.replace("-", "−"))))
         middle = piece.begin + piece.length / 2
         begin = min(max(middle - len(words) * letter / 2, 0.0), end - len(words) * letter)
         row = next((i for i, taken in enumerate(rows) if taken < begin), len(rows))

@@ -305,6 +305,6 @@ def _label(results: Results, rows: np.ndarray, row: int, others: list[Axis]) -> 
     places = np.unravel_index(row, [len(axis.values) for axis in others])
     for axis, at in zip(others, places):
         if axis.parameter not in ("law", "species"):
-            value = axis.labels[at] if axis.labels else axis.text(axis.values[at])
+            value = axis.labels[at] if axis.labels else axis.text(axis.values[at]).replace("-", "−")
             parts.append(f"{axis.parameter} = {value}")
     return ", ".join(filter(None, parts))

@@ -32,7 +32,7 @@ class Shot:
 def shot_of(results: Results, point: int) -> Shot:
     """A scan point, headed by the values that are scanned."""
     indices = np.unravel_index(point, results.scan.shape)
-    values = (f"{axis.parameter} = {axis.labels[i] if axis.labels else axis.text(axis.values[i])}"
+    values = (f"{axis.parameter} = {axis.labels[i] if axis.labels else axis.text(axis.values[i]).replace('-', '−')}"
               for axis, i in zip(results.scan.axes, indices) if axis.parameter not in ("law", "species"))
     return Shot(point, ", ".join(values))
 

@@ -93,7 +93,8 @@ def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
     rows: list[float] = []  # where the last region of each row ends
     ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
     for region, shade in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
-        axes.axvspan(region.begin, region.end, color=shade, alpha=0.75, linewidth=0, zorder=0)
+        axes.axvspan(region.begin, region.end, color=shade if region.end > region.begin else GREY, alpha=0.75,
+                     linewidth=0 if region.end > region.begin else 0.8, zorder=0)  # a coil has a place, and no edges
         if not named:
             continue
         left, right = axes.get_xlim()

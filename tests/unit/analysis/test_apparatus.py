@@ -48,6 +48,22 @@ def test_no_more_paths_are_flown_than_patience_allows(monkeypatch: pytest.Monkey
     assert numbers == list(range(apparatus.PATHS)) and len(apparatus._traced(experiment, 3).tracks) == 3
 
 
+def test_a_file_of_few_particles_has_no_more_paths() -> None:
+    experiment = rabiline.load(BEAMLINES / "ramsey.yaml").scan().set(particles=3)
+    assert [len(apparatus._traced(experiment, asked).tracks) for asked in (None, 2, 9)] == [3, 2, 3]
+
+
+def test_a_coil_is_shaded_where_its_field_is() -> None:
+    experiment = rabiline.load(BEAMLINES / "neutron-spin-echo.yaml").scan()
+    pieces = pieces_of(experiment)
+    fields = apparatus.fields_along(experiment, pieces, 2.2)
+    coil = next(piece for piece in pieces if piece.part == "first")
+    shaded = apparatus._where_it_acts(coil, fields)
+    assert coil.length == 0 and shaded.begin < 0.4 and shaded.begin + shaded.length > 0.8  # beyond its winding on both sides
+    ends = experiment.field([(0, shaded.begin, 0), (0, 0.6, 0)])["first"]
+    assert np.linalg.norm(ends[0]) == pytest.approx(0.1 * np.linalg.norm(ends[1]), rel=0.1)
+
+
 def test_fields_on_the_axis_are_drawn_as_they_act() -> None:
     experiment = rabiline.load(BEAMLINES / "ramsey.yaml").scan()
     field = experiment.field([(0, 0.5, 0), (0, 0.36, 0), (0, 1.15, 0)])
