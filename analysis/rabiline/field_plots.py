@@ -55,5 +55,5 @@ def draw_field(line: FieldLine, title: str) -> Figure:
     axes.set_ylabel(up.label("B"))
     axes.grid(axis="y")
     style.write_title(figure, title)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=4)
+    style.legend_below(figure, axes, 4)
     return figure

@@ -23,6 +23,7 @@ LOOKS = [Look(*pair) for pair in [*LAWS.values(), *OTHERS]]
 PANEL = 2.6  # inches high, where there are several
 MOST_PANELS = 6
 BESIDE = 0.3  # of the step between two names, over which levels are spread
+LEGEND_LINE = 0.145  # inches
 LOWEST_PANEL = 0.9  # inches: below that ticks and titles meet
 
 
@@ -46,11 +47,12 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
     pieces = pieces_of(rows)
     figure, grid = plt.subplots(len(panels_of), len(pieces), squeeze=False, sharex="col", sharey="row", layout="constrained",
                                 figsize=style.size(7.2, 1.9 + max(PANEL, 3.2 / len(panels_of)) * len(panels_of)))
-    if figure.get_figheight() < LOWEST_PANEL * len(panels_of):
-        plt.close(figure)
-        raise TooSmall(f"{len(panels_of)} panels need a height of {25.4 * LOWEST_PANEL * len(panels_of):.0f} mm at least (--size)")
     panels = list(grid[:, -1])
     one_look = dict(zip(shown, LOOKS)) if len(shown) <= len(LOOKS) else None
+    least = sum(LOWEST_PANEL if one_look else max(LOWEST_PANEL, 0.35 + LEGEND_LINE * len(levels)) for *_, levels in panels_of)
+    if figure.get_figheight() < least:
+        plt.close(figure)
+        raise TooSmall(f"{len(panels_of)} panels need a height of {25.4 * least:.0f} mm at least (--size)")
     by_m = one_look or _by_m(labels, shown)
     top = 0.0
     for number, (panel, (row, name, levels)) in enumerate(zip(panels, panels_of)):
@@ -71,17 +73,21 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
     if is_logarithmic(axis.values):
         panels[-1].set_xscale("log")
     grid[-1, len(pieces) // 2].set_xlabel(scale.label(axis.parameter))
-    figure.supylabel(f"fraction of what {detector.name} detected\n(bars: 1 σ)", fontsize="medium")
     style.write_title(figure, title)
-    if one_look is not None:
-        below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
-        named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
-        if style.size(0, 0) != (0, 0) and named:
-            style.legend_at_foot(figure, list(named.values()), list(named), markerscale=1.5)
-            return figure
-        panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below), markerscale=1.5,
-                          ncol=max(1, min(5, style.letters(figure) * 84 // 95 // (6 + max(map(len, named), default=1)))))
+    foot = _legend_of_all(figure, panels) if one_look is not None else 0.0
+    figure.supylabel(style.upright(figure, f"fraction of what {detector.name} detected\n(bars: 1 σ)", foot), fontsize="medium")
     return figure
+
+
+def _legend_of_all(figure: Figure, panels: Sequence[Axes]) -> float:
+    """Below the last panel; gives back the height [inches] of the figure's foot, where it has one."""
+    named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
+    if style.size(0, 0) != (0, 0) and named:
+        return style.legend_at_foot(figure, list(named.values()), list(named), markerscale=1.5)
+    below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
+    panels[-1].legend(named.values(), named.keys(), loc="upper center", bbox_to_anchor=(0.5, below), markerscale=1.5,
+                      ncol=max(1, min(5, style.letters(figure) * 84 // 95 // (6 + max(map(len, named), default=1)))))
+    return 0.0
 
 
 def _families(labels: Sequence[str], shown: Sequence[int]) -> dict[str, list[int]]:

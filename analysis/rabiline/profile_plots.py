@@ -1,7 +1,6 @@
 """The profiles of beams on a detector, one over the other: the smear and the lines of a deflection."""
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass
 from typing import Sequence
 
@@ -56,14 +55,12 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure
     axes.set_ylim(0, 1 if nothing else None)
     axes.set_xlabel(scale.label(along))
     of = "aimed at the target" if profiles[0].aimed else "emitted"
-    axes.set_ylabel(f"detected / {of} per {scale.unit}\n(bars: one standard error)")
     axes.grid(axis="y")
     style.write_title(figure, title)
     longest, room = max(len(profile.label) for profile in profiles), style.letters(figure)
     columns = max(1, min(3, room // (longest + 8), len(profiles)))
-    if len(profiles) > 1 or profiles[0].label:
-        axes.legend(*zip(*[(item, textwrap.fill(label, room - 12)) for item, label in zip(*axes.get_legend_handles_labels())]),
-                    loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=columns)
+    foot = style.legend_below(figure, axes, columns) if len(profiles) > 1 or profiles[0].label else 0.0
+    axes.set_ylabel(style.upright(figure, f"detected / {of} per {scale.unit}\n(bars: one standard error)", foot))
     return figure
 
 

@@ -22,6 +22,7 @@ BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 GAP = 8.0  # usual steps of a scan, from which on it has a gap
 MOST_PIECES = 4
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
+LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
@@ -301,6 +302,8 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
     if style.size(0, 0) != (0, 0):  # the figure cannot grow: the legend has its place at the foot
         labels = [label.replace(", FWHM", "\nFWHM") if max(widths) > width else label for label in labels]
+        if 0.019 * style.points("legend.fontsize") * sum(1 + label.count("\n") for label in labels) > LEGEND * figure.get_figheight():
+            labels = [label.split("\n")[0] for label in labels]  # `summary` has the numbers
         return style.legend_at_foot(figure, items, labels)
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough

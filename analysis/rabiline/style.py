@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import textwrap
+import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
@@ -98,6 +99,7 @@ def upright(figure: Figure, text: str, foot: float = 0.0) -> str:
 def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str], **looks: object) -> float:
     """For a figure whose size was asked for, which cannot grow: room at its foot, as many columns as fit. Gives back the height
     [inches]."""
+    labels = [wrapped(label, letters(figure) - 8) for label in labels]
     columns = max(1, min(len(labels), letters(figure) // (8 + max(len(line) for label in labels for line in label.splitlines()))))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
     height = 1.35 if not any("$" in label for label in labels) else 1.7  # of a line; formulas are taller
@@ -106,6 +108,21 @@ def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str
     figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
     figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, **looks)
     return foot
+
+
+def legend_below(figure: Figure, axes: Axes, columns: int) -> float:
+    """Below the axes; at the foot of a figure whose size was asked for. Gives back the height [inches] of that foot."""
+    items, labels = axes.get_legend_handles_labels()
+    if _asked:
+        return legend_at_foot(figure, items, labels)
+    labels = [wrapped(label, letters(figure) - 12) for label in labels]
+    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=columns)
+    return 0.0
+
+
+def wrapped(text: str, most: int) -> str:
+    """In lines of so many letters at most."""
+    return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, most) or [""])
 
 
 def beside_ticks(figure: Figure, name: str) -> str:
@@ -135,8 +152,7 @@ def letters(figure: Figure) -> int:
 
 def in_lines(text: str, inches: float, size: float) -> str:
     """Wrapped to a width, for letters of a size in points."""
-    letters = max(10, int(inches * 72 / (0.58 * size)))
-    return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, letters) or [""])
+    return wrapped(text, max(12, int(inches * 72 / (0.58 * size))))
 
 
 @contextmanager
@@ -197,10 +213,15 @@ def looks(laws: Sequence[str]) -> list[Look]:
 
 
 def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
-    """Writes the figure, as what its ending says, and forgets it. Raises OSError or ValueError."""
+    """Writes the figure, as what its ending says, and forgets it. Raises OSError, ValueError, and InputError where its size leaves
+    no room between the letters."""
     try:
-        with here():
+        with here(), warnings.catch_warnings():
+            warnings.filterwarnings("error", "constrained_layout not applied")
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
             figure.savefig(path, facecolor="white", dpi=dpi)
+    except UserWarning:
+        width, height = 25.4 * figure.get_size_inches()
+        raise InputError(f"--size: {width:.0f}x{height:.0f} leaves no room for curves between the letters; make it larger") from None
     finally:
         plt.close(figure)

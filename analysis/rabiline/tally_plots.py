@@ -97,9 +97,9 @@ def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: 
         panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
     panel.set_ylim(0, 1 if not counts[list(points)].any() else None)
     panel.set_xlabel(_label(axis, scale))
-    panel.set_ylabel("particles per bin\n(bars: one standard error)")
     panel.grid(axis="y")
-    panel.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=1 if len(points) < 4 else 2)
+    foot = style.legend_below(figure, panel, 1 if len(points) < 4 else 2)
+    panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: one standard error)", foot))
     return figure
 
 

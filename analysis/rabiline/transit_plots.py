@@ -34,7 +34,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     axes.set_xlim(at[0], at[-1])
     axes.set_ylim(bottom=0)
     axes.set_xlabel(scale.label("time of flight from the source"))
-    axes.set_ylabel(f"caught / emitted per {scale.unit}, if found on that path\n(bars: one standard error)")
+    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: one standard error)"))
     axes.grid(axis="y")
     speeds = axes.secondary_xaxis("top", functions=(lambda t: speed_at(t, transit, scale.factor),
                                                     lambda v: speed_at(v, transit, scale.factor)))
@@ -43,8 +43,8 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     speeds.set_xlabel("speed along the beam (m/s)")
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
-    axes.legend(title=f"level before and behind the fields{further}", title_fontsize=9, ncol=1 + len(shown) // 5,
-                loc="upper right")
+    axes.legend(title=f"level before and behind the fields{further}", title_fontsize=style.points("legend.fontsize"),
+                ncol=1 + len(shown) // 5, loc="best")
     return figure
 
 

@@ -3,8 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace rabiline {
+
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+bool same_place(const Place& one, const Place& other) {
+  return one.line == other.line && one.column == other.column;
+}
+
+/// `width: 0,2 mm` in braces: a number, and behind the comma a key that begins with a digit.
+bool ends_in_comma(const Entry& before, const Entry& entry) {
+  const Node& value = before.value;
+  return value.is_scalar() && !value.quoted && !value.scalar.empty() && is_digit(value.scalar.back()) &&
+         !entry.key.empty() && is_digit(entry.key.front()) && entry.value.is_null();
+}
+
+}  // namespace
 
 Keys::Keys(const Node& mapping, std::string what, Place blame, Reading& reading)
     : node_(&mapping), what_(std::move(what)), blame_(std::move(blame)), reading_(&reading) {}
@@ -34,8 +52,18 @@ void Keys::missing(std::string_view key, std::string_view meaning, std::string_v
 }
 
 void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
+  const Entry* before = nullptr;
   for (const Entry& entry : node_->entries) {
+    const Entry* const last = std::exchange(before, &entry);
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+    if (last && ends_in_comma(*last, entry)) {
+      const Place& place = last->value.place;
+      std::erase_if(reading_->errors, [&](const Diagnostic& d) { return same_place(d.place, place); });
+      reading_->error(
+          place, fmt::format("`{},{}` is no number: the comma ends it", last->value.scalar, entry.key),
+          fmt::format("numbers have a decimal point: write `{}.{}`", last->value.scalar, entry.key));
+      continue;
+    }
     const std::string owner = owner_of ? owner_of(entry.key) : std::string{};
     std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
     if (!owner.empty()) message += fmt::format(" ({} has)", owner);
@@ -44,8 +72,6 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
     std::string help;
     if (!near.empty())
       help = fmt::format("did you mean `{}`?", near);
-    else if (entry.key.front() >= '0' && entry.key.front() <= '9')
-      help = "numbers have a decimal point, not a comma";
     else
       for (const std::string_view key : known_)
         help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);

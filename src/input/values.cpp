@@ -306,7 +306,7 @@ bool ValueType<SpeedQuantity>::read(const Node& node, const Row& row, Reading& r
           node.place,
           fmt::format("`{}` is a speed, a wavelength or an energy, but {} {}", row.key, quote(node),
                       number ? "has no unit" : fmt::format("is {}", with_article(name_of(parsed.dimension)))),
-          node.scalar.ends_with('%') ? "write the number that this part is, in m/s"
+          node.scalar.ends_with('%') ? "write how much that is, in m/s"
           : number                   ? fmt::format("write `{0} m/s` if m/s is meant", node.scalar)
                                      : "write it like `1000 m/s`, `4 angstrom` or `25 meV`");
       return false;

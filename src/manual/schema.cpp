@@ -16,6 +16,16 @@ std::string joined(const std::vector<std::string>& items) {
 }
 std::string list(const std::vector<std::string>& items) { return fmt::format("[{}]", joined(items)); }
 
+/// A text as a regular expression: m/s^2 has a letter that means the beginning there.
+std::string in_pattern(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (std::string_view("\\^$.|?*+()[]{}").find(c) != std::string_view::npos) out += '\\';
+    out += c;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string in_quotes(std::string_view text) {
@@ -46,7 +56,7 @@ std::string schema_of_quantity(Dimension d) {
     return R"({"anyOf": [{"type": "number"}, {"type": "string", "pattern": "\\$\\{"}]})";
   std::string units;
   for (const UnitSymbol& unit : unit_table())
-    if (unit.dimension == d) units += fmt::format("{}{}", units.empty() ? "" : "|", unit.symbol);
+    if (unit.dimension == d) units += fmt::format("{}{}", units.empty() ? "" : "|", in_pattern(unit.symbol));
   return fmt::format(
       R"({{"type": "string", "pattern": {}}})",
       in_quotes(

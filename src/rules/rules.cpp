@@ -55,8 +55,8 @@ std::vector<Fault> faults_of(const Beamline& beamline) {
     return out;
   }
   check_ranges(beamline, out);
-  if (!out.empty()) return out;
   check_names(beamline, out);
+  if (!out.empty()) return out;  // what follows finds parts by their names
   for (const PlacedPart& part : beamline.parts)
     for (Fault& fault : faults_of(part)) out.push_back(std::move(fault));
   check_species(beamline, out);
