@@ -19,6 +19,7 @@ from .units import format_value, law_name
 MILLI = 1e3
 LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
 BEAM = LAWS["quantum"][0]
+PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,9 @@ def _lay_out(size: tuple[float, float], shots: int, room: float) -> tuple[Figure
         shared = rows[0] if rows else (None, None, None)
         image = figure.add_axes(_inches(figure, left, bottom, *size), sharex=shared[0], sharey=shared[0])
         above = figure.add_axes(_inches(figure, left, bottom + size[1] + GAP, size[0], PROJECTION),
-                                sharex=image, sharey=shared[1])
+                                sharex=image, sharey=shared[1], label=PROJECTED)
         beside = figure.add_axes(_inches(figure, left + size[0] + GAP, bottom, PROJECTION, size[1]),
-                                 sharex=shared[2], sharey=image)
+                                 sharex=shared[2], sharey=image, label=PROJECTED)
         rows.append((image, above, beside))
     return figure, rows
 

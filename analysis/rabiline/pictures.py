@@ -35,7 +35,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 def limited(figure: Figure, options: argparse.Namespace) -> Figure:
     """The figure with the ranges that are asked for, on all its panels."""
     for axes in figure.axes:
-        if axes.get_label() == "<colorbar>":
+        if axes.get_label() in ("<colorbar>", image_plots.PROJECTED):
             continue
         for name, chosen in (("x", getattr(options, "x_range", None)), ("y", getattr(options, "y_range", None))):
             if chosen is not None:

@@ -6,10 +6,13 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pytest
 from matplotlib.figure import Figure
-from rabiline import results
+from rabiline import results, style
 from rabiline.curves import curves
+from rabiline.errors import InputError
 from rabiline.level_plots import draw_levels
+from rabiline.pictures import plot_of
 from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
@@ -145,3 +148,20 @@ def test_sixteen_levels_differ_in_colour_symbol_or_line_and_m_has_one_colour(tmp
              for axes in panels]
     assert [len(set(of_panel)) for of_panel in looks] == [9, 7]
     assert looks[0][1:-1] == looks[1]
+
+
+def test_ranges_are_those_of_the_image_and_not_of_its_counts(tmp_path: Path) -> None:
+    axis = frequencies(11)
+    file = results.read(write_results(tmp_path / "a.h5", [axis], np.ones(11), law=["quantum"] * 11, bins=4))
+    usual = plot_of(file, "image", {"points": "0"}).axes
+    image, above, beside = plot_of(file, "image", {"points": "0", "x_range": (-1, 0.5), "y_range": (-0.5, 1)}).axes[:3]
+    assert image.get_xlim() == above.get_xlim() == (-1, 0.5) and image.get_ylim() == beside.get_ylim() == (-0.5, 1)
+    assert above.get_ylim() == usual[1].get_ylim() and beside.get_xlim() == usual[2].get_xlim()
+
+
+def test_a_size_without_room_for_curves_is_refused(tmp_path: Path) -> None:
+    axis = frequencies(11)
+    file = results.read(write_results(tmp_path / "a.h5", [axis], np.ones(11), law=["quantum"] * 11, bins=4))
+    with pytest.raises(InputError, match="--size: 38x33 leaves no room for curves"):
+        style.save(plot_of(file, "scan", {"size": (1.5, 1.3), "title": 8 * "ten words that take up the room "}), tmp_path / "a.png")
+    assert not (tmp_path / "a.png").exists()
