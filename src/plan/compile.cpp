@@ -277,9 +277,11 @@ class Compiler {
     chain_.back() = SortingField{std::move(region), entrance.part};
   }
 
-  void keep_in_maps(const Section& section, double from, double to) {
+  void keep_inside(const Section& section, double from, double to) {
+    if (from >= to) return;
+    for (const GapTerm& gap : section.gaps) chain_.push_back(Bounds{{gap.part, from}, to, gap_of(gap)});
     for (const ShapedTerm& term : section.shaped)
-      if (from < to && nothing_may_leave(term)) chain_.push_back(MapBounds{{term.part, from}, to, term});
+      if (nothing_may_leave(term)) chain_.push_back(Bounds{{term.part, from}, to, term});
   }
   void fly_straight_through(const Section& section) {
     if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall);
@@ -287,11 +289,11 @@ class Compiler {
     double from = section.begin;
     while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= last) {
       const Plane& plane = sections_.planes[next_plane_++];
-      keep_in_maps(section, from, plane.y);
+      keep_inside(section, from, plane.y);
       from = plane.y;
       add_plane(plane);
     }
-    keep_in_maps(section, from, section.end);
+    keep_inside(section, from, section.end);
     if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall);
   }
 

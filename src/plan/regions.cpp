@@ -35,6 +35,15 @@ double strength_of(const SpinZone& zone, bool take_off) {
 
 }  // namespace
 
+RegionGap gap_of(const GapTerm& gap) {
+  return {gap.walls,
+          gap.offset.x,
+          gap.offset.z,
+          gap.height,
+          portable::cos(gap.tilt.y),
+          portable::sin(gap.tilt.y)};
+}
+
 void RegionMaker::begin(const Section& section) {
   section_ = &section;
   begin_ = section.begin;
@@ -105,9 +114,7 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   }
   zone.shaped_end = static_cast<int>(region_.shaped.size());
   zone.gap_begin = static_cast<int>(region_.gaps.size());
-  for (const GapTerm& gap : section_->gaps)
-    region_.gaps.push_back({gap.walls, gap.offset.x, gap.offset.z, gap.height, portable::cos(gap.tilt.y),
-                            portable::sin(gap.tilt.y)});
+  for (const GapTerm& gap : section_->gaps) region_.gaps.push_back(gap_of(gap));
   zone.gap_end = static_cast<int>(region_.gaps.size());
   if (!section_->gaps.empty()) zone.wall_part = section_->gaps.front().part;
 }

@@ -11,6 +11,9 @@ struct SpinOutlook {
   double tip = 1;            // largest sine of their angle with it; 1 for a beam that nothing has aligned
 };
 
+/// The gap of a magnet, as kernels see it.
+RegionGap gap_of(const GapTerm&);
+
 /// A region under construction, from its begin to its end: sections, cut at the planes that stand inside.
 class RegionMaker {
  public:

@@ -176,9 +176,9 @@ class FollowedAtom {
     const Vector3 place{flight_.place.x + (v.x + flight_.fall.x * s / 2) * s, flight_.place.y + v.y * s,
                         flight_.place.z + (v.z + flight_.fall.z * s / 2) * s};
     FieldHere<double> here{};
+    const double y = std::clamp(place.y, section.first(), section.last());
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], place.x, place.y, place.z,
-                           here);
+      add_field<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], place.x, y, place.z, here);
     return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);
   }
   /// [s] Of a step before it is halved: by what turns the state, and what the field does.

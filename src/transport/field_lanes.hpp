@@ -222,12 +222,7 @@ struct FieldStepper {
   /// Which lanes touch no pole.
   inline mask in_gaps(const Vector& r) const {
     mask free = r.x == r.x;
-    for (int i = zone.gap_begin; i < zone.gap_end; ++i) {
-      const RegionGap& gap = region.gaps[i];
-      const real x = r.x - gap.x, z = r.z - gap.z;
-      free = free & is_free<mask>(gap.walls, fma(x, broadcast(gap.cosine), -(z * gap.sine)),
-                                  fma(x, broadcast(gap.sine), z * gap.cosine) + gap.height);
-    }
+    for (int i = zone.gap_begin; i < zone.gap_end; ++i) free = free & is_in(region.gaps[i], r.x, r.z);
     return free;
   }
 

@@ -55,6 +55,13 @@ class LevelFlight {
   }
 
  private:
+  /// Axes in no field are free: they turn to where the field that comes points, at the time s.
+  [[gnu::noinline]] inline void face_what_comes(const CourseSection& section, const FollowedField& here,
+                                                real s, mask lanes) {
+    const mask nothing = lanes & (here.size < broadcast(tiny));
+    if (any(nothing))
+      turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
+  }
   /// Drives are switched at s, and the state stays; until when they are then as they are.
   [[gnu::noinline]] inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
     const FieldAtTime before = path_.field_at(section, s);
@@ -225,6 +232,8 @@ class LevelFlight {
       dress(section, s, near, begin, end, 1, skips & ~dressed);
       dress(section, s, near, begin, end, -1, resolves & dressed);
       dressed = (dressed & ~going) | skips;
+      if (section.wave < 0)
+        face_what_comes(section, here, fma(min(h, left), broadcast(gauss_first), s), resolves);
       mask arrives{};
       const Amplitudes before = a;
       const LevelAxes axes = axes_;

@@ -84,8 +84,9 @@ class LevelPath {
     }
     if (section.shaped_begin == section.shaped_end) return at;
     FieldHere<real> field{};
+    const real y = max(broadcast(section.first()), min(broadcast(section.last()), r.y));
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<LaneMaths>(course_.shaped[i], r.x, r.y, r.z, field);
+      add_field<LaneMaths>(course_.shaped[i], r.x, y, r.z, field);
     at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
     const real* g = field.slope;
     at.rate = add(at.rate, broadcast(1),

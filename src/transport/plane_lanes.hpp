@@ -1,5 +1,6 @@
 #pragma once
 // What planes across the beam do to lanes, for kernels only: openings, screens, alignment.
+#include "transport/region.hpp"
 #include "transport/stages/alignment.hpp"
 #include "transport/vector_lanes.hpp"
 
@@ -49,6 +50,13 @@ RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {
   const real across = fma(dx, broadcast(a.cosine), -(dz * a.sine)),
              up = fma(dx, broadcast(a.sine), dz * a.cosine);
   return (abs(across) <= broadcast(a.half_x)) & (abs(up) <= broadcast(a.half_z));
+}
+
+/// Whether a particle at (x, z) touches no pole.
+RABILINE_LANES mask is_in(const RegionGap& gap, real x, real z) {
+  const real dx = x - gap.x, dz = z - gap.z;
+  return is_free<mask>(gap.walls, fma(dx, broadcast(gap.cosine), -(dz * gap.sine)),
+                       fma(dx, broadcast(gap.sine), dz * gap.cosine) + gap.height);
 }
 
 /// Whether a particle at (x, z) flies on.

@@ -9,6 +9,7 @@
 #include "transport/stage_concept.hpp"
 #include "transport/stages/alignment.hpp"
 #include "transport/stages/attenuation.hpp"
+#include "transport/stages/bounds.hpp"
 #include "transport/stages/census.hpp"
 #include "transport/stages/chopping.hpp"
 #include "transport/stages/deflection.hpp"
@@ -17,7 +18,6 @@
 #include "transport/stages/filter.hpp"
 #include "transport/stages/histogram.hpp"
 #include "transport/stages/level_projection.hpp"
-#include "transport/stages/map_bounds.hpp"
 #include "transport/stages/passage.hpp"
 #include "transport/stages/precession.hpp"
 #include "transport/stages/score.hpp"
@@ -33,7 +33,7 @@ template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
                         TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping,
-                        VelocitySelection, SortingField, MapBounds>;
+                        VelocitySelection, SortingField, Bounds>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

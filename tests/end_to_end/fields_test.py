@@ -268,6 +268,24 @@ def test_an_atom_of_one_spin_is_flipped_by_pulses_as_a_point_spin_is(tmp_path: P
     assert np.abs(levels[0] - levels[1]).max() < 1e-6
 
 
+def test_an_atom_meets_fields_that_begin_with_a_step_as_a_point_spin_does(tmp_path: Path) -> None:
+    # Where they begin and end is not always a place that the atom's path hits to the bit.
+    boxes = "".join(f"}}\n  - {{name: F{i}, at: {at} m, kind: formula_field, formula: {{Bx: '{3e-4 * (-1)**i}', Bz: 1e-4, width: 1 cm, height: 1 cm, "
+                    "length: 2 cm, step: 1 mm}" for i, at in enumerate((1.03, 1.05, 1.23, 1.35, 1.41, 1.45)))
+    path = experiment(tmp_path, "kind: uniform_field, length: 50 cm, field: 0.2 mT" + boxes)
+    levels = [levels_of(path), levels_of(of_atom(path))]
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6
+    with h5py.File(path.with_name("atom-" + path.name).with_suffix(".h5")) as file:
+        assert file["entry/field_check/levels"][()] < 1e-6
+
+
+def test_an_atom_is_driven_by_a_field_that_begins_with_nothing_as_a_point_spin_is(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: oscillating_field, length: 20 cm, amplitude: 0.4 mT, frequency: 3 kHz, phase: 30 deg, approximation: none, "
+                      "profile: half_sine")
+    levels = [levels_of(path), levels_of(of_atom(path))]  # a path that ends in time is worked out for a while
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6
+
+
 def test_atoms_that_leave_a_map_end_there_as_point_spins_do(tmp_path: Path) -> None:
     path = experiment(tmp_path, "kind: formula_field, formula: {Bz: B0 + G*z, Bx: -G*x, constants: {B0: 1 uT, G: 1 uT/m}, " + BOX + "}, outside: error")
     path.write_text(path.read_text().replace("width: 0.2 mm, height: 0.2 mm", "width: 14 mm, height: 2 mm").replace("particles: 100", "particles: 2000"))

@@ -60,10 +60,12 @@ std::vector<StageSample> samples_of<Passage>() {
 }
 
 template <>
-std::vector<StageSample> samples_of<MapBounds>() {
+std::vector<StageSample> samples_of<Bounds>() {
   // Its field is not asked for.
   ShapedTerm box(MapShape{nullptr, {5, 5, 4}, {-2e-3, 0, -1.5e-3}, {1e3, 10, 1e3}, 1, MapOutside::error});
-  return {{"box", MapBounds{{part, start}, 0.4, box}}};
+  RegionGap gap{{true, 0, 0, 1e-3, 2e-3, {}}, 0.2e-3, -0.1e-3, 0.3e-3, 0.8, 0.6};
+  gap.walls.circles[0] = {0, -2e-3, 1.5e-3, 1};
+  return {{"map", Bounds{{part, start}, 0.4, box}}, {"gap", Bounds{{part, start}, 0.4, gap}}};
 }
 
 template <>

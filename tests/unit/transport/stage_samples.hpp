@@ -59,6 +59,6 @@ std::vector<StageSample> samples_of<VelocitySelection>();
 template <>
 std::vector<StageSample> samples_of<SortingField>();
 template <>
-std::vector<StageSample> samples_of<MapBounds>();
+std::vector<StageSample> samples_of<Bounds>();
 
 }  // namespace rabiline::test
