@@ -37,9 +37,10 @@ void expect_same(const Result& a, const Result& b) {
   EXPECT_EQ(a.laws.size(), b.laws.size());
   ASSERT_EQ(a.detectors.size(), b.detectors.size());
   for (std::size_t i = 0; i < a.detectors.size(); ++i)
-    for (const auto column : {&DetectorResult::counts, &DetectorResult::counts_errors, &DetectorResult::detected,
-                              &DetectorResult::detected_errors, &DetectorResult::levels,
-                              &DetectorResult::levels_errors, &DetectorResult::detected_of_all_errors})
+    for (const auto column :
+         {&DetectorResult::counts, &DetectorResult::counts_errors, &DetectorResult::detected,
+          &DetectorResult::detected_errors, &DetectorResult::levels, &DetectorResult::levels_errors,
+          &DetectorResult::detected_of_all_errors})
       EXPECT_EQ(a.detectors[i].*column, b.detectors[i].*column);
   ASSERT_EQ(a.monitors.size(), b.monitors.size());
   for (std::size_t i = 0; i < a.monitors.size(); ++i)
