@@ -79,7 +79,8 @@ struct Report {
   std::string text;  // the plan with its derived numbers, or the numbers of a model, to be read by people
   std::vector<Diagnostic> warnings;  // what deserves a word although nothing is wrong, with its place
 };
-Report check(const Setup&);
+/// `max_memory`: as in RunSettings.
+Report check(const Setup&, std::uint64_t max_memory = 0);
 
 /// Thrown by what returns a whole or nothing where it was asked to stop.
 struct Stopped : std::exception {
@@ -100,6 +101,10 @@ struct RunSettings {
   const Snapshot* start = nullptr;                  // goes on from here
   std::vector<std::string> arguments{};             // noted in the result as the command line
   KeptTransit transit = KeptTransit::if_small;
+  /// That may be used [bytes]. A scan that needs more is worked out in slabs of its points where they follow
+  /// from one flight, which changes no bit, and is refused else. 0: 2 GiB for the first question, seven
+  /// tenths of the machine for the second one.
+  std::uint64_t max_memory = 0;
   Shard shard{};           // of the work; the last snapshot then holds its sums
   Ranks* ranks = nullptr;  // processes that fly together; the others call `assist`
 };
@@ -117,8 +122,8 @@ void dismiss(Ranks&, int exit_code);
 
 /// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
 /// level. `changes` come on top of those of the flight; particles and seed are its own. Of the settings,
-/// `isa`, `threads`, `planned` and `arguments` apply. Throws StorageError where nothing was kept, InputError,
-/// and std::invalid_argument where the scan does not follow from the flight.
+/// `isa`, `threads`, `max_memory`, `planned` and `arguments` apply. Throws StorageError where nothing was
+/// kept, InputError, and std::invalid_argument where the scan does not follow from the flight.
 Result rescan(const std::filesystem::path& result, const Changes& changes, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the

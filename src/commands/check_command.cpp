@@ -35,10 +35,10 @@ void print_json(const std::vector<Diagnostic>& errors, const Report& report, std
 }
 
 /// The exit code.
-int check_in_json(const ExperimentOptions& options) {
+int check_in_json(const ExperimentOptions& options, std::uint64_t max_memory) {
   try {
     const Setup setup = load(options.file, options.changes);
-    const Report report = check(setup);
+    const Report report = check(setup, max_memory);
     print_json({}, report, setup.points());
     return options.strict && !report.warnings.empty() ? exit_code::bad_input : exit_code::done;
   } catch (const InputError& error) {
@@ -54,14 +54,17 @@ void add_check(CLI::App& app, int& exit) {
       app.add_subcommand("check", "show every error at once, else the plan and the derived numbers");
   auto options = std::make_shared<ExperimentOptions>();
   options->add_to(*verb);
+  auto machine = std::make_shared<MachineOptions>();
+  machine->add_memory_to(*verb);
   auto json = std::make_shared<bool>(false);
   verb->add_flag("--json", *json, "print errors, warnings and the plan as JSON");
-  verb->callback([options, json, &exit] {
+  verb->callback([options, machine, json, &exit] {
+    const std::uint64_t max_memory = machine->settings().max_memory;
     if (*json) {
-      exit = check_in_json(*options);
+      exit = check_in_json(*options, max_memory);
       return;
     }
-    const Report report = check(load(options->file, options->changes));
+    const Report report = check(load(options->file, options->changes), max_memory);
     say(stdout, "{}", report.text);
     tell(report.warnings, options->strict, stdout);
   });

@@ -101,6 +101,15 @@ void MachineOptions::add_to(CLI::App& app) {
   add_isa_to(app);
 }
 
+void MachineOptions::add_memory_to(CLI::App& app) {
+  app.add_option(
+         "--max-memory", max_memory,
+         "memory that may be used, such as 2GiB: a longer scan of one flight is worked out in slabs of "
+         "its points, and what needs more is refused; 2GiB for slabs, and else what the machine has, "
+         "where it is missing")
+      ->type_name("SIZE");
+}
+
 void MachineOptions::add_isa_to(CLI::App& app) {
   app.add_option("--isa", isa, "instruction set: x86-64, avx2 or avx512; the result is the same for any")
       ->type_name("NAME");
@@ -110,6 +119,7 @@ RunSettings MachineOptions::settings() const {
   RunSettings out;
   blaming("--isa", [&] { return isa_called(isa); });
   out.isa = isa;
+  if (!max_memory.empty()) out.max_memory = read_memory_argument("--max-memory", max_memory);
   if (!threads.empty())
     out.threads =
         static_cast<int>(read_argument("--threads", threads, {1, 1024, true, true, "from 1 to 1024"}));

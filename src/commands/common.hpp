@@ -38,10 +38,12 @@ void add_scan_to(CLI::App&, Changes&);
 
 /// How to compute, which never changes a result.
 struct MachineOptions {
-  std::string threads;  // empty: as many as the process may use
-  std::string isa;      // empty: the best one
+  std::string threads;     // empty: as many as the process may use
+  std::string isa;         // empty: the best one
+  std::string max_memory;  // empty: not stated
   void add_to(CLI::App&);
   void add_isa_to(CLI::App&);
+  void add_memory_to(CLI::App&);
   /// Throws ArgumentError and InputError.
   RunSettings settings() const;
 };

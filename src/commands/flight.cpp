@@ -67,7 +67,7 @@ std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup
     throw StorageError(fmt::format("{}\n  help: remove it to start anew: rm {}", error.what(), quoted(path)));
   }
   if (found.fingerprint != setup.fingerprint() || !(found.shard == settings.shard) ||
-      found.transit != settings.transit)
+      found.transit != settings.transit || found.max_memory != settings.max_memory)
     throw ArgumentError(
         fmt::format("{} is a checkpoint of another run, which would be lost\n  help: continue that one with "
                     "`rabiline resume {}`, or "

@@ -46,6 +46,7 @@ void add_rescan(CLI::App& app, const std::vector<std::string>& arguments, int& e
                    "where the new result goes; RESULT-rescan.h5 where it is missing")
       ->type_name("OUT.h5");
   a->machine.add_isa_to(*verb);
+  a->machine.add_memory_to(*verb);
   verb->callback([a, &arguments, &exit] { exit = rescan_command(*a, arguments); });
 }
 

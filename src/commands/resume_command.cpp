@@ -9,6 +9,7 @@ int finish(Snapshot flown, const std::filesystem::path& output, const FlightOpti
   const Setup setup = load(flown);
   RunSettings settings = options.settings();
   settings.transit = flown.transit;
+  settings.max_memory = flown.max_memory;
   settings.shard = flown.shard;
   settings.arguments = flown.arguments;
   settings.ranks = ranks;

@@ -15,8 +15,8 @@ struct RunArguments {
 
 /// What has a meaning for particles alone.
 void refuse_for_a_model(const CLI::App& verb) {
-  for (const char* option :
-       {"--threads", "--isa", "--batch", "--progress", "--transit", "--checkpoint-every", "--shard"})
+  for (const char* option : {"--threads", "--isa", "--batch", "--progress", "--transit", "--checkpoint-every",
+                             "--shard", "--max-memory"})
     if (verb.count(option) > 0)
       throw ArgumentError(
           fmt::format("{} has no meaning for a model: it is solved, not flown\n  help: omit it", option));
@@ -75,6 +75,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, Ranks* ra
                    "where the result goes; FILE's name with .h5 where it is missing")
       ->type_name("OUT.h5");
   a->flight.add_to(*verb);
+  a->flight.machine.add_memory_to(*verb);
   verb->add_option("--transit", a->transit,
                    "what is kept for `rabiline rescan`: totals, images too, none, or auto: totals where they "
                    "are a fifth of the file at most")

@@ -82,13 +82,20 @@ double processor_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string told_cost(const Experiment& experiment, const Plan& plan, double planning) {
+std::string told_cost(const Experiment& experiment, const Form& form, double planning) {
+  const Plan& plan = form.plan;
   constexpr double of_field_check = 0.3;  // [s] about the most that it takes: what is longer hides it
-  double seconds = start_up + planning + time_of_flight(plan) + each_bin * bins_of(experiment);
+  const bool in_slabs = form.slabs > 1;   // which are planned once more
+  double seconds =
+      start_up + (in_slabs ? 2 : 1) * planning + time_of_flight(plan) + each_bin * bins_of(experiment);
   if (seconds < of_field_check) seconds += time_of([&] { check_fields(plan, best_isa()); });
-  return fmt::format("\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n",
-                     seconds,
-                     static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0);
+  return fmt::format(
+      "\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n{}", seconds,
+      static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0,
+      in_slabs
+          ? fmt::format("           scan points follow from one flight in {} slabs, one behind the other\n",
+                        form.slabs)
+          : "");
 }
 
 }  // namespace rabiline

@@ -47,6 +47,7 @@ Order read_order(Letter& letter) {
   order.settings.isa = letter.text();
   Snapshot& start = order.start;
   start.transit = order.settings.transit = static_cast<KeptTransit>(letter.number());
+  start.max_memory = order.settings.max_memory = letter.number();
   start.shard.number = letter.number();
   start.shard.of = letter.number();
   order.settings.shard = start.shard;
@@ -71,6 +72,7 @@ void give_order(const Snapshot& start, const RunSettings& settings) {
               text(settings.batch),
               settings.isa,
               text(static_cast<int>(settings.transit)),
+              text(settings.max_memory),
               text(settings.shard.number),
               text(settings.shard.of),
               start.fingerprint,

@@ -26,7 +26,6 @@
 #include "scan/resolved.hpp"
 #include "simulation/effects.hpp"
 #include "simulation/field_check.hpp"
-#include "simulation/finish.hpp"
 #include "simulation/overflow.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
@@ -110,6 +109,7 @@ void require_same_run(const Snapshot& start, const Setup& setup, const RunSettin
     refuse(setup.inputs().front().path + " or the program has changed since it was written");
   if (!(start.shard == settings.shard)) refuse("of another shard");
   if (start.transit != settings.transit) refuse("other moments of the slowness are kept");
+  if (start.max_memory != settings.max_memory) refuse("other memory may be used");
 }
 
 /// What a run goes on from, but for the sums.
@@ -186,15 +186,15 @@ std::vector<PartName> parts_of(const Setup& setup) {
   return loaded == nullptr ? std::vector<PartName>() : names_of(loaded->base.parts);
 }
 
-Report check(const Setup& setup) {
+Report check(const Setup& setup, std::uint64_t max_memory) {
   if (const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded)) return {explain(*model), {}};
   const LoadedExperiment& loaded = experiment_of(setup);
   const double begin = processor_time();
-  const Plan plan = make_plan(loaded.experiment);
+  const Form form = form_of(loaded.experiment, max_memory, false, 0);
   const double planning = processor_time() - begin;
-  return {explain(loaded.experiment, plan) + told_cost(loaded.experiment, plan, planning) +
+  return {explain(loaded.experiment, form.plan) + told_cost(loaded.experiment, form, planning) +
               report_of_fields(loaded.base),
-          warnings_before(loaded, loaded.experiment, plan)};
+          warnings_before(loaded, loaded.experiment, form.plan)};
 }
 
 Probed probe(const Setup& setup, const std::array<double, 3>& place, double time) {
@@ -229,6 +229,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
     snapshot.inputs = setup.inputs();
     snapshot.changes = record->changes;
     snapshot.transit = settings.transit;
+    snapshot.max_memory = settings.max_memory;
     snapshot.begun = record->start_time;
     snapshot.seconds = record.seconds();
     return snapshot;
@@ -240,12 +241,21 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   record->threads = options.threads;
   record->ranks = settings.ranks == nullptr ? 1 : settings.ranks->size();
   record->transit = settings.transit;
-  MomentsWanted moments;
-  moments.everywhere = settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
-  const Plan plan = make_plan(loaded.experiment, options.threads, most_tree_cost, moments);
-  Precision precision(loaded.experiment, plan);
+  record->max_memory = settings.max_memory;
+  const bool keep_moments =
+      settings.transit == KeptTransit::totals || settings.transit == KeptTransit::images;
+  const Form form = form_of(loaded.experiment, settings.max_memory, keep_moments, options.threads);
+  const Plan& plan = form.plan;
+  record->slabs = form.slabs;
+  Precision precision(loaded.experiment);
   options.halvings = precision.halvings();
-  options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
+  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings) {
+    return finish(form, loaded.experiment, std::move(sums), stragglers, halvings, options.isa,
+                  options.threads);
+  };
+  options.enough = [&](const Sums& sums, const std::vector<Straggler>& stragglers, int halvings) {
+    return precision.is_enough(finished(sums, stragglers, halvings));
+  };
   if (settings.progress)
     options.progress = [&](Progress progress) {
       progress.error = precision.reached().detected_error;
@@ -253,7 +263,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       settings.progress(progress);
     };
   require_memory(loaded.experiment, plan,
-                 options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()));
+                 options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()),
+                 settings.max_memory);
   if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   std::vector<Diagnostic> warnings;
@@ -270,12 +281,11 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   std::string_view why_not_kept;
   const int halvings = outcome.halvings;
   if (settings.transit != KeptTransit::none)
-    flight = record_of(loaded.experiment, plan, outcome,
+    flight = record_of(form.flown, plan, outcome,
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
-  if (flight) flight->asked_for = moments.everywhere;
-  Result result = finish(part_of(loaded.experiment, plan, halvings), part_of(plan, halvings),
-                         std::move(outcome.sums), options.threads);
+  if (flight) flight->asked_for = keep_moments;
+  Result result = finished(std::move(outcome.sums), outcome.stragglers, halvings);
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
@@ -285,10 +295,9 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
-  if (std::string warning = warning_of_overflow(loaded.experiment, plan, result, options.isa);
-      !warning.empty())
+  if (std::string warning = warning_of_overflow(form.flown, plan, result, options.isa); !warning.empty())
     provenance.warnings.push_back(std::move(warning));
-  if (moments.everywhere && !result.flight)
+  if (keep_moments && !result.flight)
     provenance.warnings.push_back(fmt::format(
         "nothing is kept for `rabiline rescan`: {}\n  help: omit --transit, or change that", why_not_kept));
   result.provenance = std::move(provenance);
@@ -306,12 +315,17 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
     throw std::invalid_argument("a rescan has the `particles`, the `seed` and the `until` of its flight");
   Record record(wanted.inputs, options_of(now), settings.arguments);
   record->instruction_set = name_of(isa);
+  record->max_memory = settings.max_memory;
   const std::vector<Diagnostic> warnings =
-      located(warnings_of(wanted.experiment, make_plan(wanted.experiment)), wanted.places);
+      located(warnings_of(wanted.experiment, form_of(wanted.experiment, settings.max_memory, true, 0).plan),
+              wanted.places);
   if (settings.planned) settings.planned(warnings);
-  Result result = rescan(flown.experiment, kept.record, wanted.experiment, isa, threads_of(settings));
+  Result result =
+      rescan(flown.experiment, kept.record, wanted.experiment,
+             settings.max_memory == 0 ? default_memory : settings.max_memory, isa, threads_of(settings));
   result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
+  provenance.slabs = result.provenance.slabs;
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);
@@ -368,6 +382,7 @@ Reproduced reproduce(const std::filesystem::path& path, RunSettings settings) {
   const Origin origin = read_origin(path);
   const Setup setup = load(path);
   settings.transit = origin.transit;
+  settings.max_memory = origin.max_memory;
   const auto compared = [&](auto result) {
     const bool same = content_of(result) == origin.content;
     return Reproduced{std::move(result), same};

@@ -23,6 +23,7 @@ class Explainer {
       : experiment_(experiment),
         beamline_(experiment.points.front()),
         plan_(plan),
+        flies_for_all_(experiment.points.size() > static_cast<std::size_t>(plan.points)),
         driven_(experiment, plan),
         report_(beamline_) {
     report_.tell_driven = [this](int part) { tell_driven(part); };
@@ -60,7 +61,8 @@ class Explainer {
     }
     const std::string_view at_most = beamline_.until ? "at most " : "";
     if (!experiment_.axes.empty())
-      line("particles  {}{} at each of {} points, {}", at_most, beamline_.particles, plan_.points,
+      line("particles  {}{} at each of {} points, {}", at_most, beamline_.particles,
+           experiment_.points.size(),
            experiment_.particles == ScanParticles::shared ? "the same ones" : "each its own");
     else
       line("particles  {}{}", at_most, beamline_.particles);
@@ -133,7 +135,7 @@ class Explainer {
     for (const PlanNode& node : nodes)
       if (serves_first_point(node.points)) {
         report_.reuse = reuse(node.points.size());
-        report_.reweightings = node.ways.size();
+        report_.reweightings = flies_for_all_ ? experiment_.points.size() : node.ways.size();
         report_.levels_found = levels_found(node);
         report_.slowness_cells = node.transit ? node.transit->cells().count : 0;
         report_.why_one_by_one = node.why_one_by_one;
@@ -152,7 +154,8 @@ class Explainer {
     for (const std::string& text : driven_.lines(component_, part, report_.speed)) line("{:>16}{}", "", text);
   }
   std::string reuse(std::size_t shared) const {
-    if (plan_.points == 1) return "";
+    if (experiment_.points.size() == 1) return "";
+    if (flies_for_all_) return "  [once for all points]";
     if (shared == 1) return "  [this point only]";
     return shared == static_cast<std::size_t>(plan_.points) ? "  [once for all points]"
                                                             : fmt::format("  [once for {} points]", shared);
@@ -161,6 +164,7 @@ class Explainer {
   const Experiment& experiment_;
   const Beamline& beamline_;
   const Plan& plan_;
+  const bool flies_for_all_;  // the first point, from which the others follow
   const DrivenParts driven_;
   int component_ = 0;                   // of the beam, that is told of
   std::set<std::pair<int, int>> told_;  // component and part

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <tuple>
 
 namespace rabiline {
@@ -61,6 +63,24 @@ double read_time_argument(const std::string& option, const std::string& text, co
                      {option, Dimension::time, range, ""}, reading, out))
     throw InputError(std::move(reading.errors));
   return out;
+}
+
+std::uint64_t read_memory_argument(const std::string& option, const std::string& text) {
+  constexpr std::array<std::string_view, 3> units{"MiB", "GiB", "TiB"};
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  std::string_view unit(end, text.data() + text.size());
+  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
+  const auto found = std::ranges::find(units, unit);
+  constexpr double most = 1 << 20;  // of the largest unit
+  if (error != std::errc() || found == units.end() || !(number > 0) || number > most) {
+    const auto source = make_source_text(option, text);
+    throw InputError({{{source, 1, 1, static_cast<int>(text.size())},
+                       fmt::format("`{}` is no size of memory", text),
+                       "write a number greater than zero with MiB, GiB or TiB, such as 2GiB"}});
+  }
+  return static_cast<std::uint64_t>(
+      number * static_cast<double>(std::uint64_t{1} << (20 + 10 * (found - units.begin()))));
 }
 
 Sources scan_arguments(const Changes& changes, Sources& sources) {

@@ -20,6 +20,9 @@ std::uint64_t read_argument(const std::string& option, const std::string& text, 
 /// A time of the command line, such as `10 h`, likewise [s].
 double read_time_argument(const std::string& option, const std::string& text, const Range&);
 
+/// A size of memory, such as `2 GiB` [bytes].
+std::uint64_t read_memory_argument(const std::string& option, const std::string& text);
+
 using Sources = std::vector<std::shared_ptr<const SourceText>>;
 
 /// One NAME=VALUE of the command line; without a name where it could not be read.

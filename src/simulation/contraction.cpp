@@ -86,7 +86,7 @@ class Contraction {
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (layout_.link(k).is_screen)
         covariances.push_back(covariance_of(tree_, node_, nodes_, *links_[k].whole, layout_.link(k).counted,
-                                            links_[k].catches, counted(k), stragglers(k), sums_));
+                                            links_[k].catches, counted(k), stragglers(k), sums_, threads));
   }
 
  private:

@@ -127,7 +127,7 @@ class DetectorFinisher {
     detector.detected_errors.push_back(
         fraction_error(all, total.variances[0], emitted, covariance_of(deviations, deviations) + by_moments));
     rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
-    deviations_[detector.name].push_back(std::move(deviations));
+    if (points_ <= most_points_of_covariance) deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
   }
 

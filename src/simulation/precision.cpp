@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "simulation/finish.hpp"
 #include "simulation/line_centre.hpp"
 #include "simulation/work.hpp"
 
@@ -47,10 +46,9 @@ int Precision::halvings() const {
   return is_wanted() ? most_halvings(experiment_.points.front().particles) : 0;
 }
 
-bool Precision::is_enough(const Sums& sums, int halvings) {
+bool Precision::is_enough(const Result& result) {
   const Until& wanted = *experiment_.points.front().until;
-  const Reached found =
-      reached_by(finish(part_of(experiment_, plan_, halvings), part_of(plan_, halvings), sums), wanted);
+  const Reached found = reached_by(result, wanted);
   detected_error_ = found.detected_error;
   centre_error_ = found.centre_error;
   return found.over(wanted) <= 1;

@@ -19,21 +19,20 @@ struct Reached {
 };
 Reached reached_by(const Result&, const Until&);
 
-/// Of an experiment with `until`. Keeps both, which must live as long.
+/// Of an experiment with `until`, which must live as long.
 class Precision {
  public:
-  Precision(const Experiment& experiment, const Plan& plan) : experiment_(experiment), plan_(plan) {}
+  explicit Precision(const Experiment& experiment) : experiment_(experiment) {}
   bool is_wanted() const { return experiment_.points.front().until.has_value(); }
   /// How often the particles may be halved.
   int halvings() const;
-  /// Whether the sums of a part are as precise as is wanted.
-  bool is_enough(const Sums&, int halvings);
+  /// Whether the result of a part is as precise as is wanted.
+  bool is_enough(const Result&);
   /// What was found last, or zeros; to be asked from any thread.
   Reached reached() const { return {detected_error_, centre_error_}; }
 
  private:
   const Experiment& experiment_;
-  const Plan& plan_;
   std::atomic<double> detected_error_{0}, centre_error_{0};
 };
 

@@ -26,7 +26,8 @@ std::optional<FlightRecord> record_of(const Experiment&, const Plan&, const RunO
 
 /// The result of another scan. `flown`: the experiment of the record. Throws std::invalid_argument where the
 /// scan changes anything but how spins turn between two places that ask for their level, or turns them faster
-/// than the moments resolve; or where the record is not of that experiment.
-Result rescan(const Experiment& flown, const FlightRecord&, const Experiment& wanted, Isa, int threads = 1);
+/// than the moments resolve; or where the record is not of that experiment. `max_memory`: as for form_of().
+Result rescan(const Experiment& flown, const FlightRecord&, const Experiment& wanted,
+              std::uint64_t max_memory, Isa, int threads = 1);
 
 }  // namespace rabiline

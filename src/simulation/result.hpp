@@ -111,6 +111,8 @@ struct Provenance {
   int threads = 1;
   double seconds = 0;
   KeptTransit transit = KeptTransit::if_small;
+  std::uint64_t max_memory = 0;       // [bytes] that the run was given; 0: none was stated
+  std::uint64_t slabs = 1;            // of scan points, worked out one behind the other from one flight
   std::string commit{}, processor{};  // of the program's source; as the machine calls it
   int ranks = 1;                      // processes, each with so many threads
 };

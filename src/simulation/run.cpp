@@ -84,7 +84,8 @@ class Runner {
   bool is_enough(int halvings) {
     if (flown_ != end_of_part(halvings) - begin_) return false;
     collect();
-    const int enough = ranks_.leads() && options_.enough(collected_.sums, halvings) ? 1 : 0;
+    const int enough =
+        ranks_.leads() && options_.enough(collected_.sums, collected_.stragglers, halvings) ? 1 : 0;
     return ranks_.exchange(enough).front() != 0;
   }
 

@@ -24,7 +24,7 @@ struct RunOptions {
   /// How often the particles may be halved (part_of), and whether the sums of a part are enough: asked about
   /// one part after the other until they are.
   int halvings = 0;
-  std::function<bool(const Sums&, int halvings)> enough;
+  std::function<bool(const Sums&, const std::vector<Straggler>&, int halvings)> enough;
   /// That fly it together; the leader alone calls the functions above and has sums in the end. Of what a run
   /// starts from, all know what has flown, the leader its sums.
   Ranks* ranks = nullptr;

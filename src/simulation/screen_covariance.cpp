@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/in_parallel.hpp"
 #include "simulation/counting.hpp"
 
 namespace rabiline {
@@ -62,88 +63,141 @@ Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const
   return flips;
 }
 
-/// How few they are in a group varies by Poisson's law, so their sums vary between groups as sum of w^2 P P'.
-/// In sum of w^2 P they weigh w as all particles do on average. `together`: between the ways from `first` on.
-void add_stragglers(const Eigen::MatrixXd& in_groups, Eigen::Index first, Eigen::MatrixXd& together) {
-  const Eigen::Index ways = std::min(together.rows(), in_groups.rows() - first);
-  if (ways <= 0) return;
-  const auto groups = static_cast<double>(in_groups.cols());
-  const Eigen::MatrixXd here = in_groups.middleRows(first, ways);
-  const Eigen::MatrixXd off = here.colwise() - here.rowwise().mean();
-  together.topLeftCorner(ways, ways) += off * off.transpose() * (groups / (groups - 1));
-}
-
-}  // namespace
-
 /// Of counts C = sum of w P over particles that were emitted with sum of v = W: the sum over all of them of
 /// (w P - r v)(w P' - r' v), r = C/W. What is emitted weighs v = 1, and sum of v w P is the count; or, of an
 /// aimed source, nothing on the way has changed its weight, and w = v (plan/transits.cpp).
-ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
-                               const TransitNodes::WholeScreen& screen, double share, int part,
-                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums& sums) {
-  const TransitLayout& layout = *projection.transit;
-  const SpinPath& path = *path_of(projection.stage);
-  const auto products = products_of_powers(path, layout, screen);
-  const auto singles = powers_in_counts(path, layout, screen);
-  const Eigen::MatrixXd flips = flips_of(tree, projection, nodes);
-  const Eigen::Index ways = flips.rows();
+///
+/// How few stragglers are in a group varies by Poisson's law, so their sums vary between groups as sum of
+/// w^2 P P'. In sum of w^2 P they weigh w as all particles do on average.
+class CovarianceMaker {
+ public:
+  CovarianceMaker(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
+                  const TransitNodes::WholeScreen& screen, double share, const Eigen::VectorXd& counted,
+                  const Eigen::MatrixXd& stragglers, const Sums& sums)
+      : tree_(tree),
+        projection_(projection),
+        nodes_(nodes),
+        products_(products_of_powers(*path_of(projection.stage), *projection.transit, screen)),
+        singles_(powers_in_counts(*path_of(projection.stage), *projection.transit, screen)),
+        share_(share),
+        counted_(counted),
+        stragglers_(stragglers),
+        some_strayed_(!stragglers.isZero(0)),
+        weights_differ_(sums_of(tree.source).weights_differ),
+        emitted_(static_cast<double>(sums[tree.sums + EmissionSums::q()]) / one_particle),
+        emitted2_(static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / one_particle / one_particle) {}
 
-  std::vector<Eigen::MatrixXd> power(products.size());  // of the flips, the 0th left out
-  power[1] = flips;
-  for (std::size_t i = 2; i < power.size(); ++i) power[i] = power[i - 1].cwiseProduct(flips);
+  /// Of all ways, which are filled up to eights.
+  Eigen::MatrixXd between_all() const {
+    const Eigen::MatrixXd flips = flips_of(tree_, projection_, nodes_);
+    const Eigen::Index ways = flips.rows();
+    std::vector<Eigen::MatrixXd> power(products_.size());  // of the flips, the 0th left out
+    power[1] = flips;
+    for (std::size_t i = 2; i < power.size(); ++i) power[i] = power[i - 1].cwiseProduct(flips);
 
-  Eigen::VectorXd weighted = Eigen::VectorXd::Constant(ways, singles[0].sum());
-  for (std::size_t i = 1; i < power.size(); ++i) weighted += power[i] * singles[i];
-  weighted *= share / one_particle;
-  const double emitted = static_cast<double>(sums[tree.sums + EmissionSums::q()]) / one_particle,
-               emitted2 =
-                   static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / one_particle / one_particle;
-  const bool some_strayed = !stragglers.isZero(0);
-  if (some_strayed) weighted.head(stragglers.rows()) += stragglers.rowwise().sum() * (emitted2 / emitted);
-  counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
-  if (!sums_of(tree.source).weights_differ) weighted = counted;
-  const Eigen::VectorXd rate = counted / emitted;
-
-  /// Between the ways of a block.
-  const auto between = [&](Eigen::Index first, Eigen::Index count) {
-    Eigen::MatrixXd together = Eigen::MatrixXd::Constant(count, count, products[0][0].sum());
+    Eigen::MatrixXd together = Eigen::MatrixXd::Constant(ways, ways, products_[0][0].sum());
     for (std::size_t i = 1; i < power.size(); ++i) {
-      const Eigen::MatrixXd own = power[i].middleRows(first, count);
-      const Eigen::VectorXd with_one = own * products[i][0];
+      const Eigen::VectorXd with_one = power[i] * products_[i][0];
       together.colwise() += with_one;
       together.rowwise() += with_one.transpose();
-      Eigen::MatrixXd others = Eigen::MatrixXd::Zero(count, nodes.size());
-      for (std::size_t j = 1; j < power.size(); ++j)
-        others += power[j].middleRows(first, count) * products[i][j].asDiagonal();
-      kernel::add_products(best_isa())(own.data(), others.data(), count, nodes.size(), together.data());
+      Eigen::MatrixXd others = Eigen::MatrixXd::Zero(ways, nodes_.size());
+      for (std::size_t j = 1; j < power.size(); ++j) others += power[j] * products_[i][j].asDiagonal();
+      kernel::add_products(best_isa())(power[i].data(), others.data(), ways, nodes_.size(), together.data());
     }
     together.triangularView<Eigen::StrictlyUpper>() = together.transpose();
-    together *= share * share / one_particle;
-    if (some_strayed) add_stragglers(stragglers, first, together);
-    const Eigen::VectorXd w = weighted.segment(first, count), r = rate.segment(first, count);
-    Eigen::MatrixXd covariance =
-        together - w * r.transpose() - r * w.transpose() + emitted2 * r * r.transpose();
+    together *= share_ * share_ / one_particle;
+    if (some_strayed_) add_stragglers(together);
+
+    Eigen::VectorXd counted = counted_;
+    counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
+    Eigen::VectorXd weighted = counted;
+    if (weights_differ_) {
+      weighted.setConstant(singles_[0].sum());
+      for (std::size_t i = 1; i < power.size(); ++i) weighted += power[i] * singles_[i];
+      weighted *= share_ / one_particle;
+      if (some_strayed_)
+        weighted.head(stragglers_.rows()) += stragglers_.rowwise().sum() * (emitted2_ / emitted_);
+    }
+    const Eigen::VectorXd rate = counted / emitted_;
+    Eigen::MatrixXd covariance = together - weighted * rate.transpose() - rate * weighted.transpose() +
+                                 emitted2_ * rate * rate.transpose();
     covariance.diagonal() = covariance.diagonal().cwiseMax(0);
     return covariance;
-  };
+  }
 
+  /// The same of one way with itself: sums in one order, whatever other ways there are.
+  double variance_of(Eigen::Index way) const {
+    const Eigen::VectorXd flips =
+        nodes_.flips(*path_of(projection_.ways[static_cast<std::size_t>(way)].stage), tree_.source.key);
+    double together = 0, weighted = 0;
+    for (Eigen::Index node = 0; node < flips.size(); ++node) {
+      double left = 1;  // power of the flip
+      for (std::size_t i = 0; i < products_.size(); ++i, left *= flips[node]) {
+        weighted += left * singles_[i][node];
+        double right = left;
+        for (std::size_t j = 0; j < products_.size(); ++j, right *= flips[node])
+          together += right * products_[i][j][node];
+      }
+    }
+    together *= share_ * share_ / one_particle;
+    weighted *= share_ / one_particle;
+    if (some_strayed_) {
+      const auto groups = static_cast<double>(stragglers_.cols());
+      double strayed = 0, scatter = 0;
+      for (Eigen::Index group = 0; group < stragglers_.cols(); ++group) strayed += stragglers_(way, group);
+      for (Eigen::Index group = 0; group < stragglers_.cols(); ++group)
+        scatter += portable::pow(stragglers_(way, group) - strayed / groups, 2);
+      together += scatter * groups / (groups - 1);
+      weighted += strayed * (emitted2_ / emitted_);
+    }
+    if (!weights_differ_) weighted = counted_[way];
+    const double rate = counted_[way] / emitted_;
+    return std::max(0.0, together - 2 * weighted * rate + emitted2_ * rate * rate);
+  }
+
+ private:
+  void add_stragglers(Eigen::MatrixXd& together) const {
+    const Eigen::Index ways = stragglers_.rows();
+    const auto groups = static_cast<double>(stragglers_.cols());
+    const Eigen::MatrixXd off = stragglers_.colwise() - stragglers_.rowwise().mean();
+    together.topLeftCorner(ways, ways) += off * off.transpose() * (groups / (groups - 1));
+  }
+
+  const PlanTree& tree_;
+  const PlanNode& projection_;
+  const TransitNodes& nodes_;
+  const std::vector<std::vector<Eigen::VectorXd>> products_;
+  const std::vector<Eigen::VectorXd> singles_;
+  const double share_;
+  const Eigen::VectorXd& counted_;
+  const Eigen::MatrixXd& stragglers_;
+  const bool some_strayed_, weights_differ_;
+  const double emitted_, emitted2_;  // [particles], [particles^2]
+};
+
+}  // namespace
+
+ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
+                               const TransitNodes::WholeScreen& screen, double share, int part,
+                               const Eigen::VectorXd& counted, const Eigen::MatrixXd& stragglers,
+                               const Sums& sums, int threads) {
+  const CovarianceMaker maker(tree, projection, nodes, screen, share, counted, stragglers, sums);
   ScreenCovariance out{part};
   for (std::size_t way = 0; way < projection.ways.size(); ++way)
     for (const int point : projection.ways[way].points) {
       out.way_of.resize(std::max(out.way_of.size(), static_cast<std::size_t>(point) + 1));
       out.way_of[static_cast<std::size_t>(point)] = static_cast<Eigen::Index>(way);
     }
-  if (projection.ways.size() <= most_points_of_covariance) {
-    out.between_ways = between(0, ways);
+  if (out.way_of.size() <= most_points_of_covariance) {
+    out.between_ways = maker.between_all();
     out.of_ways = out.between_ways.diagonal();
     return out;
   }
-  constexpr Eigen::Index at_once = 64;
-  out.of_ways.resize(ways);
-  for (Eigen::Index first = 0; first < ways; first += at_once) {
-    const Eigen::Index count = std::min(at_once, ways - first);
-    out.of_ways.segment(first, count) = between(first, count).diagonal();
-  }
+  out.of_ways.resize(counted.size());
+  in_parallel(projection.ways.size(), threads, [&](std::size_t way) {
+    const auto at = static_cast<Eigen::Index>(way);
+    out.of_ways[at] = maker.variance_of(at);
+  });
   return out;
 }
 

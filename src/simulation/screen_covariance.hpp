@@ -20,6 +20,7 @@ struct ScreenCovariance {
 /// particles, of each way; `stragglers`: those among them that are in no cell, in each group of particles.
 ScreenCovariance covariance_of(const PlanTree&, const PlanNode& projection, const TransitNodes&,
                                const TransitNodes::WholeScreen&, double share, int part,
-                               Eigen::VectorXd counted, const Eigen::MatrixXd& stragglers, const Sums&);
+                               const Eigen::VectorXd& counted, const Eigen::MatrixXd& stragglers, const Sums&,
+                               int threads);
 
 }  // namespace rabiline

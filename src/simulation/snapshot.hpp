@@ -69,8 +69,9 @@ struct Snapshot {
   std::vector<InputText> inputs;
   std::vector<std::string> changes;  // of the inputs, as options
   KeptTransit transit = KeptTransit::if_small;
-  std::string begun;   // ISO 8601, when the run began
-  double seconds = 0;  // [s] that it took so far
+  std::uint64_t max_memory = 0;  // [bytes] that it may use; 0: what a run may without a word
+  std::string begun;             // ISO 8601, when the run began
+  double seconds = 0;            // [s] that it took so far
 
   /// Of its work.
   double done() const {

@@ -95,7 +95,7 @@ Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key,
   struct alignas(64) Line {
     std::uint64_t of[8];
   };
-  std::vector<Line> lines(most_levels * Batch::capacity / 8);
+  std::vector<Line> lines(static_cast<std::size_t>(path.levels) * Batch::capacity / 8);
   std::uint64_t* shared = lines.front().of;
   Eigen::MatrixXd out(size(), static_cast<Eigen::Index>(outcomes.size()));
   Batch batch;

@@ -14,7 +14,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr std::uint64_t checkpoint_version = 4;
+constexpr std::uint64_t checkpoint_version = 5;
 // The most that a checkpoint may hold: far above what runs need, and what a machine can still read.
 constexpr std::size_t most_sums = std::size_t{1} << 29, most_intervals = std::size_t{1} << 24,
                       most_text = std::size_t{1} << 28;
@@ -85,10 +85,13 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
                                            snapshot.shard.number,
                                            snapshot.shard.of,
                                            static_cast<std::uint64_t>(snapshot.transit),
+                                           snapshot.max_memory,
                                            snapshot.sums.size};
-  root.dataset(
-      "numbers", {numbers.size()}, numbers,
-      {{"long_name", "version, particles in all, shard, of how many, what is kept of the slowness, sums"}});
+  root.dataset("numbers", {numbers.size()}, numbers,
+               {{"long_name",
+                 "version, particles in all, shard, of how many, what is kept of the slowness, bytes that "
+                 "may be used, "
+                 "sums"}});
   root.dataset("seconds", {1}, std::vector<double>{snapshot.seconds}, {{"units", "s"}});
   root.dataset("finished_begin", {begins.size()}, begins);
   root.dataset("finished_end", {ends.size()}, ends);
@@ -109,8 +112,8 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
 Snapshot read_contents(const Path& path) {
   const hdf5::FileReader file(path);
   if (!file.contains("numbers")) refuse(path, "it holds something else");
-  const auto numbers = file.numbers("numbers", 6);
-  if (numbers.size() != 6 || numbers[0] != checkpoint_version || numbers[4] > 3)
+  const auto numbers = file.numbers("numbers", 7);
+  if (numbers.size() != 7 || numbers[0] != checkpoint_version || numbers[4] > 3)
     refuse(path, "it is of another version");
   const auto seconds = file.reals("seconds", 1);
   const auto begun = file.texts("begun", most_text);
@@ -126,10 +129,11 @@ Snapshot read_contents(const Path& path) {
   snapshot.particles = numbers[1];
   snapshot.shard = {numbers[2], numbers[3]};
   snapshot.transit = static_cast<KeptTransit>(numbers[4]);
+  snapshot.max_memory = numbers[5];
   snapshot.seconds = seconds.front();
   snapshot.begun = begun.front();
   for (std::size_t i = 0; i < begins.size(); ++i) snapshot.finished.emplace_back(begins[i], ends[i]);
-  snapshot.sums = {numbers[5], file.numbers("sums_at", most_sums), file.numbers("sums_high", most_sums),
+  snapshot.sums = {numbers[6], file.numbers("sums_at", most_sums), file.numbers("sums_high", most_sums),
                    file.numbers("sums_low", most_sums)};
   const auto trees = file.numbers("straggler_trees", most_intervals),
              particles = file.numbers("straggler_particles", most_intervals);

@@ -28,6 +28,8 @@ Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& pa
   origin.content = number("content", ~std::uint64_t{0});
   if (file.contains("entry/simulation/transit"))
     origin.transit = static_cast<KeptTransit>(number("transit", 3));
+  if (file.contains("entry/simulation/max_memory"))
+    origin.max_memory = number("max_memory", ~std::uint64_t{0});
   return origin;
 }
 

@@ -323,6 +323,10 @@ void write_simulation(const GroupWriter& entry, const Result& result, std::uint6
   const GroupWriter simulation = nexus::write_provenance(entry, result.provenance, content);
   simulation.dataset("transit", {1}, std::vector{static_cast<std::uint64_t>(result.provenance.transit)},
                      {{"long_name", "kept of the slowness: 0 totals if small, 1 none, 2 totals, 3 images"}});
+  simulation.dataset("max_memory", {1}, std::vector{result.provenance.max_memory},
+                     {{"units", "byte"}, {"long_name", "memory that the run was given; 0: none was stated"}});
+  simulation.dataset("slabs", {1}, std::vector{result.provenance.slabs},
+                     {{"long_name", "of scan points, worked out one behind the other from one flight"}});
   simulation.number("seed", result.seed, {{"units", "1"}});
   for (const auto& choice : choices<ScanParticles>) {
     if (choice.value != result.particles_mode) continue;

@@ -154,3 +154,31 @@ def test_transits_are_drawn(folder: Path) -> None:
                               capture_output=True, text=True, env=analysis)
         assert done.returncode == code, done.stderr
     assert "has no times of flight to `screen`" in done.stderr
+
+
+def test_a_scan_in_slabs_has_the_bits_of_one_in_one_piece(folder: Path) -> None:
+    (folder / "rabi.yaml").write_text(BEAMLINE)
+    (folder / "magnets.yaml").write_text(MAGNETS)
+    scan = ("--no-scan", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:4200", "--particles", 2000)
+    checked = rabiline("check", "rabi.yaml", *scan, "--max-memory", "20MiB", cwd=folder)
+    assert "scan points follow from one flight in 2 slabs" in checked.stdout, checked.stdout + checked.stderr
+    assert "4200 ways to share the weights follow from moments" in checked.stdout
+    for name, *more in (("whole.h5",), ("slabs.h5", "--max-memory", "20MiB")):
+        done = rabiline("run", "rabi.yaml", *scan, "--transit", "totals", "-o", name, *more, cwd=folder)
+        assert done.returncode == 0, done.stderr
+    for name in ("scan/detected", "scan/detected_errors", "screen/counts_errors", "screen_levels/levels_errors", "fates/quanta_low",
+                 "flight/low", "parameters/scanned/RF.frequency"):
+        assert (numbers(folder / "slabs.h5", f"entry/{name}") == numbers(folder / "whole.h5", f"entry/{name}")).all(), name
+    assert [numbers(folder / name, "entry/simulation/slabs")[0] for name in ("whole.h5", "slabs.h5")] == [1, 2]
+    again = rabiline("reproduce", "slabs.h5", cwd=folder)
+    assert again.returncode == 0 and "same" in again.stdout, again.stdout + again.stderr
+    more = rabiline("rescan", "slabs.h5", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:5000", "--max-memory", "20MiB", "-o", "more.h5", cwd=folder)
+    assert more.returncode == 0 and numbers(folder / "more.h5", "entry/simulation/slabs")[0] == 2, more.stderr
+
+
+def test_memory_is_stated_as_a_size(folder: Path) -> None:
+    for size in ("2", "2 GB", "-1GiB", "nothing"):
+        refused = rabiline("check", "rabi.yaml", "--max-memory", size, cwd=folder)
+        assert refused.returncode == 2 and "is no size of memory" in refused.stderr
+    done = rabiline("run", "rabi.yaml", "--max-memory", "1 MiB", "--set", "screen.bins=[2000, 2000]", "-o", "a.h5", cwd=folder)
+    assert done.returncode == 2 and "--max-memory is 0.0 GiB" in done.stderr, done.stderr

@@ -25,10 +25,12 @@ Experiment half_detected(std::uint64_t particles, double error) {
   return e;
 }
 RunOutcome run_until(const Experiment& e, const Plan& plan, RunOptions options = {}) {
-  Precision precision(e, plan);
+  Precision precision(e);
   options.halvings = precision.halvings();
   options.grain = 0;  // eight particles at once, however fast the machine
-  options.enough = [&](const Sums& sums, int halvings) { return precision.is_enough(sums, halvings); };
+  options.enough = [&](const Sums& sums, const std::vector<Straggler>&, int halvings) {
+    return precision.is_enough(finish(part_of(e, plan, halvings), part_of(plan, halvings), sums));
+  };
   return run(plan, options);
 }
 Result finish_part(const Experiment& e, const Plan& plan, RunOutcome outcome) {

@@ -95,7 +95,7 @@ TEST(Ranks, EndAtThePrecisionOfAllOfThem) {
   const Plan plan = make_plan(small(16000));
   const auto enough = [](RunOptions& options) {
     options.halvings = 4;
-    options.enough = [](const Sums&, int halvings) { return halvings == 2; };
+    options.enough = [](const Sums&, const auto&, int halvings) { return halvings == 2; };
   };
   RunOptions options = options_for(1);
   enough(options);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "apparatus.hpp"
+#include "simulation/form.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 
@@ -30,7 +31,8 @@ Flown fly(std::vector<Beamline> points, KeptBins bins, const RunOptions& options
   return out;
 }
 Result rescanned(const Flown& flown, std::vector<Beamline> points) {
-  return rescan(flown.experiment, *flown.record, experiment_of(std::move(points)), best_isa());
+  return rescan(flown.experiment, *flown.record, experiment_of(std::move(points)), default_memory,
+                best_isa());
 }
 
 void expect_close(const std::vector<double>& a, const std::vector<double>& b, double tolerance) {

@@ -155,6 +155,7 @@ Snapshot snapshot(std::uint64_t number, std::size_t sums) {
   made.particles = ~std::uint64_t{0};
   made.changes = {"--set", "H0.amplitude=0.3 uT"};
   made.transit = KeptTransit::totals;
+  made.max_memory = 3;
   made.begun = "2026-11-22T15:00:00+0000";
   made.seconds = 0.25 + static_cast<double>(number);
   made.finished = {{0, number + 1}, {number + 1, number + 5}, {number + 9, ~std::uint64_t{0}}};
@@ -174,7 +175,7 @@ bool same(const Snapshot& a, const Snapshot& b) {
     return left.path == right.path && left.text == right.text;
   };
   return a.fingerprint == b.fingerprint && a.particles == b.particles && a.shard == b.shard &&
-         a.changes == b.changes && a.transit == b.transit && a.begun == b.begun && a.seconds == b.seconds &&
+         a.changes == b.changes && a.transit == b.transit && a.max_memory == b.max_memory && a.begun == b.begun && a.seconds == b.seconds &&
          a.finished == b.finished && a.sums == b.sums && a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }

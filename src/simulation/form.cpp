@@ -1,0 +1,186 @@
+#include "simulation/form.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "simulation/append.hpp"
+#include "simulation/counting.hpp"
+#include "simulation/finish.hpp"
+#include "simulation/precision.hpp"
+#include "simulation/run.hpp"
+#include "simulation/sums_copy.hpp"
+#include "simulation/walk.hpp"
+#include "simulation/work.hpp"
+
+namespace rabiline {
+namespace {
+
+constexpr double any_cost = std::numeric_limits<double>::infinity();
+/// Even the half of it has more points than a covariance is kept of, so that no slab has one.
+constexpr std::size_t least_at_once = 2 * (most_points_of_covariance + 1);
+
+/// Whether every node serves all points, or is one whose points follow from moments. Otherwise, why not.
+bool is_one_flight(const std::vector<PlanNode>& nodes, std::size_t points, std::string_view& why) {
+  for (const PlanNode& node : nodes) {
+    if (node.points.size() == points && !node.why_one_by_one.empty()) why = node.why_one_by_one;
+    if (node.points.size() != points || (!node.ways.empty() && !node.transit)) return false;
+    if (!node.transit && traits_of(node.stage).counts_levels && path_of(node.stage) != nullptr) return false;
+    if (!node.transit && !is_one_flight(node.next, points, why)) return false;
+  }
+  return true;
+}
+/// Points [begin, end) of a scan.
+Experiment some_of(const Experiment& scan, std::size_t begin, std::size_t end) {
+  Experiment out;
+  out.particles = scan.particles;
+  out.points = {end - begin, [points = scan.points, begin](std::size_t p) { return points[begin + p]; }};
+  return out;
+}
+/// One of so many slabs, all about as long.
+Experiment slab_of(const Experiment& scan, std::size_t slab, std::size_t slabs) {
+  if (slabs == 1) return scan;
+  const std::size_t points = scan.points.size();
+  return some_of(scan, points * slab / slabs, points * (slab + 1) / slabs);
+}
+/// Behind the point that flies.
+Experiment behind(const Experiment& flown, const Experiment& slab) {
+  Experiment both;
+  both.particles = slab.particles;
+  both.points = {slab.points.size() + 1, [&flown, &slab](std::size_t p) {
+                   return p == 0 ? flown.points.front() : slab.points[p - 1];
+                 }};
+  return both;
+}
+
+/// The fields that each way to share weights keeps [bytes].
+std::size_t bytes_of_ways(const std::vector<PlanNode>& nodes) {
+  std::size_t bytes = 0;
+  for (const PlanNode& node : nodes) {
+    for (const PlanNode::Way& way : node.ways) bytes += path_of(way.stage)->zones.size() * sizeof(SpinZone);
+    bytes += bytes_of_ways(node.next);
+  }
+  return bytes;
+}
+/// About what a point takes while it is worked out: its fields as they are compiled, in the tree and in its
+/// copy; its sums as they are flown, added up and finished; its stages, and what becomes of all that.
+double bytes_of_point(const Plan& plan) {
+  constexpr double stages_and_result = 8192;
+  std::size_t bytes = 4 * plan.sums * sizeof(Sum);
+  for (const PlanTree& tree : plan.trees) bytes += 3 * bytes_of_ways(tree.next);
+  return stages_and_result + static_cast<double>(bytes) / plan.points;
+}
+
+/// Where what each point counts behind moments stands: begin and end.
+std::vector<std::pair<std::size_t, std::size_t>> counted_behind(const PlanTree& tree) {
+  std::vector<std::pair<std::size_t, std::size_t>> ranges;
+  const auto add = [&](std::size_t begin, std::size_t size) { ranges.emplace_back(begin, begin + size); };
+  each_transit(tree.next, [&](const PlanNode& first) {
+    for (const PlanNode::Way& way : first.ways)
+      for (const PlanNode* node = &first; node != nullptr;
+           node = node->next.empty() ? nullptr : &node->next.front()) {
+        add(node->sums + way.shift, sums_needed(node->stage));
+        if (node->ledger != 0) add(node->ledger + way.shift, LedgerSums{tree.ledger_levels}.size());
+      }
+  });
+  return ranges;
+}
+
+/// What stragglers come to behind the moments.
+void add_stragglers(const Plan& plan, const std::vector<Straggler>& stragglers, Isa isa, Sums& sums) {
+  if (stragglers.empty()) return;
+  Walker walker(isa, Batch::capacity);
+  Sums flown(plan.sums);
+  for (const Straggler& s : stragglers) {
+    if (!is_of(s, plan)) throw std::invalid_argument("what was kept is of another beam");
+    walker.fly(plan.trees[s.tree], s.particle, s.particle + 1, flown);
+  }
+  for (const PlanTree& tree : plan.trees)
+    for (const auto& [begin, end] : counted_behind(tree))
+      for (std::size_t i = begin; i < end; ++i) sums[i] += flown[i];
+}
+
+/// A part of the particles, so often halved.
+Result finish_part(const Experiment& experiment, const Plan& plan, Sums sums, int halvings, int threads) {
+  if (halvings == 0) return finish(experiment, plan, std::move(sums), threads);
+  return finish(part_of(experiment, plan, halvings), part_of(plan, halvings), std::move(sums), threads);
+}
+
+}  // namespace
+
+bool is_one_flight(const Plan& plan, std::string_view& why) {
+  for (std::size_t k = 0; k < plan.trees.size(); ++k) {
+    if (k > 0 && plan.trees[k].component == plan.trees[k - 1].component) return false;
+    if (!is_one_flight(plan.trees[k].next, static_cast<std::size_t>(plan.points), why)) return false;
+  }
+  return true;
+}
+
+Experiment first_point_of(const Experiment& experiment) {
+  Experiment out;
+  out.particles = experiment.particles;
+  out.points = {experiment.points.front()};
+  return out;
+}
+
+std::size_t slabs_of(const Experiment& flown, const Experiment& scan, const MomentsWanted& moments,
+                     std::uint64_t max_memory) {
+  const std::size_t points = scan.points.size();
+  if (points <= least_at_once) return 1;
+  const Experiment sample = some_of(scan, 0, least_at_once);
+  const double bytes = bytes_of_point(make_plan(behind(flown, sample), 0, any_cost, moments));
+  const auto at_once =
+      std::max(least_at_once, static_cast<std::size_t>(static_cast<double>(max_memory) / bytes));
+  return (points + at_once - 1) / at_once;
+}
+
+/// A cell is as wide as the fastest turning of any point wants it.
+std::optional<Form> follow(const Experiment& flown, const Experiment& scan, const MomentsWanted& moments,
+                           std::size_t slabs, std::string_view& why) {
+  Form form{flown, {}, {}, slabs};
+  for (std::size_t slab = 0; slab < slabs; ++slab) {
+    const Plan plan = make_plan(behind(flown, slab_of(scan, slab, slabs)), 0, any_cost, moments);
+    if (!is_one_flight(plan, why)) return {};
+    std::size_t place = 0;
+    for (const PlanTree& tree : plan.trees)
+      each_transit(tree.next, [&](const PlanNode& node) {
+        if (place == form.cells.size()) form.cells.push_back(node.transit->cells());
+        SlownessCells& cells = form.cells[place++];
+        if (node.transit->cells().count > cells.count) cells = node.transit->cells();
+      });
+  }
+  if (form.cells.empty()) return {};
+  form.plan = make_plan(flown, 0, any_cost, {true, &form.cells});
+  return form;
+}
+
+Form form_of(const Experiment& scan, const MomentsWanted& wanted, std::uint64_t max_memory, int threads) {
+  const Experiment flown = first_point_of(scan);
+  const MomentsWanted everywhere{true};
+  const std::size_t slabs = scan.particles == ScanParticles::shared && scan.points.size() > least_at_once
+                                ? slabs_of(flown, scan, everywhere, max_memory)
+                                : 1;
+  std::string_view why;
+  if (slabs > 1)
+    if (std::optional<Form> form = follow(flown, scan, everywhere, slabs, why)) return std::move(*form);
+  return {scan, make_plan(scan, threads, most_tree_cost, wanted)};
+}
+
+Result finish(const Form& form, const Experiment& scan, Sums sums, const std::vector<Straggler>& stragglers,
+              int halvings, Isa isa, int threads) {
+  if (form.cells.empty()) return finish_part(scan, form.plan, std::move(sums), halvings, threads);
+  Result all;
+  for (std::size_t k = 0; k < form.slabs; ++k) {
+    const Experiment slab = slab_of(scan, k, form.slabs);
+    const Plan plan = make_plan(slab, threads, any_cost, {true, &form.cells});
+    Sums of_slab(plan.sums);
+    copy_flight(form.plan, sums, plan, of_slab);
+    add_stragglers(plan, stragglers, isa, of_slab);
+    append(finish_part(slab, plan, std::move(of_slab), halvings, threads), all);
+  }
+  all.axes = scan.axes;
+  return all;
+}
+
+}  // namespace rabiline

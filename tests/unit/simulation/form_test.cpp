@@ -1,0 +1,108 @@
+// Scans in slabs of points, against the same scans in one piece.
+#include "simulation/form.hpp"
+
+#include <gtest/gtest.h>
+
+#include "apparatus.hpp"
+#include "simulation/rescan.hpp"
+#include "simulation/run.hpp"
+
+namespace rabiline::test {
+namespace {
+
+constexpr int many = 4200;  // points: more than stand in one slab, where memory is short
+constexpr std::uint64_t no_memory = 1, all_memory = std::uint64_t{1} << 40;
+
+Experiment scan_of(const Apparatus& apparatus) {
+  Experiment e;
+  e.points = {many, [apparatus](std::size_t p) {
+                return apparatus.at(apparatus.resonance() * (1 + 1e-6 * (static_cast<double>(p) - many / 2)));
+              }};
+  return e;
+}
+struct Flown {
+  Form form;
+  RunOutcome outcome;
+  Result result;
+};
+Flown fly(const Experiment& e, std::uint64_t max_memory) {
+  Flown out{form_of(e, {true}, max_memory), {}, {}};
+  out.outcome = run(out.form.plan, {});
+  out.result = finish(out.form, e, out.outcome.sums, out.outcome.stragglers, 0, best_isa(), 2);
+  return out;
+}
+
+void expect_same(const Result& a, const Result& b) {
+  EXPECT_EQ(a.emitted_quanta_low, b.emitted_quanta_low);
+  EXPECT_EQ(a.laws.size(), b.laws.size());
+  ASSERT_EQ(a.detectors.size(), b.detectors.size());
+  for (std::size_t i = 0; i < a.detectors.size(); ++i)
+    for (const auto column :
+         {&DetectorResult::counts, &DetectorResult::counts_errors, &DetectorResult::detected,
+          &DetectorResult::detected_errors, &DetectorResult::levels, &DetectorResult::levels_errors,
+          &DetectorResult::detected_of_all_errors})
+      EXPECT_EQ(a.detectors[i].*column, b.detectors[i].*column);
+  ASSERT_EQ(a.monitors.size(), b.monitors.size());
+  for (std::size_t i = 0; i < a.monitors.size(); ++i)
+    EXPECT_EQ(a.monitors[i].passed_errors, b.monitors[i].passed_errors);
+  ASSERT_EQ(a.fates.size(), b.fates.size());
+  for (std::size_t i = 0; i < a.fates.size(); ++i) {
+    EXPECT_EQ(a.fates[i].quanta_low, b.fates[i].quanta_low);
+    EXPECT_EQ(a.fates[i].by_level, b.fates[i].by_level);
+  }
+}
+
+TEST(Slabs, ChangeNoBitOfAResult) {
+  for (const bool aimed : {false, true}) {
+    Apparatus apparatus;
+    apparatus.particles = 3000;
+    apparatus.bins = {2, 1};
+    apparatus.aimed = aimed;
+    const Experiment e = scan_of(apparatus);
+    const Flown whole = fly(e, all_memory), slabs = fly(e, no_memory);
+    EXPECT_EQ(whole.form.slabs, 1U);
+    EXPECT_EQ(slabs.form.slabs, 2U);
+    EXPECT_LT(slabs.form.plan.sums, whole.form.plan.sums / 100);
+    EXPECT_EQ(slabs.result.detectors[0].detected.size(), std::size_t{many});
+    EXPECT_NE(slabs.result.detectors[0].detected.front(), slabs.result.detectors[0].detected[many / 2]);
+    expect_same(whole.result, slabs.result);
+  }
+}
+
+TEST(Slabs, AreOfPointsThatFollowFromOneFlight) {
+  Experiment e = scan_of({});
+  e.points = {many, [points = e.points](std::size_t p) {
+                Beamline b = points[p];
+                if (p == many - 1) std::get<GradientMagnet>(b.parts.front().part).gradient *= 1.01;
+                return b;
+              }};
+  EXPECT_EQ(form_of(e, {}, no_memory).slabs, 1U);
+}
+
+/// As no particle is outside of cells that follow from the speeds, they are narrowed.
+TEST(Slabs, OfARescanShareTheStragglersOfItsFlight) {
+  Apparatus apparatus;
+  apparatus.particles = 3000;
+  Experiment one;
+  one.points = {apparatus.at(apparatus.resonance())};
+  std::vector<SlownessCells> cells;
+  const Experiment scan = scan_of(apparatus);
+  each_transit(form_of(scan, {true}, no_memory).plan.trees.front().next,
+               [&](const PlanNode& node) { cells.push_back(node.transit->cells()); });
+  ASSERT_EQ(cells.size(), 1U);
+  cells[0].count = static_cast<int>((1 / 700.0 - cells[0].first) / cells[0].width);
+  const Plan plan = make_plan(one, 0, most_tree_cost, {true, &cells});
+  const RunOutcome outcome = run(plan, {});
+  ASSERT_GT(outcome.stragglers.size(), 20U);
+  std::string_view why;
+  const std::optional<FlightRecord> record = record_of(one, plan, outcome, KeptBins::images, why);
+  ASSERT_TRUE(record);
+  const Result whole = rescan(one, *record, scan, all_memory, best_isa()),
+               slabs = rescan(one, *record, scan, no_memory, best_isa());
+  EXPECT_EQ(whole.provenance.slabs, 1U);
+  EXPECT_EQ(slabs.provenance.slabs, 2U);
+  expect_same(whole, slabs);
+}
+
+}  // namespace
+}  // namespace rabiline::test
