@@ -22,6 +22,10 @@ void contribute_fringed(const UniformField& part, const Placement& place, Sectio
     builder.shaped(std::max(0.0, place.at - reach), end,
                    placed(ShapedTerm(shape), middle, {u, cross(beam, u), beam}));
   };
+  if (shape.curve == FringeCurve::sine && part.length > 2 * reach) {
+    builder.kink(place.at + reach);
+    builder.kink(place.at + part.length - reach);
+  }
   if (length_of(across) > 0) add(false, length_of(across), across);
   if (field.y != 0) add(true, field.y, {1, 0, 0});
 }

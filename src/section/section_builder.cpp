@@ -61,6 +61,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(shaped_);
   add_edges(swinging_);
   add_edges(bores_);
+  edges.insert(edges.end(), kinks_.begin(), kinks_.end());
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
               edges.end());

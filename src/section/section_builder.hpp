@@ -36,6 +36,9 @@ class SectionBuilder {
   void shaped(double begin, double end, ShapedTerm);
   /// One that swings by a clock of its own.
   void swinging(double begin, double end, ShapedTerm, Oscillator);
+  /// Where a field jumps or bends sharply inside of its stretch: a step could pass such a place between those
+  /// where it asks for the field.
+  void kink(double y) { kinks_.push_back(y); }
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
@@ -68,6 +71,7 @@ class SectionBuilder {
   std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
+  std::vector<double> kinks_;
 };
 
 }  // namespace rabiline

@@ -156,6 +156,19 @@ TEST(FieldFlight, AgreesWithAnIndependentIntegrationInRandomFields) {
   EXPECT_GT(particles, 400U);
 }
 
+/// Off the axis the field of a fringe jumps where the fringe begins and ends as half a sine: 1000 rad/m
+/// squared times r^2/4 of it, 3 % at half a millimetre.
+TEST(FieldFlight, SeesTheKinksOfASineFringe) {
+  UniformField field = field_with(0.02, 1e-3, {});
+  field.direction = {1, 0, 0};
+  field.fringe = SineFringe{3e-3};
+  Beamline b = neutrons(QuantumLaw{}, {place("B", 0.3, field)}, 1e-3);
+  b.source.opening = Rectangle{1e-3, 1e-3};
+  b.source.speed = GaussianSpeed{800, 80};
+  b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
+  EXPECT_LT(check_of(b).value().spin, 1e-6);
+}
+
 TEST(FieldFlight, IsCheckedSoThatStepsTooLongAreSeen) {
   Beamline b = neutrons(ClassicalLaw{1e-2}, {place("G", 0.1, field_with(1, 1e-5, {.longitudinal = 1e-3}))});
   UniformField across;
