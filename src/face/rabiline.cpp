@@ -21,6 +21,7 @@
 #include "face/warnings.hpp"
 #include "plan/explain.hpp"
 #include "rules/field_lint.hpp"
+#include "rules/part_effects.hpp"
 #include "rules/warnings.hpp"
 #include "scan/parameter_value.hpp"
 #include "scan/resolved.hpp"
@@ -193,7 +194,7 @@ Report check(const Setup& setup) {
   const Plan plan = make_plan(loaded.experiment);
   const double planning = processor_time() - begin;
   return {explain(loaded.experiment, plan) + told_cost(loaded.experiment, plan, planning) +
-              report_of_fields(loaded.base),
+              report_of_parts(loaded.base) + report_of_fields(loaded.base),
           warnings_before(loaded, loaded.experiment, plan)};
 }
 

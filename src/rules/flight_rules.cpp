@@ -124,12 +124,12 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
     const bool sorts = sorts_levels(beamline, sections, stretch);
     const std::string* field = nullptr;
     for (const Section& section : sections.sections) {
-      if (!section.has_shaped_fields() || section.begin < stretch.begin || section.end > stretch.end)
-        continue;
+      if (!section.needs_steps() || section.begin < stretch.begin || section.end > stretch.end) continue;
       if (field == nullptr)
-        field =
-            &part(section.shaped.empty() ? section.swinging.front().field.part : section.shaped.front().part)
-                 .placement.name;
+        field = &part(!section.shaped.empty()     ? section.shaped.front().part
+                      : !section.swinging.empty() ? section.swinging.front().field.part
+                                                  : section.electric.front().part)
+                     .placement.name;
       if (!sorts || (section.rotating.empty() && section.swinging.empty())) continue;
       const std::string& drive =
           section.swinging.empty()
@@ -153,7 +153,7 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
       out.push_back(
           {inside.placement.name, "at",
            fmt::format("`{}` stands in the field of `{}`, which {} ({} to {})", inside.placement.name, *field,
-                       sorts ? "sorts the levels by its gradient" : "differs from place to place",
+                       sorts ? "sorts the levels by its gradient" : "is followed along each path",
                        metres(stretch.begin), metres(stretch.end)),
            "move it out of the field"});
       return;

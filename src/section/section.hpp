@@ -58,10 +58,14 @@ struct Section {
   std::vector<CoilTerm> coils;
   std::vector<ShapedTerm> shaped;  // that differ from place to place
   std::vector<SwingingTerm> swinging;
+  std::vector<ShapedTerm> electric;  // E, in V/m and V/m^2
   std::vector<GapTerm> gaps;
   Wall wall;  // the narrowest
   bool operator==(const Section&) const = default;
   bool has_shaped_fields() const { return !shaped.empty() || !swinging.empty(); }
+  /// Some field in it has no closed form: B differs from place to place, or E makes what a spin sees follow
+  /// its velocity.
+  bool needs_steps() const { return has_shaped_fields() || !electric.empty(); }
 };
 
 /// What misses the opening stops; of a beam stop, what hits the shape.

@@ -35,6 +35,10 @@ void SectionBuilder::swinging(double begin, double end, ShapedTerm term, Oscilla
   term.part = oscillator.part = part_;
   swinging_.push_back({{begin, end, part_}, {term, oscillator}});
 }
+void SectionBuilder::electric(double begin, double end, ShapedTerm term) {
+  term.part = part_;
+  electric_.push_back({{begin, end, part_}, term});
+}
 void SectionBuilder::bore(double begin, double end, double radius, Offset offset) {
   bores_.push_back({{begin, end, part_}, {radius, part_, offset}});
 }
@@ -60,6 +64,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(coils_);
   add_edges(shaped_);
   add_edges(swinging_);
+  add_edges(electric_);
   add_edges(bores_);
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
@@ -79,6 +84,7 @@ bool SectionBuilder::is_overlapped(const Plane& plane) const {
          overlaps(coils_, [](const CoilTerm& coil) { return coil.angle != 0; }) ||
          overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
          overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
+         overlaps(electric_, [](const ShapedTerm&) { return true; }) ||
          std::ranges::any_of(planes_, [&](const Plane& other) {
            const auto* magnet = std::get_if<MagnetTerm>(&other.term);
            return magnet != nullptr && other.part != plane.part && other.y < end && magnet->end > begin;
@@ -117,7 +123,7 @@ Sections SectionBuilder::cut() const {
   };
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, chamber_};
+    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) {
       return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
     };
@@ -132,6 +138,8 @@ Sections SectionBuilder::cut() const {
       if (covers(extent)) section.shaped.push_back(term), anything = true;
     for (const auto& [extent, term] : swinging_)
       if (covers(extent)) section.swinging.push_back(term), anything = true;
+    for (const auto& [extent, term] : electric_)
+      if (covers(extent)) section.electric.push_back(term), anything = true;
     for (const auto& [extent, gap] : gaps_)
       if (covers(extent)) section.gaps.push_back(gap);
     for (const auto& [extent, wall] : bores_)

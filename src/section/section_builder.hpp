@@ -36,6 +36,8 @@ class SectionBuilder {
   void shaped(double begin, double end, ShapedTerm);
   /// One that swings by a clock of its own.
   void swinging(double begin, double end, ShapedTerm, Oscillator);
+  /// A static electric field, in V/m; it ends where its stretch ends.
+  void electric(double begin, double end, ShapedTerm);
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
@@ -65,6 +67,7 @@ class SectionBuilder {
   std::vector<std::pair<Extent, CoilTerm>> coils_;
   std::vector<std::pair<Extent, ShapedTerm>> shaped_;
   std::vector<std::pair<Extent, SwingingTerm>> swinging_;
+  std::vector<std::pair<Extent, ShapedTerm>> electric_;
   std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
