@@ -27,9 +27,8 @@ enum class Dimension {
   pressure,        // Pa
   acceleration,    // m/s^2
   angle_per_length,  // rad/m
-  per_length,        // 1/m
-  electric_dipole    // C m
+  per_length         // 1/m
 };
-inline constexpr Dimension last_dimension = Dimension::electric_dipole;
+inline constexpr Dimension last_dimension = Dimension::per_length;
 
 }  // namespace rabiline

@@ -374,6 +374,11 @@ Sections sections_of(const Beamline& beamline) {
     std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
                beamline.parts[i].part);
   }
+  if (beamline.gravity && beamline.gravity->direction.y != 0) {
+    double end = 0;
+    for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
+    builder.fall_along(end);
+  }
   return builder.build(law_traits(beamline.law).deflects ? Magnets::deflect : Magnets::uniform);
 }
 

@@ -146,6 +146,7 @@ FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   feels.watches_turning = asks_for_adiabaticity(beamline);
   if (const auto& gravity = beamline.gravity) {
     feels.gravity[0] = gravity->acceleration * gravity->direction.x;
+    feels.gravity[1] = gravity->acceleration * gravity->direction.y;
     feels.gravity[2] = gravity->acceleration * gravity->direction.z;
   }
   return feels;

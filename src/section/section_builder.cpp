@@ -66,6 +66,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(swinging_);
   add_edges(electric_);
   add_edges(bores_);
+  if (fall_end_ > 0) edges.insert(edges.end(), {0, fall_end_});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
               edges.end());
@@ -80,7 +81,8 @@ bool SectionBuilder::is_overlapped(const Plane& plane) const {
       return c.first.part != plane.part && c.first.begin < end && c.first.end > begin && acts(c.second);
     });
   };
-  return overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
+  return fall_end_ > 0 ||
+         overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
          overlaps(coils_, [](const CoilTerm& coil) { return coil.angle != 0; }) ||
          overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
          overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
@@ -144,7 +146,8 @@ Sections SectionBuilder::cut() const {
       if (covers(extent)) section.gaps.push_back(gap);
     for (const auto& [extent, wall] : bores_)
       if (covers(extent) && wall.radius < section.wall.radius) section.wall = wall, anything = true;
-    if (anything) result.sections.push_back(section);
+    section.falls_along = section.end <= fall_end_;
+    if (anything || section.falls_along) result.sections.push_back(section);
   }
   result.planes = planes_;
   for (Plane& plane : result.planes) plane.y = snapped(plane.y);

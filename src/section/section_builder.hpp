@@ -38,6 +38,8 @@ class SectionBuilder {
   void swinging(double begin, double end, ShapedTerm, Oscillator);
   /// A static electric field, in V/m; it ends where its stretch ends.
   void electric(double begin, double end, ShapedTerm);
+  /// Gravity acts along the beam from its source to there.
+  void fall_along(double end) { fall_end_ = end; }
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
@@ -71,6 +73,7 @@ class SectionBuilder {
   std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
+  double fall_end_ = 0;  // [m]
 };
 
 }  // namespace rabiline
