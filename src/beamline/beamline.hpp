@@ -23,10 +23,10 @@ inline constexpr auto parameters<Chamber> = std::tuple{
           "radius of the wall around the axis"),
 };
 
-/// Weight: what flies free of everything else falls along a parabola.
+/// Weight: what flies free of everything else falls along a parabola; along the beam its speed changes.
 struct Gravity {
   double acceleration = 0;         // [m/s^2]
-  UnitVector direction{0, 0, -1};  // downwards; across the beam
+  UnitVector direction{0, 0, -1};  // downwards
   bool operator==(const Gravity&) const = default;
 };
 template <>

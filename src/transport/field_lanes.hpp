@@ -70,8 +70,7 @@ struct ChangingRate {
 struct Influence {
   Vector spin, turn;  // [rad/s] w, and W before its part along S is taken off
   Vector slope[3];    // [m/s^2] what S along x, y, z accelerates by
-  Vector level;       // [m/s^2] what a level does
-  Vector push{};      // [m/s^2] what E does
+  Vector push;        // [m/s^2] what a level does, or E
 };
 
 /// What two halves and a whole step of fourth order would come to with ever shorter steps.
@@ -169,14 +168,13 @@ struct FieldStepper {
       return fma(b[0], g[0], fma(b[1], g[3], b[2] * g[6])) * over * pull;
     };
     here.spin = here.turn = Vector{};
-    here.level = {grows(0), grows(1), grows(2)};
+    here.push = {grows(0), grows(1), grows(2)};
   }
   /// F = grad (mu . B), mu along S, or that of a level.
   RABILINE_LANES Vector pull_at(const Influence& here, const Vector& spin) const {
     Vector g = gravity();
-    if (is_electric()) g = add(g, broadcast(1), here.push);
-    if (region.feels.follows_level) return add(g, broadcast(1), here.level);
-    return region.feels.pull == 0
+    if (region.feels.follows_level || is_electric()) g = add(g, broadcast(1), here.push);
+    return region.feels.follows_level || region.feels.pull == 0
                ? g
                : add(add(add(g, spin.x, here.slope[0]), spin.y, here.slope[1]), spin.z, here.slope[2]);
   }
