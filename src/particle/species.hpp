@@ -107,7 +107,7 @@ inline constexpr auto parameters<SpeciesWithMoment> = std::tuple{
     param("charge", &SpeciesWithMoment::charge, Dimension::charge, range::any, "charge, e.g. 0 e or 1 e"),
     param("spin", &SpeciesWithMoment::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
     param("", &SpeciesWithMoment::moment, "the moment"),
-    param("electric_dipole_moment", &SpeciesWithMoment::electric_dipole_moment, Dimension::charge,
+    param("electric_dipole_moment", &SpeciesWithMoment::electric_dipole_moment, Dimension::electric_dipole,
           range::any, "d along the spin, in H = -d sigma.E of a neutral particle", 0.0),
     param("source", &SpeciesWithMoment::source, "where these constants come from",
           std::string_view{"the beamline file"}),
