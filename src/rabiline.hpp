@@ -130,15 +130,17 @@ Result rescan(const std::filesystem::path& result, const Changes& changes, const
 /// file without its scan. Of the settings, `isa`, `planned` and `stop` apply. Throws as run does.
 std::vector<Track> trace(const Setup&, std::uint64_t first, std::uint64_t count, const RunSettings& = {});
 
-/// The magnetic field at a place, at the values of the file without its scan.
+/// The fields at a place, at the values of the file without its scan.
 struct Probed {
   struct Contribution {
     std::string part;
-    std::array<double, 3> field;  // [T]
+    std::array<double, 3> field{};     // [T]
+    std::array<double, 3> electric{};  // [V/m]
   };
-  std::array<double, 3> place{};  // [m] x across, y along the beam, z up
-  std::array<double, 3> field{};  // [T]
-  std::array<double, 9> slope{};  // [T/m] dB_i/dx_k at [3 i + k]
+  std::array<double, 3> place{};     // [m] x across, y along the beam, z up
+  std::array<double, 3> field{};     // [T]
+  std::array<double, 9> slope{};     // [T/m] dB_i/dx_k at [3 i + k]
+  std::array<double, 3> electric{};  // [V/m]
   std::vector<Contribution> contributions;
 };
 /// Fields with a clock are taken at `time` [s], random phases as zero.

@@ -29,7 +29,7 @@ FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
 AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds of processor time after which no more are flown than were flown by then
 COILS = {"current_loop", "solenoid", "coil_pair", "straight_wire", "field_map", "formula_field"}  # drawn where their field is
-FIELDS = COILS | {"polarizer", "uniform_field", "guide_field", "multipole_field", "gradient_magnet", "two_wire_magnet", "iron_magnet",
+FIELDS = COILS | {"polarizer", "uniform_field", "guide_field", "electric_field", "multipole_field", "gradient_magnet", "two_wire_magnet", "iron_magnet",
                   "multipole_magnet"}
 SMALL = 0.1  # of a coil's largest field on the axis: less is not shaded
 DRIVES = {"rotating_field", "oscillating_field", "coil"}
@@ -193,7 +193,8 @@ def pieces_of(experiment: Experiment) -> list[Piece]:
         half = {across: None if kind in COILS else radius if size is None else size / 2 for across, size in half.items()}
         offset = {across: number(f"{name}.offset.{across}") or 0.0 for across in "xz"}
         field = next((format_value(number(f"{name}.{key}") or 0.0, unit) for key, unit in
-                      (("field", "T"), ("amplitude", "T"), ("pole_field", "T")) if number(f"{name}.{key}")), "")
+                      (("field", "V/m" if kind == "electric_field" else "T"), ("amplitude", "T"), ("pole_field", "T"))
+                      if number(f"{name}.{key}")), "")
         pieces.append(Piece(name, label, kind, number(f"{name}.at") or 0.0, number(f"{name}.length") or 0.0, half, offset, field))
     return pieces
 

@@ -9,7 +9,7 @@ import numpy as np
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV"}  # nobody reads mK, km/s or krad here
+TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV", "V/m"}  # nobody reads mK, km/s or krad here
 
 
 @dataclass(frozen=True)

@@ -23,17 +23,18 @@ inline constexpr auto parameters<Chamber> = std::tuple{
           "radius of the wall around the axis"),
 };
 
-/// Weight: what flies free of everything else falls along a parabola.
+/// Weight: what flies free of everything else falls along a parabola; along the beam its speed changes.
 struct Gravity {
   double acceleration = 0;         // [m/s^2]
-  UnitVector direction{0, 0, -1};  // downwards; across the beam
+  UnitVector direction{0, 0, -1};  // downwards
   bool operator==(const Gravity&) const = default;
 };
 template <>
 inline constexpr auto parameters<Gravity> = std::tuple{
     param("acceleration", &Gravity::acceleration, Dimension::acceleration, range::not_negative,
           "how fast the speed of a free fall grows"),
-    param("direction", &Gravity::direction, "where it falls to, across the beam", UnitVector{0, 0, -1}),
+    param("direction", &Gravity::direction, "where it falls to; down, -z, where it is missing",
+          UnitVector{0, 0, -1}),
 };
 template <>
 inline constexpr std::string_view short_key<Gravity> = "acceleration";

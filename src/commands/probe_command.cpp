@@ -40,19 +40,25 @@ std::array<double, 3> read_place(const std::string& text) {
   return place;
 }
 
-std::string field_text(const std::array<double, 3>& b) {
-  const auto text = [](double x) { return pretty_quantity(x, Dimension::magnetic_field); };
-  return fmt::format("({}, {}, {}), |B| = {}", text(b[0]), text(b[1]), text(b[2]),
+std::string field_text(const std::array<double, 3>& b, char name, Dimension dimension) {
+  const auto text = [&](double x) { return pretty_quantity(x, dimension); };
+  return fmt::format("({}, {}, {}), |{}| = {}", text(b[0]), text(b[1]), text(b[2]), name,
                      text(std::hypot(b[0], b[1], b[2])));
 }
+bool is_none(const std::array<double, 3>& field) { return field == std::array<double, 3>{}; }
 
 void print_place(const Probed& p) {
   const auto metres = [](double x) { return pretty_quantity(x, Dimension::length); };
   const auto& g = p.slope;
   fmt::print("at ({}, {}, {})\n", metres(p.place[0]), metres(p.place[1]), metres(p.place[2]));
-  fmt::print("  B = {}\n", field_text(p.field));
+  fmt::print("  B = {}\n", field_text(p.field, 'B', Dimension::magnetic_field));
   for (const Probed::Contribution& from : p.contributions)
-    fmt::print("    {:<16} {}\n", from.part, field_text(from.field));
+    if (is_none(from.electric))
+      fmt::print("    {:<16} {}\n", from.part, field_text(from.field, 'B', Dimension::magnetic_field));
+  if (!is_none(p.electric)) fmt::print("  E = {}\n", field_text(p.electric, 'E', Dimension::electric_field));
+  for (const Probed::Contribution& from : p.contributions)
+    if (!is_none(from.electric))
+      fmt::print("    {:<16} {}\n", from.part, field_text(from.electric, 'E', Dimension::electric_field));
   fmt::print("  gradient [T/m]   d/dx           d/dy           d/dz\n");
   for (std::size_t i = 0; i < 3; ++i)
     fmt::print("    dB{}        {:>14.6g} {:>14.6g} {:>14.6g}\n", "xyz"[i], g[3 * i], g[3 * i + 1],
@@ -79,15 +85,18 @@ void print_line(const Setup& setup, const ProbeArguments& a, std::array<double, 
         "--along: where the line begins and ends is missing\n  help: add `--from '0 m' --to '1 m'`");
   const double from = read_quantity("--from", a.from, Dimension::length),
                to = read_quantity("--to", a.to, Dimension::length);
-  fmt::print("x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m]\n");
+  fmt::print(
+      "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
+      "Ez [V/m]\n");
   for (std::uint64_t i = 0; i < points; ++i) {
     place[axis] = from + (to - from) * static_cast<double>(i) / static_cast<double>(points - 1);
     const Probed p = probe(setup, place, time);
     const std::array<double, 3>& b = p.field;
     const std::array<double, 9>& g = p.slope;
-    fmt::print("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g}\n", place[0], place[1],
-               place[2], b[0], b[1], b[2], std::hypot(b[0], b[1], b[2]), g[0] + g[4] + g[8],
-               std::hypot(g[7] - g[5], g[2] - g[6], g[3] - g[1]));
+    fmt::print("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g},{:.9g},{:.9g},{:.9g}\n",
+               place[0], place[1], place[2], b[0], b[1], b[2], std::hypot(b[0], b[1], b[2]),
+               g[0] + g[4] + g[8], std::hypot(g[7] - g[5], g[2] - g[6], g[3] - g[1]), p.electric[0],
+               p.electric[1], p.electric[2]);
   }
 }
 
@@ -105,7 +114,7 @@ void probe_command(const ProbeArguments& a) {
 
 void add_probe(CLI::App& app) {
   CLI::App* verb =
-      app.add_subcommand("probe", "show the magnetic field at a place, its gradient and whose it is");
+      app.add_subcommand("probe", "show the fields at a place, the gradient of B and whose they are");
   auto a = std::make_shared<ProbeArguments>();
   a->experiment.add_without_scan_to(*verb);
   verb->add_option("--at", a->at, "the place, such as '0 m,0.4 m,1 mm'")->type_name("X,Y,Z");

@@ -27,8 +27,9 @@ enum class Dimension {
   pressure,        // Pa
   acceleration,    // m/s^2
   angle_per_length,  // rad/m
-  per_length         // 1/m
+  per_length,        // 1/m
+  electric_dipole    // C m
 };
-inline constexpr Dimension last_dimension = Dimension::per_length;
+inline constexpr Dimension last_dimension = Dimension::electric_dipole;
 
 }  // namespace rabiline

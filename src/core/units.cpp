@@ -48,6 +48,7 @@ constexpr std::array dimension_rows{
     DimensionRow{Dimension::acceleration, "acceleration", "9.81 m/s^2", "m/s^2"},
     DimensionRow{Dimension::angle_per_length, "angle per length", "5 deg/mm", "rad/m"},
     DimensionRow{Dimension::per_length, "growth per length", "0.1 1/mm", "1/m"},
+    DimensionRow{Dimension::electric_dipole, "electric dipole moment", "1e-26 e cm", "C m"},
 };
 const DimensionRow& row_of(Dimension d) { return dimension_rows[static_cast<std::size_t>(d)]; }
 
@@ -147,6 +148,8 @@ constexpr std::array unit_rows{
     UnitRow{Dimension::per_length, "%/m", "-", 1, -2},
     UnitRow{Dimension::per_length, "%/cm", "-"},
     UnitRow{Dimension::per_length, "%/mm", "-", 1, 1},
+    UnitRow{Dimension::electric_dipole, "C m", "-"},
+    UnitRow{Dimension::electric_dipole, "e cm", "-", 0.01 * constants::elementary_charge},
 };
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -365,7 +368,8 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "kPa|Pa|mPa|uPa",
                                                     "m/s^2|cm/s^2",
                                                     "rad/mm|rad/m|mrad/m",
-                                                    "1/mm|1/m"};
+                                                    "1/mm|1/m",
+                                                    "C m|e cm"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);

@@ -10,7 +10,9 @@
 namespace rabiline {
 namespace {
 
-using Here = FieldHere<double>;
+struct Here : FieldHere<double> {
+  FieldHere<double> electric;
+};
 
 void add_uniform(const Vector3& field, Here& sum) {
   sum.field[0] += field.x;
@@ -42,7 +44,7 @@ void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, 
 void add_swinging(const SwingingTerm& term, const Vector3& place, double time, Here& sum) {
   const double share =
       portable::cos(2 * std::numbers::pi * term.oscillator.frequency * time + term.oscillator.phase);
-  Here peak{};
+  FieldHere<double> peak{};
   add_field<HostMaths>(term.field, place.x, place.y, place.z, peak);
   for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
   for (int i = 0; i < 9; ++i) sum.slope[i] += share * peak.slope[i];
@@ -62,6 +64,8 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
     for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place, time, sum);
     for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, place.x, place.y, place.z, sum);
     for (const SwingingTerm& term : section.swinging) add_swinging(term, place, time, sum);
+    for (const ShapedTerm& term : section.electric)
+      add_field<HostMaths>(term, place.x, place.y, place.z, sum.electric);
   }
   return sum;
 }
@@ -77,13 +81,15 @@ const PlacedPart* clock_part(const Beamline& beamline, const PlacedPart& part) {
 bool is_zero(const Here& here) {
   const auto zero = [](double x) { return x == 0; };
   return std::all_of(std::begin(here.field), std::end(here.field), zero) &&
-         std::all_of(std::begin(here.slope), std::end(here.slope), zero);
+         std::all_of(std::begin(here.slope), std::end(here.slope), zero) &&
+         std::all_of(std::begin(here.electric.field), std::end(here.electric.field), zero);
 }
 
 }  // namespace
 
 Probed probe_of(const Beamline& beamline, const Vector3& place, double time) {
-  Probed out{{place.x, place.y, place.z}, {}, {}, {}};
+  Probed out;
+  out.place = {place.x, place.y, place.z};
   for (const PlacedPart& part : beamline.parts) {
     if (!traits_of(part.part).field) continue;
     // A part that follows a clock cannot stand without it: both, less the clock's own.
@@ -96,10 +102,12 @@ Probed probe_of(const Beamline& beamline, const Vector3& place, double time) {
       for (int i = 0; i < 9; ++i) own.slope[i] -= other.slope[i];
     }
     if (is_zero(own)) continue;
-    Probed::Contribution contribution{part.placement.name, {}};
+    Probed::Contribution contribution{part.placement.name, {}, {}};
     for (std::size_t i = 0; i < 3; ++i) {
       contribution.field[i] = own.field[i];
+      contribution.electric[i] = own.electric.field[i];
       out.field[i] += own.field[i];
+      out.electric[i] += own.electric.field[i];
     }
     for (std::size_t i = 0; i < 9; ++i) out.slope[i] += own.slope[i];
     out.contributions.push_back(contribution);

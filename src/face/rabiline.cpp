@@ -21,6 +21,7 @@
 #include "face/warnings.hpp"
 #include "plan/explain.hpp"
 #include "rules/field_lint.hpp"
+#include "rules/part_effects.hpp"
 #include "rules/warnings.hpp"
 #include "scan/parameter_value.hpp"
 #include "scan/resolved.hpp"
@@ -193,7 +194,7 @@ Report check(const Setup& setup, std::uint64_t max_memory) {
   const Form form = form_of(loaded.experiment, max_memory, false, 0);
   const double planning = processor_time() - begin;
   return {explain(loaded.experiment, form.plan) + told_cost(loaded.experiment, form, planning) +
-              report_of_fields(loaded.base),
+              report_of_parts(loaded.base) + report_of_fields(loaded.base),
           warnings_before(loaded, loaded.experiment, form.plan)};
 }
 

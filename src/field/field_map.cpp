@@ -153,7 +153,7 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
 }
 
 FieldMap::FieldMap(MapNodes nodes, const std::array<MapSymmetry, 3>& symmetry, std::string path)
-    : path_(std::move(path)) {
+    : path_(std::move(path)), electric_(nodes.electric) {
   const std::size_t count = nodes.axes.size(), m = components(count), width = per_node(count);
   if (count == 2) {
     if (nodes.axes[0].begin == 0) mirror(nodes, 0, {-1, 1, 0});  // B_r is odd in r, B_z even

@@ -33,7 +33,8 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
 /// a field about an axis: axes r, z, components B_r, B_z, at (i n_z + k) 2 + m.
 struct MapNodes {
   std::vector<MapAxis> axes;
-  std::vector<double> field;  // [T]
+  std::vector<double> field;  // [T], or [V/m]
+  bool electric = false;      // it is E, which has no planes of symmetry here
 };
 
 /// Owns the table that terms point into.
@@ -44,6 +45,7 @@ class FieldMap {
   FieldMap(MapNodes, const std::array<MapSymmetry, 3>&, std::string path);
 
   const std::string& path() const { return path_; }
+  bool is_electric() const { return electric_; }
   bool is_round() const { return axes_.size() == 2; }
   /// After mirroring; of a field about an axis r begins below zero.
   const std::vector<MapAxis>& axes() const { return axes_; }
@@ -58,6 +60,7 @@ class FieldMap {
 
  private:
   std::string path_;
+  bool electric_;
   std::vector<MapAxis> axes_;
   std::vector<double> table_;
 };

@@ -37,6 +37,7 @@ bool read_with_moment(const Node& node, Keys& keys, Species& out) {
   }
   out.name = own.name, out.mass = own.mass, out.charge = own.charge, out.spin = own.spin;
   out.gyromagnetic_ratio = gyromagnetic_ratio(own.moment, own.charge, own.mass);
+  out.electric_dipole_moment = own.electric_dipole_moment;
   out.source = own.source;
   return true;
 }

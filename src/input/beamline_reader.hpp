@@ -19,7 +19,7 @@ inline constexpr auto parameters<Beamline> = std::tuple{
     param("law", &Beamline::law, "law of motion"),
     param("source", &Beamline::source, "where particles start"),
     param("chamber", &Beamline::chamber, "round wall along the whole beam; none where it is missing"),
-    param("gravity", &Beamline::gravity, "free fall across the beam; off where it is missing"),
+    param("gravity", &Beamline::gravity, "free fall; off where it is missing"),
     param("parts", &Beamline::parts, "what stands on the beam"),
     param("particles", &Beamline::particles, Dimension::number, particle_numbers,
           "how many fly, per scan point; at most, where there is an `until`"),

@@ -16,6 +16,9 @@ namespace fs = std::filesystem;
 
 /// Behind a plane at zero the map goes on where it ends there; four nodes are the fewest then.
 void require_axes(const MapNodes& nodes, const std::array<MapSymmetry, 3>& symmetry) {
+  if (nodes.electric && symmetry != std::array<MapSymmetry, 3>{})
+    throw MapFault("planes of symmetry are those of currents, and this is the map of an electric field",
+                   "omit `x`, `y` and `z`, and give the map from end to end");
   const std::string_view names = nodes.axes.size() == 2 ? "rz" : "xyz";
   for (std::size_t a = 0; a < nodes.axes.size(); ++a) {
     const MapAxis& axis = nodes.axes[a];
@@ -57,8 +60,8 @@ MapText read_nodes(const fs::path& path) {
   } catch (const StorageError& error) {
     throw MapFault(
         error.what(),
-        "it has 1-D datasets `x`, `y`, `z` and 3-D ones `Bx`, `By`, `Bz` (or `r`, `z`, `Br`, `Bz`), each "
-        "with an attribute `units`");
+        "it has 1-D datasets `x`, `y`, `z` and 3-D ones `Bx`, `By`, `Bz` (or `r`, `z`, `Br`, `Bz`; of an "
+        "electric field `Ex` and so on), each with an attribute `units`");
   }
 }
 

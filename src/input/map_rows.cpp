@@ -17,7 +17,8 @@ namespace rabiline {
 namespace {
 
 constexpr std::string_view columns_help =
-    "write `x [mm], y [mm], z [mm], Bx [mT], By [mT], Bz [mT]`, or `r [mm], z [mm], Br [mT], Bz [mT]`";
+    "write `x [mm], y [mm], z [mm], Bx [mT], By [mT], Bz [mT]`, or `r [mm], z [mm], Br [mT], Bz [mT]`; of an "
+    "electric field `Ex [kV/m]` and so on";
 constexpr double tolerance = 1e-6;  // of the step: numbers in text are rounded
 
 std::string_view trimmed(std::string_view text) {
@@ -46,11 +47,12 @@ std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
   for (const std::string_view cell : cells) {
     const std::size_t open = cell.find('['), close = cell.rfind(']');
     const std::string name(trimmed(cell.substr(0, open)));
-    const bool field = name.starts_with("B");
     if (open == cell.npos || close == cell.npos || close < open)
       throw MapFault(fmt::format("the column `{}` does not say its unit", name), std::string(columns_help));
     const std::string_view unit = trimmed(cell.substr(open + 1, close - open - 1));
-    const Dimension dimension = field ? Dimension::magnetic_field : Dimension::length;
+    const Dimension dimension = name.starts_with('B')   ? Dimension::magnetic_field
+                                : name.starts_with('E') ? Dimension::electric_field
+                                                        : Dimension::length;
     const ParsedQuantity one = parse_quantity(fmt::format("1 {}", unit), dimension);
     if (!one.error.empty() || one.dimension != dimension)
       throw MapFault(fmt::format("`{}` is no unit of the column `{}`", unit, name),
@@ -60,12 +62,18 @@ std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
   return columns;
 }
 
+bool is_electric(const std::vector<Column>& columns) {
+  return std::ranges::any_of(columns, [](const Column& c) { return c.name.starts_with('E'); });
+}
+
 /// Where the columns of a map are among those of the file: places first, then components.
 std::vector<std::size_t> order_of(const std::vector<Column>& columns) {
-  static const std::vector<std::string> box{"x", "y", "z", "Bx", "By", "Bz"}, round{"r", "z", "Br", "Bz"};
   const bool is_round =
       std::any_of(columns.begin(), columns.end(), [](const Column& c) { return c.name == "r"; });
-  const std::vector<std::string>& wanted = is_round ? round : box;
+  std::vector<std::string> wanted;
+  for (const char axis : std::string_view(is_round ? "rz" : "xyz")) wanted.emplace_back(1, axis);
+  for (std::size_t a = 0, axes = wanted.size(); a < axes; ++a)
+    wanted.push_back((is_electric(columns) ? "E" : "B") + wanted[a]);
   std::vector<std::size_t> order;
   for (const std::string& name : wanted) {
     const auto found =
@@ -83,6 +91,7 @@ std::vector<std::size_t> order_of(const std::vector<Column>& columns) {
 /// The rows as they stand in the file, in SI.
 struct Rows {
   std::size_t axes = 3;
+  bool electric = false;
   std::vector<double> places, field;   // `axes` numbers a row each
   std::vector<std::uint32_t> lines{};  // where each row stands in the file, from 1
   std::size_t size() const { return lines.size(); }
@@ -129,6 +138,7 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
       columns = columns_of(cells);
       order = order_of(columns);
       rows.axes = order.size() / 2;
+      rows.electric = is_electric(columns);
       continue;
     }
     if (cells.size() != columns.size())
@@ -175,6 +185,7 @@ MapText read_map_rows(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   MapText out;
   const Rows rows = rows_of(file, out.digest);
+  out.nodes.electric = rows.electric;
   std::size_t nodes = 1;
   for (std::size_t a = 0; a < rows.axes; ++a) {
     out.nodes.axes.push_back(axis_of(rows, a));

@@ -105,11 +105,11 @@ std::string describe_chamber() {
   return page.finish();
 }
 std::string describe_gravity() {
-  Page page("gravity: free fall across the beam");
+  Page page("gravity: free fall");
   add_rows<Gravity>(page);
   page.line(
       "\nWhat nothing else pushes falls along a parabola. Off where it is missing.\n"
-      "\nExamples\n  gravity: 9.81 m/s^2\n  gravity: {acceleration: 9.81 m/s^2, direction: x}");
+      "\nExamples\n  gravity: 9.81 m/s^2\n  gravity: {acceleration: 9.81 m/s^2, direction: -y}");
   return page.finish();
 }
 std::string describe_until() {
@@ -186,7 +186,7 @@ const std::vector<Topic>& topics() {
                          "profile", "how the size of an alternating field runs along it");
                    }});
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
-    out.push_back({"gravity", "free fall across the beam", describe_gravity});
+    out.push_back({"gravity", "free fall", describe_gravity});
     out.push_back({"until", "when fewer particles are enough", describe_until});
     out.push_back({"scan", "which parameter takes which values", describe_scan});
     out.push_back({"tallies", "histograms at a monitor or a detector", describe_tallies});

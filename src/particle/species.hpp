@@ -53,6 +53,7 @@ struct Species {
   double mass_uncertainty = 0;                // [kg]
   double gyromagnetic_ratio_uncertainty = 0;  // [rad/(s T)]
   std::optional<Structure> structure{};
+  double electric_dipole_moment = 0;  // [C m] d of H = -d sigma.E, sigma = S/(I hbar)
 
   /// Of the Hamiltonian, under `quantum`.
   int levels() const { return structure ? structure->levels() : spin.twice + 1; }
@@ -95,6 +96,7 @@ struct SpeciesWithMoment {
   double charge = 0;  // [C]
   HalfInteger spin;
   Moment moment{};
+  double electric_dipole_moment = 0;  // [C m]
   std::string source;
   bool operator==(const SpeciesWithMoment&) const = default;
 };
@@ -105,6 +107,8 @@ inline constexpr auto parameters<SpeciesWithMoment> = std::tuple{
     param("charge", &SpeciesWithMoment::charge, Dimension::charge, range::any, "charge, e.g. 0 e or 1 e"),
     param("spin", &SpeciesWithMoment::spin, "spin quantum number, 1/2 to 9/2, e.g. 3/2"),
     param("", &SpeciesWithMoment::moment, "the moment"),
+    param("electric_dipole_moment", &SpeciesWithMoment::electric_dipole_moment, Dimension::electric_dipole,
+          range::any, "d along the spin, in H = -d sigma.E of a neutral particle", 0.0),
     param("source", &SpeciesWithMoment::source, "where these constants come from",
           std::string_view{"the beamline file"}),
 };

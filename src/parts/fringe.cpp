@@ -1,6 +1,9 @@
 #include "parts/fringe.hpp"
 
+#include <fmt/format.h>
+
 #include "field/host_maths.hpp"
+#include "parts/own_frame.hpp"
 
 namespace rabiline {
 
@@ -36,6 +39,35 @@ std::optional<double> reach_of(const FringeShape& shape) {
   double s = farthest;
   while (s > -farthest && share(s - step) <= cut_off) s -= step;
   return (s > 0 ? s : 0) * shape.fringe;
+}
+
+std::vector<ShapedTerm> fringed_terms(FringeShape shape, double length, const Vector3& field,
+                                      const Vector3& middle) {
+  const Vector3 across{field.x, 0, field.z}, beam{0, 1, 0};
+  std::vector<ShapedTerm> terms;
+  shape.half_length = length / 2;
+  const auto add = [&](bool along, double size, const Vector3& x) {
+    shape.along = along;
+    shape.size = size;
+    const Vector3 u = (1 / length_of(x)) * x;
+    terms.push_back(placed(ShapedTerm(shape), middle, {u, cross(beam, u), beam}));
+  };
+  if (length_of(across) > 0) add(false, length_of(across), across);
+  if (field.y != 0) add(true, field.y, {1, 0, 0});
+  return terms;
+}
+
+std::vector<double> kinks_of(const FringeShape& shape, double at, double length) {
+  if (shape.curve != FringeCurve::sine || length <= shape.fringe) return {};
+  return {at + shape.fringe / 2, at + length - shape.fringe / 2};
+}
+
+std::vector<Fault> faults_of_fringe(const Fringe& fringe, const AmplitudeProfile& profile,
+                                    const Placement& place) {
+  if (std::holds_alternative<HardFringe>(fringe) || reach_of(shape_of(fringe, profile))) return {};
+  return {{place.name, "fringe",
+           fmt::format("the fringe of `{}` does not fall from the full field to none", place.name),
+           "omit the coefficients for those of a common dipole"}};
 }
 
 }  // namespace rabiline

@@ -3,9 +3,11 @@
 #include <array>
 #include <optional>
 #include <variant>
+#include <vector>
 
-#include "field/fringed_field.hpp"
+#include "field/shaped_term.hpp"
 #include "parameter/parameter.hpp"
+#include "parts/placement.hpp"
 #include "parts/profile.hpp"
 
 namespace rabiline {
@@ -66,5 +68,14 @@ using Fringe = std::variant<HardFringe, TanhFringe, EngeFringe, SineFringe>;
 FringeShape shape_of(const Fringe&, const AmplitudeProfile&);
 /// How far outside its edge [m] it falls below 1e-4 of the whole field for good; nothing where it never does.
 std::optional<double> reach_of(const FringeShape&);
+/// A field of that curve, across and along the beam each as Maxwell's equations have it; `field` is the one
+/// between the edges, `length` from edge to edge.
+std::vector<ShapedTerm> fringed_terms(FringeShape, double length, const Vector3& field,
+                                      const Vector3& middle);
+/// Places inside the field of a part that begins at `at` where the curve is not smooth, nor is the field off
+/// the axis.
+std::vector<double> kinks_of(const FringeShape&, double at, double length);
+/// A curve that never ends.
+std::vector<Fault> faults_of_fringe(const Fringe&, const AmplitudeProfile&, const Placement&);
 
 }  // namespace rabiline

@@ -1,5 +1,7 @@
 #include "parts/mapped_field.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "parts/own_frame.hpp"
@@ -37,8 +39,9 @@ void contribute_map(const FieldMap& map, double scale, MapOutside outside,
   if (place.at + end <= 0) return;
   const ShapedTerm term =
       map.is_round() ? ShapedTerm(map.round_shape(scale, outside)) : ShapedTerm(map.shape(scale, outside));
-  add_shaped(oscillates, std::max(0.0, place.at + begin), place.at + end,
-             placed(term, place_of(place.at, offset), frame), builder);
+  const ShapedTerm here = placed(term, place_of(place.at, offset), frame);
+  if (map.is_electric()) return builder.electric(std::max(0.0, place.at + begin), place.at + end, here);
+  add_shaped(oscillates, std::max(0.0, place.at + begin), place.at + end, here, builder);
 }
 
 void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
@@ -46,6 +49,13 @@ void contribute(const MappedField& part, const Placement& place, SectionBuilder&
   contribute_map(map, part.scale, part.outside, part.oscillates,
                  map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt),
                  part.offset, place, builder);
+}
+
+std::vector<Fault> faults_of(const MappedField& part, const Placement& place) {
+  if (!part.is_electric() || !part.oscillates) return {};
+  return {{place.name, "oscillates",
+           fmt::format("`{}` is the map of an electric field, and these stand still", place.name),
+           "omit `oscillates`"}};
 }
 
 }  // namespace rabiline

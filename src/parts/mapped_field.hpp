@@ -55,7 +55,7 @@ struct LoadedMap {
 struct MappedField {
   static constexpr std::string_view kind = "field_map",
                                     meaning =
-                                        "a static field from a table on a regular grid, x, y, z or r, z";
+                                        "a field, B or E, from a table on a regular grid, x, y, z or r, z";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "map: quadrupole.csv";
   LoadedMap map;
@@ -65,6 +65,7 @@ struct MappedField {
   Offset offset{};
   Tilt tilt{};
   std::optional<TimeFactor> oscillates{};
+  bool is_electric() const { return map.map && map.map->is_electric(); }
   bool operator==(const MappedField&) const = default;
 };
 template <>
@@ -82,6 +83,7 @@ inline constexpr auto parameters<MappedField> = std::tuple{
 };
 
 void contribute(const MappedField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const MappedField&, const Placement&);
 /// Where that frame has the map.
 void contribute_map(const FieldMap&, double scale, MapOutside, const std::optional<TimeFactor>&,
                     const OwnFrame&, const Offset&, const Placement&, SectionBuilder&);

@@ -49,9 +49,12 @@ std::optional<StaticField> static_field_of(const Part& part) {
   return ask(part, std::optional<StaticField>{},
              [](const auto& any) -> decltype(std::optional(static_field(any))) { return static_field(any); });
 }
+bool is_electric(const Part& part) {
+  return ask(part, false, [](const auto& any) -> decltype(any.is_electric()) { return any.is_electric(); });
+}
 bool holds_spins(const Part& part) {
   const PartTraits traits = traits_of(part);
-  if (!traits.field || traits.drives || !traits.needs_one_moment.empty()) return false;
+  if (!traits.field || traits.drives || is_electric(part) || !traits.needs_one_moment.empty()) return false;
   const std::optional<StaticField> own = static_field_of(part);
   return !own || traits.deflects || own->field != Vector3{};
 }

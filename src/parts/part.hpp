@@ -9,6 +9,7 @@
 #include "parts/collimator.hpp"
 #include "parts/current_loop.hpp"
 #include "parts/detector.hpp"
+#include "parts/electric_field.hpp"
 #include "parts/formula_field.hpp"
 #include "parts/gas_cell.hpp"
 #include "parts/gradient_magnet.hpp"
@@ -43,6 +44,7 @@ using Part = std::variant<Polarizer,         //
                           CoilPair,          //
                           StraightWire,      //
                           MultipoleField,    //
+                          ElectricField,     //
                           MappedField,       //
                           FormulaField,      //
                           GradientMagnet,    //
@@ -93,7 +95,9 @@ const std::string* clock_of(const Part&);
 
 /// None of fields with a clock, and of magnets that point elsewhere from place to place.
 std::optional<StaticField> static_field_of(const Part&);
-/// Whether any static field acts there on spins.
+/// Whether its field is an electric one.
+bool is_electric(const Part&);
+/// Whether any static magnetic field acts there on spins.
 bool holds_spins(const Part&);
 
 /// What is wrong with a part, whatever stands beside it.

@@ -8,26 +8,14 @@
 namespace rabiline {
 namespace {
 
-/// Across and along the beam, each as Maxwell's equations have it.
 void contribute_fringed(const UniformField& part, const Placement& place, SectionBuilder& builder) {
-  FringeShape shape = shape_of(part.fringe, part.profile);
-  const double reach = reach_of(shape).value_or(0), end = place.at + part.length + reach;
-  const Vector3 field = part.field * turned(part.direction, part.tilt), across{field.x, 0, field.z};
-  const Vector3 middle = place_of(place.at + part.length / 2, part.offset), beam{0, 1, 0};
-  shape.half_length = part.length / 2;
-  const auto add = [&](bool along, double size, const Vector3& x) {
-    shape.along = along;
-    shape.size = size;
-    const Vector3 u = (1 / length_of(x)) * x;
-    builder.shaped(std::max(0.0, place.at - reach), end,
-                   placed(ShapedTerm(shape), middle, {u, cross(beam, u), beam}));
-  };
-  if (shape.curve == FringeCurve::sine && part.length > 2 * reach) {
-    builder.kink(place.at + reach);
-    builder.kink(place.at + part.length - reach);
-  }
-  if (length_of(across) > 0) add(false, length_of(across), across);
-  if (field.y != 0) add(true, field.y, {1, 0, 0});
+  const FringeShape shape = shape_of(part.fringe, part.profile);
+  const double reach = reach_of(shape).value_or(0);
+  for (const ShapedTerm& term :
+       fringed_terms(shape, part.length, part.field * turned(part.direction, part.tilt),
+                     place_of(place.at + part.length / 2, part.offset)))
+    builder.shaped(std::max(0.0, place.at - reach), place.at + part.length + reach, term);
+  for (const double y : kinks_of(shape, place.at, part.length)) builder.kink(y);
 }
 
 bool is_one_way(const UnitVector& d) { return std::abs(d.y) < 1e-9 || std::abs(d.y) > 1 - 1e-9; }
@@ -70,11 +58,7 @@ std::vector<Fault> faults_of(const UniformField& part, const Placement& place) {
     return {{place.name, "gradient",
              fmt::format("the field of `{}` with a gradient points along or across the beam", place.name),
              "turn it with `tilt`, gradient and all"}};
-  if (!hard && !reach_of(shape_of(part.fringe, part.profile)))
-    return {{place.name, "fringe",
-             fmt::format("the fringe of `{}` does not fall from the full field to none", place.name),
-             "omit the coefficients for those of a common dipole"}};
-  return {};
+  return faults_of_fringe(part.fringe, part.profile, place);
 }
 
 }  // namespace rabiline

@@ -229,7 +229,7 @@ class Compiler {
     if (turning_.rate_per_tesla == 0) return false;
     const bool spins_aligned = turning_.take_off_spin_component && outlook_.tip == 0;
     return std::any_of(touching.begin(), touching.end(), [&](const Section& s) {
-      if (s.has_shaped_fields()) return true;
+      if (s.needs_steps()) return true;
       if (std::any_of(s.rotating.begin(), s.rotating.end(), [](const auto& t) { return t.amplitude != 0; }))
         return true;
       const Vector3 field = zones_.static_field(s);
@@ -375,6 +375,11 @@ Sections sections_of(const Beamline& beamline) {
     builder.begin_part(static_cast<int>(i));
     std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
                beamline.parts[i].part);
+  }
+  if (beamline.gravity && beamline.gravity->direction.y != 0) {
+    double end = 0;
+    for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
+    builder.fall_along(end);
   }
   return builder.build(law_traits(beamline.law).deflects ? Magnets::deflect : Magnets::uniform);
 }

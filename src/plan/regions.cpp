@@ -113,6 +113,8 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
     region_.shaped.back().drive = zone.field.drives - 1;
   }
   zone.shaped_end = static_cast<int>(region_.shaped.size());
+  region_.shaped.insert(region_.shaped.end(), section_->electric.begin(), section_->electric.end());
+  zone.electric_end = static_cast<int>(region_.shaped.size());
   zone.gap_begin = static_cast<int>(region_.gaps.size());
   for (const GapTerm& gap : section_->gaps) region_.gaps.push_back(gap_of(gap));
   zone.gap_end = static_cast<int>(region_.gaps.size());
@@ -147,7 +149,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
   if (circles) zone.detour = 2;
   const double* gravity = region_.feels.gravity;
   const DriveTerm *drives = zone.field.drive, *last = drives + zone.field.drives;
-  if (section.has_shaped_fields() || gravity[0] != 0 || gravity[2] != 0 ||
+  if (section.needs_steps() || gravity[0] != 0 || gravity[2] != 0 ||
       std::any_of(drives, last, is_shaped_otherwise)) {
     fly_through_field(zone);
     return zone;

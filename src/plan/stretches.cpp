@@ -116,6 +116,16 @@ bool asks_for_adiabaticity(const Beamline& beamline) {
   });
 }
 
+/// The hypothesis turns the velocity with the spin, whatever turns that.
+ElectricCoupling electric_coupling_of(const Law& law, const Species& species) {
+  const auto* dorado = std::get_if<DoradoLaw>(&law);
+  const double charge_rate = species.charge / species.mass;
+  return {.spin_per_motional = -species.gyromagnetic_ratio + charge_rate / 2,
+          .spin_per_electric = -species.electric_dipole_moment / (species.spin.value() * constants::hbar),
+          .turn_share = dorado != nullptr ? dorado->kappa : 0,
+          .acceleration = dorado != nullptr ? 0 : charge_rate};
+}
+
 }  // namespace
 
 std::vector<Stretch> flown_in_steps(std::vector<Stretch> stretches, const Law& law, const Species& species) {
@@ -130,11 +140,13 @@ FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   feels.spin_per_tesla = -species.gyromagnetic_ratio;
   feels.turn_per_tesla = turning_of(beamline.law, species).rate_per_tesla;
   if (law.deflects) feels.pull = full_moment(species) / species.mass;
+  feels.electric = electric_coupling_of(beamline.law, species);
   feels.levels = law.has_levels ? species.levels() : 0;
   feels.tolerance = tolerance_of(beamline.law);
   feels.watches_turning = asks_for_adiabaticity(beamline);
   if (const auto& gravity = beamline.gravity) {
     feels.gravity[0] = gravity->acceleration * gravity->direction.x;
+    feels.gravity[1] = gravity->acceleration * gravity->direction.y;
     feels.gravity[2] = gravity->acceleration * gravity->direction.z;
   }
   return feels;
@@ -155,7 +167,7 @@ FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species
 std::vector<Stretch> stretches_of(const Sections& sections) {
   std::vector<Stretch> stretches;
   for (const Section& section : sections.sections) {
-    if (!section.has_shaped_fields()) continue;
+    if (!section.needs_steps()) continue;
     if (!stretches.empty() && stretches.back().end == section.begin)
       stretches.back().end = section.end;
     else

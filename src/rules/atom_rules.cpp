@@ -95,7 +95,8 @@ void check_sizes(const Beamline& beamline, const Species& atom, Faults& out) {
                                  pretty_quantity(most, Dimension::magnetic_field), atom.name),
                      "no laboratory has that; is the unit wrong?"});
   };
-  for (const PlacedPart& part : beamline.parts)
+  for (const PlacedPart& part : beamline.parts) {
+    if (is_electric(part.part)) continue;
     std::visit(
         [&](const auto& p) {
           const std::string &name = part.placement.name, whose = fmt::format("the field of `{}`", name);
@@ -104,6 +105,7 @@ void check_sizes(const Beamline& beamline, const Species& atom, Faults& out) {
           if constexpr (requires { double{p.pole_field}; }) check(p.pole_field, name, "pole_field", whose);
         },
         part.part);
+  }
   if (const auto* thermal = std::get_if<ThermalSpin>(&beamline.source.spin))
     check(thermal->field, "source", "spin.field", "the field at the source");
 }

@@ -14,8 +14,8 @@ namespace {
 /// A field along the beam's axis, where it is taken.
 struct AxisField {
   double begin = 0, end = 0;  // [m]
-  double largest = 0;         // [T] |B| in between
-  Vector3 first, last;        // [T] at either end
+  double largest = 0;         // [T], or [V/m], its size in between
+  Vector3 first, last;        // at either end
   /// What particles meet between the source and where the last of them are caught.
   bool begins() const { return begin > 0; }
   bool ends(double caught_at) const { return end < caught_at; }
@@ -29,6 +29,11 @@ Vector3 field_at(const Section& section, double y) {
   sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
   for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
   for (const SwingingTerm& term : section.swinging) add_field<HostMaths>(term.field, 0.0, y, 0.0, sum);
+  return {sum.field[0], sum.field[1], sum.field[2]};
+}
+Vector3 electric_field_at(const Section& section, double y) {
+  FieldHere<double> sum{};
+  for (const ShapedTerm& term : section.electric) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
   return {sum.field[0], sum.field[1], sum.field[2]};
 }
 constexpr double hair = 1e-9;  // of a section's length: its end itself may be rounded to outside
@@ -52,16 +57,17 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
   if (!traits_of(part.part).field || clock_of(part.part)) return std::nullopt;
   SectionBuilder builder(Wall{});
   std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
+  const auto field = is_electric(part.part) ? electric_field_at : field_at;
   std::optional<AxisField> out;
   for (const Section& section : builder.build().sections) {
-    if (!section.has_shaped_fields()) continue;
+    if (!section.needs_steps()) continue;
     constexpr int places = 256;
     const double inside = hair * (section.end - section.begin);
-    AxisField here{section.begin, section.end, 0, field_at(section, section.begin + inside),
-                   field_at(section, section.end - inside)};
+    AxisField here{section.begin, section.end, 0, field(section, section.begin + inside),
+                   field(section, section.end - inside)};
     for (int i = 0; i <= places; ++i)
-      here.largest = std::max(
-          here.largest, length_of(field_at(section, here.begin + (here.end - here.begin) * i / places)));
+      here.largest = std::max(here.largest,
+                              length_of(field(section, here.begin + (here.end - here.begin) * i / places)));
     if (!out) {
       out = here;
       continue;
@@ -107,6 +113,7 @@ bool is_quiet_end(const AxisField& field, const Beamline& beamline, const Placed
   constexpr double large_step = 1e-3, small_turn = 1e-2;
   const Vector3& step = at_begin ? field.first : field.last;
   if (length_of(step) <= large_step * field.largest) return true;
+  if (is_electric(part.part)) return false;
   const double inside = hair * (field.end - field.begin);
   const Vector3 others =
       field_of_others(beamline, part, at_begin ? field.begin + inside : field.end - inside);
@@ -136,11 +143,12 @@ std::string report_of_fields(const Beamline& beamline) {
   for (const PlacedPart& part : beamline.parts) {
     const std::optional<AxisField> field = axis_field_of(part);
     if (!field) continue;
+    const Dimension dimension =
+        is_electric(part.part) ? Dimension::electric_field : Dimension::magnetic_field;
     out += fmt::format("  {}: {}, {} to {}, up to {} on the axis", part.placement.name, kind_of(part.part),
-                       metres(field->begin), metres(field->end),
-                       pretty_quantity(field->largest, Dimension::magnetic_field));
+                       metres(field->begin), metres(field->end), pretty_quantity(field->largest, dimension));
     if (!has_hard_edges(part.part))
-      out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), Dimension::magnetic_field));
+      out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), dimension));
     out += '\n';
     if (const FieldMap* map = table_of(part.part).map) {
       std::string nodes;
@@ -150,7 +158,7 @@ std::string report_of_fields(const Beamline& beamline) {
                          static_cast<double>(map->bytes()) / 1048576, text_of(quality_of(*map)));
     }
   }
-  return out.empty() ? out : "fields that differ from place to place\n" + out;
+  return out.empty() ? out : "fields that are followed along each path\n" + out;
 }
 
 std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
@@ -173,13 +181,14 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
     if (!map) continue;
     const MapQuality quality = quality_of(*map);
     if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
-      out.push_back(
-          warning(name, std::string(key),
-                  fmt::format("the {} of `{}` is no field without currents: div B is {:.1g} and curl B "
-                              "{:.1g} of its largest "
-                              "field over a step",
-                              key, name, quality.divergence.rms, quality.curl.rms),
-                  "look for a wrong unit, order or sign of its components; omit what has currents in it"));
+      out.push_back(warning(
+          name, std::string(key),
+          fmt::format("the {} of `{}` is no field without {}: its divergence is {:.1g} and its curl "
+                      "{:.1g} of its largest field over a step",
+                      key, name, is_electric(part.part) ? "charges" : "currents", quality.divergence.rms,
+                      quality.curl.rms),
+          "look for a wrong unit, order or sign of its components; omit what has currents or charges in "
+          "it"));
     else if (quality.noisy && key == "map")
       out.push_back(
           warning(name, "map",

@@ -122,14 +122,14 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
   };
   for (const Stretch& stretch : stretches_of(sections)) {
     const bool sorts = sorts_levels(beamline, sections, stretch);
-    const std::string* field = nullptr;
+    const std::string* field = nullptr;  // none where gravity alone asks for steps
     for (const Section& section : sections.sections) {
-      if (!section.has_shaped_fields() || section.begin < stretch.begin || section.end > stretch.end)
-        continue;
-      if (field == nullptr)
-        field =
-            &part(section.shaped.empty() ? section.swinging.front().field.part : section.shaped.front().part)
-                 .placement.name;
+      if (!section.needs_steps() || section.begin < stretch.begin || section.end > stretch.end) continue;
+      const int number = !section.shaped.empty()     ? section.shaped.front().part
+                         : !section.swinging.empty() ? section.swinging.front().field.part
+                         : !section.electric.empty() ? section.electric.front().part
+                                                     : chamber_number;
+      if (field == nullptr && number != chamber_number) field = &part(number).placement.name;
       if (!sorts || (section.rotating.empty() && section.swinging.empty())) continue;
       const std::string& drive =
           section.swinging.empty()
@@ -152,10 +152,15 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
       const PlacedPart& inside = part(plane.part);
       out.push_back(
           {inside.placement.name, "at",
-           fmt::format("`{}` stands in the field of `{}`, which {} ({} to {})", inside.placement.name, *field,
-                       sorts ? "sorts the levels by its gradient" : "differs from place to place",
-                       metres(stretch.begin), metres(stretch.end)),
-           "move it out of the field"});
+           field == nullptr
+               ? fmt::format("`{}` can be passed in one direction only, and gravity along the beam may turn "
+                             "particles back",
+                             inside.placement.name)
+               : fmt::format("`{}` stands in the field of `{}`, which {} ({} to {})", inside.placement.name,
+                             *field,
+                             sorts ? "sorts the levels by its gradient" : "is followed along each path",
+                             metres(stretch.begin), metres(stretch.end)),
+           field == nullptr ? "omit it, or let gravity act across the beam" : "move it out of the field"});
       return;
     }
   }
@@ -243,9 +248,28 @@ void check_clocks(const Beamline& beamline, const Species& atom, const Sections&
   }
 }
 
+/// Speeds that change along the beam are flown in steps from the source on; levels of atoms are tabulated by
+/// one slowness, and an aim is taken along a straight line or a parabola across the beam.
+void check_fall(const Beamline& beamline, Faults& out) {
+  if (!beamline.gravity || beamline.gravity->direction.y == 0) return;
+  const auto add = [&](std::string message, std::string help) {
+    out.push_back({"gravity", "direction", std::move(message), std::move(help)});
+  };
+  if (const Species* atom = atom_of(beamline); atom != nullptr && is_quantum(beamline))
+    add(fmt::format("this direction has a part along the beam, where the levels of `{}` are followed at one "
+                    "speed only",
+                    atom->name),
+        "give a direction without a part along y, such as `-z`, or fly it under `classical`");
+  if (std::holds_alternative<AimedDirection>(beamline.source.direction))
+    add("this direction has a part along the beam, and a source is aimed across it only",
+        "use `direction: {kind: cone, ...}`, or give a direction without a part along y");
+}
+
 }  // namespace
 
 void check_flight(const Beamline& beamline, Faults& out) {
+  check_fall(beamline, out);
+  if (!out.empty()) return;
   const Sections sections = sections_of(beamline);
   check_overlaps(beamline, sections, out);
   check_stepped(beamline, sections, out);

@@ -78,13 +78,7 @@ void check_ranges(const Beamline& beamline, Faults& out) {
       },
       beamline.law);
   if (beamline.chamber) Ranges("chamber", out).check(*beamline.chamber, "");
-  if (beamline.gravity) {
-    Ranges("gravity", out).check(*beamline.gravity, "");
-    if (beamline.gravity->direction.y != 0)
-      out.push_back({"gravity", "direction",
-                     "this direction has a part along the beam, and gravity acts across it only",
-                     "give a direction without a part along y, such as `-z`"});
-  }
+  if (beamline.gravity) Ranges("gravity", out).check(*beamline.gravity, "");
   if (beamline.until) {
     Ranges("until", out).check(*beamline.until, "");
     if (std::none_of(beamline.parts.begin(), beamline.parts.end(),

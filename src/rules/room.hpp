@@ -47,6 +47,7 @@ void check_tallies(const Beamline&, Faults&);
 void check_source(const Beamline&, Faults&);
 void check_start_spin(const Beamline&, Faults&);
 void check_fields(const Beamline&, Faults&);
+void check_electric_fields(const Beamline&, Faults&);
 void check_magnets(const Beamline&, Faults&);
 void check_atoms(const Beamline&, Faults&);
 void check_walls(const Beamline&, Faults&);

@@ -64,6 +64,7 @@ std::vector<Fault> faults_of(const Beamline& beamline) {
   check_tallies(beamline, out);
   check_source(beamline, out);
   check_fields(beamline, out);
+  check_electric_fields(beamline, out);
   check_magnets(beamline, out);
   check_atoms(beamline, out);
   check_walls(beamline, out);

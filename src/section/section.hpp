@@ -58,10 +58,15 @@ struct Section {
   std::vector<CoilTerm> coils;
   std::vector<ShapedTerm> shaped;  // that differ from place to place
   std::vector<SwingingTerm> swinging;
+  std::vector<ShapedTerm> electric;  // E, in V/m and V/m^2
   std::vector<GapTerm> gaps;
-  Wall wall;  // the narrowest
+  Wall wall;                 // the narrowest
+  bool falls_along = false;  // gravity acts along the beam
   bool operator==(const Section&) const = default;
   bool has_shaped_fields() const { return !shaped.empty() || !swinging.empty(); }
+  /// Its flight has no closed form here: B differs from place to place, E makes what a spin sees follow its
+  /// velocity, or the speed along the beam changes.
+  bool needs_steps() const { return has_shaped_fields() || !electric.empty() || falls_along; }
 };
 
 /// What misses the opening stops; of a beam stop, what hits the shape.

@@ -35,6 +35,10 @@ void SectionBuilder::swinging(double begin, double end, ShapedTerm term, Oscilla
   term.part = oscillator.part = part_;
   swinging_.push_back({{begin, end, part_}, {term, oscillator}});
 }
+void SectionBuilder::electric(double begin, double end, ShapedTerm term) {
+  term.part = part_;
+  electric_.push_back({{begin, end, part_}, term});
+}
 void SectionBuilder::bore(double begin, double end, double radius, Offset offset) {
   bores_.push_back({{begin, end, part_}, {radius, part_, offset}});
 }
@@ -60,8 +64,10 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(coils_);
   add_edges(shaped_);
   add_edges(swinging_);
+  add_edges(electric_);
   add_edges(bores_);
   edges.insert(edges.end(), kinks_.begin(), kinks_.end());
+  if (fall_end_ > 0) edges.insert(edges.end(), {0, fall_end_});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end(), [](double a, double b) { return b - a <= same_place; }),
               edges.end());
@@ -76,10 +82,12 @@ bool SectionBuilder::is_overlapped(const Plane& plane) const {
       return c.first.part != plane.part && c.first.begin < end && c.first.end > begin && acts(c.second);
     });
   };
-  return overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
+  return fall_end_ > 0 ||
+         overlaps(uniform_, [](const UniformTerm& term) { return term.field != Vector3{}; }) ||
          overlaps(coils_, [](const CoilTerm& coil) { return coil.angle != 0; }) ||
          overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
          overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
+         overlaps(electric_, [](const ShapedTerm&) { return true; }) ||
          std::ranges::any_of(planes_, [&](const Plane& other) {
            const auto* magnet = std::get_if<MagnetTerm>(&other.term);
            return magnet != nullptr && other.part != plane.part && other.y < end && magnet->end > begin;
@@ -118,7 +126,7 @@ Sections SectionBuilder::cut() const {
   };
   Sections result;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, chamber_};
+    Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) {
       return snapped(e.begin) <= section.begin && snapped(e.end) >= section.end;
     };
@@ -133,11 +141,14 @@ Sections SectionBuilder::cut() const {
       if (covers(extent)) section.shaped.push_back(term), anything = true;
     for (const auto& [extent, term] : swinging_)
       if (covers(extent)) section.swinging.push_back(term), anything = true;
+    for (const auto& [extent, term] : electric_)
+      if (covers(extent)) section.electric.push_back(term), anything = true;
     for (const auto& [extent, gap] : gaps_)
       if (covers(extent)) section.gaps.push_back(gap);
     for (const auto& [extent, wall] : bores_)
       if (covers(extent) && wall.radius < section.wall.radius) section.wall = wall, anything = true;
-    if (anything) result.sections.push_back(section);
+    section.falls_along = section.end <= fall_end_;
+    if (anything || section.falls_along) result.sections.push_back(section);
   }
   result.planes = planes_;
   for (Plane& plane : result.planes) plane.y = snapped(plane.y);

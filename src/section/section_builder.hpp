@@ -39,6 +39,10 @@ class SectionBuilder {
   /// Where a field jumps or bends sharply inside of its stretch: a step could pass such a place between those
   /// where it asks for the field.
   void kink(double y) { kinks_.push_back(y); }
+  /// A static electric field, in V/m; it ends where its stretch ends.
+  void electric(double begin, double end, ShapedTerm);
+  /// Gravity acts along the beam from its source to there.
+  void fall_along(double end) { fall_end_ = end; }
   void bore(double begin, double end, double radius, Offset);
   void plane(double y, decltype(Plane::term) term) { planes_.push_back({y, part_, std::move(term)}); }
 
@@ -68,10 +72,12 @@ class SectionBuilder {
   std::vector<std::pair<Extent, CoilTerm>> coils_;
   std::vector<std::pair<Extent, ShapedTerm>> shaped_;
   std::vector<std::pair<Extent, SwingingTerm>> swinging_;
+  std::vector<std::pair<Extent, ShapedTerm>> electric_;
   std::vector<std::pair<Extent, GapTerm>> gaps_;
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
   std::vector<double> kinks_;
+  double fall_end_ = 0;  // [m]
 };
 
 }  // namespace rabiline

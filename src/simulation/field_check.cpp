@@ -9,6 +9,7 @@
 #include <memory>
 #include <set>
 
+#include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -37,13 +38,27 @@ struct Problem {
 };
 
 struct Acting {
-  Vector3 spin, turn;
+  Vector3 spin, turn, push;  // [rad/s], [rad/s], [m/s^2]
   FieldHere<double> field{};
 };
-Acting acting_at(const Problem& p, double x, double y, double z, double t) {
+/// Adds what E does: the spin sees -v x E/c^2, the charge q E.
+void add_electric(const Problem& p, double x, double y, double z, const Vector3& velocity, Acting& at) {
+  const ElectricCoupling& feels = p.region.feels.electric;
+  FieldHere<double> sum{};
+  for (int i = p.zone.shaped_end; i < p.zone.electric_end; ++i)
+    add_field<HostMaths>(p.region.shaped[static_cast<std::size_t>(i)], x, y, z, sum);
+  const Vector3 e = vector_at(sum.field),
+                motional =
+                    (-1 / (constants::speed_of_light * constants::speed_of_light)) * cross(velocity, e),
+                turn = feels.spin_per_motional * motional + feels.spin_per_electric * e;
+  at.spin = at.spin + turn;
+  at.turn = at.turn + feels.turn_share * turn;
+  at.push = feels.acceleration * e;
+}
+Acting acting_at(const Problem& p, double x, double y, double z, double t, const Vector3& velocity) {
   const SpinZone& zone = p.zone.field;
   const ZoneRates rates = rates_of(zone, p.phases, {x, y, z}, t, t);
-  Acting at{rates.spin, rates.turn};
+  Acting at{rates.spin, rates.turn, {}};
   for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i) {
     const ShapedTerm& term = p.region.shaped[static_cast<std::size_t>(i)];
     FieldHere<double> peak{};
@@ -54,6 +69,7 @@ Acting acting_at(const Problem& p, double x, double y, double z, double t) {
     for (int k = 0; k < 9; ++k) at.field.slope[k] += share * peak.slope[k];
   }
   if (p.region.feels.follows_level) return at;
+  if (p.zone.shaped_end < p.zone.electric_end) add_electric(p, x, y, z, velocity, at);
   const Vector3 b = vector_at(at.field.field);
   at.spin = at.spin + p.region.feels.spin_per_tesla * b;
   at.turn = at.turn + p.region.feels.turn_per_tesla * b;
@@ -82,9 +98,9 @@ int derivative(double y, const double* q, double* dq, void* with) {
   const Problem& p = *static_cast<const Problem*>(with);
   ++p.evaluations;
   const Vector3 velocity = vector_at(q + 3), spin = vector_at(q + 6);
-  const Acting at = acting_at(p, q[0], y, q[1], q[2]);
+  const Acting at = acting_at(p, q[0], y, q[1], q[2], velocity);
   const Vector3 turn = p.region.take_off_spin_component ? at.turn - dot(at.turn, spin) * spin : at.turn;
-  Vector3 a = cross(turn, velocity) + vector_at(p.region.feels.gravity);
+  Vector3 a = cross(turn, velocity) + vector_at(p.region.feels.gravity) + at.push;
   const Vector3 along =
       p.region.feels.follows_level ? pull_of_level(p, at.field) : p.part * p.region.feels.pull * spin;
   const double s[3] = {along.x, along.y, along.z};

@@ -40,9 +40,11 @@ class MapReader {
                       static_cast<double>(nodes), static_cast<double>(nodes) * bytes_per_node / 0x1p30,
                       static_cast<double>(most_nodes)));
     const std::size_t m = axes.size();
+    out_.nodes.electric = file_.contains("E" + axes[0]);
     for (std::size_t c = 0; c < m; ++c) {
-      const std::string name = "B" + axes[c];
-      const std::vector<double> component = numbers(name, Dimension::magnetic_field, sizes, nodes);
+      const std::string name = (out_.nodes.electric ? "E" : "B") + axes[c];
+      const std::vector<double> component = numbers(
+          name, out_.nodes.electric ? Dimension::electric_field : Dimension::magnetic_field, sizes, nodes);
       if (c == 0) out_.nodes.field.resize(nodes * m);
       for (std::size_t i = 0; i < nodes; ++i) out_.nodes.field[i * m + c] = component[i];
     }

@@ -1,9 +1,11 @@
 #pragma once
 // A visit to one zone of a region where fields differ from place to place, for kernels only. Each lane goes
 // in steps of its own length, which it chooses by what two halves of a step differ from the whole:
-//   dr/dt = v,  dS/dt = w x S,  dv/dt = W x v + a,  a = g + the force of the gradient on the moment,
+//   dr/dt = v,  dS/dt = w x S,  dv/dt = W x v + a,  a = g + q E/m + the force of the gradient on the moment,
 // w, W and a at the place of the lane and at its time. A step is of fourth order: they are taken at the two
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
+// In an electric field w depends on the velocity too, by v x E/c^2, which is known to second order there.
+#include "core/constants.hpp"
 #include "field/lane_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "transport/adiabaticity_lanes.hpp"
@@ -68,7 +70,7 @@ struct ChangingRate {
 struct Influence {
   Vector spin, turn;  // [rad/s] w, and W before its part along S is taken off
   Vector slope[3];    // [m/s^2] what S along x, y, z accelerates by
-  Vector level;       // [m/s^2] what a level does
+  Vector push;        // [m/s^2] what a level does, or E
 };
 
 /// What two halves and a whole step of fourth order would come to with ever shorter steps.
@@ -92,17 +94,22 @@ struct FieldStepper {
 
   bool turns() const {
     return region.feels.turn_per_tesla != 0 || zone.field.turn_rate != 0 ||
-           (zone.field.drives > 0 && zone.field.drive[0].turn_rate != 0);
+           (zone.field.drives > 0 && zone.field.drive[0].turn_rate != 0) ||
+           (is_electric() && region.feels.electric.turn_share != 0);
   }
+  bool is_electric() const { return zone.shaped_end < zone.electric_end; }
   bool bends() const { return turns() || region.feels.pull != 0; }
   RABILINE_LANES Vector gravity() const {
     const double* g = region.feels.gravity;
     return {broadcast(g[0]), broadcast(g[1]), broadcast(g[2])};
   }
 
-  inline Influence at(real t, const Vector& r) const {
+  /// `velocity()` is asked only where it matters.
+  template <class Velocity>
+  inline Influence at(real t, const Vector& r, const Velocity& velocity) const {
     const Rates uniform = rates_at(zone.field, phases, t, r);
     Influence here{uniform.spin, uniform.turn, {}, {}};
+    if (is_electric()) add_electric(r, velocity(), here);
     if (zone.shaped_begin == zone.shaped_end) return here;
     FieldHere<real> field{};
     for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
@@ -123,6 +130,20 @@ struct FieldStepper {
       here.slope[i] = {pull * field.slope[3 * i], pull * field.slope[3 * i + 1],
                        pull * field.slope[3 * i + 2]};
     return here;
+  }
+  inline void add_electric(const Vector& r, const Vector& v, Influence& here) const {
+    const ElectricCoupling& feels = region.feels.electric;
+    FieldHere<real> field{};
+    for (int i = zone.shaped_end; i < zone.electric_end; ++i)
+      add_field<LaneMaths>(region.shaped[i], r.x, r.y, r.z, field);
+    const Vector e{field.field[0], field.field[1], field.field[2]};
+    constexpr double per_c2 = 1 / (constants::speed_of_light * constants::speed_of_light);
+    const Vector turn = add(
+        Vector{feels.spin_per_electric * e.x, feels.spin_per_electric * e.y, feels.spin_per_electric * e.z},
+        broadcast(-per_c2 * feels.spin_per_motional), cross(v, e));
+    here.spin = add(here.spin, broadcast(1), turn);
+    here.turn = add(here.turn, broadcast(feels.turn_share), turn);
+    here.push = {feels.acceleration * e.x, feels.acceleration * e.y, feels.acceleration * e.z};
   }
   inline void add_swinging(const ShapedTerm& term, real t, const Vector& r, FieldHere<real>& field) const {
     const real share = phasor(angle_at(zone.field.drive[term.drive], phases[term.drive], t, r)).c;
@@ -147,13 +168,13 @@ struct FieldStepper {
       return fma(b[0], g[0], fma(b[1], g[3], b[2] * g[6])) * over * pull;
     };
     here.spin = here.turn = Vector{};
-    here.level = {grows(0), grows(1), grows(2)};
+    here.push = {grows(0), grows(1), grows(2)};
   }
   /// F = grad (mu . B), mu along S, or that of a level.
   RABILINE_LANES Vector pull_at(const Influence& here, const Vector& spin) const {
-    const Vector g = gravity();
-    if (region.feels.follows_level) return add(g, broadcast(1), here.level);
-    return region.feels.pull == 0
+    Vector g = gravity();
+    if (region.feels.follows_level || is_electric()) g = add(g, broadcast(1), here.push);
+    return region.feels.follows_level || region.feels.pull == 0
                ? g
                : add(add(add(g, spin.x, here.slope[0]), spin.y, here.slope[1]), spin.z, here.slope[2]);
   }
@@ -170,21 +191,30 @@ struct FieldStepper {
             along(s.place.z, s.velocity.z, a.z, jerk.z)};
   }
 
+  RABILINE_LANES static Vector velocity_after(const State& s, real dt, const Vector& a, const Vector& jerk) {
+    const auto along = [&](real v, real a0, real j) { return fma(fma(0.5 * j, dt, a0), dt, v); };
+    return {along(s.velocity.x, a.x, jerk.x), along(s.velocity.y, a.y, jerk.y),
+            along(s.velocity.z, a.z, jerk.z)};
+  }
+
   /// One step of the length h.
   inline State once(real h, State s) const {
     const real dt1 = gauss_first * h, dt2 = gauss_second * h;
     Vector a0 = gravity(), jerk{};
     if (bends()) {
-      const Influence first = at(s.t, s.place);
+      const Influence first = at(s.t, s.place, [&] { return s.velocity; });
       a0 = acceleration(first, s.spin, s.velocity);
       const Vector turned = turned_by({dt1 * first.spin.x, dt1 * first.spin.y, dt1 * first.spin.z}, s.spin);
+      const auto velocity1 = [&] { return add(s.velocity, dt1, a0); };
       const Vector a1 =
-          acceleration(at(s.t + dt1, place_after(s, dt1, a0, Vector{})), turned, add(s.velocity, dt1, a0));
+          acceleration(at(s.t + dt1, place_after(s, dt1, a0, Vector{}), velocity1), turned, velocity1());
       const real over = 1.0 / select(dt1 != broadcast(0), dt1, broadcast(1));
       jerk = {(a1.x - a0.x) * over, (a1.y - a0.y) * over, (a1.z - a0.z) * over};
     }
-    const Influence at1 = at(s.t + dt1, place_after(s, dt1, a0, jerk)),
-                    at2 = at(s.t + dt2, place_after(s, dt2, a0, jerk));
+    const auto known_at = [&](real dt) {
+      return at(s.t + dt, place_after(s, dt, a0, jerk), [&] { return velocity_after(s, dt, a0, jerk); });
+    };
+    const Influence at1 = known_at(dt1), at2 = known_at(dt2);
     const ChangingRate spin(at1.spin, at2.spin, h);
     const Vector s0 = s.spin, velocity = s.velocity;
     s.spin = turned_by(spin.between(0, 1), s0);
@@ -214,7 +244,7 @@ struct FieldStepper {
   /// Which lanes are outside of a map that nothing may leave.
   inline mask outside_maps(const Vector& r) const {
     mask outside{};
-    for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
+    for (int i = zone.shaped_begin; i < zone.electric_end; ++i)
       outside = outside | (is_lost<LaneMaths>(region.shaped[i], r.x, r.y, r.z) > broadcast(0));
     return outside;
   }
@@ -229,7 +259,7 @@ struct FieldStepper {
   /// No longer than a radian of the velocity's turning.
   inline real longest(const State& s, real most) const {
     if (!turns()) return most;
-    const Vector w = at(s.t, s.place).turn;
+    const Vector w = at(s.t, s.place, [&] { return s.velocity; }).turn;
     return min(most, 1.0 / max(sqrt(dot(w, w)), broadcast(0x1p-500)));
   }
 

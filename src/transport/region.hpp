@@ -59,10 +59,23 @@ struct RegionZone {
   ZoneCourse course = ZoneCourse::steps;
   SpanTable table;
   int shaped_begin = 0, shaped_end = 0;  // of the region's fields that differ from place to place
+  int electric_end = 0;                  // of its electric ones, which begin at shaped_end
   int gap_begin = 0, gap_end = 0;        // of the gaps of magnets
   double uniform[3] = {};                // [T] the sum of all static fields that do not
   double longest = 0;                    // [m] way in one step through a field
   bool operator==(const RegionZone&) const = default;
+};
+/// How one species feels an electric field E, to first order in v/c. Its spin sees the motional field
+/// -v x E/c^2 besides B (J. D. Jackson, Classical Electrodynamics, 3rd ed., 11.10: B' = B - v x E/c^2 in the
+/// frame of the particle), so that it turns with -gamma B'; the axes of a charge that E accelerates turn in
+/// the laboratory with -v x a/(2 c^2), a = q E/m (Thomas; 11.8 there). H = -d sigma.E turns it with -d/(I
+/// hbar) E.
+struct ElectricCoupling {
+  double spin_per_motional = 0;  // [rad/(s T)] -gamma + q/(2 m), of -v x E/c^2
+  double spin_per_electric = 0;  // [rad/s per V/m] -d/(I hbar)
+  double turn_share = 0;         // of that turning, by which the velocity turns jointly
+  double acceleration = 0;       // [m/s^2 per V/m] q/m
+  bool operator==(const ElectricCoupling&) const = default;
 };
 /// How one species feels fields that differ from place to place, and what else accelerates it.
 struct FieldCoupling {
@@ -75,6 +88,7 @@ struct FieldCoupling {
   MomentLaw moments{};     // of that level where it depends on |B| [J/T]
   double mass = 1;         // [kg]
   double gravity[3] = {};  // [m/s^2]
+  ElectricCoupling electric{};
   bool watches_turning = false;  // how fast the static field turns, for tallies
   double tolerance = 1e-6;       // of spin, direction, and place over the length of a zone
   bool operator==(const FieldCoupling&) const = default;

@@ -329,7 +329,7 @@ double cost_through_field(const TurningRegion& region, const RegionZone& zone, d
   constexpr double asked = 12, of_bends = 4, per_turn = 8, per_precession = 12;
   const double stay = zone.detour * (zone.field.end - zone.field.begin) / speed;
   double steps = stay * speed / zone.longest, each = cost::zone;
-  for (int i = zone.shaped_begin; i < zone.shaped_end; ++i) {
+  for (int i = zone.shaped_begin; i < zone.electric_end; ++i) {
     const bool linear = region.shaped[static_cast<std::size_t>(i)].kind == ShapedKind::linear;
     if (!linear) steps = std::max(steps, of_bends * stay * speed / zone.longest);
     each += linear ? cost::linear_field : cost::shaped_field;
@@ -362,6 +362,7 @@ void TurningRegion::explain(PlanReport& report) const {
   for (const RegionZone& zone : zones) {
     explain_zone(on_axis(*this, zone), report);
     explain_course(zone, report);
+    explain_electric(*this, zone, report);
   }
   for (const Sight& sight : sights) {
     sight.census.explain(report);

@@ -43,6 +43,8 @@ static_assert(StageKind<TurningRegion>);
 
 /// As the kernel sees it, which it must outlive.
 Region view_of(const TurningRegion&, const RandomKey&);
+/// What the electric field in one of its zones does to a spin and a charge at the mean speed.
+void explain_electric(const TurningRegion&, const RegionZone&, PlanReport&);
 /// What becomes of levels, and a warning where that is in doubt.
 void explain_levels(const TurningRegion&, PlanReport&);
 

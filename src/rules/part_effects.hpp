@@ -1,0 +1,12 @@
+#pragma once
+// Whether each field of a beam turns spins, and whether it moves particles.
+#include <string>
+
+#include "beamline/beamline.hpp"
+
+namespace rabiline {
+
+/// A line for each part with a field; empty where there is none.
+std::string report_of_parts(const Beamline&);
+
+}  // namespace rabiline

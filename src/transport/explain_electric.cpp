@@ -1,0 +1,38 @@
+// What `check` tells of the electric field in one zone.
+#include <cmath>
+#include <numbers>
+
+#include "core/constants.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "transport/plan_report.hpp"
+#include "transport/stages/turning_region.hpp"
+
+namespace rabiline {
+
+void explain_electric(const TurningRegion& region, const RegionZone& zone, PlanReport& report) {
+  if (zone.shaped_end == zone.electric_end) return;
+  constexpr int places = 64;
+  const double length = zone.field.end - zone.field.begin;
+  FieldHere<double> sum{};
+  for (int i = 0; i < places; ++i)
+    for (int k = zone.shaped_end; k < zone.electric_end; ++k)
+      add_field<HostMaths>(region.shaped[static_cast<std::size_t>(k)], 0.0,
+                           zone.field.begin + length * (i + 0.5) / places, 0.0, sum);
+  const Vector3 e = (1.0 / places) * Vector3{sum.field[0], sum.field[1], sum.field[2]};
+  const Vector3 motional =
+      (-report.speed / (constants::speed_of_light * constants::speed_of_light)) * cross({0, 1, 0}, e);
+  const ElectricCoupling& feels = region.feels.electric;
+  const auto volts = [](double x) { return pretty_quantity(x, Dimension::electric_field); };
+  report.line("{:>16}E = ({}, {}, {}), its mean on the axis: a spin sees {} of it, {:.4g} deg of turning{}",
+              "", volts(e.x), volts(e.y), volts(e.z),
+              pretty_quantity(length_of(motional), Dimension::magnetic_field),
+              length_of(feels.spin_per_motional * motional + feels.spin_per_electric * e) * length /
+                  report.speed * 180 / std::numbers::pi,
+              report.species->charge != 0
+                  ? fmt::format("; the charge gains {}",
+                                pretty_quantity(report.species->charge * e.y * length, Dimension::energy))
+                  : "");
+}
+
+}  // namespace rabiline
