@@ -7,6 +7,7 @@
 
 #include "constants.hpp"
 #include "physics/agreement.hpp"
+#include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
 
 namespace rabiline::test {
@@ -125,6 +126,37 @@ TEST(TwoSlits, CastATrapezoidOfUmbraAndPenumbra) {
   };
   EXPECT_LT(chi_square(1), 200 + 4 * std::sqrt(2 * 200.0));
   EXPECT_GT(chi_square(1.01), 1000);
+}
+
+/// Where another field overlaps a weak magnet, levels stay coherent and atoms fly straight; point spins go in
+/// steps. Both, and atoms in a magnet that sorts them, touch the same poles, a round wire in its middle too.
+TEST(OverlappedMagnet, StopsAtomsThatItDoesNotSortAtItsPolesAsItStopsPointSpins) {
+  GradientMagnet narrow = gradient_magnet(0.1, 1e-4, 1e-3);
+  narrow.gap = Rectangle{1e-3, 1.5e-3};
+  narrow.offset = {0.2e-3, -0.1e-3};
+  TwoWireMagnet wires;
+  wires.length = 0.4;
+  wires.half_distance = 0.8e-3;
+  wires.wire_radius = 0.6e-3;
+  wires.strength = FieldAtBeam{1e-6};
+  const auto let_through = [](const Part& magnet, const char* species, bool overlapped) {
+    Beamline b = atoms(species, 600, UnpolarisedSpin{});
+    b.source.opening = Rectangle{2e-3, 2e-3};
+    b.source.direction = BoxDirection{1e-3, 1e-3};
+    b.particles = 20000;
+    b.parts = {place("M", 0.2, magnet), wide_screen(1)};
+    if (overlapped) b.parts.insert(b.parts.begin(), place("F", 0.1, UniformField{0.6, 1e-6, {}}));
+    return run_points({b}).detectors.at(0).detected.at(0);
+  };
+  for (const Part& magnet : {Part{narrow}, Part{wires}}) {
+    const double atom = let_through(magnet, "K-39 atom", true),
+                 alone = let_through(magnet, "K-39 atom", false);
+    EXPECT_GT(atom, 0.1);
+    EXPECT_LT(atom, 0.9);
+    // Steps and the places where a straight path is looked at miss what only grazes a wire.
+    EXPECT_NEAR(atom, let_through(magnet, "neutron", true), 2e-3);
+    EXPECT_NEAR(atom, alone, 2e-3);
+  }
 }
 
 }  // namespace

@@ -79,7 +79,9 @@ TEST(FreeFallAlongTheBeam, MovesWhatFliesAskewThroughSlitsByTheTime) {
     std::get<Slit>(b.parts[0].part).offset.x = x + miss;
     const Track t = fly(b);
     EXPECT_EQ(t.fate, miss > 1e-3 ? "stopped" : "detected") << miss;
-    if (miss <= 1e-3) EXPECT_NEAR(t.x.back(), vx * time_to(vy, -g, 1), 1e-10);
+    if (miss <= 1e-3) {
+      EXPECT_NEAR(t.x.back(), vx * time_to(vy, -g, 1), 1e-10);
+    }
   }
 }
 

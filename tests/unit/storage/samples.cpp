@@ -175,8 +175,9 @@ bool same(const Snapshot& a, const Snapshot& b) {
     return left.path == right.path && left.text == right.text;
   };
   return a.fingerprint == b.fingerprint && a.particles == b.particles && a.shard == b.shard &&
-         a.changes == b.changes && a.transit == b.transit && a.max_memory == b.max_memory && a.begun == b.begun && a.seconds == b.seconds &&
-         a.finished == b.finished && a.sums == b.sums && a.arguments == b.arguments &&
+         a.changes == b.changes && a.transit == b.transit && a.max_memory == b.max_memory &&
+         a.begun == b.begun && a.seconds == b.seconds && a.finished == b.finished && a.sums == b.sums &&
+         a.arguments == b.arguments &&
          std::equal(a.inputs.begin(), a.inputs.end(), b.inputs.begin(), b.inputs.end(), same_input);
 }
 
