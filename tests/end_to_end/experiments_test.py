@@ -2,6 +2,7 @@
 
 import re
 
+import electric_test
 import field_experiments_test
 import level_experiments_test
 import numpy as np
@@ -14,7 +15,7 @@ LARMOR = -GAMMA / (2 * np.pi) * 10e-3  # Hz, neutron in 10 mT
 
 
 def test_every_shipped_experiment_has_a_test_of_what_its_header_promises():
-    tests = [test for module in (paper_test, field_experiments_test, level_experiments_test) for test in vars(module).values()] + [*globals().values()]
+    tests = [test for module in (paper_test, electric_test, field_experiments_test, level_experiments_test) for test in vars(module).values()] + [*globals().values()]
     marks = [mark for test in tests for mark in getattr(test, "pytestmark", []) if mark.name == "experiment"]
     assert {path.stem for path in EXPERIMENTS.glob("*.yaml")} == {name for mark in marks for name in mark.args}
 

@@ -21,7 +21,7 @@ BEAMLINES = Path(__file__).parents[2] / "beamline"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
 PARTICLES = 300  # at most: what is drawn, not what it means
-COLUMN, PAGE = (86 / 25.4, 60 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
+COLUMN, PAGE = (100 / 25.4, 80 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
 
 
@@ -73,9 +73,8 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
     kinds += [("profiles", {"points": "0,1"}), ("profiles", {"size": COLUMN, "points": "0"})]
-    kinds += [(kind, {"size": COLUMN}) for kind in ("scan", "levels", "profiles", "transit")]
-    kinds += [("tally", {"name": tally, "points": points, "size": size})
-              for tally in opened.tallies for points in ("0", "all") for size in (None, COLUMN)]
+    kinds += [(kind, {"size": COLUMN}) for kind in ("scan", "levels", "transit")]
+    kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     figures = {}
     for kind, options in kinds:
         try:
