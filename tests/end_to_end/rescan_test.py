@@ -177,6 +177,8 @@ def test_a_scan_in_slabs_has_the_bits_of_one_in_one_piece(folder: Path) -> None:
 
 
 def test_memory_is_stated_as_a_size(folder: Path) -> None:
+    (folder / "rabi.yaml").write_text(BEAMLINE)
+    (folder / "magnets.yaml").write_text(MAGNETS)
     for size in ("2", "2 GB", "-1GiB", "nothing"):
         refused = rabiline("check", "rabi.yaml", "--max-memory", size, cwd=folder)
         assert refused.returncode == 2 and "is no size of memory" in refused.stderr
