@@ -34,7 +34,7 @@ void require_memory(const Experiment& experiment, const Plan& plan, int threads,
   const bool is_stated = max_memory > 0;
   if (needed > (is_stated ? static_cast<double>(max_memory) : 0.7 * there))
     throw std::invalid_argument(
-        fmt::format("the histograms of {} scan points need {:.1f} GiB on {} threads, and {} {:.1f} GiB\n"
+        fmt::format("the histograms of {} scan points need {:.3g} GiB on {} threads, and {} {:.3g} GiB\n"
                     "  help: use fewer bins, fewer scan points or fewer threads{}",
                     experiment.points.size(), needed / 1073741824, threads,
                     is_stated ? "--max-memory is" : "this machine has",

@@ -108,7 +108,7 @@ std::string need_of(const Row& row, const D& fallback) {
   if constexpr (std::is_same_v<D, Required> && !is_optional<M>)
     return "required";
   else if constexpr (std::is_same_v<D, UnitVector>)
-    return fallback.x == 1 ? "default x" : "default z";
+    return fallback.x == 1 ? "default x" : fallback.y == 1 ? "default y" : "default z";
   else if constexpr (requires { D::kind; })
     return fmt::format("default {}", D::kind);
   else if constexpr (std::is_same_v<D, bool>)

@@ -12,12 +12,10 @@ void contribute(const ElectricField& part, const Placement& place, SectionBuilde
   if (field == Vector3{}) return;
   if (std::holds_alternative<HardFringe>(part.fringe))
     return builder.electric(place.at, end, ShapedTerm(LinearShape{{field.x, field.y, field.z}, {}}));
-  const FringeShape shape = shape_of(part.fringe, RectangularProfile{});
-  const double reach = reach_of(shape).value_or(0);
-  for (const ShapedTerm& term :
-       fringed_terms(shape, part.length, field, place_of(place.at + part.length / 2, part.offset)))
-    builder.electric(std::max(0.0, place.at - reach), end + reach, term);
-  for (const double y : kinks_of(shape, place.at, part.length)) builder.kink(y);
+  const FringedField fringed =
+      fringed_field(shape_of(part.fringe, RectangularProfile{}), field, place.at, part.length, part.offset);
+  for (const ShapedTerm& term : fringed.terms) builder.electric(fringed.begin, fringed.end, term);
+  for (const double y : fringed.kinks) builder.kink(y);
 }
 
 std::vector<Fault> faults_of(const ElectricField& part, const Placement& place) {

@@ -66,15 +66,14 @@ using Fringe = std::variant<HardFringe, TanhFringe, EngeFringe, SineFringe>;
 /// The curve of a profile that is not rectangular, else of a fringe that is not hard; without size and
 /// length.
 FringeShape shape_of(const Fringe&, const AmplitudeProfile&);
-/// How far outside its edge [m] it falls below 1e-4 of the whole field for good; nothing where it never does.
-std::optional<double> reach_of(const FringeShape&);
-/// A field of that curve, across and along the beam each as Maxwell's equations have it; `field` is the one
-/// between the edges, `length` from edge to edge.
-std::vector<ShapedTerm> fringed_terms(FringeShape, double length, const Vector3& field,
-                                      const Vector3& middle);
-/// Places inside the field of a part that begins at `at` where the curve is not smooth, nor is the field off
-/// the axis.
-std::vector<double> kinks_of(const FringeShape&, double at, double length);
+/// A field of some curve along the beam, across and along it each as Maxwell's equations have it.
+struct FringedField {
+  double begin = 0, end = 0;  // [m], where it is there
+  std::vector<ShapedTerm> terms;
+  std::vector<double> kinks;  // [m], where the curve is not smooth, nor is the field off the axis
+};
+/// `field` is the one between the edges, at `at` and `length` behind it.
+FringedField fringed_field(FringeShape, const Vector3& field, double at, double length, const Offset&);
 /// A curve that never ends.
 std::vector<Fault> faults_of_fringe(const Fringe&, const AmplitudeProfile&, const Placement&);
 

@@ -9,13 +9,11 @@ namespace rabiline {
 namespace {
 
 void contribute_fringed(const UniformField& part, const Placement& place, SectionBuilder& builder) {
-  const FringeShape shape = shape_of(part.fringe, part.profile);
-  const double reach = reach_of(shape).value_or(0);
-  for (const ShapedTerm& term :
-       fringed_terms(shape, part.length, part.field * turned(part.direction, part.tilt),
-                     place_of(place.at + part.length / 2, part.offset)))
-    builder.shaped(std::max(0.0, place.at - reach), place.at + part.length + reach, term);
-  for (const double y : kinks_of(shape, place.at, part.length)) builder.kink(y);
+  const FringedField fringed =
+      fringed_field(shape_of(part.fringe, part.profile), part.field * turned(part.direction, part.tilt),
+                    place.at, part.length, part.offset);
+  for (const ShapedTerm& term : fringed.terms) builder.shaped(fringed.begin, fringed.end, term);
+  for (const double y : fringed.kinks) builder.kink(y);
 }
 
 bool is_one_way(const UnitVector& d) { return std::abs(d.y) < 1e-9 || std::abs(d.y) > 1 - 1e-9; }

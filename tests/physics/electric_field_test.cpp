@@ -6,7 +6,6 @@
 #include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
-#include "simulation/field_check.hpp"
 #include "simulation/trace.hpp"
 
 namespace rabiline::test {
@@ -212,9 +211,7 @@ TEST(ElectricField, IsInTheCheckThatEveryRunMakes) {
   Beamline b =
       beam(proton(), 1e6,
            {place("B", begin, magnetic(0.02, {1, 0, 0})), place("E", begin, electric(3e4, {0, 0.6, 0.8}))});
-  Experiment e;
-  e.points = {b};
-  const auto found = check_fields(make_plan(e), best_isa());
+  const auto found = check_of(b);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->particles, 8U);
   EXPECT_LT(found->largest(), 1e-6);

@@ -8,7 +8,6 @@
 #include "constants.hpp"
 #include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
-#include "simulation/field_check.hpp"
 #include "simulation/trace.hpp"
 
 namespace rabiline::test {
@@ -36,11 +35,6 @@ Beamline neutrons(Law law, std::vector<PlacedPart> parts, double height = 0) {
   b.particles = 20000;
   b.seed = 1938;
   return b;
-}
-std::optional<FieldCheck> check_of(const Beamline& b) {
-  Experiment e;
-  e.points = {b};
-  return check_fields(make_plan(e), best_isa());
 }
 
 /// gamma G L/v = 70.04 turns per metre of height for 1e-3 T/m over 1.9 m.

@@ -4,6 +4,7 @@
 
 #include "constants.hpp"
 #include "plan/plan.hpp"
+#include "simulation/field_check.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 
@@ -57,6 +58,13 @@ inline Result run_points(std::vector<Beamline> points, RunOptions options = {}) 
   if (options.isa == Isa::baseline) options.isa = best_isa();
   const Plan plan = make_plan(e);
   return finish(e, plan, run(plan, options).sums);
+}
+
+/// What the field check of a run finds.
+inline std::optional<FieldCheck> check_of(const Beamline& b) {
+  Experiment e;
+  e.points = {b};
+  return check_fields(make_plan(e), best_isa());
 }
 
 }  // namespace rabiline::test

@@ -6,7 +6,6 @@
 #include "constants.hpp"
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
-#include "simulation/field_check.hpp"
 #include "simulation/trace.hpp"
 
 namespace rabiline::test {
@@ -97,9 +96,7 @@ TEST(FreeFallAlongTheBeam, ThatGoesToZeroIsStraightFlight) {
 }
 
 TEST(FreeFallAlongTheBeam, IsInTheCheckThatEveryRunMakes) {
-  Experiment e;
-  e.points = {rising(5, {place("B", 0.3, UniformField{0.4, 1e-6, {}})})};
-  const auto found = check_fields(make_plan(e), best_isa());
+  const auto found = check_of(rising(5, {place("B", 0.3, UniformField{0.4, 1e-6, {}})}));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->particles, 8U);
   EXPECT_LT(found->largest(), 1e-6);

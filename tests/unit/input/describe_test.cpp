@@ -37,6 +37,8 @@ TEST(Describe, TellsUnitRangeDefaultAndMeaningOfEachKey) {
   EXPECT_THAT(describe("rotating_field"), HasSubstr("magnetic field, zero or greater"));
   EXPECT_THAT(describe("dorado"), HasSubstr("default torque"));
   EXPECT_THAT(describe("slit"), HasSubstr("one of: width and height | radius"));
+  EXPECT_THAT(describe("solenoid"), HasSubstr("default y"));
+  EXPECT_THAT(describe("uniform_field"), HasSubstr("default z"));
   EXPECT_THAT(describe("species"), HasSubstr("Li-7"));
   EXPECT_THAT(describe("units"), HasSubstr("mT, uT"));
 }
