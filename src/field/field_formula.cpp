@@ -112,7 +112,7 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
       const std::string word = text.substr(from, std::max<std::size_t>(1, end - from));
       FormulaFault fault(
           fmt::format("`{}` is no place, constant or function", word),
-          word == "t" ? std::string("a formula is of the place alone; `oscillates` makes it swing in time")
+          word == "t" ? std::string("state how often the formulas repeat in time: `frequency: 10 kHz`")
           : closest(word, words_of(parser)).empty()
               ? fmt::format("places are x, y and z [m]; state it as a constant: `constants: {{{}: 1 mT}}`",
                             word)
@@ -154,46 +154,136 @@ bool can_name_constant(const std::string& name) {
          name != "t" && std::ranges::find(words, name) == words.end();
 }
 
-MapNodes sampled(const FieldFormula& formula, const std::array<MapAxis, 3>& axes) {
-  MapNodes nodes{{axes.begin(), axes.end()}, {}};
-  std::array<std::size_t, 3> n{};
-  for (std::size_t a = 0; a < 3; ++a) n[a] = static_cast<std::size_t>(axes[a].nodes);
-  nodes.field.resize(n[0] * n[1] * n[2] * 3);
-  for (std::size_t m = 0; m < 3; ++m) {
-    const std::string& text = formula.components[m];
-    std::array<double, 3> at{axes[0].begin, axes[1].begin, axes[2].begin};
+namespace {
+
+/// Mean values over a period at 16 equal times, so that harmonics up to the seventh do not mix with those
+/// that are kept.
+constexpr int times = 16, kept = 2 * most_field_harmonics + 1;
+/// cos(k a) of number 2 k - 1 and sin(k a) of number 2 k, at a = 2 pi f t.
+double wave(int number, double angle) {
+  const int k = (number + 1) / 2;
+  return number % 2 == 1 ? portable::cos(k * angle) : portable::sin(k * angle);
+}
+/// The harmonics of one value that follows t, and by how much it differs from them at other times, a few
+/// periods later.
+std::array<double, kept> harmonics_of(mu::Parser& parser, double& t, double period, double& left_out) {
+  std::array<double, kept> out{};
+  for (int i = 0; i < times; ++i) {
+    t = period * i / times;
+    const double value = parser.Eval(), angle = 2 * std::numbers::pi * i / times;
+    out[0] += value / times;
+    for (int n = 1; n < kept; ++n) out[static_cast<std::size_t>(n)] += 2 * wave(n, angle) * value / times;
+  }
+  for (const double periods : {1.137, 2.447, 5.829}) {
+    t = period * periods;
+    double sum = out[0];
+    for (int n = 1; n < kept; ++n)
+      sum += out[static_cast<std::size_t>(n)] * wave(n, 2 * std::numbers::pi * periods);
+    left_out = std::max(left_out, std::abs(parser.Eval() - sum));
+  }
+  return out;
+}
+
+double largest_of(const MapNodes& nodes) {
+  double largest = 0;
+  for (const double value : nodes.field) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+/// One component of all harmonics.
+class Sampler {
+ public:
+  Sampler(const FieldFormula& formula, const std::array<MapAxis, 3>& axes) : formula_(formula), axes_(axes) {
+    for (std::size_t a = 0; a < 3; ++a) n_[a] = static_cast<std::size_t>(axes[a].nodes);
+    harmonics_.push_back(empty(0));
+  }
+
+  void add(std::size_t component) {
     FormulaParser parser;
+    const std::string& text = formula_.components[component];
     try {
+      std::array<double, 3> at{};
+      double t = 0;
       for (std::size_t a = 0; a < 3; ++a) parser.DefineVar(places[a], &at[a]);
-      for (const auto& [name, value] : formula.constants) parser.DefineConst(name, value);
+      if (formula_.frequency > 0) parser.DefineVar("t", &t);
+      for (const auto& [name, value] : formula_.constants) parser.DefineConst(name, value);
       parser.SetExpr(text);
-      double* to = nodes.field.data() + m;
-      for (std::size_t i = 0; i < n[0]; ++i)
-        for (std::size_t j = 0; j < n[1]; ++j)
-          for (std::size_t k = 0; k < n[2]; ++k, to += 3) {
-            at = {axes[0].begin + axes[0].step * static_cast<double>(i),
-                  axes[1].begin + axes[1].step * static_cast<double>(j),
-                  axes[2].begin + axes[2].step * static_cast<double>(k)};
-            *to = parser.Eval();
-            if (std::isfinite(*to)) continue;
-            throw FormulaFault(
-                fmt::format("the formula has no finite value at x = {:.4g} m, y = {:.4g} m, z = {:.4g} m",
-                            at[0], at[1], at[2]),
-                "keep such places out of the box, or write the formula so that it is finite there");
+      const bool moves = parser.GetUsedVar().contains("t");
+      for (int n = 1; moves && harmonics_.size() < kept; ++n) harmonics_.push_back(empty(n));
+      std::size_t to = component;
+      for (std::size_t i = 0; i < n_[0]; ++i)
+        for (std::size_t j = 0; j < n_[1]; ++j)
+          for (std::size_t k = 0; k < n_[2]; ++k, to += 3) {
+            at = {axes_[0].begin + axes_[0].step * static_cast<double>(i),
+                  axes_[1].begin + axes_[1].step * static_cast<double>(j),
+                  axes_[2].begin + axes_[2].step * static_cast<double>(k)};
+            if (!moves) {
+              put(0, to, parser.Eval(), at);
+              continue;
+            }
+            const auto values = harmonics_of(parser, t, 1 / formula_.frequency, left_out_);
+            for (std::size_t n = 0; n < kept; ++n) put(n, to, values[n], at);
           }
       if (parser.GetNumResults() > 1)
         throw FormulaFault("the formula has several values", "a comma stands between arguments only");
     } catch (const mu::ParserError& error) {
       FormulaFault fault = fault_of(error, text, parser);
-      fault.component = m;
+      fault.component = component;
       throw fault;
     } catch (FormulaFault& fault) {
-      fault.component = m;
+      fault.component = component;
       fault.length = text.size();
       throw;
     }
   }
-  return nodes;
+
+  std::vector<FieldHarmonic> result() {
+    double largest = 0;
+    for (const FieldHarmonic& harmonic : harmonics_) largest = std::max(largest, largest_of(harmonic.nodes));
+    const auto fault = [](const char* message, std::string help) {
+      FormulaFault out(message, std::move(help));
+      out.component = 3;
+      return out;
+    };
+    if (formula_.frequency > 0 && harmonics_.size() == 1)
+      throw fault("no component has t: the field stands", "omit `frequency`, or write `t` [s] where it acts");
+    if (!(left_out_ <= 1e-6 * largest))
+      throw fault(
+          "the formulas do not repeat with this frequency in four harmonics",
+          "state that of their slowest part; `cos(2*pi*f*t)` repeats with f, its square with 2*f or f");
+    std::erase_if(harmonics_, [&](const FieldHarmonic& h) { return largest_of(h.nodes) <= 1e-12 * largest; });
+    if (harmonics_.empty()) harmonics_.push_back(empty(0));
+    return std::move(harmonics_);
+  }
+
+ private:
+  FieldHarmonic empty(int number) const {
+    FieldHarmonic out{(number + 1) / 2, number > 0 && number % 2 == 0, {{axes_.begin(), axes_.end()}, {}}};
+    out.nodes.field.resize(n_[0] * n_[1] * n_[2] * 3);
+    return out;
+  }
+  void put(std::size_t harmonic, std::size_t to, double value, const std::array<double, 3>& at) {
+    if (!std::isfinite(value))
+      throw FormulaFault(
+          fmt::format("the formula has no finite value at x = {:.4g} m, y = {:.4g} m, z = {:.4g} m", at[0],
+                      at[1], at[2]),
+          "keep such places out of the box, or write the formula so that it is finite there");
+    harmonics_[harmonic].nodes.field[to] = value;
+  }
+
+  const FieldFormula& formula_;
+  const std::array<MapAxis, 3>& axes_;
+  std::array<std::size_t, 3> n_{};
+  std::vector<FieldHarmonic> harmonics_;
+  double left_out_ = 0;  // [T]
+};
+
+}  // namespace
+
+std::vector<FieldHarmonic> sampled(const FieldFormula& formula, const std::array<MapAxis, 3>& axes) {
+  Sampler sampler(formula, axes);
+  for (std::size_t component = 0; component < 3; ++component) sampler.add(component);
+  return sampler.result();
 }
 
 }  // namespace rabiline

@@ -1,20 +1,28 @@
 #pragma once
-// Static fields as formulas, sampled onto the nodes of a map.
+// Fields as formulas in place and time, sampled onto the nodes of maps.
 #include <array>
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "field/field_map.hpp"
 
 namespace rabiline {
 
-/// B_x, B_y and B_z [T] in x, y and z [m], with named constants in SI.
+/// The components of a field in x, y and z [m] and, where it has a frequency, t [s]; named constants in SI.
 struct FieldFormula {
   std::array<std::string, 3> components{"0", "0", "0"};
   std::map<std::string, double> constants;
-  bool operator==(const FieldFormula&) const = default;
+  double frequency = 0;  // [Hz] with which it repeats in t; 0: it stands, and there is no t
 };
+/// What of a field swings as cos(k 2 pi f t), or as the sine of that; k = 0: what stands.
+struct FieldHarmonic {
+  int number = 0;
+  bool sine = false;
+  MapNodes nodes;
+};
+inline constexpr int most_field_harmonics = 4;
 
 /// What is wrong with the text of one component, and where in it: at `length` characters from `from` on.
 struct FormulaFault : std::runtime_error {
@@ -28,7 +36,9 @@ struct FormulaFault : std::runtime_error {
 /// with a meaning of its own.
 bool can_name_constant(const std::string&);
 
-/// The field at the nodes of these axes: x, y, z. Throws FormulaFault.
-MapNodes sampled(const FieldFormula&, const std::array<MapAxis, 3>& axes);
+/// The field at the nodes of these axes, x, y, z, as the sum of its harmonics in t; those that are nothing
+/// are left out, but for the first. Throws FormulaFault, also where no formula has t although it has a
+/// frequency (component 3), and where it needs more harmonics.
+std::vector<FieldHarmonic> sampled(const FieldFormula&, const std::array<MapAxis, 3>& axes);
 
 }  // namespace rabiline

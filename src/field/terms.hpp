@@ -67,6 +67,7 @@ struct Oscillator {
   double phase = 0;           // [rad], the field's own included
   int part = 0;               // number of the part whose clock it is
   bool random_phase = false;  // the phase at emission is drawn for each particle
+  int harmonic = 1;           // of the clock whose phase that is: so many times the phase that is drawn
   Sweep sweep{};
   bool operator==(const Oscillator&) const = default;
 

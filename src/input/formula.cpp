@@ -6,17 +6,17 @@
 
 namespace rabiline {
 
-std::shared_ptr<const FieldMap> SampledFormulas::find(const FormulaBox& box) {
+std::shared_ptr<const FormulaMaps> SampledFormulas::find(const FormulaBox& box) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(known_, [](const auto& known) { return known.second.expired(); });
-  for (const auto& [formula, map] : known_)
-    if (formula == box) return map.lock();
+  for (const auto& [formula, maps] : known_)
+    if (formula == box) return maps.lock();
   return nullptr;
 }
 
-void SampledFormulas::add(const FormulaBox& box, const std::shared_ptr<const FieldMap>& map) {
+void SampledFormulas::add(const FormulaBox& box, const std::shared_ptr<const FormulaMaps>& maps) {
   const std::scoped_lock lock(mutex_);
-  known_.emplace_back(box, map);
+  known_.emplace_back(box, maps);
 }
 
 bool ValueType<NamedValues>::read(const Node& node, const Row& row, Reading& reading, NamedValues& out) {
@@ -55,10 +55,28 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
                                      SampledFormula& out) {
   out = {};
   if (!read_struct(node, node.place, row, reading, out.box)) return false;
-  constexpr std::string_view keys[] = {"Bx", "By", "Bz"};
-  if (std::ranges::none_of(keys, [&](std::string_view key) { return node.find(key) != nullptr; })) {
+  constexpr std::string_view magnetic[] = {"Bx", "By", "Bz"}, electric[] = {"Ex", "Ey", "Ez"};
+  const auto has = [&](const auto& keys) {
+    return std::ranges::any_of(keys, [&](std::string_view key) { return node.find(key) != nullptr; });
+  };
+  const auto& keys = has(electric) ? electric : magnetic;
+  if (!has(keys)) {
     reading.error(node.place, fmt::format("`{}` has no component of the field", row.key),
                   "add `Bx`, `By` or `Bz` [T], such as `Bz: 1e-3*(1 + z/0.1)`");
+    return false;
+  }
+  if (has(magnetic) && has(electric)) {
+    reading.error(node.place, fmt::format("`{}` has components of B and of E", row.key),
+                  "make two parts of them at the same place");
+    return false;
+  }
+  if (has(electric) && out.box.frequency) {
+    reading.error(place_of(node, "frequency"), "electric fields stand still", "omit `frequency`");
+    return false;
+  }
+  if (!out.box.frequency && out.box.phase != Phase{}) {
+    reading.error(place_of(node, "phase"), "a formula without a frequency has no phase",
+                  "state `frequency`, or omit `phase`");
     return false;
   }
   if (const double places = places_of(out.box); places > most_formula_places) {
@@ -67,15 +85,17 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
         fmt::format("make `step` longer, or the box smaller: {:.0g} are the most", most_formula_places));
     return false;
   }
-  if ((out.map = reading.formulas->find(out.box))) return true;
+  if ((out.maps = reading.formulas->find(out.box))) return true;
   try {
-    out.map = map_of(out.box);
-    reading.formulas->add(out.box, out.map);
+    out.maps = maps_of(out.box);
+    reading.formulas->add(out.box, out.maps);
   } catch (const FormulaFault& fault) {
-    const Entry* entry = node.find(keys[fault.component]);
-    reading.error(place_within(entry->value, fault.from, fault.length), fault.what(), fault.help);
+    const Place place = fault.component < std::size(keys)
+                            ? place_within(node.find(keys[fault.component])->value, fault.from, fault.length)
+                            : place_of(node, "frequency");
+    reading.error(place, fault.what(), fault.help);
   }
-  return out.map != nullptr;
+  return out.maps != nullptr;
 }
 
 }  // namespace rabiline

@@ -29,15 +29,15 @@ struct Row {
   std::string_view example{};  // of a struct whose values go together
 };
 
-/// Formulas that are sampled and still in use, so that points of a scan which do not touch one share its map.
+/// Formulas that are sampled and still in use, so that points of a scan which do not touch one share its maps.
 class SampledFormulas {
  public:
-  std::shared_ptr<const FieldMap> find(const FormulaBox&);
-  void add(const FormulaBox&, const std::shared_ptr<const FieldMap>&);
+  std::shared_ptr<const FormulaMaps> find(const FormulaBox&);
+  void add(const FormulaBox&, const std::shared_ptr<const FormulaMaps>&);
 
  private:
   std::mutex mutex_;
-  std::vector<std::pair<FormulaBox, std::weak_ptr<const FieldMap>>> known_;
+  std::vector<std::pair<FormulaBox, std::weak_ptr<const FormulaMaps>>> known_;
 };
 
 /// Collects what is wrong while a tree is read, and watches which numbers were read from the scanned nodes.
@@ -175,9 +175,9 @@ struct ValueType<SampledFormula> {
       example =
           "{Bz: B0 + G*z, Bx: -G*x, constants: {B0: 1 mT, G: 2 T/m}, width: 1 cm, height: 1 cm, "
           "length: 10 cm, step: 1 mm}",
-      what = "{Bx, By, Bz, constants, width, height, length, step}",
+      what = "{Bx, By, Bz | Ex, Ey, Ez, constants, width, height, length, step, frequency, phase}",
       schema =
-          R"({"type": "object", "required": ["width", "height", "length", "step"], "properties": {"Bx": {"type": ["string", "number"]}, "By": {"type": ["string", "number"]}, "Bz": {"type": ["string", "number"]}, "constants": {"type": "object", "additionalProperties": {"type": ["string", "number"]}}, "width": @length, "height": @length, "length": @length, "step": @length}, "additionalProperties": false})";
+          R"({"type": "object", "required": ["width", "height", "length", "step"], "properties": {"Bx": {"type": ["string", "number"]}, "By": {"type": ["string", "number"]}, "Bz": {"type": ["string", "number"]}, "Ex": {"type": ["string", "number"]}, "Ey": {"type": ["string", "number"]}, "Ez": {"type": ["string", "number"]}, "constants": {"type": "object", "additionalProperties": {"type": ["string", "number"]}}, "width": @length, "height": @length, "length": @length, "step": @length, "frequency": @frequency, "phase": {"anyOf": [{"enum": ["random", "locked"]}, @angle]}}, "additionalProperties": false})";
   static bool read(const Node&, const Row&, Reading&, SampledFormula& out);
 };
 /// `x`, `-z` or three components, which need not be normalised.

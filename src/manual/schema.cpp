@@ -75,7 +75,8 @@ std::string with_dimensions(std::string_view text) {
   std::string out(text);
   for (const auto& [word, dimension] :
        {std::pair{"@angle", Dimension::angle}, std::pair{"@speed", Dimension::speed},
-        std::pair{"@length", Dimension::length}, std::pair{"@energy", Dimension::energy}})
+        std::pair{"@length", Dimension::length}, std::pair{"@energy", Dimension::energy},
+        std::pair{"@frequency", Dimension::frequency}})
     for (std::size_t at = out.find(word); at != out.npos; at = out.find(word))
       out.replace(at, std::string_view(word).size(), schema_of_quantity(dimension));
   return out;

@@ -28,7 +28,7 @@ void contribute(const CoilPair& part, const Placement& place, SectionBuilder& bu
   const bool opposed = part.opposed || std::holds_alternative<CoilGradient>(part.strength);
   const OwnFrame frame = frame_along(part.direction, part.tilt);
   for (const double side : {-1.0, 1.0})
-    add_shaped(part.oscillates, std::max(0.0, place.at - reach), place.at + reach,
+    add_shaped(clock_of(part.oscillates), std::max(0.0, place.at - reach), place.at + reach,
                placed(ShapedTerm(LoopShape{part.radius, opposed ? side * field : field}),
                       place_of(place.at, part.offset) + (side * half) * frame.z, frame),
                builder);

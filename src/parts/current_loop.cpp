@@ -16,7 +16,7 @@ void contribute(const CurrentLoop& part, const Placement& place, SectionBuilder&
       wound ? constants::vacuum_permeability * wound->turns * wound->current / (2 * part.radius)
             : std::get<CoilField>(part.strength).field;
   const double reach = part.reach.value_or(reach_of_loop(part.radius));
-  add_shaped(part.oscillates, std::max(0.0, place.at - reach), place.at + reach,
+  add_shaped(clock_of(part.oscillates), std::max(0.0, place.at - reach), place.at + reach,
              placed(ShapedTerm(LoopShape{part.radius, field}), place_of(place.at, part.offset),
                     frame_along(part.direction, part.tilt)),
              builder);

@@ -1,7 +1,10 @@
 #include "parts/formula_field.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "field/field_formula.hpp"
 #include "parts/own_frame.hpp"
@@ -26,18 +29,46 @@ double places_of(const FormulaBox& box) {
   double places = 1;
   for (const double extent : {box.width, box.length, box.height})
     places *= std::max(4.0, std::ceil(extent / box.step) + 1);
-  return places;
+  return box.frequency ? 2 * most_field_harmonics * places : places;
 }
 
-std::shared_ptr<const FieldMap> map_of(const FormulaBox& box) {
-  return std::make_shared<const FieldMap>(
-      sampled({{box.bx, box.by, box.bz}, box.constants.value_or(NamedValues{})}, axes_of(box)),
-      std::array<MapSymmetry, 3>{}, "formula");
+std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
+  FieldFormula formula{{box.bx, box.by, box.bz}, box.constants.value_or(NamedValues{}), 0};
+  if (box.is_electric())
+    formula.components = {box.ex.value_or("0"), box.ey.value_or("0"), box.ez.value_or("0")};
+  formula.frequency = box.frequency.value_or(0);
+  auto maps = std::make_shared<FormulaMaps>();
+  for (FieldHarmonic& harmonic : sampled(formula, axes_of(box))) {
+    harmonic.nodes.electric = box.is_electric();
+    maps->push_back({harmonic.number, harmonic.sine,
+                     FieldMap(std::move(harmonic.nodes), std::array<MapSymmetry, 3>{}, "formula")});
+  }
+  return maps;
 }
 
 void contribute(const FormulaField& part, const Placement& place, SectionBuilder& builder) {
-  contribute_map(*part.formula.map, part.scale, part.outside, part.oscillates, turned_frame(part.tilt),
-                 part.offset, place, builder);
+  const FormulaBox& box = part.formula.box;
+  for (const FormulaHarmonic& harmonic : *part.formula.maps) {
+    std::optional<Oscillator> clock = clock_of(part.oscillates);
+    if (harmonic.number > 0)
+      clock =
+          Oscillator{.frequency = harmonic.number * box.frequency.value_or(0),
+                     .phase = harmonic.number * box.phase.angle - (harmonic.sine ? std::numbers::pi / 2 : 0),
+                     .random_phase = box.phase.kind == Phase::Kind::random,
+                     .harmonic = harmonic.number};
+    contribute_map(harmonic.map, part.scale, part.outside, clock, turned_frame(part.tilt), part.offset, place,
+                   builder);
+  }
+}
+
+std::vector<Fault> faults_of(const FormulaField& part, const Placement& place) {
+  if (!part.oscillates || !(part.is_electric() || part.formula.box.frequency)) return {};
+  return {{place.name, "oscillates",
+           part.is_electric()
+               ? fmt::format("`{}` is an electric field, and these stand still", place.name)
+               : fmt::format("the formulas of `{}` have t, and `oscillates` would multiply them", place.name),
+           part.is_electric() ? "omit `oscillates`"
+                              : "omit `oscillates`, and write the factor into the formulas"}};
 }
 
 }  // namespace rabiline

@@ -15,15 +15,20 @@ class SectionBuilder;
 /// Named numbers in SI, of any dimension.
 using NamedValues = std::map<std::string, double>;
 
-/// B_x, B_y and B_z [T] in x, y and z [m], z up and y along the beam, and the box in which they are sampled.
+/// B [T] or E [V/m] in x, y and z [m], z up and y along the beam, and t [s], and the box in which it is
+/// sampled.
 struct FormulaBox {
   static constexpr std::string_view example =
       "Bx: -G*x, Bz: B0 + G*z, constants: {B0: 1 mT, G: 2 T/m}, width: 1 cm, height: 1 cm, length: 10 cm, "
       "step: 1 mm";
   std::string bx = "0", by = "0", bz = "0";
+  std::optional<std::string> ex{}, ey{}, ez{};  // any of them: it is an electric field
   std::optional<NamedValues> constants{};
   double width = 0, height = 0, length = 0;  // [m] along x and z, both ways from the axis, and along y
   double step = 0;                           // [m] of the grid
+  std::optional<double> frequency{};         // [Hz] of formulas with t
+  Phase phase;                               // of theirs
+  bool is_electric() const { return ex || ey || ez; }
   bool operator==(const FormulaBox&) const = default;
 };
 template <>
@@ -32,6 +37,9 @@ inline constexpr auto parameters<FormulaBox> = std::tuple{
           std::string_view{"0"}),
     param("By", &FormulaBox::by, "likewise along y, the beam", std::string_view{"0"}),
     param("Bz", &FormulaBox::bz, "likewise along z", std::string_view{"0"}),
+    param("Ex", &FormulaBox::ex, "an electric field along x [V/m] instead, which stands"),
+    param("Ey", &FormulaBox::ey, "likewise along y, the beam"),
+    param("Ez", &FormulaBox::ez, "likewise along z"),
     param("constants", &FormulaBox::constants, "names in the formulas and their values, with units"),
     param("width", &FormulaBox::width, Dimension::length, range::positive,
           "of the box along x, half on each side of the axis"),
@@ -39,24 +47,35 @@ inline constexpr auto parameters<FormulaBox> = std::tuple{
     param("length", &FormulaBox::length, Dimension::length, range::positive, "of the box along the beam"),
     param("step", &FormulaBox::step, Dimension::length, range::positive,
           "distance of the places at which the formulas are worked out"),
+    param("frequency", &FormulaBox::frequency, Dimension::frequency, range::positive,
+          "with which formulas that have t [s] repeat, up to four harmonics of it"),
+    param("phase", &FormulaBox::phase, "of their period at emission: locked (t = 0), random, or an angle",
+          Phase{}),
 };
-/// The formulas, and the map that they were sampled onto, which lives as long as any beamline that has it.
+/// What of a formula stands (number 0), or swings with a multiple of its frequency.
+struct FormulaHarmonic {
+  int number = 0;
+  bool sine = false;
+  FieldMap map;
+};
+using FormulaMaps = std::vector<FormulaHarmonic>;
+/// The formulas, and the maps that they were sampled onto, which live as long as any beamline that has them.
 struct SampledFormula {
   FormulaBox box;
-  std::shared_ptr<const FieldMap> map;
+  std::shared_ptr<const FormulaMaps> maps;
   bool operator==(const SampledFormula& o) const { return box == o.box; }
 };
 
-/// The map of a formula. Throws FormulaFault.
-std::shared_ptr<const FieldMap> map_of(const FormulaBox&);
-/// How many places its grid has.
+/// The maps of a formula, of which there is one at least. Throws FormulaFault.
+std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox&);
+/// How many values it is worked out at.
 double places_of(const FormulaBox&);
 inline constexpr double most_formula_places = 2e7;
 
-/// A static field from formulas. Its origin is at `at` on the beam, displaced by the offset.
+/// A field from formulas. Its origin is at `at` on the beam, displaced by the offset.
 struct FormulaField {
   static constexpr std::string_view kind = "formula_field",
-                                    meaning = "a static field from formulas in x, y and z";
+                                    meaning = "a field, B or E, from formulas in x, y, z and t";
   static constexpr PartTraits traits{.field = true};
   SampledFormula formula;
   double scale = 1;
@@ -64,6 +83,7 @@ struct FormulaField {
   Offset offset{};
   Tilt tilt{};
   std::optional<TimeFactor> oscillates{};
+  bool is_electric() const { return formula.box.is_electric(); }
   bool operator==(const FormulaField&) const = default;
 };
 template <>
@@ -79,5 +99,6 @@ inline constexpr auto parameters<FormulaField> = std::tuple{
 };
 
 void contribute(const FormulaField&, const Placement&, SectionBuilder&);
+std::vector<Fault> faults_of(const FormulaField&, const Placement&);
 
 }  // namespace rabiline

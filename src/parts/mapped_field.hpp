@@ -85,7 +85,7 @@ inline constexpr auto parameters<MappedField> = std::tuple{
 void contribute(const MappedField&, const Placement&, SectionBuilder&);
 std::vector<Fault> faults_of(const MappedField&, const Placement&);
 /// Where that frame has the map.
-void contribute_map(const FieldMap&, double scale, MapOutside, const std::optional<TimeFactor>&,
+void contribute_map(const FieldMap&, double scale, MapOutside, const std::optional<Oscillator>&,
                     const OwnFrame&, const Offset&, const Placement&, SectionBuilder&);
 
 }  // namespace rabiline

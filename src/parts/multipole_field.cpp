@@ -9,7 +9,7 @@ namespace rabiline {
 void contribute(const MultipoleField& part, const Placement& place, SectionBuilder& builder) {
   const MultipoleShape shape{static_cast<int>(part.poles) / 2 - 1, part.field, part.radius};
   add_shaped(
-      part.oscillates, place.at, place.at + part.length,
+      clock_of(part.oscillates), place.at, place.at + part.length,
       placed(ShapedTerm(shape), place_of(place.at + part.length / 2, part.offset), turned_frame(part.tilt)),
       builder);
 }

@@ -32,7 +32,7 @@ void contribute(const Solenoid& part, const Placement& place, SectionBuilder& bu
                              ? constants::vacuum_permeability * wound->turns * wound->current / part.winding
                              : std::get<CoilField>(part.strength).field / share_on_axis(0, half, part.radius);
   const double reach = part.reach.value_or(reach_of(half, part.radius));
-  add_shaped(part.oscillates, std::max(0.0, place.at - reach), place.at + reach,
+  add_shaped(clock_of(part.oscillates), std::max(0.0, place.at - reach), place.at + reach,
              placed(ShapedTerm(SheetShape{part.radius, half, endless}), place_of(place.at, part.offset),
                     frame_along(part.direction, part.tilt)),
              builder);

@@ -21,14 +21,16 @@ inline constexpr auto parameters<TimeFactor> = std::tuple{
     param("phase", &TimeFactor::phase, "phase at emission: random, locked (zero) or an angle"),
 };
 
-/// A field that stands, or swings.
-inline void add_shaped(const std::optional<TimeFactor>& oscillates, double begin, double end,
-                       const ShapedTerm& term, SectionBuilder& builder) {
-  if (!oscillates) return builder.shaped(begin, end, term);
-  builder.swinging(begin, end, term,
-                   {.frequency = oscillates->frequency,
+inline std::optional<Oscillator> clock_of(const std::optional<TimeFactor>& oscillates) {
+  if (!oscillates) return std::nullopt;
+  return Oscillator{.frequency = oscillates->frequency,
                     .phase = oscillates->phase.angle,
-                    .random_phase = oscillates->phase.kind == Phase::Kind::random});
+                    .random_phase = oscillates->phase.kind == Phase::Kind::random};
+}
+/// A field that stands, or swings.
+inline void add_shaped(const std::optional<Oscillator>& clock, double begin, double end,
+                       const ShapedTerm& term, SectionBuilder& builder) {
+  clock ? builder.swinging(begin, end, term, *clock) : builder.shaped(begin, end, term);
 }
 
 }  // namespace rabiline

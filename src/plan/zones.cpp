@@ -100,6 +100,7 @@ DriveTerm ZoneMaker::clock_of(const Oscillator& oscillator) const {
   drive.omega = two_pi * oscillator.frequency;
   drive.phase = oscillator.phase;
   drive.oscillator = oscillator.random_phase ? oscillator.part : -1;
+  drive.random_turn *= oscillator.harmonic;
   return drive;
 }
 

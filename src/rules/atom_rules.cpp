@@ -42,14 +42,18 @@ void check_structures(const Beamline& beamline, Faults& out) {
 /// Parts that know one moment only.
 void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
-    if (std::visit(
-            [](const auto& any) {
-              if constexpr (requires { any.oscillates; }) return any.oscillates.has_value();
-              return false;
-            },
-            part.part))
+    const std::string key = std::visit(
+        [](const auto& any) {
+          if constexpr (requires { any.formula.box.frequency; })
+            if (any.formula.box.frequency) return "formula.frequency";
+          if constexpr (requires { any.oscillates; })
+            if (any.oscillates) return "oscillates";
+          return "";
+        },
+        part.part);
+    if (!key.empty())
       out.push_back(
-          {part.placement.name, "oscillates",
+          {part.placement.name, key,
            fmt::format("`{}` swings, but fields that differ from place to place do not drive the {} "
                        "levels of `{}` here",
                        part.placement.name, atom.levels(), atom.name),

@@ -103,7 +103,7 @@ struct Table {
 Table table_of(const Part& part) {
   if (const auto* mapped = std::get_if<MappedField>(&part)) return {mapped->map.map.get(), "map", "map"};
   if (const auto* formula = std::get_if<FormulaField>(&part))
-    return {formula->formula.map.get(), "formula", "formula.step"};
+    return {&formula->formula.maps->front().map, "formula", "formula.step"};
   return {};
 }
 

@@ -38,30 +38,55 @@ inline Vector through_twisted(const SpinZone& zone, real phase, real t, real sta
   return turn_about_z(phasor(stay * omega), turn_about_z(in, r));
 }
 
-/// Calls step(from, h, spin) for as many equal steps as a piece of each particle's stay asks for.
-template <class Step>
+/// Calls step(from, spin), step = steps_of(h), for as many equal steps as a piece of each particle's stay
+/// asks for.
+template <class StepsOf>
 RABILINE_LANES Vector in_even_steps(const SpinZone& zone, real begin, real length, Vector s,
-                                    const Step& step) {
+                                    const StepsOf& steps_of) {
   const real steps = max(broadcast(1), -floor(length * (-1 / zone.step)));
   const real h = length / steps;
+  auto step = steps_of(h);
   for (real i = broadcast(0); any(i < steps); i = i + 1.0)
-    s = select(i < steps, step(fma(h, i, begin), h, s), s);
+    s = select(i < steps, step(fma(h, i, begin), s), s);
   return s;
 }
 
 /// Steps through a whole zone that is entered at time t; they end where a drive is switched or a sweep begins
 /// or ends.
-template <class Step>
-RABILINE_LANES Vector in_steps(const SpinZone& zone, real t, real stay, Vector s, const Step& step) {
-  if (!is_switched(zone)) return in_even_steps(zone, broadcast(0), stay, s, step);
+template <class StepsOf>
+RABILINE_LANES Vector in_steps(const SpinZone& zone, real t, real stay, Vector s, const StepsOf& steps_of) {
+  if (!is_switched(zone)) return in_even_steps(zone, broadcast(0), stay, s, steps_of);
   const real end = t + stay;
   for (real now = t; any(now < end);) {
     real next = end;
     for (int k = 0; k < zone.drives; ++k) next = next_change(zone.drive[k], now, next);
-    s = select(now < end, in_even_steps(zone, now - t, max(broadcast(0), next - now), s, step), s);
+    s = select(now < end, in_even_steps(zone, now - t, max(broadcast(0), next - now), s, steps_of), s);
     now = max(now, next);
   }
   return s;
+}
+
+/// Half a sine at the Gauss points of equal steps from the begin of a way on, each from the one before.
+class HalfSineSteps {
+ public:
+  HalfSineSteps(const Envelope& envelope, const Way& way, real h) {
+    const double per_metre = 3.141592653589793 / envelope.length;
+    const real turn = per_metre * way.v * h;
+    first_ = phasor(fma(broadcast(gauss_first), turn, per_metre * (way.y - envelope.begin)));
+    inside_ = phasor((gauss_second - gauss_first) * turn);
+    whole_ = phasor(turn);
+  }
+  RABILINE_LANES real first() const { return first_.s; }
+  RABILINE_LANES real second() const { return (first_ * inside_).s; }
+  RABILINE_LANES void go_on() { first_ = first_ * whole_; }
+
+ private:
+  Phasor first_, inside_, whole_;
+};
+RABILINE_LANES bool is_half_sine(const SpinZone& zone) {
+  const Slopes& slopes = zone.drive[0].slopes;
+  return zone.drive[0].envelope.shape == Shape::half_sine && !is_switched(zone) && slopes.size_x == 0 &&
+         slopes.size_z == 0;
 }
 
 /// A field whose size or rate changes on the way: fourth-order steps in the frame that turns with it.
@@ -78,12 +103,25 @@ inline Vector through_profiled(const SpinZone& zone, real phase, real t, real st
     const real off = sweeps ? detuned - swept_rate(drive.sweep, t + dt) : detuned;
     return Vector{drive.spin_rate * share_of(drive, t + dt, way.place(dt)), zero, off};
   };
-  const Vector r =
-      in_steps(zone, t, stay, turn_back_about_z(in, s), [&](real from, real h, const Vector& now) {
-        return rotate(magnus(rates(fma(broadcast(gauss_first), h, from)),
-                             rates(fma(broadcast(gauss_second), h, from)), h),
-                      now);
-      });
+  const Vector start = turn_back_about_z(in, s);
+  const Vector r = is_half_sine(zone)
+                       ? in_even_steps(zone, zero, stay, start,
+                                       [&](real h) {
+                                         return [&, h, sine = HalfSineSteps(drive.envelope, way, h)](
+                                                    real, const Vector& now) mutable {
+                                           const Vector w1{drive.spin_rate * sine.first(), zero, detuned},
+                                               w2{drive.spin_rate * sine.second(), zero, detuned};
+                                           sine.go_on();
+                                           return rotate(magnus(w1, w2, h), now);
+                                         };
+                                       })
+                       : in_steps(zone, t, stay, start, [&](real h) {
+                           return [&, h](real from, const Vector& now) {
+                             return rotate(magnus(rates(fma(broadcast(gauss_first), h, from)),
+                                                  rates(fma(broadcast(gauss_second), h, from)), h),
+                                           now);
+                           };
+                         });
   real turn = stay * omega;
   if (sweeps) turn = turn + (swept_angle(drive.sweep, t + stay) - swept_angle(drive.sweep, t));
   return turn_about_z(phasor(turn), turn_about_z(in, r));
@@ -123,8 +161,8 @@ inline Vector through_periodic(const SpinZone& zone, real phase, real t, real st
 /// Any sum of fields: fourth-order steps in the laboratory.
 inline Vector through_any(const SpinZone& zone, const real* phases, real t, real stay, const Way& way,
                           const Vector& s) {
-  return in_steps(zone, t, stay, s, [&](real from, real h, const Vector& now) {
-    return step_spin(zone, phases, t, way, from, h, now);
+  return in_steps(zone, t, stay, s, [&](real h) {
+    return [&, h](real from, const Vector& now) { return step_spin(zone, phases, t, way, from, h, now); };
   });
 }
 

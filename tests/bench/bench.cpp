@@ -3,9 +3,11 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include <cmath>
 #include "bench/checks.hpp"
 #include "bench/experiments.hpp"
 #include "bench/table.hpp"
+
 #include "simulation/finish.hpp"
 #include "simulation/run.hpp"
 
@@ -74,6 +76,14 @@ void dorado_threads(benchmark::State& state, int threads, bool processor_time) {
           dorado_steps() * (processor_time ? threads : 1), threads);
 }
 
+void profile_program(benchmark::State& state) {
+  const Experiment experiment = profiled_field(dorado_particles);
+  const Plan plan = make_plan(experiment);
+  const SpinZone& zone = profiled_zone_of(plan);
+  program(state, experiment,
+          std::ceil((zone.end - zone.begin) / emission_of(plan).speed.mean / zone.step) * dorado_particles);
+}
+
 // ---- the limits ----
 
 #if defined(RABILINE_HAS_LIMITS)
@@ -99,6 +109,15 @@ void dorado_limit(benchmark::State& state) {
   time_it(state, 8.0 * steps * packs,
           [&] { return turning_flight(zone.field, zone.step, 0, start, steps, packs).place[1]; });
 }
+void spin_limit(benchmark::State& state) {
+  constexpr int steps = 875, packs = 100;
+  time_it(state, 8.0 * steps * packs, [&] { return magnus_spin(1.8e5, 3e3, 1.83e5, 1.2e-6, steps, packs); });
+}
+void wires_flight(benchmark::State& state,
+                  double (*fly)(const MagnetShape&, double, double, double, double, int, int)) {
+  constexpr int steps = 400, packs = 100;
+  time_it(state, 8.0 * steps * packs, [&] { return fly(two_wires(), 142, 1e-3, 6e-3, 1e-6, steps, packs); });
+}
 void map_flight(benchmark::State& state, double (*fly)(const MapShape&, int, int)) {
   const FieldMap map = map_of_64();
   constexpr int steps = 400, packs = 20;
@@ -116,6 +135,9 @@ void register_all() {
     benchmark::RegisterBenchmark("beam/flux-weighted limit", beam_limit, flux_weighted_beam);
     benchmark::RegisterBenchmark("scan/limit", scan_limit);
     benchmark::RegisterBenchmark("dorado/limit", dorado_limit);
+    benchmark::RegisterBenchmark("spin/limit", spin_limit);
+    benchmark::RegisterBenchmark("wires/limit", wires_flight, wires_by_hand);
+    benchmark::RegisterBenchmark("wires/program", wires_flight, wires_as_flown);
     benchmark::RegisterBenchmark("map/limit", map_flight, leapfrog_by_hand);
     benchmark::RegisterBenchmark("map/program", map_flight, leapfrog_as_flown);
   }
@@ -127,6 +149,7 @@ void register_all() {
   flown("beam/program", beam_program);
   flown("scan/program", scan_program);
   flown("dorado/program", dorado_program);
+  flown("spin/program", profile_program);
   for (const int twice_spin : {1, 3}) {
     flown(fmt::format("rabi {}/2/one", twice_spin), rabi_program, 1, twice_spin);
     flown(fmt::format("rabi {}/2/scan", twice_spin), rabi_program, rabi_points, twice_spin);
@@ -167,6 +190,8 @@ const std::vector<Row> rows{
     {"20 x 20 bins, 1e6 particles: 201 points over 2 [scans]", "image/2", "image/201", 1 / 3., 1 / 1.5},
     {"caesium clock, 1e6 atoms, by processor time [atoms x frequencies]", "", "clock/program"},
     {"dorado region [steps]", "dorado/limit", "dorado/program", 0.4, 0.7},
+    {"spins in a field with a profile, Magnus' fourth order [steps]", "spin/limit", "spin/program", 0.4, 0.7},
+    {"between two wires, leapfrog in grad |B| [steps]", "wires/limit", "wires/program", 0.3, 0.6},
     {"a map of 64^3 nodes, leapfrog in grad |B| [steps]", "map/limit", "map/program", 0.6, 0.7},
     {"dorado scan, two threads against one, by the clock [steps]", "threads by the clock/1",
      "threads by the clock/2", 1.85, 1.95},

@@ -71,6 +71,17 @@ void check_flight() {
   }
 }
 
+/// Steps that the program does not take in this form: a spin against Rabi's formula, and a path between wires
+/// against the kernels' function.
+void check_steps() {
+  const double w0 = 1.8e5, w1 = 3e3, omega = 1.83e5, stay = 1e-3, rate = std::hypot(w0 - omega, w1),
+               flipped = std::pow(w1 / rate * std::sin(rate * stay / 2), 2);
+  expect_near(magnus_spin(w0, w1, omega, stay / 2000, 2000, 2), 1 - 2 * flipped, 1e-7,
+              "spin by Magnus' steps");
+  expect_near(wires_by_hand(two_wires(), 142, 1e-3, 6e-3, 1e-6, 100, 4),
+              wires_as_flown(two_wires(), 142, 1e-3, 6e-3, 1e-6, 100, 4), 1e-15, "place between two wires");
+}
+
 /// The path through a map.
 void check_map() {
   const FieldMap map = map_of_64();
@@ -82,6 +93,7 @@ void check_map() {
 
 void check_limits() {
   check_map();
+  check_steps();
   check_beam();
   check_flight();
 }

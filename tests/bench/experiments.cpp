@@ -110,6 +110,44 @@ Experiment suggested_experiment(int points, std::uint64_t particles) {
   return scan(b, points, 12e3);
 }
 
+Experiment profiled_field(std::uint64_t particles) {
+  Beamline b = test::suggested(larmor);
+  b.law = ClassicalLaw{};
+  b.source.speed = SingleSpeed{1000};
+  b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
+  b.chamber.reset();
+  b.particles = particles;
+  RotatingField h0 = std::get<RotatingField>(b.parts.at(2).part);
+  h0.amplitude = 3e-3;
+  h0.profile = HalfSineProfile{};
+  SpinFilter filter;
+  filter.up = 1;
+  filter.down = 0;
+  b.parts = {b.parts.at(1), test::place("H0", 0.35, h0), test::place("A", 0.6, filter), b.parts.at(3)};
+  Experiment experiment;
+  experiment.points = {b};
+  return experiment;
+}
+
+const SpinZone& profiled_zone_of(const Plan& plan) {
+  for (const SpinStretch* stretch : stages_of<SpinStretch>(plan))
+    for (const SpinZone& zone : stretch->spins.zones)
+      if (zone.kind == ZoneKind::profiled) return zone;
+  for (const Precession* stage : stages_of<Precession>(plan))
+    for (const SpinZone& zone : stage->zones)
+      if (zone.kind == ZoneKind::profiled) return zone;
+  throw std::logic_error("no zone with a profile");
+}
+
+MagnetShape two_wires() {
+  MagnetShape shape;
+  shape.kind = MagnetKind::two_wire;
+  shape.field = 12e-3;
+  shape.half_distance = 5e-3;
+  shape.height = 6e-3;
+  return shape;
+}
+
 Experiment clock(int points, std::uint64_t particles) {
   Changes changes;
   changes.particles = fmt::format("{}", particles);

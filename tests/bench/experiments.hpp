@@ -15,6 +15,13 @@ Experiment rabis_apparatus(int points, std::uint64_t particles, int twice_spin, 
 /// The suggested experiment under `dorado` at `points` frequencies around the Larmor frequency.
 Experiment suggested_experiment(int points, std::uint64_t particles);
 
+/// Spins of one speed through a rotating field whose size is half a sine, carried by steps under `classical`.
+Experiment profiled_field(std::uint64_t particles);
+/// The zone of that field.
+const SpinZone& profiled_zone_of(const Plan&);
+/// The magnet of Kusch, Millman and Rabi's beam of potassium: two wires 1 cm apart.
+MagnetShape two_wires();
+
 /// The shipped caesium clock.
 Experiment clock(int points, std::uint64_t particles);
 

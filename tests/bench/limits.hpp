@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "field/magnet_shape.hpp"
 #include "field/map_shape.hpp"
 #include "transport/kernels.hpp"
 
@@ -35,6 +36,16 @@ struct Particle {
 /// Flies `packs` equal packs of 8 particles through `steps` whole steps of a zone with one rotating field
 /// under closure `torque`, from time t on, and returns the last particle. No edge, no wall, nothing drawn.
 Particle turning_flight(const SpinZone&, double step, double t, const Particle&, int steps, int packs);
+
+/// A spin along z in a field that turns about z at omega, w = (w1 cos, w1 sin, w0): its z after `steps` steps
+/// of Magnus' fourth order in the laboratory, eight spins beside each other, `packs` times.
+double magnus_spin(double w0, double w1, double omega, double step, int steps, int packs);
+
+/// Leapfrog steps across the field of two wires, at rest at (x, z) before the first one, dv/dt = -pull grad
+/// |B|, by bare instructions and by the kernels' function: where the first of eight particles ends along z
+/// [m].
+double wires_by_hand(const MagnetShape&, double pull, double x, double z, double step, int steps, int packs);
+double wires_as_flown(const MagnetShape&, double pull, double x, double z, double step, int steps, int packs);
 
 /// Leapfrog steps in the gradient of |B| of a map, by bare instructions and by the kernels' function: where
 /// the first of eight particles ends across the beam [m].

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "field/host_maths.hpp"
 
@@ -21,8 +22,10 @@ FormulaFault fault_of(const std::string& text) {
 }
 
 TEST(FieldFormula, GivesEachComponentAtEachNode) {
-  const MapNodes nodes =
+  const auto parts =
       sampled({{"-G*x", "B0*sin(2*pi*y)^2", "B0 + G*z - 2^-3^2"}, {{"B0", 2e-3}, {"G", 0.5}}}, axes);
+  ASSERT_EQ(parts.size(), 1u);
+  const MapNodes& nodes = parts.front().nodes;
   ASSERT_EQ(nodes.field.size(), 5u * 7u * 4u * 3u);
   std::size_t at = 0;
   for (int i = 0; i < 5; ++i)
@@ -36,7 +39,9 @@ TEST(FieldFormula, GivesEachComponentAtEachNode) {
 }
 
 TEST(FieldFormula, KnowsTheFunctionsAndOperatorsThatItNames) {
-  const auto value = [](const std::string& text) { return sampled({{text, "0", "0"}, {}}, axes).field[0]; };
+  const auto value = [](const std::string& text) {
+    return sampled({{text, "0", "0"}, {}}, axes).front().nodes.field[0];
+  };
   // At x = -0.01, y = 0, z = -0.03.
   EXPECT_NEAR(value("tanh(x)"), std::tanh(-0.01), 1e-16);
   EXPECT_NEAR(value("sinh(3) + cosh(3)"), std::exp(3.0), 1e-13);
@@ -66,6 +71,35 @@ TEST(FieldFormula, SaysWhatIsWrongAndWhere) {
   expect("1/y", "no finite value", 0, 3);
   expect("hypot(x)", "another number of arguments", 0, 5);
   expect("1, 2", "several values", 0, 4);
+}
+
+TEST(FieldFormula, IsTheSumOfItsHarmonicsAtEachTime) {
+  const double f = 3e3, w = 2 * M_PI * f;
+  const auto field = [&](double x, double y, double z, double t) {
+    return std::array{1e-3 * std::pow(std::cos(w * t - 7 * y), 3), 2e-3 * z,
+                      x * (1 + std::sin(w * t)) * std::cos(3 * w * t)};
+  };
+  const auto parts = sampled(
+      {{"B0/2*cos(w*t - 7*y)^3", "B0*z", "x*(1 + sin(w*t))*cos(3*w*t)"}, {{"B0", 2e-3}, {"w", w}}, f}, axes);
+  std::vector<std::pair<int, bool>> found;
+  for (const FieldHarmonic& part : parts) found.emplace_back(part.number, part.sine);
+  EXPECT_EQ(found, (std::vector<std::pair<int, bool>>{
+                       {0, false}, {1, false}, {1, true}, {2, true}, {3, false}, {3, true}, {4, true}}));
+  for (const double t : {0.0, 1.234e-4, 7.7e-3}) {
+    std::size_t at = 0;
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 7; ++j)
+        for (int k = 0; k < 4; ++k, at += 3) {
+          const auto expected = field(-0.01 + 0.005 * i, 0.02 * j, -0.03 + 0.02 * k, t);
+          for (std::size_t m = 0; m < 3; ++m) {
+            double sum = 0;
+            for (const FieldHarmonic& part : parts)
+              sum += part.nodes.field[at + m] *
+                     (part.sine ? std::sin(part.number * w * t) : std::cos(part.number * w * t));
+            EXPECT_NEAR(sum, expected[m], 1e-14);
+          }
+        }
+  }
 }
 
 TEST(FieldFormula, HasNoConstantsWhoseNamesMeanSomethingElse) {
