@@ -56,6 +56,53 @@ template <class Maths, class Number>
   return 1.0 - inside;
 }
 
+/// The first time after `soonest`, and before `latest`, at which a way from `place` with `velocity` meets a
+/// surface where the field of a term jumps or bends sharply: the faces of a map, the windings of a coil, the
+/// skin of a wire; else `latest`. A way that an acceleration may bend by up to `bend` is told a time at which
+/// it is not there yet, but nearer than the bend amounts to. The edges of sections are not among them.
+template <class Maths, class Number>
+[[gnu::noinline]] Number time_to_face(const ShapedTerm& term, const Number (&place)[3],
+                                      const Number (&velocity)[3], const Number& bend, const Number& soonest,
+                                      Number latest) {
+  const Number none = latest - latest;
+  Number own[3], v[3];
+  own_place(term, place[0], place[1], place[2], own);
+  for (int i = 0; i < 3; ++i) {
+    const double* axis = &term.axes[3L * i];
+    v[i] = term.turned ? velocity[0] * axis[0] + velocity[1] * axis[1] + velocity[2] * axis[2] : velocity[i];
+  }
+  // Straight it would be there at `time` with the speed `nearing`: v t + b t^2/2 = v time has the root below.
+  const auto consider = [&](const Number& time, const Number& nearing) {
+    const Number bent = bend * time / nearing;
+    const Number sure = 2.0 * time / (1.0 + Maths::root(1.0 + 2.0 * bent));
+    latest = Maths::select(
+        time > soonest, Maths::select(time < latest, Maths::select(bent > none + 1e-7, sure, time), latest),
+        latest);
+  };
+  const auto planes = [&](int axis, double begin, double scale, int nodes) {
+    const Number per = 1.0 / v[axis], nearing = v[axis] < none ? -v[axis] : v[axis];
+    consider((begin - own[axis]) * per, nearing);
+    consider((begin + (nodes - 1) / scale - own[axis]) * per, nearing);
+  };
+  const auto cylinder = [&](double radius) {
+    const Number a = v[0] * v[0] + v[1] * v[1], b = own[0] * v[0] + own[1] * v[1],
+                 c = own[0] * own[0] + own[1] * own[1] - radius * radius, d = b * b - a * c;
+    const Number root = Maths::root(Maths::select(d > none, d, none)), per = 1.0 / a,
+                 nearing = root * (1 / radius);
+    consider(Maths::select(d > none, (none - b - root) * per, none), nearing);
+    consider(Maths::select(d > none, (root - b) * per, none), nearing);
+  };
+  if (term.kind == ShapedKind::map)
+    for (int a = 0; a < 3; ++a) planes(a, term.map.begin[a], term.map.scale[a], term.map.nodes[a]);
+  if (term.kind == ShapedKind::round_map) {
+    planes(2, term.round_map.begin[1], term.round_map.scale[1], term.round_map.nodes[1]);
+    cylinder(-term.round_map.begin[0]);
+  }
+  if (term.kind == ShapedKind::sheet) cylinder(term.sheet.radius);
+  if (term.kind == ShapedKind::wire) cylinder(term.wire.radius);
+  return latest;
+}
+
 /// Adds one term's field at (x, y, z) of the laboratory. A function of its own for each number type, as it
 /// holds the formulas of all kinds.
 template <class Maths, class Number>

@@ -272,6 +272,21 @@ struct FieldStepper {
     return select(next < latest, next - s.t, most);
   }
 
+  /// Nor beyond a surface where a field jumps.
+  inline real until_face(const State& s, real most) const {
+    const real place[3] = {s.place.x, s.place.y, s.place.z},
+               velocity[3] = {s.velocity.x, s.velocity.y, s.velocity.z}, soonest = abs(s.t) * 1e-14;
+    const auto straight_or_bent = [&](const real& bend) {
+      real face = most;
+      for (int i = zone.shaped_begin; i < zone.electric_end; ++i)
+        face = time_to_face<LaneMaths>(region.shaped[i], place, velocity, bend, soonest, face);
+      return face;
+    };
+    if (!any(straight_or_bent(broadcast(0)) < most)) return most;
+    const Vector a = acceleration(at(s.t, s.place, [&] { return s.velocity; }), s.spin, s.velocity);
+    return straight_or_bent(sqrt(dot(a, a)));
+  }
+
   /// The state where a lane first comes to `plane` within its next step of the length h.
   inline State at_plane(const State& before, real h, real plane) const {
     real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
@@ -324,7 +339,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     const real ahead = (end - now.place.y) / now.velocity.y;
     const mask comes = now.velocity.y > broadcast(0);
     const real free = stepper.longest(now, min(h, most)), to_end = select(comes, min(free, ahead), free);
-    const real trial = switched ? stepper.until_change(now, to_end) : to_end;
+    const real trial = stepper.until_face(now, switched ? stepper.until_change(now, to_end) : to_end);
     const State whole = stepper.once(trial, now), halves = stepper.twice(trial, now);
     // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
     // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
