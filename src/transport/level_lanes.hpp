@@ -62,10 +62,10 @@ class LevelFlight {
     if (any(nothing))
       turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
   }
-  /// Drives are switched at s, and the state stays; until when they are then as they are.
-  [[gnu::noinline]] inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
+  /// Fields are switched or jump at s, and the state stays; until when they do not again.
+  [[gnu::noinline]] inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
     const FieldAtTime before = path_.field_at(section, s);
-    const real until = path_.switch_pulses(section, s, end, lanes);
+    const real until = path_.switch_fields(section, s, end, lanes);
     const FieldAtTime field = path_.field_at(section, s);
     const Vector jump = add(field.b, broadcast(-1), before.b);
     const mask jumps = lanes & (dot(jump, jump) > broadcast(0));
@@ -181,7 +181,7 @@ class LevelFlight {
     const real begin = path_.time_at(section.field.begin), end = path_.time_at(section.field.end),
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
-    real until = section.is_pulsed ? path_.switch_pulses(section, begin, end, ~mask{}) : end;
+    real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
     const FollowedField entry = followed(path_.field_at(section, begin), axes_);
     if (last == nullptr && course_.begins_in_field) {
       // Levels are those along the field itself.
@@ -229,8 +229,8 @@ class LevelFlight {
       const mask skips = going & is_calm & (leap * spread > broadcast(10)) & free_of_drives;
       const mask resolves = going & ~skips;
       const real near = min(longest, 0.01 / max(changes * calm.gap, broadcast(tiny)));
-      dress(section, s, near, begin, end, 1, skips & ~dressed);
-      dress(section, s, near, begin, end, -1, resolves & dressed);
+      dress(section, s, near, from, until, 1, skips & ~dressed);
+      dress(section, s, near, from, until, -1, resolves & dressed);
       dressed = (dressed & ~going) | skips;
       if (section.wave < 0)
         face_what_comes(section, here, fma(min(h, left), broadcast(gauss_first), s), resolves);
@@ -286,9 +286,10 @@ class LevelFlight {
       const mask switches = arrives & (until < end);
       if (any(switches)) {
         s = select(switches, until, s);
-        dress(section, s, near, begin, end, -1, switches & dressed);
+        dress(section, s, near, from, until, -1, switches & dressed);
         dressed = dressed & ~switches;
-        until = select(switches, switch_pulses(section, s, end, switches), until);
+        until = select(switches, switch_fields(section, s, end, switches), until);
+        from = select(switches, s, from);
         arrives = arrives & ~switches;
       }
       tries = tries + 1.0;
@@ -296,7 +297,7 @@ class LevelFlight {
     }
     const FieldAtTime field = path_.field_at(section, end);
     dress(section, end, min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))),
-          begin, end, -1, dressed & counted);
+          from, until, -1, dressed & counted);
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
     size_ = followed(field, axes_).signed_size;
   }

@@ -34,8 +34,58 @@ class LevelPath {
       wave_on_[i] = ~mask{};
     }
   }
-  /// Lanes for which pulses of a section's drives are switched at s, or begin to be followed there: until
-  /// when they stay so, `end` at the latest.
+  /// Lanes for which pulses of a section's drives are switched at s, a surface is met where its field jumps,
+  /// or which begin to be followed there: until when all stays so, `end` at the latest.
+  inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
+    const real until = next_face(section, s, switch_pulses(section, s, end, lanes));
+    from_ = select(lanes, s, from_);
+    until_ = select(lanes, until, until_);
+    return until;
+  }
+  /// Whether any of its whole fields drives, as they are switched now.
+  inline mask is_driven(const CourseSection& section) const {
+    mask on{};
+    for (int i = 0; i < section.field.drives; ++i) on = on | on_[i];
+    return on;
+  }
+  /// When they are at a place along the beam, from the time t on.
+  inline real time_at(double y) const { return (y - broadcast(y_)) * (1.0 / velocity_.y); }
+  inline real speed() const { return velocity_.y; }
+  inline real clock(real s) const { return t_ + s; }
+
+  [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
+    const Vector r = place_at(s), v = velocity_at(s);
+    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r, on_).spin,
+                   {broadcast(0), broadcast(0), broadcast(0)}};
+    if (section.moment > 0) {
+      // Four neighbours: to (moment x rate)^4/30 of itself.
+      const auto near = [&](double moments) {
+        const double ds = moments * section.moment;
+        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v), on_).spin;
+      };
+      const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
+      const double over = 1 / (12 * section.moment);
+      const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
+      at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
+                 rate(earlier.z, before.z, after.z, later.z)};
+    }
+    if (section.shaped_begin == section.shaped_end) return at;
+    FieldHere<real> field{};
+    const Vector inside = place_at(max(from_ + hair(section), min(until_ - hair(section), s)));
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      add_field<LaneMaths>(course_.shaped[i], inside.x, inside.y, inside.z, field);
+    at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
+    const real* g = field.slope;
+    at.rate = add(at.rate, broadcast(1),
+                  {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
+    return at;
+  }
+
+  [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
+    return RABILINE_ISA::wave_at(wave, wave_phases_, wave_on_, t_ + s, place_at(s));
+  }
+
+ private:
   inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
     // A pulse that rounding leaves just ahead begins at once.
     const real now = t_ + s, latest = t_ + end, from = fma(abs(now), broadcast(1e-14), now);
@@ -54,55 +104,27 @@ class LevelPath {
     put(waves, count, wave_on_);
     return select(next < latest, next - t_, end);
   }
-  /// Whether any of its whole fields drives, as they are switched now.
-  inline mask is_driven(const CourseSection& section) const {
-    mask on{};
-    for (int i = 0; i < section.field.drives; ++i) on = on | on_[i];
-    return on;
-  }
-  /// When they are at a place along the beam, from the time t on.
-  inline real time_at(double y) const { return (y - broadcast(y_)) * (1.0 / velocity_.y); }
-  inline real speed() const { return velocity_.y; }
-  inline real clock(real s) const { return t_ + s; }
-
-  [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
-    const Vector r = place_at(s), v{fma(broadcast(fall_.x), s, velocity_.x), velocity_.y,
-                                    fma(broadcast(fall_.z), s, velocity_.z)};
-    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r, on_).spin,
-                   {broadcast(0), broadcast(0), broadcast(0)}};
-    if (section.moment > 0) {
-      // Four neighbours: to (moment x rate)^4/30 of itself.
-      const auto near = [&](double moments) {
-        const double ds = moments * section.moment;
-        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v), on_).spin;
-      };
-      const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
-      const double over = 1 / (12 * section.moment);
-      const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
-      at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
-                 rate(earlier.z, before.z, after.z, later.z)};
-    }
-    if (section.shaped_begin == section.shaped_end) return at;
-    FieldHere<real> field{};
-    const real y = max(broadcast(section.first()), min(broadcast(section.last()), r.y));
+  inline real next_face(const CourseSection& section, real s, real end) const {
+    const Vector r = place_at(s), v = velocity_at(s);
+    const real place[3] = {r.x, r.y, r.z}, velocity[3] = {v.x, v.y, v.z},
+               bend = broadcast(__builtin_sqrt(fall_.x * fall_.x + fall_.z * fall_.z)),
+               soonest = 2.0 * hair(section), rest = end - s;
+    real face = rest;
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<LaneMaths>(course_.shaped[i], r.x, y, r.z, field);
-    at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
-    const real* g = field.slope;
-    at.rate = add(at.rate, broadcast(1),
-                  {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
-    return at;
+      face = time_to_face<LaneMaths>(course_.shaped[i], place, velocity, bend, soonest, face);
+    return select(face < rest, s + face, end);
   }
-
-  [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
-    return RABILINE_ISA::wave_at(wave, wave_phases_, wave_on_, t_ + s, place_at(s));
+  /// [s] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
+  inline real hair(const CourseSection& section) const {
+    return (1e-9 * (section.field.end - section.field.begin)) * (1.0 / velocity_.y);
   }
-
- private:
   inline Vector place_at(real s) const {
     return {fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
             fma(velocity_.y, s, broadcast(y_)),
             fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
+  }
+  inline Vector velocity_at(real s) const {
+    return {fma(broadcast(fall_.x), s, velocity_.x), velocity_.y, fma(broadcast(fall_.z), s, velocity_.z)};
   }
 
   const LevelCourse& course_;
@@ -114,6 +136,7 @@ class LevelPath {
   const words particle_;
   real phases_[most_drives], wave_phases_[most_drives];
   mask on_[most_drives], wave_on_[most_drives];
+  real from_{}, until_{};  // no field jumps between them
 };
 
 }  // namespace rabiline::RABILINE_ISA
