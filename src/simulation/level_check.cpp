@@ -154,9 +154,9 @@ class FollowedAtom {
     for (int i = 0; i < section.field.drives; ++i)
       phases_[i] = phase_of(section.field.drive[i], key_, flight_.particle);
   }
-  /// The moments within at which pulses are switched, and the end.
+  /// The moments within at which pulses are switched or the field jumps, and the end.
   std::vector<double> edges_of(const CourseSection& section, double begin, double end) const {
-    std::vector<double> out{end};
+    std::vector<double> out;
     for (int i = 0; i < section.field.drives; ++i) {
       const Gate& gate = section.field.drive[i].gate;
       if (gate.begin == gate.end) continue;
@@ -168,15 +168,30 @@ class FollowedAtom {
           if (edge > begin && edge < end) out.push_back(edge);
       }
     }
+    const double soonest = 2 * section.hair() / flight_.velocity.y,
+                 bend = portable::hypot(flight_.fall.x, flight_.fall.z, 0);
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      for (double s = begin; s < end; out.push_back(s)) {
+        const Vector3 r = place_at(s), v = flight_.velocity;
+        s += time_to_face<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], {r.x, r.y, r.z},
+                                     {v.x + flight_.fall.x * s, v.y, v.z + flight_.fall.z * s}, bend, soonest,
+                                     end - s);
+      }
+    std::erase_if(out, [&](double edge) { return edge > end - soonest; });
+    out.push_back(end);
     std::ranges::sort(out);
     return out;
   }
+  Vector3 place_at(double s) const {
+    const Vector3 &r = flight_.place, &v = flight_.velocity;
+    return {r.x + (v.x + flight_.fall.x * s / 2) * s, r.y + v.y * s,
+            r.z + (v.z + flight_.fall.z * s / 2) * s};
+  }
   Vector3 field_at(const CourseSection& section, double s) const {
-    const Vector3& v = flight_.velocity;
-    const Vector3 place{flight_.place.x + (v.x + flight_.fall.x * s / 2) * s, flight_.place.y + v.y * s,
-                        flight_.place.z + (v.z + flight_.fall.z * s / 2) * s};
+    const Vector3 place = place_at(s);
     FieldHere<double> here{};
-    const double y = std::clamp(place.y, section.first(), section.last());
+    const double y =
+        std::clamp(place.y, section.field.begin + section.hair(), section.field.end - section.hair());
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
       add_field<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], place.x, y, place.z, here);
     return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);

@@ -17,10 +17,8 @@ struct CourseSection {
   bool is_pulsed = false;  // by any of its drives, at times of the clock
   bool operator==(const CourseSection&) const = default;
 
-  /// [m] Where its fields are asked for at its ends: just inside, or rounding would find those that begin and
-  /// end there absent.
-  double first() const { return field.begin + 1e-9 * (field.end - field.begin); }
-  double last() const { return field.end - 1e-9 * (field.end - field.begin); }
+  /// [m] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
+  double hair() const { return 1e-9 * (field.end - field.begin); }
 };
 
 /// What drives in a section, all near one frequency, and the frame of WaveFrame, as kernels see them: places

@@ -114,10 +114,8 @@ class LevelPath {
       face = time_to_face<LaneMaths>(course_.shaped[i], place, velocity, bend, soonest, face);
     return select(face < rest, s + face, end);
   }
-  /// [s] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
-  inline real hair(const CourseSection& section) const {
-    return (1e-9 * (section.field.end - section.field.begin)) * (1.0 / velocity_.y);
-  }
+  /// [s]
+  inline real hair(const CourseSection& section) const { return section.hair() * (1.0 / velocity_.y); }
   inline Vector place_at(real s) const {
     return {fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
             fma(velocity_.y, s, broadcast(y_)),

@@ -248,56 +248,6 @@ def test_a_linear_formula_flies_as_the_gradient_that_it_states(tmp_path: Path) -
     assert np.abs(levels[0] - levels[1]).max() < 1e-6
 
 
-FREE_SPIN = ("species: {name: spin, mass: 1.00866491595 u, charge: 0 e, structure: {I: 0, J: 1/2, coupling: 0 Hz, g_J: 0.0020837513, g_I: 0}, "
-             "source: the moment of a neutron}")
-
-
-def of_atom(path: Path) -> Path:
-    """The same file for an atom that has one spin, whose levels are carried as amplitudes."""
-    text = path.read_text().replace("species: neutron", FREE_SPIN).replace("sense: co", "sense: positive")
-    atom = path.with_name("atom-" + path.name)
-    atom.write_text(text)
-    return atom
-
-
-def test_an_atom_of_one_spin_is_flipped_by_pulses_as_a_point_spin_is(tmp_path: Path) -> None:
-    path = experiment(tmp_path, "kind: uniform_field, length: 0.2 m, field: 1 mT}\n  - {name: H0, kind: rotating_field, at: 1.02 m, length: 15 cm, "
-                      "amplitude: 250 uT, frequency: 29.3 kHz, sense: co, phase: locked, pulses: {begin: 1.04 ms, end: 1.053 ms, period: 31 us, times: 4}")
-    levels = [levels_of(path), levels_of(of_atom(path))]
-    assert 0.05 < levels[0][0] < 0.95
-    assert np.abs(levels[0] - levels[1]).max() < 1e-6
-
-
-def test_an_atom_meets_fields_that_begin_with_a_step_as_a_point_spin_does(tmp_path: Path) -> None:
-    # Where they begin and end is not always a place that the atom's path hits to the bit.
-    boxes = "".join(f"}}\n  - {{name: F{i}, at: {at} m, kind: formula_field, formula: {{Bx: '{3e-4 * (-1)**i}', Bz: 1e-4, width: 1 cm, height: 1 cm, "
-                    "length: 2 cm, step: 1 mm}" for i, at in enumerate((1.03, 1.05, 1.23, 1.35, 1.41, 1.45)))
-    path = experiment(tmp_path, "kind: uniform_field, length: 50 cm, field: 0.2 mT" + boxes)
-    levels = [levels_of(path), levels_of(of_atom(path))]
-    assert np.abs(levels[0] - levels[1]).max() < 1e-6
-    with h5py.File(path.with_name("atom-" + path.name).with_suffix(".h5")) as file:
-        assert file["entry/field_check/levels"][()] < 1e-6
-
-
-def test_an_atom_is_driven_by_a_field_that_begins_with_nothing_as_a_point_spin_is(tmp_path: Path) -> None:
-    path = experiment(tmp_path, "kind: oscillating_field, length: 20 cm, amplitude: 0.4 mT, frequency: 3 kHz, phase: 30 deg, approximation: none, "
-                      "profile: half_sine")
-    levels = [levels_of(path), levels_of(of_atom(path))]  # a path that ends in time is worked out for a while
-    assert np.abs(levels[0] - levels[1]).max() < 1e-6
-
-
-def test_atoms_that_leave_a_map_end_there_as_point_spins_do(tmp_path: Path) -> None:
-    path = experiment(tmp_path, "kind: formula_field, formula: {Bz: B0 + G*z, Bx: -G*x, constants: {B0: 1 uT, G: 1 uT/m}, " + BOX + "}, outside: error")
-    path.write_text(path.read_text().replace("width: 0.2 mm, height: 0.2 mm", "width: 14 mm, height: 2 mm").replace("particles: 100", "particles: 2000"))
-    left = []
-    for each in (path, of_atom(path)):
-        levels_of(each)
-        with h5py.File(each.with_suffix(".h5")) as file:
-            left.append(file["entry/fates/particles"][:][file["entry/fates/fate"][:] == b"left_map"].sum())
-    assert left[0] == left[1]
-    assert abs(left[0] / 2000 - 4 / 14) < 0.05
-
-
 def test_a_swinging_formula_drives_as_the_oscillating_field_of_its_size(tmp_path: Path) -> None:
     levels = []
     for name, part in (("formula", "kind: formula_field, formula: {Bx: '40e-6', " + BOX + "}, oscillates: {frequency: 29 kHz, phase: 30 deg}"),
