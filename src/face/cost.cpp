@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -32,12 +33,11 @@ double estimate_of(const Plan& plan) {
   return seconds;
 }
 
-/// The first particles of the first, the middle and the last tree.
-Plan sample_of(const Plan& plan, std::uint64_t particles) {
+/// The first particles of some trees.
+Plan sample_of(const Plan& plan, std::uint64_t particles, const std::vector<std::size_t>& trees) {
   Plan sample = plan;
   for (PlanTree& tree : sample.trees) tree.last = tree.first;
-  const std::size_t last = plan.trees.size() - 1;
-  for (const std::size_t k : {std::size_t{0}, last / 2, last})
+  for (const std::size_t k : trees)
     sample.trees[k].last = std::min(plan.trees[k].last, plan.trees[k].first + particles);
   return sample;
 }
@@ -58,12 +58,18 @@ double time_to_fly(const Plan& plan) {
 double time_of_flight(const Plan& plan) {
   const double all = estimate_of(plan);
   if (plan.sums > most_sums) return all;
+  const std::size_t last = plan.trees.size() - 1;
   std::uint64_t particles = first_particles;
-  Plan sample = sample_of(plan, particles);
-  double flown = estimate_of(sample), seconds = time_to_fly(sample);
-  if (seconds > plenty) return seconds * all / flown;
+  double flown = 0, seconds = 0;
+  const std::vector<std::size_t> one{last / 2}, three{0, last / 2, last};
+  for (const auto* trees : {&one, &three}) {
+    const Plan sample = sample_of(plan, particles, *trees);
+    flown = estimate_of(sample);
+    seconds = time_to_fly(sample);
+    if (seconds > plenty) return seconds * all / flown;
+  }
   for (;;) {
-    sample = sample_of(plan, particles *= 4);
+    const Plan sample = sample_of(plan, particles *= 4, three);
     const double more = estimate_of(sample);
     if (more == flown) return seconds * std::max(1.0, all / flown);
     const double longer = time_to_fly(sample);
