@@ -34,7 +34,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     axes.set_xlim(at[0], at[-1])
     axes.set_ylim(bottom=0)
     axes.set_xlabel(scale.label("time of flight from the source"))
-    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: one standard error)"))
+    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: 1 σ)"))
     axes.grid(axis="y")
     speeds = axes.secondary_xaxis("top", functions=(lambda t: speed_at(t, transit, scale.factor),
                                                     lambda v: speed_at(v, transit, scale.factor)))

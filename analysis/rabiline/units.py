@@ -26,7 +26,8 @@ class Scale:
 
     def label(self, name: str) -> str:
         """An axis label, such as "H0.frequency (kHz)"."""
-        shown = name if self.origin == 0 else f"{name} − {format_value(self.origin, self.base_unit)}"
+        sign = "+" if self.origin < 0 else "−"
+        shown = name if self.origin == 0 else f"{name} {sign} {format_value(abs(self.origin), self.base_unit)}"
         return f"{shown} ({self.unit})" if self.unit else shown
 
     @property
