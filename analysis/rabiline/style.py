@@ -118,7 +118,7 @@ def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str
     columns = max(1, min(len(labels), letters(figure) // (8 + widest(labels))))
     rows, deep = -(-len(labels) // columns), 1 + max(label.count("\n") for label in labels)
     height = 1.7 if any("$" in label for label in labels) else 1.5 if deep == 1 else 1.35  # of a line; formulas are taller
-    foot = height / 72 * (rows * deep + bool(title)) * points("legend.fontsize") + 0.06
+    foot = height / 72 * (rows * deep + (1 + title.count("\n") if title else 0)) * points("legend.fontsize") + 0.06
     room = foot / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
     figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, title=title or None,

@@ -94,8 +94,12 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
         hit = counts[point] > 0
         panel.errorbar(((edges[:-1] + edges[1:]) / 2)[hit], counts[point][hit], errors[point][hit], fmt="none", ecolor=colour,
                        elinewidth=0.9, capsize=2 if edges.size < 60 else 0)
+    hanging = 0.0  # inches of names that stand upright
     if axis.labels:
-        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+        room = (figure.get_figwidth() - 1.0) * 72 / style.points("xtick.labelsize") / style.LETTER  # in letters
+        turn = 0 if len(axis.labels) * (style.widest(axis.labels) + 1) < room else 90
+        hanging = style.widest(axis.labels) * style.LETTER * style.points("xtick.labelsize") / 72 if turn else 0.0
+        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels], rotation=turn)
     panel.set_xlim(edges[0], edges[-1])
     if not counts[list(points)].any():
         panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
@@ -103,7 +107,7 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
     panel.set_xlabel(_label(axis, scale))
     panel.grid(axis="y")
     foot = style.legend_below(figure, panel, 3, heading)
-    panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: 1 σ)", foot))
+    panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: 1 σ)", foot + hanging))
     return figure
 
 
