@@ -18,6 +18,7 @@ from .units import format_value, parse_quantity
 
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
+FAR_OFF = 3.0  # chi² per degree of freedom from which on a form is another one
 UNKNOWN = 10  # times itself: an error that leaves nothing
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
@@ -119,4 +120,7 @@ def described(fitted: LineFit, unit: str) -> list[str]:
         power = UNITS.get(name.split("_")[0], 0)
         shown = unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
-    return [*lines, f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations"]
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations")
+    if fitted.chi_squared > FAR_OFF * max(fitted.freedom, 1):
+        lines.append("           the form does not describe the curve: believe the centre of a symmetric line, and no errors")
+    return lines

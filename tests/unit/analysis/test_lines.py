@@ -84,3 +84,12 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
     assert float(g[1].split()[1]) == pytest.approx(3.826085, abs=2e-4) and "nuclear magnetons" in g[1]
     with pytest.raises(InputError, match="frequency per field"):
         derived(fitted, "Hz", "29 MHz", None)
+
+
+def test_a_flat_curve_has_no_line_and_another_form_is_told() -> None:
+    with pytest.raises(NoLine, match="the curve is flat"):
+        fit_line(X, np.ones(X.size), np.eye(X.size) * 1e-6, "ramsey")
+    box = np.where(np.abs(X - 29000) < 30, 0.0, 1.0)
+    assert "the form does not describe the curve" in described(fit_line(X, box, np.eye(X.size) * 1e-6, "gauss"), "Hz")[-1]
+    bell = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
+    assert described(bell, "Hz")[-1].startswith("chi²")
