@@ -132,6 +132,13 @@ def parse_quantity(text: str, wanted: str | None = None) -> float:
     return value
 
 
+def base_of(unit: str) -> tuple[str, float]:
+    """A unit without its prefix, and how much of that it is: "kHz" is 1000 "Hz". Other units stay as they are."""
+    written = unit.replace("u", "µ")
+    return next(((written[len(prefix):], 10.0**power) for power, prefix in PREFIXES.items()
+                 if written.startswith(prefix) and written[len(prefix):] in TAKE_PREFIXES), (unit, 1.0))
+
+
 def law_name(law: str) -> str:
     """A law as texts and pictures name it: a hypothesis is called one. "dorado (torque, kappa = 1)" becomes
     "dorado (hypothesis), torque, κ = 1"."""
