@@ -87,12 +87,15 @@ def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str 
 def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, title: str) -> Figure:
     end = max(piece.begin + piece.length for piece in pieces) * 1.02
     fields = fields_along(experiment, pieces, end)
-    figure, panels = plt.subplots(4 if fields else 3, 1, figsize=(9.0, 7.8 if fields else 6.4), sharex=True, layout="constrained",
-                                  height_ratios=(1.1, *((1.3,) if fields else ()), 2, 2))
+    drawn = [draw for draw, there in ((_draw_fields, fields and fields.is_magnetic), (_draw_electric, fields and fields.electric.any()))
+             if there]
+    figure, panels = plt.subplots(3 + len(drawn), 1, figsize=(9.0, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained",
+                                  height_ratios=(1.1, *(1.3 for _ in drawn), 2, 2))
     names, side, top = panels[0], panels[-2], panels[-1]
     _write_names(names, pieces, end)
+    for draw_field, panel in zip(drawn, panels[1:]):
+        draw_field(panel, fields)
     if fields:
-        _draw_fields(panels[1], fields)
         pieces = [_where_it_acts(piece, fields) for piece in pieces]
     for axes, across in ((side, "z"), (top, "x")):
         half = _extent(pieces, across, tracks)
@@ -103,6 +106,7 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
         axes.set_ylabel(f"{across} (mm)")
     top.set_xlabel("y, along the beam (m)")
     top.set_xlim(-0.01 * end, end)
+    figure.align_ylabels(panels[1:])
     if tracks is not None:
         handles, labels = side.get_legend_handles_labels()
         legend = top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
@@ -126,12 +130,18 @@ def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
 
 @dataclass(frozen=True)
 class FieldsAlong:
-    """B on the axis of the beam, SI."""
+    """B and E on the axis of the beam, SI."""
 
     y: np.ndarray  # [n]
     static: np.ndarray  # [n] its size
     drives: np.ndarray  # [n] the size of what has a clock, at time 0
-    parts: dict[str, np.ndarray]  # [n] the size of each
+    electric: np.ndarray  # [n] its size
+    parts: dict[str, np.ndarray]  # [n] the size of B of each
+
+    @property
+    def is_magnetic(self) -> bool:
+        """Whether there is B anywhere."""
+        return bool(self.static.any() or self.drives.any())
 
 
 def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> FieldsAlong | None:
@@ -140,12 +150,13 @@ def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> Fie
     y = np.unique(np.clip([*np.linspace(0, end, PLACES), *edges], 0, end))
     places = [(0.0, float(place), 0.0) for place in y]
     drives = {name for name, *_, drives in experiment._setup.parts if drives}
-    fields = experiment.field(places)
-    static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), np.zeros((y.size, 3)))
-                      for wanted in (False, True))
+    fields, electric = experiment.field(places), experiment.electric_field(places)
+    nothing = np.zeros((y.size, 3))
+    static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), nothing) for wanted in (False, True))
     found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1),
+                        np.linalg.norm(sum(electric.values(), nothing), axis=1),
                         {name: np.linalg.norm(B, axis=1) for name, B in fields.items()})
-    return found if found.static.any() or found.drives.any() else None
+    return found if found.is_magnetic or found.electric.any() else None
 
 
 def _where_it_acts(piece: Piece, fields: FieldsAlong) -> Piece:
@@ -173,6 +184,15 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     else:
         axes.set_ylim(bottom=0)
     axes.set_ylabel(scale.label("B on axis"))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.grid(axis="y")
+
+
+def _draw_electric(axes: Axes, fields: FieldsAlong) -> None:
+    scale = fitting_scale(fields.electric, "V/m")
+    axes.plot(fields.y, scale.apply(fields.electric), color=LAWS["classical"][0], linewidth=1.2, label="|E|")
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(scale.label("E on axis"))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(axis="y")
 

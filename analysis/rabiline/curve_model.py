@@ -29,6 +29,7 @@ LARGEST_STEP = 0.1  # of the parameter's value
 LARGEST_FROM_ZERO = 1e3  # SI
 EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
 MORE = 4  # times as many, where they do not suffice
+USUAL = "field", "amplitude", "gradient", "frequency", "current", "pole_field", "at", "length"  # of a part
 SEEDS = 20011, 20021, 20023, 20029  # of the groups
 
 
@@ -60,7 +61,7 @@ class CurveModel:
     told: Callable[[int, int, float], None] | None = None  # hears the flights made, their particles and the seconds of the last
     flights: int = 0
     _widened: dict[int, float] = field(default_factory=dict)  # steps of parameters whose slopes are noisy
-    _known: dict[tuple[int, bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)
+    _known: dict[tuple[int, bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)  # by particles, whether in one
 
     def __post_init__(self) -> None:
         scanned, self._rows = self._grid()
@@ -99,17 +100,20 @@ class CurveModel:
             return [self.experiment.scan().unit(one) for one in name.split("+")][0]
         except KeyError:
             wrong = [text for one in name.split("+") for text in unknown(self.experiment, one, 1.0)]
+            numbers = [f"{name}.{key}" for key in USUAL if self.experiment.scan()._setup.value(f"{name}.{key}") is not None]
             raise NoFit(wrong[0] if wrong and "did you mean" in wrong[0] else
+                        f"`{name}` has blanks\n  help: names have commas between, or + where they share a value" if " " in name.strip() else
+                        f"`{name}` is a part\n  help: name one of its numbers, such as `{numbers[0]}`" if numbers else
                         f"`{name}` is no number that the file states: write it there, or give its dotted name as in --set") from None
 
-    def at(self, values: Sequence[float], whole: bool = False) -> Evaluated:
-        """Flies it, with the parameters in SI: `explored` particles, or the `whole` of them."""
-        key = self.explored, whole, tuple(map(float, values))
+    def at(self, values: Sequence[float], particles: int | None = None) -> Evaluated:
+        """Flies it, with the parameters in SI: `explored` particles in groups, or so many in one."""
+        whole, particles = particles is not None, particles or self.explored
+        key = particles, whole, tuple(map(float, values))
         if key not in self._known:
             self.flights += 1
             begun = time.monotonic()
             changed = self.changes(values)
-            particles = self.particles if whole else self.explored
             if whole:
                 y, covariance = self._flown({**changed, "particles": particles})
                 groups = y[None]
@@ -258,10 +262,15 @@ class Surface:
                 bends[i, j] = bends[j, i] = _agreed((both - above[i] - above[j] + here.groups) / 2, here.y)
         return cls(centre, steps, here.y, slopes, bends, here.covariance, noise)
 
-    def whole(self, model: CurveModel) -> Surface:
-        """About the same place with all particles; how it bends is that of those explored."""
-        here = model.at(self.centre, whole=True)
+    def whole(self, model: CurveModel, particles: int) -> Surface:
+        """About the same place with so many particles in one flight; how it bends is that of those explored."""
+        here = model.at(self.centre, particles)
         return replace(self, y=here.y, covariance=here.covariance)
+
+    def moved(self, centre: np.ndarray) -> Surface:
+        """The same polynomial about another place, less than a step away."""
+        d = (centre - self.centre) / self.steps
+        return replace(self, centre=centre, y=self.at(centre)[0], slopes=self.slopes + 2 * np.einsum("ijn,j->in", self.bends, d))
 
     def at(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The curve [n] and its derivatives [k, n] by the parameters."""

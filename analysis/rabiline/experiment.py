@@ -133,7 +133,14 @@ class Experiment:
     def field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
         """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,
         without the scan; fields with a clock at time 0."""
-        return dict(_core.probe(self._setup, [tuple(map(float, place)) for place in places]))
+        return {part: B for part, B, E in self._probed(places) if B.any() or not E.any()}
+
+    def electric_field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
+        """The electric field [n, 3] in V/m of each part that has one there, as `field`."""
+        return {part: E for part, _, E in self._probed(places) if E.any()}
+
+    def _probed(self, places: Sequence[Sequence[float]]) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        return _core.probe(self._setup, [tuple(map(float, place)) for place in places])
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times

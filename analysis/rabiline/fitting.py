@@ -20,6 +20,7 @@ from .held import Held, held
 
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
+MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 
 
@@ -181,18 +182,23 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
 
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
     """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a
-    standard deviation: nearer than that, slopes that are known to a tenth do, and what moves is the simulation's own noise."""
+    standard deviation: nearer than that, slopes that are known to a tenth do, and what moves is the simulation's own noise.
+    Where all are many times those explored, some lead there first: all then fly once."""
     k = len(model.names)
-    for _ in range(MOST_ITERATIONS):
-        problem = replace(problem, surface=problem.surface.whole(model))
+    some = [round(np.sqrt(model.explored * model.particles))] if model.particles > MANY * model.explored else []
+    for particles in [*some, *(model.particles for _ in range(MOST_ITERATIONS))]:
+        problem = replace(problem, surface=problem.surface.whole(model, particles))
         mu, _, each = problem.mean(values)
         fisher = problem.fisher(values, problem.modes(mu, each))
         found, _ = problem.least(values)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
-        if moves < 1 and reach < 1:
+        if moves < 1 and reach < 1 and particles == model.particles:
             return found, problem
         values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
+        if moves < 1:
+            problem = replace(problem, surface=problem.surface.moved(values[:k]))
+            continue
         steps = np.array([model.step(values[:k], i, fisher.errors[i]) for i in range(k)])
         problem = replace(problem, surface=Surface.about(model, values[:k], steps))
     raise NoFit("the fit does not come to rest with all particles: start nearer, or free fewer parameters")

@@ -72,7 +72,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
         problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
         errors = problem.fisher(full, exact).errors
         steps = np.array([model.step(start, i, errors[i]) for i in range(start.size)])
-    problem = replace(problem, surface=problem.surface.whole(model))
+    problem = replace(problem, surface=problem.surface.whole(model, model.particles))
     mu, _, _ = problem.mean(full)
     covariance, condition, degenerate, combined = analysis(problem.fisher(full, exact), full, (*names, *extra))
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, np.sqrt(np.diag(covariance)), covariance,

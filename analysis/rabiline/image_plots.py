@@ -32,10 +32,20 @@ class Shot:
 
 def shot_of(results: Results, point: int) -> Shot:
     """A scan point, headed by the values that are scanned."""
+    return Shot(point, ", ".join(f"{name} = {value}" for name, value in scanned_at(results, point).items()))
+
+
+def scanned_at(results: Results, point: int) -> dict[str, str]:
+    """What is scanned, laws and species apart, with its values at a scan point."""
     indices = np.unravel_index(point, results.scan.shape)
-    values = (f"{axis.parameter} = {axis.labels[i] if axis.labels else axis.text(axis.values[i]).replace('-', '−')}"
-              for axis, i in zip(results.scan.axes, indices) if axis.parameter not in ("law", "species"))
-    return Shot(point, ", ".join(values))
+    return {axis.parameter: axis.labels[i] if axis.labels else axis.text(axis.values[i]).replace("-", "−")
+            for axis, i in zip(results.scan.axes, indices) if axis.parameter not in ("law", "species")}
+
+
+def about(results: Results, point: int) -> dict[str, str]:
+    """What tells a scan point from others: its law, its species, and what is scanned."""
+    said = {"law": law_name(results.laws[point]), "species": results.species[point], **scanned_at(results, point)}
+    return {name: value for name, value in said.items() if value}
 
 
 def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:

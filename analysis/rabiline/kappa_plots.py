@@ -9,6 +9,7 @@ from . import style
 from .kappa import CONFIDENCE, Bound, family
 from .style import GREY, LAWS
 from .templates import Templates
+from .units import fitting_scale, format_value
 
 SHOWN = 5  # times the level, at least, on the axis
 
@@ -26,7 +27,7 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     if result.quoted is not None:
         low, high = result.quoted.low, result.quoted.high
         axes.axvspan(low, high, color="#009E73", alpha=0.18, linewidth=0,
-                     label=f"bound, connected to κ = 0: {low:.3g} to {high:.3g}")
+                     label=f"bound, connected to κ = 0: {format_value(float(f'{low:.3g}'), '')} to {format_value(float(f'{high:.3g}'), '')}")
     for other in result.others:
         axes.axvspan(other.low, other.high, color=GREY, alpha=0.15, linewidth=0)
     shown = result.interpolated <= SHOWN * result.level
@@ -37,8 +38,10 @@ def draw_profile(made: Templates, found: Bound, title: str | None) -> Figure:
     margin = max(0.15 * np.ptp(result.fine[near]), 0.02 * np.ptp(result.fine))
     axes.set_xlim(max(result.fine[0] - margin / 3, result.fine[near[0]] - margin),
                   min(result.fine[-1] + margin / 3, result.fine[near[-1]] + margin))
-    axes.set_xlabel("κ, strength of the hypothesis (1: the paper; 0: straight flight)")
-    axes.set_ylabel("-2 ln L above its least value")
+    scale = fitting_scale(np.array(axes.get_xlim()), "")
+    axes.xaxis.set_major_formatter(lambda value, _: f"{scale.apply(value):.6g}".replace("-", "−"))
+    axes.set_xlabel(scale.label("κ, strength of the hypothesis; 1: the paper, 0: straight flight"))
+    axes.set_ylabel("−2 ln L above its least value")
     axes.grid(axis="y")
     style.write_title(figure, f"{title or made.title}\n{family(made)}\ncounts: {found.source}")
     axes.legend(loc="best")

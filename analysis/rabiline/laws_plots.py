@@ -84,7 +84,7 @@ def _draw_maps(figure: SubFigure, axes: np.ndarray, made: Templates, screen: Scr
     signs = LinearSegmentedColormap.from_list("signed", [colour[1], "#ffffff", colour[0]])
     mesh = axes[2].pcolormesh(across, up, 100 * difference, cmap=signs, vmin=-limit, vmax=limit, rasterized=True)
     axes[2].set_title("where the difference is")
-    figure.colorbar(mesh, ax=axes[2], label=f"share of -2 ln(L ratio) (%)\n+: {names[0].split(',')[0]} has more")
+    figure.colorbar(mesh, ax=axes[2], label=f"share of −2 ln(L ratio) (%)\n+: {names[0].split(',')[0]} has more")
     for ax in axes:
         ax.set_xlabel(labels[0])
         ax.set_ylabel(labels[1] if ax is axes[0] else "")
@@ -125,7 +125,7 @@ def _draw_lines(upper: Axes, lower: Axes, made: Templates, screen: Screen, pair:
         shares = sign * np.maximum(sign * signed, 0).sum(axis=summed)
         lower.bar((edges[:-1] + edges[1:]) / 2, 100 * shares, width=np.diff(edges), color=colour, linewidth=0)
     lower.axhline(0, color=GREY, linewidth=0.8)
-    lower.set_ylabel("share of\n-2 ln(L ratio) (%)")
+    lower.set_ylabel("share of\n−2 ln(L ratio) (%)")
     lower.set_xlabel(scale.label(label) if label else "")
     if made.axis is not None and along is None and made.axis.labels:
         lower.set_xticks(x, list(made.axis.labels))

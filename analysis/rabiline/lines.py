@@ -5,7 +5,7 @@ Ramsey's two.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
@@ -13,6 +13,9 @@ from scipy import optimize, stats
 
 from .errors import BadInput
 
+STARTS = 6  # of a comb of fringes
+AS_GOOD = 9.0  # of chi²: three standard deviations
+SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
 HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
 
@@ -103,6 +106,7 @@ class LineFit:
     chi_squared: float
     freedom: int
     expected: np.ndarray  # [n]
+    others: tuple[tuple[float, float], ...] = ()  # centres of other fringes, with a chi² that is less than `AS_GOOD` higher
 
     @property
     def p(self) -> float:
@@ -128,28 +132,35 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     chosen = form if isinstance(form, Form) else FORMS[form]
     if x.size < len(chosen.parameters) + 2 * lines + 2:
         raise NoLine(f"{x.size} points are too few for {lines} line{'s' if lines > 1 else ''} of the form {chosen.name}")
+    if np.ptp(y) == 0:
+        raise NoLine("the curve is flat, there is no line in it\n  help: a detector that catches all levels alike does not see what fields did; "
+                     "put a magnet or a `spin_filter` in front of it, or look at `plot-levels`")
     order = np.argsort(x)
     unit, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
     own = len(chosen.parameters)
     sigma = np.sqrt(np.diag(covariance))
-    centres, shared = _first_guess(chosen, x[order], y[order], sigma[order], lines, start)
+    guesses = _first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
-    first = _linear(chosen, x, y, sigma, centres, shared)[1]
 
     def model(values: np.ndarray) -> np.ndarray:
         parts = [values[own + lines + i] * chosen.f(x - origin - values[i] * unit, *np.exp(values[lines:lines + own]))
                  for i in range(lines)]
         return values[-1] + np.sum(parts, axis=0)
 
-    found = _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
-        [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), y, covariance)
+    @np.errstate(all="ignore")  # of starts that lead nowhere
+    def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
+        first = _linear(chosen, x, y, sigma, centres, shared)[1]
+        return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
+            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), y, covariance)
+
+    found = _best(refined, guesses)
     values, scale = found.values.copy(), np.ones(found.values.size)
     values[:lines], scale[:lines] = origin + unit * values[:lines], unit
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
     covariance = found.covariance * scale[:, None] * scale
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance)), covariance, found.chi_squared, found.freedom,
-                   found.expected)
+                   found.expected, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
 
 
 def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres: Sequence[float],
@@ -160,12 +171,31 @@ def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres
     return float(np.sum(((columns @ found - y) / sigma)**2)), found
 
 
-def _first_guess(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
-                 start: Mapping[str, float]) -> tuple[list[float], Sequence[float]]:
-    """Centres one after the other, each where it helps most, for the best of the form's starts."""
+def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[list[float], Sequence[float]]]) -> LineFit:
+    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other."""
+    fits = []
+    for i, guess in enumerate(guesses):
+        try:
+            fits.append(refined(*guess))
+        except NoLine:
+            if i + 1 == len(guesses) and not fits:
+                raise
+    fits.sort(key=lambda fit: fit.chi_squared)
+    centres = [fits[0].values[0]]
+    for fit in fits[1:]:
+        if fit.chi_squared < fits[0].chi_squared + AS_GOOD and all(abs(fit.values[0] - centre) > SAME for centre in centres):
+            centres.append(fit.values[0])
+    chi_squared = {fit.values[0]: fit.chi_squared for fit in fits}
+    return replace(fits[0], others=tuple((float(centre), chi_squared[centre]) for centre in centres[1:]))
+
+
+def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
+                   start: Mapping[str, float]) -> list[tuple[list[float], Sequence[float]]]:
+    """Centres one after the other, each where it helps most, for the best of the form's starts; of fringes also for the best start of each
+    of a few other centres."""
     candidates = x if x.size <= 201 else x[::x.size // 200]
     trials = form.starts(float(np.median(np.diff(x))), float(np.ptp(x)))
-    best: tuple[float, list[float], Sequence[float]] = (np.inf, [], ())
+    of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
     for trial in trials:
         shared = [start.get(name, value) for name, value in zip(form.parameters, trial)]
         centres: list[float] = []
@@ -173,10 +203,12 @@ def _first_guess(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, li
             given = start.get("centre" if lines == 1 else f"centre_{i + 1}")
             tried = [given] if given is not None else candidates
             centres.append(min(tried, key=lambda c: _linear(form, x, y, sigma, [*centres, c], shared)[0]))
-        found = _linear(form, x, y, sigma, centres, shared)[0]
-        if found < best[0]:
-            best = (found, centres, shared)
-    return best[1], best[2]
+        for tried in [centres] if lines > 1 or not form.name.startswith("ramsey") or start else [centres, *([c] for c in x[1:-1][
+                (y[1:-1] - y[:-2]) * (y[2:] - y[1:-1]) <= 0])]:  # the tops and bottoms of fringes
+            found = _linear(form, x, y, sigma, tried, shared)[0]
+            if found < of.get(tried[0], (np.inf,))[0]:
+                of[tried[0]] = (found, tried, shared)
+    return [(centres, shared) for _, centres, shared in sorted(of.values(), key=lambda row: row[0])[:STARTS]]
 
 
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray], np.ndarray], first: np.ndarray, y: np.ndarray,

@@ -1,7 +1,7 @@
 """The options of the picture commands."""
 from __future__ import annotations
 
-from argparse import ArgumentParser
+from argparse import ArgumentParser, ArgumentTypeError
 from math import inf
 from pathlib import Path
 
@@ -32,17 +32,23 @@ RANGED = {"plot", "plot-scan", "plot-levels", "plot-image", "plot-profiles", "pl
 
 def size_of(text: str) -> tuple[float, float]:
     """[inches] "86x60", in mm."""
-    width, height = (float(number) / 25.4 for number in text.lower().split("x"))
+    try:
+        width, height = (float(number) / 25.4 for number in text.lower().replace("mm", "").split("x"))
+    except ValueError:
+        raise ArgumentTypeError(f"`{text}` is no size: write width x height in mm, such as 86x60") from None
     if not (1 < width < 40 and 1 < height < 40):
-        raise ValueError("no size of a picture")
+        raise ArgumentTypeError(f"`{text}` is no size of a picture: both are in mm, from 26 to 1000")
     return width, height
 
 
 def range_of(text: str) -> tuple[float, float]:
     """"280:300"."""
-    low, high = map(float, text.split(":"))
+    try:
+        low, high = map(float, text.split(":"))
+    except ValueError:
+        raise ArgumentTypeError(f"`{text}` is no range: write two numbers as the axis has them, such as 280:300") from None
     if not -inf < low < high < inf:
-        raise ValueError("no range")
+        raise ArgumentTypeError(f"`{text}` is no range: the first number is the smaller one")
     return low, high
 
 

@@ -187,13 +187,13 @@ def plot_profiles(options: argparse.Namespace) -> Figure:
              for point in (_points(options.points, len(file.laws)) if options.points else range(len(file.laws)))]
     if len(shots) > MOST_CURVES:
         raise InputError(f"{len(shots)} profiles are too many for one picture: choose some by --points, such as 0,{len(shots) // 2}")
-    about = [(law_name(file.laws[point]), file.species[point], image_plots.shot_of(file, point).heading) for file, point in shots]
-    differing = [i for i in range(3) if len({words[i] for words in about}) > 1] or [0]
-    labels = _distinct([", ".join(filter(None, (words[i] for i in differing))) for words in about],
-                       [file.path.stem for file, _ in shots])
+    heading, labels = style.what_differs([image_plots.about(file, point) for file, point in shots])
+    if not any(labels):
+        labels = [law_name(file.laws[point]) for file, point in shots]
+    labels = _distinct(labels, [file.path.stem for file, _ in shots])
     profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
                 for (file, point), label in zip(shots, labels)]
-    return profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title)
+    return profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title, heading)
 
 
 def plot_tally(options: argparse.Namespace) -> Figure:

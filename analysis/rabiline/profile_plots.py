@@ -36,15 +36,15 @@ def profile_of(results: Results, detector: str, point: int, along: str, label: s
                    results.aimed_fraction is not None)
 
 
-def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure:
-    """Steps with error bars, in shares of the emitted beam per length."""
+def draw_profiles(profiles: Sequence[Profile], along: str, title: str, heading: str = "") -> Figure:
+    """Steps with error bars, in shares of the emitted beam per length; `heading` stands above their labels."""
     edges = np.concatenate([profile.edges for profile in profiles])
     scale = fitting_scale(edges, "m")
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     for profile, look in zip(profiles, looks([profile.law for profile in profiles])):
         at = np.asarray(scale.apply(profile.edges))
         y, errors = profile.density * scale.factor, profile.errors * scale.factor
-        axes.stairs(y, at, color=look.colour, linewidth=1.2, label=profile.label)
+        axes.stairs(y, at, color=look.colour, linewidth=1.2, linestyle="--" if look.open else "-", label=profile.label)
         hit = y > 0
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], errors[hit], fmt="none", ecolor=look.colour,
                       elinewidth=0.9)
@@ -57,10 +57,8 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str) -> Figure
     of = "aimed at the target" if profiles[0].aimed else "emitted"
     axes.grid(axis="y")
     style.write_title(figure, title)
-    longest, room = max(len(profile.label) for profile in profiles), style.letters(figure)
-    columns = max(1, min(3, room // (longest + 8), len(profiles)))
-    foot = style.legend_below(figure, axes, columns) if len(profiles) > 1 or profiles[0].label else 0.0
-    axes.set_ylabel(style.upright(figure, f"detected / {of} per {scale.unit}\n(bars: one standard error)", foot))
+    foot = style.legend_below(figure, axes, min(3, len(profiles)), heading) if len(profiles) > 1 or profiles[0].label else 0.0
+    axes.set_ylabel(style.upright(figure, f"detected / {of} per {scale.unit}\n(bars: 1 σ)", foot))
     return figure
 
 

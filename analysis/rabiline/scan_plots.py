@@ -234,10 +234,12 @@ def _coincide(one: Curve, other: Curve) -> bool:
 def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale) -> None:
     x, size = scale.apply(curve.x), 6.0 if curve.axis.labels else SYMBOL
     runs = [] if curve.axis.labels else runs_of(curve.x)
-    axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle="-" if len(runs) == 1 else "none",
-                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0, label=label)
+    style_of = "--" if look.open else "-"
+    axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style_of if len(runs) == 1 else "none",
+                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
+                  markerfacecolor="white" if look.open else look.colour, label=label)
     for run in runs if len(runs) > 1 else []:
-        axes.plot(x[run], curve.y[run], color=look.colour, linewidth=1.1)
+        axes.plot(x[run], curve.y[run], color=look.colour, linewidth=1.1, linestyle=style_of)
 
 
 def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, number: int, of: int) -> None:
@@ -263,7 +265,7 @@ def _in_words(resonance: Resonance, scale: Scale, unit: str) -> tuple[str, str]:
     if scale.origin == 0 and unit:  # in the unit of the axis
         centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
         unit = scale.unit
-    return (f"centre {format_value(centre.value, unit, centre.error)}",
+    return (f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−"),
             f"FWHM {format_value(width.value, unit, width.error)}")
 
 

@@ -92,32 +92,69 @@ def size(width: float, height: float) -> tuple[float, float]:
 
 
 def upright(figure: Figure, text: str, foot: float = 0.0) -> str:
-    """For the side of one panel, above a `foot` [inches]: in lines that fit its height."""
-    return in_lines(text, 0.95 * figure.get_figheight() - foot - 0.7, points("axes.labelsize"))
+    """For the side of one panel, above a `foot` [inches] and below the title: in lines that fit its height. Raises InputError where a
+    figure whose size was asked for is too low for the longest of its words."""
+    letter = points("axes.labelsize")
+    height = figure.get_figheight() - foot - max(0.7, head_of(figure) + BELOW * letter)
+    longest = max(len(word) for word in text.split()) * LETTER * letter / 72
+    if _asked and 0.95 * height < longest:
+        width, now = 25.4 * figure.get_size_inches()
+        plt.close(figure)
+        raise InputError(f"--size: {width:.0f}x{now:.0f} leaves no room for curves between the letters; make it "
+                         f"{25.4 * (longest / 0.95 - height) + 1:.0f} mm higher")
+    return in_lines(text, 0.95 * height, letter)
 
 
-def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str], **looks: object) -> float:
+def head_of(figure: Figure) -> float:
+    """[inches] The height of its title, which has been written."""
+    title = figure._suptitle
+    return (1 + title.get_text().count("\n")) * LINE * title.get_fontsize() / 72 + 0.04 if title else 0.0
+
+
+def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str], title: str = "", **looks: object) -> float:
     """For a figure whose size was asked for, which cannot grow: room at its foot, as many columns as fit. Gives back the height
     [inches]."""
     labels = [wrapped(label, letters(figure) - 8) for label in labels]
-    columns = max(1, min(len(labels), letters(figure) // (8 + max(len(line) for label in labels for line in label.splitlines()))))
-    lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
-    height = 1.35 if not any("$" in label for label in labels) else 1.7  # of a line; formulas are taller
-    foot = height / 72 * lines * points("legend.fontsize") + 0.06
+    columns = max(1, min(len(labels), letters(figure) // (8 + widest(labels))))
+    rows, deep = -(-len(labels) // columns), 1 + max(label.count("\n") for label in labels)
+    height = 1.7 if any("$" in label for label in labels) else 1.5 if deep == 1 else 1.35  # of a line; formulas are taller
+    foot = height / 72 * (rows * deep + (1 + title.count("\n") if title else 0)) * points("legend.fontsize") + 0.06
     room = foot / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
-    figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, **looks)
+    figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, title=title or None,
+                  title_fontsize=points("legend.fontsize"), **looks)
     return foot
 
 
-def legend_below(figure: Figure, axes: Axes, columns: int) -> float:
-    """Below the axes; at the foot of a figure whose size was asked for. Gives back the height [inches] of that foot."""
+def legend_below(figure: Figure, axes: Axes, columns: int, title: str = "") -> float:
+    """Below the axes, in so many columns at most, for which the figure grows; at the foot of a figure whose size was asked for. Gives
+    back the height [inches] of that foot."""
     items, labels = axes.get_legend_handles_labels()
     if _asked:
-        return legend_at_foot(figure, items, labels)
+        return legend_at_foot(figure, items, labels, title)
     labels = [wrapped(label, letters(figure) - 12) for label in labels]
-    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncol=columns)
+    columns = max(1, min(columns, letters(figure) // (8 + widest(labels))))
+    lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels)) + bool(title)
+    figure.set_figheight(figure.get_figheight() + 0.19 * max(0, lines - 2))
+    below = -0.15 * 3.2 / (figure.get_figheight() - 1.2 - 0.19 * lines)  # inches to axes, near enough
+    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, title=title or None,
+                title_fontsize=points("legend.fontsize"))
     return 0.0
+
+
+def widest(labels: Sequence[str]) -> int:
+    """Letters of the longest line of them all."""
+    return max(len(line) for label in labels for line in label.splitlines() or [""])
+
+
+def what_differs(rows: Sequence[dict[str, str]]) -> tuple[str, list[str]]:
+    """A heading for a legend of `rows`, each of which says what it is by names and values, and a label for each: what is the same
+    for all is left out, and one name of a number stands above. Empty labels where nothing differs."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    differing = [name for name in names if len({row.get(name) for row in rows}) > 1]
+    if len(differing) == 1 and differing[0]:
+        return "" if differing[0] in WORDS else differing[0], [row.get(differing[0], "") for row in rows]
+    return "", [", ".join(row[name] if name in WORDS else f"{name} = {row[name]}" for name in differing if name in row) for row in rows]
 
 
 def wrapped(text: str, most: int) -> str:
@@ -133,7 +170,7 @@ def beside_ticks(figure: Figure, name: str) -> str:
 
 def in_rows(figure: Figure, words: Sequence[str], size: float) -> str:
     """Several to a line of the figure, as many as fit."""
-    most = int(figure.get_figwidth() * 72 / (0.58 * size)) - 8
+    most = int(figure.get_figwidth() * 72 / (LETTER * size)) - 8
     lines = [words[0]]
     for word in words[1:]:
         lines[-1:] = [f"{lines[-1]},   {word}"] if len(lines[-1]) + len(word) + 4 < most else [lines[-1], word]
@@ -152,7 +189,7 @@ def letters(figure: Figure) -> int:
 
 def in_lines(text: str, inches: float, size: float) -> str:
     """Wrapped to a width, for letters of a size in points."""
-    return wrapped(text, max(12, int(inches * 72 / (0.58 * size))))
+    return wrapped(text, max(12, int(inches * 72 / (LETTER * size))))
 
 
 @contextmanager
@@ -185,6 +222,9 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
 
 
 TITLE = 11.5  # points
+LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
+BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
+WORDS = ("law", "species")  # whose values say by themselves what they are
 NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
 LEAST = 0.6  # times the usual size of letters
 _asked: tuple[float, float] | None = None
@@ -203,7 +243,7 @@ class Look:
 def looks(laws: Sequence[str]) -> list[Look]:
     """One look per law name: the law's own colour the first time, another one when it comes again."""
     taken: set[str] = set()
-    spare = iter(OTHERS * (len(laws) // len(OTHERS) + 1))
+    spare = ((*pair, bool(turn)) for turn in range(len(laws)) for pair in OTHERS)  # dashed once all are taken
     result = []
     for law in laws:
         name = law.split(" ")[0]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from . import style
-from .image_plots import shot_of
+from .image_plots import about, shot_of
 from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, fitting_scale, is_logarithmic, law_name
@@ -26,8 +26,9 @@ def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequ
     if list(axes) != sorted(axes):
         counts, errors = counts.swapaxes(1, 2), errors.swapaxes(1, 2)
     shown = [tally.axes[i] for i in axes]
-    figure = _draw_curves(results, shown[0], counts, errors, points) if len(shown) == 1 else \
-        _draw_images(results, shown, counts, points)
+    if len(shown) == 1:
+        return _draw_curves(results, tally, shown[0], counts, errors, points, title)
+    figure = _draw_images(results, shown, counts, points)
     _write_title(figure, results, tally, title)
     return figure
 
@@ -63,8 +64,8 @@ def _write_title(figure: Figure, results: Results, tally: Tally, title: str | No
 
 
 def _heading(results: Results, point: int) -> str:
-    about = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
-    return ": ".join(filter(None, (shot_of(results, point).heading, about)))
+    whose = ", ".join(filter(None, (law_name(results.laws[point]), results.species[point])))
+    return ": ".join(filter(None, (shot_of(results, point).heading, whose)))
 
 
 def _scale(axis: TallyAxis) -> Scale:
@@ -77,29 +78,36 @@ def _label(axis: TallyAxis, scale: Scale) -> str:
     return scale.label(axis.title.rsplit(" (", 1)[0] if axis.units else axis.title)
 
 
-def _draw_curves(results: Results, axis: TallyAxis, counts: np.ndarray, errors: np.ndarray,
-                 points: Sequence[int]) -> Figure:
+def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.ndarray, errors: np.ndarray,
+                 points: Sequence[int], title: str | None) -> Figure:
     """Steps with error bars, one colour for each scan point."""
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.4), layout="constrained")
+    _write_title(figure, results, tally, title)
+    heading, labels = style.what_differs([about(results, point) for point in points]) if len(points) > 1 else \
+        ("", [_heading(results, points[0])])
     scale = _scale(axis)
     edges = np.asarray(scale.apply(axis.edges))
-    for number, (colour, point) in enumerate(zip(COLOURS * (len(points) // len(COLOURS) + 1), points)):
+    for number, (colour, label, point) in enumerate(zip(COLOURS, labels, points)):
         panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
-                     label=_heading(results, point),
+                     label=label,
                      fill=len(points) == 1 and bool(axis.labels), alpha=0.6 if axis.labels else None)
         hit = counts[point] > 0
         panel.errorbar(((edges[:-1] + edges[1:]) / 2)[hit], counts[point][hit], errors[point][hit], fmt="none", ecolor=colour,
                        elinewidth=0.9, capsize=2 if edges.size < 60 else 0)
+    hanging = 0.0  # inches of names that stand upright
     if axis.labels:
-        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+        room = (figure.get_figwidth() - 1.0) * 72 / style.points("xtick.labelsize") / style.LETTER  # in letters
+        turn = 0 if len(axis.labels) * (style.widest(axis.labels) + 1) < room else 90
+        hanging = style.widest(axis.labels) * style.LETTER * style.points("xtick.labelsize") / 72 if turn else 0.0
+        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels], rotation=turn)
     panel.set_xlim(edges[0], edges[-1])
     if not counts[list(points)].any():
         panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
     panel.set_ylim(0, 1 if not counts[list(points)].any() else None)
     panel.set_xlabel(_label(axis, scale))
     panel.grid(axis="y")
-    foot = style.legend_below(figure, panel, 1 if len(points) < 4 else 2)
-    panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: one standard error)", foot))
+    foot = style.legend_below(figure, panel, 3, heading)
+    panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: 1 σ)", foot + hanging))
     return figure
 
 

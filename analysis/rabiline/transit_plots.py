@@ -1,6 +1,8 @@
 """Times of flight to a detector, by the levels that particles are found in before and behind the fields."""
 from __future__ import annotations
 
+import re
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import pyplot as plt
@@ -27,14 +29,13 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     colours = colormaps["viridis"](np.linspace(0, 0.85, len(shown)))
     for number, (path, colour) in enumerate(zip(shown, colours)):
         y, bars = caught[path] / each, errors[path] / each
-        axes.stairs(y, at, color=colour, linewidth=1.2, label=transit.paths[path].replace("m = ", "").replace(" to ", " → "),
-                    linestyle="-" if number % 2 == 0 else (0, (4, 2)))
+        label = re.sub(r"(?<![^\s=(])-(?=\d)", "−", transit.paths[path].replace("m = ", "").replace(" to ", " → "))
+        axes.stairs(y, at, color=colour, linewidth=1.2, label=label, linestyle="-" if number % 2 == 0 else (0, (4, 2)))
         hit = y > 0
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], bars[hit], fmt="none", ecolor=colour, elinewidth=0.8)
     axes.set_xlim(at[0], at[-1])
     axes.set_ylim(bottom=0)
     axes.set_xlabel(scale.label("time of flight from the source"))
-    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: one standard error)"))
     axes.grid(axis="y")
     speeds = axes.secondary_xaxis("top", functions=(lambda t: speed_at(t, transit, scale.factor),
                                                     lambda v: speed_at(v, transit, scale.factor)))
@@ -43,8 +44,13 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     speeds.set_xlabel("speed along the beam (m/s)")
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
-    axes.legend(title=f"level before and behind the fields{further}", title_fontsize=style.points("legend.fontsize"),
-                ncol=1 + len(shown) // 5, loc="best")
+    heading, foot = f"level before and behind the fields{further}", 0.0
+    if style.size(0, 0) != (0, 0):
+        foot = style.legend_at_foot(figure, *axes.get_legend_handles_labels(), heading)
+    else:
+        axes.legend(title=heading, title_fontsize=style.points("legend.fontsize"), ncol=1 + len(shown) // 5, loc="best")
+    above = style.BELOW * style.points("axes.labelsize") if foot else 0.0  # of the axis of speeds
+    axes.set_ylabel(style.upright(figure, f"caught / emitted per {scale.unit}, if found on that path\n(bars: 1 σ)", foot + above))
     return figure
 
 

@@ -26,7 +26,8 @@ class Scale:
 
     def label(self, name: str) -> str:
         """An axis label, such as "H0.frequency (kHz)"."""
-        shown = name if self.origin == 0 else f"{name} − {format_value(self.origin, self.base_unit)}"
+        sign = "+" if self.origin < 0 else "−"
+        shown = name if self.origin == 0 else f"{name} {sign} {format_value(abs(self.origin), self.base_unit)}"
         return f"{shown} ({self.unit})" if self.unit else shown
 
     @property
@@ -129,6 +130,13 @@ def parse_quantity(text: str, wanted: str | None = None) -> float:
     if not isfinite(value):
         raise ValueError("it is not a finite number")
     return value
+
+
+def base_of(unit: str) -> tuple[str, float]:
+    """A unit without its prefix, and how much of that it is: "kHz" is 1000 "Hz". Other units stay as they are."""
+    written = unit.replace("u", "µ")
+    return next(((written[len(prefix):], 10.0**power) for power, prefix in PREFIXES.items()
+                 if written.startswith(prefix) and written[len(prefix):] in TAKE_PREFIXES), (unit, 1.0))
 
 
 def law_name(law: str) -> str:

@@ -145,7 +145,7 @@ std::string closest(std::string_view word, const std::vector<std::string>& known
   if (word.empty() || word.size() > 64) return {};
   const std::string wanted = lower(word);
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(word.size() < 3 ? 1 : 2, word.size() / 3) + 1;
+  std::size_t best_distance = std::max<std::size_t>(word.size() < 4 ? 1 : 2, word.size() / 3) + 1;
   for (const std::string& candidate : known) {
     const std::string other = lower(candidate);
     if (wanted.size() >= 3 && best_distance > 1 && other.starts_with(wanted)) {

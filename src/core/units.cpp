@@ -260,6 +260,7 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
   if (!same_letters.empty())
     return fmt::format("upper and lower case differ in units: write {}", same_letters);
   if (std::string plain = without_prefix(number, symbol); !plain.empty()) return plain;
+  if (symbol.ends_with("/h")) return "hours are no unit here: write it per second";
   const std::string near = closest(symbol, candidates);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
 }

@@ -22,6 +22,12 @@ bool ends_in_comma(const Entry& before, const Entry& entry) {
          !entry.key.empty() && is_digit(entry.key.front()) && entry.value.is_null();
 }
 
+/// Whether what stands behind a comma may be meant as thousands, `647 Hz`: three digits.
+bool is_group_of_thousands(std::string_view text) {
+  return text.size() >= 3 && std::all_of(text.begin(), text.begin() + 3, is_digit) &&
+         (text.size() == 3 || !is_digit(text[3]));
+}
+
 }  // namespace
 
 Keys::Keys(const Node& mapping, std::string what, Place blame, Reading& reading)
@@ -61,7 +67,10 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
       std::erase_if(reading_->errors, [&](const Diagnostic& d) { return same_place(d.place, place); });
       reading_->error(
           place, fmt::format("`{},{}` is no number: the comma ends it", last->value.scalar, entry.key),
-          fmt::format("numbers have a decimal point: write `{}.{}`", last->value.scalar, entry.key));
+          is_group_of_thousands(entry.key)
+              ? fmt::format("numbers have a decimal point, and no commas between thousands: write `{0}.{1}` or `{0}{1}`",
+                            last->value.scalar, entry.key)
+              : fmt::format("numbers have a decimal point: write `{}.{}`", last->value.scalar, entry.key));
       continue;
     }
     const std::string owner = owner_of ? owner_of(entry.key) : std::string{};

@@ -87,20 +87,28 @@ std::vector<std::string> names_of_detectors(const Result& result) {
   return names;
 }
 
-/// [(part, B [n][3])]
+/// [(part, B [n][3], E [n][3])]
 py::list probed(const Setup& setup, const std::vector<std::array<double, 3>>& places) {
-  std::vector<std::pair<std::string, std::vector<double>>> fields;
+  struct Along {
+    std::string part;
+    std::vector<double> magnetic, electric;
+  };
+  std::vector<Along> fields;
   for (std::size_t i = 0; i < places.size(); ++i)
     for (const Probed::Contribution& own : probe(setup, places[i]).contributions) {
-      auto found = std::ranges::find(fields, own.part, [](const auto& field) { return field.first; });
+      auto found = std::ranges::find(fields, own.part, &Along::part);
       if (found == fields.end())
-        found = fields.insert(fields.end(), {own.part, std::vector<double>(3 * places.size())});
-      std::ranges::copy(own.field, found->second.begin() + static_cast<std::ptrdiff_t>(3 * i));
+        found = fields.insert(fields.end(), {own.part, std::vector<double>(3 * places.size()),
+                                             std::vector<double>(3 * places.size())});
+      std::ranges::copy(own.field, found->magnetic.begin() + static_cast<std::ptrdiff_t>(3 * i));
+      std::ranges::copy(own.electric, found->electric.begin() + static_cast<std::ptrdiff_t>(3 * i));
     }
+  const auto array = [&](const std::vector<double>& values) {
+    return Array({static_cast<py::ssize_t>(places.size()), py::ssize_t{3}}, values.data());
+  };
   py::list out;
-  for (const auto& [part, field] : fields)
-    out.append(
-        py::make_tuple(part, Array({static_cast<py::ssize_t>(places.size()), py::ssize_t{3}}, field.data())));
+  for (const Along& along : fields)
+    out.append(py::make_tuple(along.part, array(along.magnetic), array(along.electric)));
   return out;
 }
 
@@ -157,7 +165,7 @@ void add_flights(py::module_& module) {
       [](const Setup& setup, const std::vector<std::array<double, 3>>& places) {
         return probed(setup, places);
       },
-      "[(part, B [n, 3])] of every part with a field, clocks at time 0");
+      "[(part, B [n, 3], E [n, 3])] of every part with a field, clocks at time 0");
 }
 
 }  // namespace rabiline

@@ -202,6 +202,10 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
         fit_counts(ramsey, fringes, ["guide.filed"])
     with pytest.raises(NoFit, match="is no number that the file states"):
         fit_counts(ramsey, fringes, ["law"])
+    with pytest.raises(NoFit, match=r"`guide` is a part\n  help: name one of its numbers, such as `guide.field`"):
+        fit_counts(ramsey, fringes, ["guide"])
+    with pytest.raises(NoFit, match="names have commas between"):
+        fit_counts(ramsey, fringes, ["guide.field C1.amplitude"])
 
 
 def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) -> None:

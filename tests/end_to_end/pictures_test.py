@@ -1,9 +1,11 @@
 """Every picture of every shipped experiment has its ink inside the canvas, and no text over another."""
 from __future__ import annotations
 
+import re
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
@@ -21,7 +23,8 @@ BEAMLINES = Path(__file__).parents[2] / "beamline"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
 PARTICLES = 300  # at most: what is drawn, not what it means
-COLUMN, PAGE = (100 / 25.4, 80 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
+COLUMN, SMALL, PAGE = (100 / 25.4, 80 / 25.4), (86 / 25.4, 60 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
+MINUS = re.compile(r"(?:^|[\s=(,±×])-[\d.]")  # of ASCII, where the ticks have a true one
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
 
 
@@ -50,11 +53,12 @@ def faults(figure: Figure) -> list[str]:
     try:
         found = texts(figure)
     except UserWarning:
-        is_small = abs(figure.get_size_inches()[0] - COLUMN[0]) < 0.01  # `save` refuses such a size
+        is_small = any(abs(figure.get_size_inches()[0] - size[0]) < 0.01 for size in (COLUMN, SMALL))  # `save` refuses such a size
         return [] if is_small else ["no room for its layout"]
     width, height = figure.canvas.get_width_height()
     wrong = [f"outside: {text!r}" for text, box, _ in found
              if box.x0 < -SLACK or box.y0 < -SLACK or box.x1 > width + SLACK or box.y1 > height + SLACK]
+    wrong += [f"minus: {text!r}" for text, *_ in found if MINUS.search(text)]
     for i, (text, box, straight) in enumerate(found):
         for other, its, its_straight in found[:i]:
             across, along = min(box.x1, its.x1) - max(box.x0, its.x0), min(box.y1, its.y1) - max(box.y0, its.y0)
@@ -72,9 +76,13 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     if isinstance(opened, motions.Motions):
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
+    eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
     kinds += [("profiles", {"points": "0,1"}), ("profiles", {"size": COLUMN, "points": "0"})]
-    kinds += [(kind, {"size": COLUMN}) for kind in ("scan", "levels", "transit")]
+    kinds += [("profiles", {"points": eight}), ("profiles", {"size": SMALL, "points": eight})]
+    kinds += [(kind, {"size": size}) for kind in ("scan", "levels", "transit") for size in (COLUMN, SMALL)]
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
+    kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
+              for size in ({}, {"size": SMALL})]
     figures = {}
     for kind, options in kinds:
         try:
@@ -103,3 +111,15 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
     for figure in figures.values():
         plt.close(figure)
     assert not wrong, "\n".join(wrong)
+
+
+def test_a_column_has_room_for_eight_profiles() -> None:
+    experiment = rabiline.load(BEAMLINES / "frisch-segre-potassium.yaml").set(particles=PARTICLES)
+    with style.here(SMALL):
+        figure = pictures.plot_of(experiment.fly(), "profiles", {"title": LONG})  # no size that is refused
+        assert not faults(figure) and figure.axes[0].get_window_extent().height > 0.3 * figure.dpi * SMALL[1]
+    legend, = figure.legends
+    assert legend.get_title().get_text() == "wire.current" and "0.5 A" in [text.get_text() for text in legend.get_texts()]
+    looks = {(path.get_edgecolor(), str(path.get_linestyle())) for path in figure.axes[0].patches}
+    assert len(looks) == 8
+    plt.close(figure)

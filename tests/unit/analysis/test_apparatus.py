@@ -75,6 +75,18 @@ def test_fields_on_the_axis_are_drawn_as_they_act() -> None:
     plt.close(figure)
 
 
+def test_electric_fields_are_drawn_beside_the_magnetic_ones() -> None:
+    experiment = rabiline.load(BEAMLINES / "wien-filter.yaml").scan()
+    places = [(0, 0.2, 0), (0, 0.5, 0)]
+    assert experiment.electric_field(places)["E"].tolist() == [[-1e4, 0, 0], [0, 0, 0]] and list(experiment.field(places)) == ["B"]
+    figure = draw_apparatus(experiment, 0)
+    magnetic, electric = figure.axes[1:3]
+    assert (magnetic.get_ylabel(), electric.get_ylabel()) == ("B on axis (mT)", "E on axis (kV/m)")
+    line, = electric.get_lines()
+    assert line.get_ydata().max() == 10 and np.ptp(line.get_xdata()[line.get_ydata() > 0]) == pytest.approx(0.2, abs=1e-5)
+    plt.close(figure)
+
+
 def test_every_starter_is_a_file_without_a_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for name in starters.STARTERS:

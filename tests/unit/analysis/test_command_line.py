@@ -215,6 +215,18 @@ def test_a_mistyped_command_is_one_line_and_exit_code_2(capsys: pytest.CaptureFi
     assert capsys.readouterr().err.count("\n") == 1
 
 
+@pytest.mark.parametrize(("option", "reason"), [
+    ("--size=86", "`86` is no size: write width x height in mm, such as 86x60"),
+    ("--size=1x1", "both are in mm, from 26 to 1000"),
+    ("--x-range=300", "write two numbers as the axis has them, such as 280:300"),
+    ("--x-range=300:280", "the first number is the smaller one"),
+])
+def test_a_size_or_a_range_that_is_none_is_told_how_to_be_written(folder: Path, capsys: pytest.CaptureFixture, option: str, reason: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["plot", str(folder / "dorado.h5"), option])
+    assert reason in capsys.readouterr().err
+
+
 def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["plot-scan", str(folder / "dorado.h5"), "-o", "picture.doc"]) == 2
     assert "picture.doc" in capsys.readouterr().err

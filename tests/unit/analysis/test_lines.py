@@ -1,8 +1,12 @@
 """Closed forms: each finds itself again, with errors that bear out, and lines are told apart."""
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
+from rabiline.__main__ import main
 from rabiline.errors import InputError
 from rabiline.line_commands import derived, described
 from rabiline.lines import FORMS, NoLine, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
@@ -84,3 +88,33 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
     assert float(g[1].split()[1]) == pytest.approx(3.826085, abs=2e-4) and "nuclear magnetons" in g[1]
     with pytest.raises(InputError, match="frequency per field"):
         derived(fitted, "Hz", "29 MHz", None)
+
+
+def test_a_flat_curve_has_no_line_and_another_form_is_told() -> None:
+    with pytest.raises(NoLine, match="the curve is flat"):
+        fit_line(X, np.ones(X.size), np.eye(X.size) * 1e-6, "ramsey")
+    box = np.where(np.abs(X - 29000) < 30, 0.0, 1.0)
+    assert "the form does not describe the curve" in described(fit_line(X, box, np.eye(X.size) * 1e-6, "gauss"), "Hz")[-1]
+    bell = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
+    assert described(bell, "Hz")[-1].startswith("chi²")
+
+
+def test_counts_over_kilohertz_are_fitted_in_hertz(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    counts = 1000 - 800 * FORMS["gauss"].f(X - 29003.0, 40.0)
+    rows = "".join(f"{x / 1e3:.4f},{round(n)}\n" for x, n in zip(X, counts))
+    (tmp_path / "a.csv").write_text("RF.frequency [kHz],counts\n" + rows)
+    assert main(["fit-line", str(tmp_path / "a.csv"), "--form", "gauss", "--per-field", "29.1646935 MHz/T"]) == 0
+    said = capsys.readouterr().out
+    assert "centre     29.003" in said and "field      994.4" in said and " µT" in said
+
+
+def test_the_central_fringe_is_found_or_told_among_its_neighbours() -> None:
+    x = np.linspace(28664.7, 29664.7, 41)
+    for seed in range(3):
+        for times in (1, 100):
+            clean = times * (19000 - 17000 * FORMS["ramsey"].f(x - 29170.0, 1100.0, 1.25e-4, 2.5e-3, 0.05))
+            y = np.random.default_rng(seed).poisson(clean).astype(float)
+            found = fit_line(x, y, np.diag(y), "ramsey")
+            centres = [found["centre"][0], *(centre for centre, _ in found.others)] if times == 1 else [found["centre"][0]]
+            assert min(abs(centre - 29170) for centre in centres) < 10, (seed, times)
+    assert "or another fringe" in "".join(described(replace(found, others=((29358.9, 30.0),)), "Hz"))

@@ -1,6 +1,8 @@
 """Numbers and names as people read them."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rabiline.units import fitting_scale, format_value, law_name, parse_quantity
@@ -32,6 +34,7 @@ def test_an_axis_has_the_prefix_of_its_largest_value() -> None:
 def test_a_narrow_scan_is_shown_as_differences_from_its_middle() -> None:
     scale = fitting_scale(9192631770 + np.linspace(-100, 100, 11), "Hz")
     assert scale.label("frequency") == "frequency − 9.19263177 GHz (Hz)"
+    assert replace(scale, origin=-scale.origin).label("shift") == "shift + 9.19263177 GHz (Hz)"
     assert scale.apply(9192631870) == pytest.approx(100)
 
 
