@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "plan/gathered_filters.hpp"
 #include "plan/neighbours.hpp"
 #include "plan/transits.hpp"
 #include "transport/cost.hpp"
@@ -122,7 +124,7 @@ double cost_of_branch(const PlanNode& node, double speed) {
   double behind = 0;
   for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
   if (node.ways.empty()) return sum + behind;
-  const double levels = path_of(node.stage)->levels;
+  const double levels = path_of(node.stage)->outcomes();
   if (node.transit) return levels * (behind + levels * cost::moment);
   return levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
          sum * static_cast<double>(node.ways.size());
@@ -205,14 +207,35 @@ std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& 
   return separated || of_atom ? static_cast<std::size_t>(root.source.spin.levels) : 0;
 }
 
-PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bool of_atom,
-                   Neighbours& neighbours, std::size_t& sums) {
+void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
+  reach.resize(static_cast<std::size_t>(projection.levels));
+  for (std::size_t from = 0; from < reach.size(); ++from) {
+    if (projection.way != nullptr) {
+      reach[from] |= projection.way->reach(static_cast<int>(from));
+      continue;
+    }
+    if (projection.transitions == nullptr) {
+      reach[from] = (std::uint64_t{1} << projection.outcomes()) - 1;
+      continue;
+    }
+    reach[from] |= projection.transitions->reach(static_cast<int>(from));
+  }
+}
+
+void find_reach(PlanNode& node) {
+  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.stage), node.reach);
+  for (PlanNode& next : node.next) find_reach(next);
+}
+
+PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, Neighbours& neighbours,
+                   std::size_t& sums) {
   PlanTree tree;
   tree.component = root.component;
   tree.first = root.first;
   tree.last = root.last;
   tree.source = root.source;
   for (const Chain* chain : chains) tree.points.push_back(chain->point);
+  const bool of_atom = std::any_of(chains.begin(), chains.end(), [](const Chain* c) { return c->of_atom; });
   tree.sums = sums;
   sums += sums_of(root.source).size();
   tree.ledger_levels = ledger_levels_of(root, chains, of_atom);
@@ -221,8 +244,70 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, bo
   TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
+  for (PlanNode& node : tree.next) find_reach(node);
   return tree;
 }
+
+/// Where filters that were gathered stand, or else the first of each chain.
+template <class F>
+void each_filter(std::vector<PlanNode>& nodes, F f) {
+  for (PlanNode& node : nodes)
+    if (std::holds_alternative<Filter>(node.stage) ||
+        (!node.ways.empty() && !path_of(node.stage)->filters.empty()))
+      f(node);
+    else
+      each_filter(node.next, f);
+}
+
+/// The points of one source, in one flight.
+class TreePlanner {
+ public:
+  TreePlanner(const Group& group, int points, const MomentsWanted& wanted, Neighbours& neighbours)
+      : group_(group), points_(points), wanted_(wanted), neighbours_(neighbours) {}
+
+  /// What filters let pass follows from moments where it can. Sums begin at `sums`, and `place` is the number
+  /// of the next place that keeps moments.
+  PlanTree plan(const std::vector<const Chain*>& chains, std::size_t& sums, std::size_t& place) {
+    std::string_view why_not;
+    if (auto tree = with_gathered_filters(chains, sums, place, why_not)) return std::move(*tree);
+    PlanTree tree = make_tree(group_.root, chains, neighbours_, sums);
+    if (points_ > 1) each_filter(tree.next, [&](PlanNode& node) { node.why_one_by_one = why_not; });
+    lay_out_moments(tree, group_.speeds, {points_, wanted_, place}, sums);
+    return tree;
+  }
+
+ private:
+  std::optional<PlanTree> with_gathered_filters(const std::vector<const Chain*>& chains, std::size_t& sums,
+                                                std::size_t& place, std::string_view& why_not) {
+    std::vector<Chain> gathered;
+    for (const Chain* chain : chains) {
+      gathered.push_back({chain->point,
+                          rabiline::with_gathered_filters(chain->stages, group_.root.source.spin, why_not),
+                          chain->of_atom});
+      if (gathered.back().stages.empty()) return {};
+    }
+    std::vector<const Chain*> pointers;
+    for (const Chain& chain : gathered) pointers.push_back(&chain);
+    std::size_t own_sums = sums, own_place = place;
+    PlanTree tree = make_tree(group_.root, pointers, neighbours_, own_sums);
+    lay_out_moments(tree, group_.speeds, {points_, wanted_, own_place}, own_sums);
+    bool follow = true;
+    each_filter(tree.next, [&](const PlanNode& node) {
+      if (node.transit) return;
+      follow = false;
+      why_not = node.why_one_by_one;
+    });
+    if (!follow) return {};
+    sums = own_sums;
+    place = own_place;
+    return tree;
+  }
+
+  const Group& group_;
+  const int points_;
+  const MomentsWanted& wanted_;
+  Neighbours& neighbours_;
+};
 
 std::size_t most_memory(const std::vector<PlanNode>& nodes) {
   std::size_t most = 0;
@@ -238,26 +323,6 @@ std::size_t bytes_of_stages(const Plan& plan) {
   return most;
 }
 
-void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
-  reach.resize(static_cast<std::size_t>(projection.levels));
-  for (std::size_t from = 0; from < reach.size(); ++from) {
-    if (projection.way != nullptr) {
-      reach[from] |= projection.way->reach(static_cast<int>(from));
-      continue;
-    }
-    if (projection.transitions == nullptr) {
-      reach[from] = (std::uint64_t{1} << projection.levels) - 1;
-      continue;
-    }
-    reach[from] |= projection.transitions->reach(static_cast<int>(from));
-  }
-}
-
-void find_reach(PlanNode& node) {
-  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.stage), node.reach);
-  for (PlanNode& next : node.next) find_reach(next);
-}
-
 Plan make_plan(const Experiment& experiment, int threads, double most_cost, const MomentsWanted& wanted) {
   Plan plan;
   plan.points = static_cast<int>(experiment.points.size());
@@ -270,19 +335,21 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost, cons
   for (const Group& group : groups) {
     std::vector<const Chain*> chains;
     for (const Chain& chain : group.chains) chains.push_back(&chain);
-    const bool of_atom = std::any_of(group.chains.begin(), group.chains.end(),
-                                     [](const Chain& chain) { return chain.of_atom; });
+    TreePlanner planner(group, plan.points, wanted, neighbours);
     const auto whole_tree = [&](const std::vector<const Chain*>& of, std::size_t& sums, std::size_t& at) {
-      PlanTree tree = make_tree(group.root, of, of_atom, neighbours, sums);
-      for (PlanNode& node : tree.next) find_reach(node);
-      lay_out_moments(tree, group.speeds, {plan.points, wanted, at}, sums);
+      PlanTree tree = planner.plan(of, sums, at);
       tree.cost = cost_of_tree(tree);
       return tree;
     };
     std::size_t no_sums = 0, no_place = place;
-    const double cost = 64 * whole_tree(chains, no_sums, no_place).cost;
+    const PlanTree whole = whole_tree(chains, no_sums, no_place);
+    std::string_view why_not;
+    // Parts of one flight would each fly all of it.
     const auto parts =
-        std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(cost / most_cost)), 1, chains.size());
+        is_one_flight(whole, plan.points, why_not)
+            ? 1
+            : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(64 * whole.cost / most_cost)), 1,
+                                      chains.size());
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);

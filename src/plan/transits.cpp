@@ -15,6 +15,8 @@ namespace {
 /// Of the fastest cosine in a probability, across one cell: a polynomial through 8 Chebyshev points is then
 /// off by (1/2)^8/(8! 2^7) = 7.6e-10 of its amplitude.
 constexpr double radians_per_cell = 1;
+/// To keep the moments of a cell from the flight to the result [s].
+constexpr double cost_of_cell = 4e-8;
 /// Moments of one projection, at most.
 constexpr std::size_t most_moments = std::size_t{1} << 21;
 /// How far cells reach beyond the speeds of nearly all particles; what is still outside is shared point by
@@ -70,35 +72,40 @@ bool follow_one_clock(const DriveTerm& a, const DriveTerm& b) {
   return a.omega == b.omega && a.oscillator == b.oscillator && a.random_turn == b.random_turn;
 }
 
+bool is_along_z(const UnitVector& axis) { return axis.x == 0 && axis.y == 0; }
+
 /// The angle by which spins turn at most, over the slowness [rad m/s], where that is all that their flip
-/// probability depends on: from a level, through fields that stand still in the laboratory or in the one
-/// frame that turns evenly about the level's axis. A probability has no faster harmonic, whatever the shape
-/// of the fields: it is a function of the slowness of that exponential type, and its derivatives are bounded
-/// by Bernstein's inequality.
+/// probability depends on: from a level, through fields and filters that stand still in the laboratory or in
+/// the one frame that turns evenly about the level's axis. What a filter lets pass is linear in the weight
+/// and the weighted spin that reach it. A probability has no faster harmonic, whatever the shape of the
+/// fields: it is a function of the slowness of that exponential type, and its derivatives are bounded by
+/// Bernstein's inequality.
 std::optional<double> turning_along(const SpinPath& path) {
-  if (!path.from_level || path.of_atom || path.transitions != nullptr || path.way != nullptr ||
-      path.levels < 2)
+  if ((!path.from_level && path.filters.empty()) || path.of_atom || path.transitions != nullptr ||
+      path.way != nullptr || path.levels < 2)
     return {};
   const DriveTerm* clock = nullptr;
   double angle = 0, since_drive = 0, of_static = 0;
-  bool in_laboratory = false;
-  for (const SpinZone& zone : path.zones) {
+  bool in_laboratory = !is_along_z(path.start), alike = true;
+  for (const FilteredZones& before : path.filters)
+    in_laboratory = in_laboratory || before.filter.axis[0] != 0 || before.filter.axis[1] != 0;
+  path.each_zone([&](const SpinZone& zone) {
     const double length = zone.end - zone.begin;
     if (zone.drives == 0) {
       if (clock != nullptr) since_drive += std::abs(zone.spin_rate - clock->omega) * length;
       of_static += std::abs(zone.spin_rate) * length;
       in_laboratory = in_laboratory || zone.turned;
-      continue;
+      return;
     }
     const DriveTerm& drive = zone.drive[0];
     if (clock == nullptr) clock = &drive;
     const bool follows = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
-    if (!follows || zone.turned || !turns_alike(drive) || !follow_one_clock(drive, *clock)) return {};
+    alike = alike && follows && !zone.turned && turns_alike(drive) && follow_one_clock(drive, *clock);
     angle += since_drive + portable::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
     since_drive = 0;
-  }
+  });
+  if (!alike || (clock != nullptr && in_laboratory)) return {};
   if (clock == nullptr) return in_laboratory ? of_static : 0;
-  if (in_laboratory) return {};
   return angle;
 }
 
@@ -110,6 +117,7 @@ class TransitMaker {
         mean_(tree.source.speed.mean),
         points_(static_cast<std::size_t>(of.points)),
         weights_differ_(sums_of(tree.source).weights_differ),
+        has_ledger_(tree.ledger_levels > 0),
         everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
         given_(of.wanted.cells),
         place_(of.place),
@@ -121,7 +129,7 @@ class TransitMaker {
     gather_readers(nodes);
     for (PlanNode& node : nodes)
       if (node.ways.empty())
-        visit(node.next, as_emitted && traits_of(node.stage).spins != SpinEffect::set,
+        visit(node.next, as_emitted && (!has_ledger_ || traits_of(node.stage).spins != SpinEffect::set),
               full && (follows_paths(node.stage) || traits_of(node.stage).only_reads));
       else if (as_emitted && !node.transit)
         lay_out(node, full);
@@ -196,7 +204,8 @@ class TransitMaker {
     const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
-    if (!is_shorter(*layout, node.ways.size(), cost::share * levels + cost_of_steps(node.ways.front().stage),
+    if (!is_shorter(*layout, node.ways.size(),
+                    cost::share * levels + cost_of_steps(node.ways.front().stage) + cost_behind_filters(node),
                     particles_ * levels * (levels + 1)))
       return by_particle(node, "that is shorter here");
     keep(node, layout);
@@ -237,32 +246,58 @@ class TransitMaker {
 
   /// [s] for each particle, through zones without a closed form.
   double cost_of_steps(const Stage& stage) const {
-    std::vector<SpinZone> stepped = path_of(stage)->zones;
-    std::erase_if(stepped, [](const SpinZone& zone) { return zone.step == 0; });
+    std::vector<SpinZone> stepped;
+    path_of(stage)->each_zone([&](const SpinZone& zone) {
+      if (zone.step != 0) stepped.push_back(zone);
+    });
     return cost_of(stepped, mean_);
+  }
+  /// [s] for each particle that flies on behind a filter for one way alone.
+  double cost_behind_filters(const PlanNode& node) const {
+    double sum = 0;
+    if (path_of(node.stage)->filters.empty()) return sum;
+    for (const PlanNode* next = &node; !next->next.empty();) {
+      next = &next->next.front();
+      sum += cost_of(next->stage, mean_);
+    }
+    return sum;
   }
   /// Against asking every particle for each way, at a cost [s]. `entries`: what is booked at most.
   bool is_shorter(const TransitLayout& layout, std::size_t ways, double one_by_one, double entries) const {
-    const double booked = entries * cost::moment,
+    const double kept = static_cast<double>(layout.size()) * cost_of_cell, booked = entries * cost::moment,
                  contracted = static_cast<double>(ways) *
                               std::min(static_cast<double>(layout.size()), entries) * transit_powers *
                               cost::multiply;
     return layout.size() <= most_moments &&
            (everywhere_ ||
-            (ways > 1 && particles_ * static_cast<double>(ways) * one_by_one > booked + contracted));
+            (ways > 1 && particles_ * static_cast<double>(ways) * one_by_one > kept + booked + contracted));
   }
 
   const double particles_;
   const SpeedRange speeds_;
   const double mean_;  // [m/s]
   const std::size_t points_;
-  const bool weights_differ_, everywhere_;
+  const bool weights_differ_, has_ledger_, everywhere_;
   const std::vector<SlownessCells>* const given_;
   std::size_t& place_;
   std::size_t& sums_;
 };
 
+bool is_one_flight(const std::vector<PlanNode>& nodes, std::size_t points, std::string_view& why) {
+  for (const PlanNode& node : nodes) {
+    if (node.points.size() == points && !node.why_one_by_one.empty()) why = node.why_one_by_one;
+    if (node.points.size() != points || (!node.ways.empty() && !node.transit)) return false;
+    if (!node.transit && traits_of(node.stage).counts_levels && path_of(node.stage) != nullptr) return false;
+    if (!node.transit && !is_one_flight(node.next, points, why)) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+bool is_one_flight(const PlanTree& tree, int points, std::string_view& why) {
+  return is_one_flight(tree.next, static_cast<std::size_t>(points), why);
+}
 
 void lay_out_moments(PlanTree& tree, const SpeedRange& speeds, const MomentsOf& of, std::size_t& sums) {
   TransitMaker maker(tree, speeds, of, sums);

@@ -15,4 +15,8 @@ struct MomentsOf {
 /// shorter way; they stand at the end of `sums`. `speeds`: of nearly all particles of the tree.
 void lay_out_moments(PlanTree&, const SpeedRange& speeds, const MomentsOf&, std::size_t& sums);
 
+/// Whether every stage serves all points of the scan, or is one whose points follow from moments. Otherwise,
+/// why not.
+bool is_one_flight(const PlanTree&, int points, std::string_view& why);
+
 }  // namespace rabiline

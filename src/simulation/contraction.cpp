@@ -34,12 +34,13 @@ void put_levels(const TransitNodes::WholeScreen& whole, const Shares& shares,
   const LevelLayout levels{outcomes.size()};
   for (std::size_t from = 0; from < levels.levels; ++from) {
     const bool alike = whole.paths[from].size() == 1;
-    for (std::size_t a = 0; a < outcomes[from].size(); ++a) {
+    const std::size_t ranks = alike ? outcomes[from].size() : whole.paths[from].size();
+    for (std::size_t a = 0; a < ranks; ++a) {
       const auto level = static_cast<std::size_t>(outcomes[from][a]);
       const std::size_t row = alike ? 0 : a;
       sums[LevelLayout::q(level)] += rounded(counted * whole.paths[from][row].dot(of_rank(shares[from], a)));
       double product = 0;
-      for (std::size_t b = 0; b < outcomes[from].size(); ++b) {
+      for (std::size_t b = 0; b < ranks; ++b) {
         const auto both = of_rank(shares[from], a).cwiseProduct(of_rank(shares[from], b));
         const double pair = counted * counted * quanta * whole.pairs[from][row][alike ? 0 : b].dot(both);
         if (a == b) sums[LevelLayout::squares(level)] += rounded(pair);
@@ -142,7 +143,7 @@ class Contraction {
     const TransitLink& kind = layout_.link(k);
     for (std::size_t bin = 0; kind.is_screen && bin < kind.screen.bins(); ++bin) {
       double caught = 0;
-      for (std::size_t a = 0; a < ranks; ++a)
+      for (std::size_t a = 0; a < layout_.caught(from); ++a)
         caught += nodes_.weights(layout_.share(k, bin, from, a)).sum_of(of_rank(shares, a));
       stopped += (1 - kind.counted) * caught;
       end_at(kind.counted * caught, {sums + ScreenSums::bin(bin), sums + kind.screen.total()},
@@ -181,7 +182,7 @@ class Contraction {
     const auto of_pairs = [&](bool with_itself, auto row) {
       double sum = 0;
       for (std::size_t from = 0; from < layout_.levels(); ++from)
-        for (std::size_t a = 0; a < layout_.outcomes(from).size(); ++a)
+        for (std::size_t a = 0; a < layout_.caught(from); ++a)
           for (std::size_t b = 0; b < a + (with_itself ? 1 : 0); ++b)
             sum += (a == b ? 1 : 2) *
                    nodes_.weights(row(from, a, b)).sum_of(of_rank(shares[from], a), of_rank(shares[from], b));

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "plan/transits.hpp"
 #include "simulation/append.hpp"
 #include "simulation/counting.hpp"
 #include "simulation/finish.hpp"
@@ -21,16 +22,6 @@ constexpr double any_cost = std::numeric_limits<double>::infinity();
 /// Even the half of it has more points than a covariance is kept of, so that no slab has one.
 constexpr std::size_t least_at_once = 2 * (most_points_of_covariance + 1);
 
-/// Whether every node serves all points, or is one whose points follow from moments. Otherwise, why not.
-bool is_one_flight(const std::vector<PlanNode>& nodes, std::size_t points, std::string_view& why) {
-  for (const PlanNode& node : nodes) {
-    if (node.points.size() == points && !node.why_one_by_one.empty()) why = node.why_one_by_one;
-    if (node.points.size() != points || (!node.ways.empty() && !node.transit)) return false;
-    if (!node.transit && traits_of(node.stage).counts_levels && path_of(node.stage) != nullptr) return false;
-    if (!node.transit && !is_one_flight(node.next, points, why)) return false;
-  }
-  return true;
-}
 /// Points [begin, end) of a scan.
 Experiment some_of(const Experiment& scan, std::size_t begin, std::size_t end) {
   Experiment out;
@@ -58,7 +49,8 @@ Experiment behind(const Experiment& flown, const Experiment& slab) {
 std::size_t bytes_of_ways(const std::vector<PlanNode>& nodes) {
   std::size_t bytes = 0;
   for (const PlanNode& node : nodes) {
-    for (const PlanNode::Way& way : node.ways) bytes += path_of(way.stage)->zones.size() * sizeof(SpinZone);
+    for (const PlanNode::Way& way : node.ways)
+      path_of(way.stage)->each_zone([&](const SpinZone& zone) { bytes += sizeof zone; });
     bytes += bytes_of_ways(node.next);
   }
   return bytes;
@@ -112,7 +104,7 @@ Result finish_part(const Experiment& experiment, const Plan& plan, Sums sums, in
 bool is_one_flight(const Plan& plan, std::string_view& why) {
   for (std::size_t k = 0; k < plan.trees.size(); ++k) {
     if (k > 0 && plan.trees[k].component == plan.trees[k - 1].component) return false;
-    if (!is_one_flight(plan.trees[k].next, static_cast<std::size_t>(plan.points), why)) return false;
+    if (!is_one_flight(plan.trees[k], plan.points, why)) return false;
   }
   return true;
 }

@@ -10,57 +10,66 @@ namespace {
 
 constexpr double one_particle = static_cast<double>(quanta_per_particle);  // [quanta]
 
-/// P(from -> to) is a polynomial in the flip probability p of a spin 1/2 (MajoranaTable): of a power of p.
-double coefficient(const SpinPath& path, std::size_t from, int to, int power) {
+/// A share P(from -> to) is a sum of functions of the slowness that are fewer than the shares, the first of
+/// them 1: powers of the flip probability p of a spin 1/2 (MajoranaTable). Behind filters they are the
+/// shares.
+std::size_t terms_of(const SpinPath& path) {
+  const auto levels = static_cast<std::size_t>(path.levels);
+  return path.filters.empty() ? levels : 1 + levels * levels;
+}
+double coefficient(const SpinPath& path, std::size_t from, int to, std::size_t term) {
+  const auto levels = static_cast<std::size_t>(path.levels);
+  const std::size_t share = from * levels + static_cast<std::size_t>(to);
+  if (!path.filters.empty()) return term == 1 + share ? 1 : 0;
   if (path.levels == 2) {
     const bool stays = static_cast<int>(from) == to;
-    return power == 0 ? (stays ? 1 : 0) : (stays ? -1 : 1);
+    return term == 0 ? (stays ? 1 : 0) : (stays ? -1 : 1);
   }
-  return path.polynomials[(from * static_cast<std::size_t>(path.levels) + static_cast<std::size_t>(to)) *
-                              static_cast<std::size_t>(path.levels) +
-                          static_cast<std::size_t>(power)];
+  return path.polynomials[share * levels + term];
+}
+/// Each over the nodes, and of powers as many as products of two of them have.
+std::vector<Eigen::VectorXd> terms_at(const TransitNodes& nodes, const SpinPath& path, const RandomKey& key) {
+  std::vector<Eigen::VectorXd> terms{Eigen::VectorXd::Ones(nodes.size())};
+  if (path.filters.empty()) {
+    terms.push_back(nodes.flips(path, key));
+    while (terms.size() + 1 < 2 * terms_of(path)) terms.push_back(terms.back().cwiseProduct(terms[1]));
+    return terms;
+  }
+  for (std::size_t from = 0; from < static_cast<std::size_t>(path.levels); ++from) {
+    const Eigen::MatrixXd shares = nodes.shares(path, key, from);
+    for (int to = 0; to < path.levels; ++to) terms.emplace_back(shares.col(to));
+  }
+  return terms;
 }
 
-/// Products of powers of p in what the screen counts of pairs of paths: [i][j], each over the nodes.
-std::vector<std::vector<Eigen::VectorXd>> products_of_powers(const SpinPath& path,
-                                                             const TransitLayout& layout,
-                                                             const TransitNodes::WholeScreen& screen) {
-  const auto levels = static_cast<std::size_t>(path.levels);
+/// Products of terms in what the screen counts of pairs of paths: [i][j], each over the nodes.
+std::vector<std::vector<Eigen::VectorXd>> products_of_terms(const SpinPath& path, const TransitLayout& layout,
+                                                            const TransitNodes::WholeScreen& screen) {
+  const std::size_t terms = terms_of(path);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
-  std::vector<std::vector<Eigen::VectorXd>> of(levels, std::vector<Eigen::VectorXd>(levels, none));
+  std::vector<std::vector<Eigen::VectorXd>> of(terms, std::vector<Eigen::VectorXd>(terms, none));
   for (std::size_t from = 0; from < layout.levels(); ++from)
-    for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
-      for (std::size_t b = 0; b < layout.outcomes(from).size(); ++b) {
+    for (std::size_t a = 0; a < layout.caught(from); ++a)
+      for (std::size_t b = 0; b < layout.caught(from); ++b) {
         const Eigen::VectorXd& pair = screen.pairs[from][a][b];
-        for (std::size_t i = 0; i < levels; ++i)
-          for (std::size_t j = 0; j < levels; ++j)
-            of[i][j] += pair * (coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i)) *
-                                coefficient(path, from, layout.outcomes(from)[b], static_cast<int>(j)));
+        for (std::size_t i = 0; i < terms; ++i)
+          for (std::size_t j = 0; j < terms; ++j)
+            of[i][j] += pair * (coefficient(path, from, layout.outcomes(from)[a], i) *
+                                coefficient(path, from, layout.outcomes(from)[b], j));
       }
   return of;
 }
 
-/// Sum of w^2 P, as powers of p.
-std::vector<Eigen::VectorXd> powers_in_counts(const SpinPath& path, const TransitLayout& layout,
-                                              const TransitNodes::WholeScreen& screen) {
+/// Sum of w^2 P, by its terms.
+std::vector<Eigen::VectorXd> terms_in_counts(const SpinPath& path, const TransitLayout& layout,
+                                             const TransitNodes::WholeScreen& screen) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
-  std::vector<Eigen::VectorXd> of(static_cast<std::size_t>(path.levels), none);
+  std::vector<Eigen::VectorXd> of(terms_of(path), none);
   for (std::size_t from = 0; from < layout.levels(); ++from)
-    for (std::size_t a = 0; a < layout.outcomes(from).size(); ++a)
+    for (std::size_t a = 0; a < layout.caught(from); ++a)
       for (std::size_t i = 0; i < of.size(); ++i)
-        of[i] +=
-            screen.pairs[from][a][a] * coefficient(path, from, layout.outcomes(from)[a], static_cast<int>(i));
+        of[i] += screen.pairs[from][a][a] * coefficient(path, from, layout.outcomes(from)[a], i);
   return of;
-}
-
-/// The flip probability of a spin 1/2 at the nodes, for every way: [way][node], ways in eights.
-Eigen::MatrixXd flips_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes) {
-  const auto ways = static_cast<Eigen::Index>(projection.ways.size());
-  Eigen::MatrixXd flips = Eigen::MatrixXd::Zero((ways + 7) / 8 * 8, nodes.size());
-  for (Eigen::Index way = 0; way < ways; ++way)
-    flips.row(way) =
-        nodes.flips(*path_of(projection.ways[static_cast<std::size_t>(way)].stage), tree.source.key);
-  return flips;
 }
 
 /// Of counts C = sum of w P over particles that were emitted with sum of v = W: the sum over all of them of
@@ -77,8 +86,8 @@ class CovarianceMaker {
       : tree_(tree),
         projection_(projection),
         nodes_(nodes),
-        products_(products_of_powers(*path_of(projection.stage), *projection.transit, screen)),
-        singles_(powers_in_counts(*path_of(projection.stage), *projection.transit, screen)),
+        products_(products_of_terms(*path_of(projection.stage), *projection.transit, screen)),
+        singles_(terms_in_counts(*path_of(projection.stage), *projection.transit, screen)),
         share_(share),
         counted_(counted),
         stragglers_(stragglers),
@@ -89,20 +98,21 @@ class CovarianceMaker {
 
   /// Of all ways, which are filled up to eights.
   Eigen::MatrixXd between_all() const {
-    const Eigen::MatrixXd flips = flips_of(tree_, projection_, nodes_);
-    const Eigen::Index ways = flips.rows();
-    std::vector<Eigen::MatrixXd> power(products_.size());  // of the flips, the 0th left out
-    power[1] = flips;
-    for (std::size_t i = 2; i < power.size(); ++i) power[i] = power[i - 1].cwiseProduct(flips);
+    const auto all = static_cast<Eigen::Index>(projection_.ways.size()), ways = (all + 7) / 8 * 8;
+    std::vector<Eigen::MatrixXd> term(products_.size(), Eigen::MatrixXd::Zero(ways, nodes_.size()));
+    for (Eigen::Index way = 0; way < all; ++way) {
+      const std::vector<Eigen::VectorXd> of_way = terms_of_way(way);
+      for (std::size_t i = 1; i < term.size(); ++i) term[i].row(way) = of_way[i];
+    }
 
     Eigen::MatrixXd together = Eigen::MatrixXd::Constant(ways, ways, products_[0][0].sum());
-    for (std::size_t i = 1; i < power.size(); ++i) {
-      const Eigen::VectorXd with_one = power[i] * products_[i][0];
+    for (std::size_t i = 1; i < term.size(); ++i) {
+      const Eigen::VectorXd with_one = term[i] * products_[i][0];
       together.colwise() += with_one;
       together.rowwise() += with_one.transpose();
       Eigen::MatrixXd others = Eigen::MatrixXd::Zero(ways, nodes_.size());
-      for (std::size_t j = 1; j < power.size(); ++j) others += power[j] * products_[i][j].asDiagonal();
-      kernel::add_products(best_isa())(power[i].data(), others.data(), ways, nodes_.size(), together.data());
+      for (std::size_t j = 1; j < term.size(); ++j) others += term[j] * products_[i][j].asDiagonal();
+      kernel::add_products(best_isa())(term[i].data(), others.data(), ways, nodes_.size(), together.data());
     }
     together.triangularView<Eigen::StrictlyUpper>() = together.transpose();
     together *= share_ * share_ / one_particle;
@@ -113,7 +123,7 @@ class CovarianceMaker {
     Eigen::VectorXd weighted = counted;
     if (weights_differ_) {
       weighted.setConstant(singles_[0].sum());
-      for (std::size_t i = 1; i < power.size(); ++i) weighted += power[i] * singles_[i];
+      for (std::size_t i = 1; i < term.size(); ++i) weighted += term[i] * singles_[i];
       weighted *= share_ / one_particle;
       if (some_strayed_)
         weighted.head(stragglers_.rows()) += stragglers_.rowwise().sum() * (emitted2_ / emitted_);
@@ -127,18 +137,16 @@ class CovarianceMaker {
 
   /// The same of one way with itself: sums in one order, whatever other ways there are.
   double variance_of(Eigen::Index way) const {
-    const Eigen::VectorXd flips =
-        nodes_.flips(*path_of(projection_.ways[static_cast<std::size_t>(way)].stage), tree_.source.key);
+    const std::vector<Eigen::VectorXd> term = terms_of_way(way);
+    const bool are_powers = path_of(projection_.stage)->filters.empty();
     double together = 0, weighted = 0;
-    for (Eigen::Index node = 0; node < flips.size(); ++node) {
-      double left = 1;  // power of the flip
-      for (std::size_t i = 0; i < products_.size(); ++i, left *= flips[node]) {
-        weighted += left * singles_[i][node];
-        double right = left;
-        for (std::size_t j = 0; j < products_.size(); ++j, right *= flips[node])
-          together += right * products_[i][j][node];
+    for (Eigen::Index node = 0; node < nodes_.size(); ++node)
+      for (std::size_t i = 0; i < products_.size(); ++i) {
+        weighted += term[i][node] * singles_[i][node];
+        for (std::size_t j = 0; j < products_.size(); ++j)
+          together +=
+              (are_powers ? term[i + j][node] : term[i][node] * term[j][node]) * products_[i][j][node];
       }
-    }
     together *= share_ * share_ / one_particle;
     weighted *= share_ / one_particle;
     if (some_strayed_) {
@@ -156,6 +164,10 @@ class CovarianceMaker {
   }
 
  private:
+  std::vector<Eigen::VectorXd> terms_of_way(Eigen::Index way) const {
+    return terms_at(nodes_, *path_of(projection_.ways[static_cast<std::size_t>(way)].stage),
+                    tree_.source.key);
+  }
   void add_stragglers(Eigen::MatrixXd& together) const {
     const Eigen::Index ways = stragglers_.rows();
     const auto groups = static_cast<double>(stragglers_.cols());

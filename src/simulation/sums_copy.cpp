@@ -25,7 +25,7 @@ class MomentsCopy {
  private:
   void copy_path(std::size_t k, std::size_t from, std::size_t a) {
     add(a_.stop(k, from, a), b_.stop(k, from, a));
-    if (!a_.link(k).is_screen) return;
+    if (!a_.link(k).is_screen || a >= a_.caught(from)) return;
     const ScreenSums &screen = a_.link(k).screen, &other = b_.link(k).screen;
     const bool same = screen.bins() == other.bins();
     for (std::size_t bin = 0; bin < screen.bins(); ++bin) {

@@ -67,7 +67,7 @@ Sum TransitNodes::booked(std::size_t row) const {
 TransitNodes::WholeScreen TransitNodes::whole_screen(std::size_t link) const {
   WholeScreen whole;
   for (std::size_t from = 0; from < layout_.levels(); ++from) {
-    const std::size_t ranks = layout_.outcomes(from).size();
+    const std::size_t ranks = layout_.caught(from);
     whole.paths.emplace_back(ranks, Eigen::VectorXd::Zero(size()));
     whole.pairs.emplace_back(ranks);
     for (std::size_t a = 0; a < ranks; ++a) {
@@ -95,7 +95,7 @@ Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key,
   struct alignas(64) Line {
     std::uint64_t of[8];
   };
-  std::vector<Line> lines(static_cast<std::size_t>(path.levels) * Batch::capacity / 8);
+  std::vector<Line> lines(static_cast<std::size_t>(path.outcomes()) * Batch::capacity / 8);
   std::uint64_t* shared = lines.front().of;
   Eigen::MatrixXd out(size(), static_cast<Eigen::Index>(outcomes.size()));
   Batch batch;
@@ -106,10 +106,12 @@ Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key,
     for (const auto column : real_columns) std::fill_n(b.*column, count, 0.0);
     for (const auto column : word_columns) std::fill_n(b.*column, count, 0);
     for (std::size_t i = 0; i < count; ++i) b.vy[i] = 1 / slowness_[begin + i];
-    std::fill_n(b.sz, count, 1.0);
+    std::fill_n(b.sx, count, path.start.x);
+    std::fill_n(b.sy, count, path.start.y);
+    std::fill_n(b.sz, count, path.start.z);
     std::fill_n(b.level, count, from);
     std::fill_n(b.weight, count, quanta_per_particle);
-    kernel::outcomes(best_isa())(path.view(key), b, b.weight, shared);
+    share_levels(path, key, best_isa(), b, b.weight, shared);
     for (std::size_t rank = 0; rank < outcomes.size(); ++rank)
       for (std::size_t i = 0; i < count; ++i)
         out(static_cast<Eigen::Index>(begin + i), static_cast<Eigen::Index>(rank)) =

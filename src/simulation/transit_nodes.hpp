@@ -47,7 +47,7 @@ class TransitNodes {
   const NodeWeights& weights(std::size_t row) const { return weights_[row]; }
   /// All that was booked in a row of w, exactly.
   Sum booked(std::size_t row) const;
-  /// What a screen catches of each outcome, and of each pair of them, whatever the bins.
+  /// What a screen catches of each level, and of each pair of them, whatever the bins.
   struct WholeScreen {
     std::vector<std::vector<Eigen::VectorXd>> paths;               // [from][rank]: weights of w
     std::vector<std::vector<std::vector<Eigen::VectorXd>>> pairs;  // [from][rank][rank]: weights of w^2

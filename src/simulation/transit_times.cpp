@@ -75,7 +75,7 @@ std::vector<Path> paths_behind(const PlanNode& projection, int part, const std::
     node = &node->next.front();
     if (catches(node->stage) != part) continue;
     for (std::size_t from = 0; from < layout.levels(); ++from)
-      for (std::size_t rank = 0; rank < layout.outcomes(from).size(); ++rank)
+      for (std::size_t rank = 0; rank < layout.caught(from); ++rank)
         paths.push_back(
             reader.read(link, from, rank,
                         fmt::format("{} to {}", names[from],

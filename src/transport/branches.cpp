@@ -181,7 +181,7 @@ void Branches::book(const SpinPath& projection, Sum* sums, std::size_t shift) {
   sums += shift;
   const BatchView& asked = paths_.asked.view();
   if (asked.count > 0) {
-    kernel::outcomes(isa_)(projection.view(key_), asked, asked.weight, shares_.data());
+    share_levels(projection, key_, isa_, asked, asked.weight, shares_.data());
     PathWeights weights;
     weights.shares = shares_.data();
     for (std::size_t path = 0; path < paths_.levels.size(); ++path)

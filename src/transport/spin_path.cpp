@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "transport/cost.hpp"
+#include "transport/stages/precession.hpp"
 
 namespace rabiline {
 namespace {
@@ -11,6 +12,29 @@ Transitions view_of(const DrivenLevels* driven) {
   if (driven == nullptr) return {};
   return {driven->blocks().data(), driven->block_of().data(), driven->levels_of_blocks().data(),
           driven->numbers().data()};
+}
+
+/// As a batch that passes the filters one after the other.
+void share_behind_filters(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch,
+                          const std::uint64_t* weights, std::uint64_t* shares) {
+  Batch passing;
+  BatchView& b = passing.view();
+  b.count = batch.count;
+  b.padded = batch.padded;
+  b.y = batch.y;
+  b.fall = batch.fall;
+  for (const auto column : real_columns) std::copy_n(batch.*column, batch.padded, b.*column);
+  for (const auto column : word_columns) std::copy_n(batch.*column, batch.padded, b.*column);
+  std::copy_n(weights, batch.padded, b.weight);
+  for (int i = 0; i < batch.padded; ++i) b.flying[i] = weights[i] != 0 ? ~std::uint64_t{0} : 0;
+  std::uint64_t* stopped = shares + path.levels * batch.padded;
+  for (const FilteredZones& next : path.filters) {
+    std::copy_n(b.weight, batch.padded, stopped);
+    kernel::precess(isa)(next.zones.data(), static_cast<int>(next.zones.size()), key, b);
+    kernel::filter(isa)(next.filter, b);
+    for (int i = 0; i < batch.padded; ++i) *stopped++ -= b.weight[i];
+  }
+  kernel::outcomes(isa)(path.view(key), b, b.weight, shares);
 }
 
 }  // namespace
@@ -35,13 +59,16 @@ double cost_of(const std::vector<SpinZone>& zones, double speed) {
 
 double SpinPath::cost(double speed) const {
   const double levels_mixed = transitions != nullptr ? cost::operation * transitions->work() : 0;
-  return cost::closed_form * std::max(2, levels) + cost_of(zones, speed) + levels_mixed +
-         (way != nullptr ? way->cost() : 0);
+  double sum = cost::closed_form * std::max(2, levels) + cost_of(zones, speed) + levels_mixed +
+               (way != nullptr ? way->cost() : 0);
+  for (const FilteredZones& before : filters) sum += cost::plane + cost_of(before.zones, speed);
+  return sum;
 }
 
 void share_levels(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch,
                   const std::uint64_t* weights, std::uint64_t* shares) {
-  if (!path.is_idle()) return kernel::outcomes(isa)(path.view(key), batch, weights, shares);
+  if (!path.filters.empty()) return share_behind_filters(path, key, isa, batch, weights, shares);
+  if (!path.of_atom || !path.is_idle()) return kernel::outcomes(isa)(path.view(key), batch, weights, shares);
   std::fill_n(shares, path.levels * batch.padded, 0);
   for (int i = 0; i < batch.count; ++i)
     shares[static_cast<int>(batch.level[i]) * batch.padded + i] = weights[i];

@@ -16,6 +16,7 @@
 #include "transport/stages/drift.hpp"
 #include "transport/stages/exit.hpp"
 #include "transport/stages/filter.hpp"
+#include "transport/stages/filter_stop.hpp"
 #include "transport/stages/histogram.hpp"
 #include "transport/stages/level_projection.hpp"
 #include "transport/stages/passage.hpp"
@@ -31,9 +32,9 @@ namespace rabiline {
 
 template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
-using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, LevelProjection, Deflection, Steering,
-                        TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation, Chopping,
-                        VelocitySelection, SortingField, Bounds>;
+using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, FilterStop, LevelProjection,
+                        Deflection, Steering, TurningRegion, Score, Exit, SpinStretch, Census, Histogram,
+                        Attenuation, Chopping, VelocitySelection, SortingField, Bounds>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

@@ -2,6 +2,8 @@
 
 #ifndef RABILINE_ISA  // what the host does
 
+#include <bit>
+
 namespace rabiline {
 
 TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
@@ -10,20 +12,23 @@ TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::
       weights_alike_(weights_alike),
       outcomes_(reach.size()),
       paths_before_{0},
+      caught_before_{0},
       pairs_before_{0},
       links_(links) {
   for (std::size_t from = 0; from < reach.size(); ++from) {
     for (int to = 0; to < most_levels; ++to)
       if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
-    const std::size_t n = outcomes_[from].size();
-    paths_before_.push_back(paths_before_.back() + n);
+    const auto n =
+        static_cast<std::size_t>(std::popcount(reach[from] & ((std::uint64_t{1} << reach.size()) - 1)));
+    paths_before_.push_back(paths_before_.back() + outcomes_[from].size());
+    caught_before_.push_back(caught_before_.back() + n);
     pairs_before_.push_back(pairs_before_.back() + n * (n - 1) / 2);
   }
   for (const TransitLink& link : links) {
     first_row_.push_back(rows_);
-    rows_ += all_paths();
+    rows_ += paths_before_.back();
     if (link.is_screen)
-      rows_ += (all_paths() + all_pairs(!weights_alike)) * link.screen.bins() +
+      rows_ += (caught_before_.back() + all_pairs(!weights_alike)) * link.screen.bins() +
                all_pairs(false) * (link.screen.columns + link.screen.rows + 1);
   }
 }

@@ -35,12 +35,13 @@ struct TransitLink {
 
 inline constexpr int transit_powers = 8;
 
-/// Where each moment stands: rows of 8 moments for each cell. Paths are told by their rank among the levels
+/// Where each moment stands: rows of 8 moments for each cell. Paths are told by their rank among the outcomes
 /// that their level before the projection can lead to; pairs of paths by both ranks, the lower one last.
+/// Outcomes behind the levels are those of filters, which stop them: no screen catches these.
 class TransitLayout {
  public:
-  /// `reach`: the levels that can be found, as a mask for each level before. `weights_alike`: each weight is
-  /// that of a whole particle, and w^2 = w of a path needs no rows of its own.
+  /// `reach`: the outcomes that can be found, as a mask for each level before. `weights_alike`: each weight
+  /// is that of a whole particle, and w^2 = w of a path needs no rows of its own.
   TransitLayout(const SlownessCells&, const std::vector<std::uint64_t>& reach,
                 const std::vector<TransitLink>&, bool weights_alike);
 
@@ -48,6 +49,8 @@ class TransitLayout {
   bool weights_alike() const { return weights_alike_; }
   std::size_t levels() const { return outcomes_.size(); }  // before the projection
   const std::vector<int>& outcomes(std::size_t from) const { return outcomes_[from]; }
+  /// How many of them are levels: the first ones.
+  std::size_t caught(std::size_t from) const { return caught_before_[from + 1] - caught_before_[from]; }
   const std::vector<std::vector<int>>& all_outcomes() const { return outcomes_; }
   const TransitLink& link(std::size_t number) const { return links_[number]; }
   std::size_t links() const { return links_.size(); }
@@ -70,7 +73,8 @@ class TransitLayout {
     return first_row_[link] + paths_before_[from] + rank;
   }
   std::size_t share(std::size_t link, std::size_t bin, std::size_t from, std::size_t rank) const {
-    return first_row_[link] + all_paths() * (1 + bin) + paths_before_[from] + rank;
+    return first_row_[link] + paths_before_.back() + caught_before_.back() * bin + caught_before_[from] +
+           rank;
   }
   /// Rows of w^2: of pairs of paths, one of them may be the other, that end in one bin; of pairs in different
   /// bins of a column, of a row and of a screen.
@@ -91,22 +95,19 @@ class TransitLayout {
   }
 
  private:
-  std::size_t all_paths() const { return paths_before_.back(); }
   std::size_t pairs_before(std::size_t from, bool with_itself) const {
-    return pairs_before_[from] + (with_itself ? paths_before_[from] : 0);
+    return pairs_before_[from] + (with_itself ? caught_before_[from] : 0);
   }
   std::size_t all_pairs(bool with_itself) const { return pairs_before(levels(), with_itself); }
-  std::size_t squares_begin(std::size_t link) const {
-    return first_row_[link] + all_paths() * (1 + links_[link].screen.bins());
-  }
+  std::size_t squares_begin(std::size_t link) const { return share(link, links_[link].screen.bins(), 0, 0); }
   std::size_t across_begin(std::size_t link) const {
     return squares_begin(link) + all_pairs(!weights_alike_) * links_[link].screen.bins();
   }
 
   SlownessCells cells_;
   bool weights_alike_;
-  std::vector<std::vector<int>> outcomes_;                // [from] the levels found
-  std::vector<std::size_t> paths_before_, pairs_before_;  // [from + 1]
+  std::vector<std::vector<int>> outcomes_;                                // [from] that are found
+  std::vector<std::size_t> paths_before_, caught_before_, pairs_before_;  // [from + 1]
   std::vector<TransitLink> links_;
   std::vector<std::size_t> first_row_;  // [link]
   std::size_t rows_ = 0;

@@ -20,6 +20,8 @@ void Filter::explain(PlanReport& report) const {
   report.line("{}  {}: passes spins along ({:.4g}, {:.4g}, {:.4g}) with {:g}, against it with {:g}{}",
               PlanReport::metres(at), report.name_of(part), axis[0], axis[1], axis[2], up, down,
               report.reuse);
+  if (!report.why_one_by_one.empty())
+    report.line("{:>16}scan points behind it are flown one by one: {}", "", report.why_one_by_one);
 }
 /// It changes weights.
 bool Filter::follows_paths() const { return false; }

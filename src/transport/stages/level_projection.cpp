@@ -14,9 +14,14 @@ void LevelProjection::list_sums(SumSink&) const {}
 double LevelProjection::y() const { return at; }
 double LevelProjection::cost(double speed) const { return spins.cost(speed); }
 void LevelProjection::explain(PlanReport& report) const {
-  report.line("            {}: each particle is in one level from here on, {}{}", report.name_of(part),
-              split ? "all are followed with their shares of its weight" : "drawn by its probability",
-              report.reuse);
+  if (spins.filters.empty())
+    report.line("            {}: each particle is in one level from here on, {}{}", report.name_of(part),
+                split ? "all are followed with their shares of its weight" : "drawn by its probability",
+                report.reuse);
+  for (const FilteredZones& next : spins.filters) {
+    next.filter.explain(report);
+    for (const SpinZone& zone : next.zones) explain_zone(zone, report);
+  }
   if (report.reweightings > 1)
     report.line("{:>16}its paths in {} levels are flown once; {} ways to share the weights {}", "",
                 report.levels_found, report.reweightings,

@@ -51,8 +51,10 @@ class LevelPaths : public PathTally {
 
   void add(const Paths& paths, const PathWeights& counted, Sum* sums, Sum*) override {
     if (paths.levels_stay) {
-      for (std::size_t path = 0; path < paths.levels.size(); ++path)
-        add_sums(layout_, static_cast<std::size_t>(paths.levels[path]), *counted.by_path, path, sums);
+      for (std::size_t path = 0; path < paths.levels.size(); ++path) {
+        const auto level = static_cast<std::size_t>(paths.levels[path]);
+        if (level < layout_.levels) add_sums(layout_, level, *counted.by_path, path, sums);
+      }
       return;
     }
     // Another projection further on has drawn levels along each path.

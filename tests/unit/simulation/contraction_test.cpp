@@ -1,56 +1,13 @@
 // Scan points from moments of the slowness, against the same points flown alone.
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "apparatus.hpp"
+#include "as_alone.hpp"
 
 namespace rabiline::test {
 namespace {
 
-bool has_moments(const std::vector<PlanNode>& nodes) {
-  return std::any_of(nodes.begin(), nodes.end(),
-                     [](const PlanNode& node) { return node.transit != nullptr || has_moments(node.next); });
-}
-bool has_moments(const std::vector<Beamline>& points) {
-  Experiment e;
-  e.points = points;
-  return has_moments(make_plan(e).trees.front().next);
-}
-
-void expect_as_alone(const std::vector<Beamline>& scan) {
-  ASSERT_TRUE(has_moments(scan));
-  ASSERT_FALSE(has_moments({scan.front()}));
-  const Result all = run_points(scan);
-  const DetectorResult& screen = all.detectors[0];
-  const double emitted = all.emitted[0];
-  for (std::size_t at = 0; at < scan.size(); ++at) {
-    const Result one = run_points({scan[at]});
-    const DetectorResult& alone = one.detectors[0];
-    for (std::size_t b = 0; b < alone.counts.size(); ++b) {
-      EXPECT_NEAR(screen.counts[at * alone.counts.size() + b], alone.counts[b], 1e-9 * emitted);
-      EXPECT_NEAR(screen.counts_errors[at * alone.counts.size() + b], alone.counts_errors[b],
-                  1e-6 * std::sqrt(emitted));
-    }
-    for (std::size_t x = 0; x < alone.counts_x.size(); ++x)
-      EXPECT_NEAR(screen.counts_x_errors[at * alone.counts_x.size() + x], alone.counts_x_errors[x],
-                  1e-6 * std::sqrt(emitted));
-    for (std::size_t z = 0; z < alone.counts_z.size(); ++z)
-      EXPECT_NEAR(screen.counts_z_errors[at * alone.counts_z.size() + z], alone.counts_z_errors[z],
-                  1e-6 * std::sqrt(emitted));
-    for (std::size_t level = 0; level < alone.levels.size(); ++level) {
-      EXPECT_NEAR(screen.levels[at * alone.levels.size() + level], alone.levels[level], 1e-8);
-      EXPECT_NEAR(screen.levels_errors[at * alone.levels.size() + level], alone.levels_errors[level], 1e-7);
-    }
-    ASSERT_EQ(all.fates.size(), one.fates.size());
-    for (std::size_t f = 0; f < one.fates.size(); ++f) {
-      EXPECT_NEAR(all.fates[f].particles[at], one.fates[f].particles[0], 1e-9 * emitted);
-      for (std::size_t level = 0; level < one.fates[f].by_level.size(); ++level)
-        EXPECT_NEAR(all.fates[f].by_level[at * one.fates[f].by_level.size() + level],
-                    one.fates[f].by_level[level], 1e-9 * emitted);
-    }
-  }
-}
+using test::expect_as_alone;
 void expect_as_alone(const Apparatus& apparatus, int points) { expect_as_alone(apparatus.scan(points)); }
 
 TEST(Moments, GiveEachPointOfAScanAsIfItWereFlownAlone) { expect_as_alone({}, 9); }
@@ -149,6 +106,18 @@ TEST(Moments, ServeSpinsThatAPolariserPrepared) {
     EXPECT_NEAR(all.levels[2 * i], alone.levels[0], 1e-9);
     EXPECT_NEAR(all.levels_errors[2 * i], alone.levels_errors[0], 1e-8);
   }
+}
+
+/// Parts of a scan would each fly all of it, as far as a tree is cut by what one particle costs.
+TEST(Moments, AreOfOneFlightHoweverMuchAParticleCosts) {
+  Experiment e;
+  e.points = Apparatus{}.scan(9);
+  EXPECT_EQ(make_plan(e, 1, 1e-9).trees.size(), 1U);
+  std::vector<Beamline> looked_at = Apparatus{}.scan(9);
+  for (Beamline& b : looked_at)
+    b.parts.insert(b.parts.end() - 1, place("look", 0.7, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
+  e.points = looked_at;
+  EXPECT_EQ(make_plan(e, 1, 1e-9).trees.size(), 9U);
 }
 
 TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {

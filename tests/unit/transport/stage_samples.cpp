@@ -88,6 +88,11 @@ std::vector<StageSample> samples_of<Filter>() {
 }
 
 template <>
+std::vector<StageSample> samples_of<FilterStop>() {
+  return {{"outcome", FilterStop{part, start, 1}, 3}};
+}
+
+template <>
 std::vector<StageSample> samples_of<LevelProjection>() {
   std::vector<StageSample> samples{
       {"closed form", LevelProjection{part, start, false, of_two({zone(ZoneKind::rotating)}, true)}, 2},

@@ -1,0 +1,235 @@
+// Scans of what filters let pass, from moments of the slowness, against the same points flown alone.
+#include <numbers>
+#include <random>
+
+#include "as_alone.hpp"
+
+namespace rabiline::test {
+namespace {
+
+/// Draws the same numbers everywhere, which distributions of the library need not.
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : numbers_(seed) {}
+  double between(double low, double high) {
+    return low + (high - low) * static_cast<double>(numbers_()) * 0x1p-32;
+  }
+  bool is(double probability) { return between(0, 1) < probability; }
+  int upto(int most) { return static_cast<int>(between(0, most + 1)); }
+  UnitVector direction() {
+    const double z = between(-1, 1), turn = between(0, 2 * std::numbers::pi), across = std::sqrt(1 - z * z);
+    return {across * std::cos(turn), across * std::sin(turn), z};
+  }
+
+ private:
+  std::mt19937 numbers_;
+};
+
+/// Filters between which one clock turns spins about z, or fields of any direction stand still; apertures
+/// between them, and often magnets that separate what has passed.
+struct FilteredBeam {
+  explicit FilteredBeam(unsigned seed) : dice(seed), rotating(dice.is(0.6)), magnets(dice.is(0.4)) {
+    beam = suggested(1e6);
+    beam.law = QuantumLaw{Outcomes::split};
+    beam.chamber.reset();
+    beam.source = {GaussianSpeed{1000, 80}, Rectangle{2e-3, 1e-3}, BoxDirection{5e-4, 5e-4}};
+    if (dice.is(0.3)) beam.source.direction = AimedDirection{"screen", CosineEmission{}};
+    if (dice.is(0.7)) beam.source.spin = PolarisedSpin{axis(), dice.is(0.5) ? 0.3 : 1};
+    beam.particles = 2000;
+    beam.parts = {place("guide", 0.05, UniformField{1.9, field, {}})};
+    const int filters = 1 + dice.upto(3);
+    for (int k = 0; k < filters; ++k) add_turn_and_filter(k);
+    if (magnets) {
+      if (dice.is(0.5)) add_drive();
+      beam.parts.push_back(place("B", 2, magnet(0.1, dice.between(300, 1000), Rectangle{6e-3, 2e-3})));
+    }
+    Detector detector{Rectangle{3e-3, 2e-3}, {1 + dice.upto(2), 3}, {}};
+    if (dice.is(0.5)) detector.efficiency = 0.7;
+    beam.parts.push_back(place("screen", 3, detector));
+  }
+
+  /// A point of a scan over everything that does to spins what moments can tell.
+  Beamline at(Dice& own) const {
+    Beamline b = beam;
+    const double detuning = 1 + own.between(-2e-2, 2e-2), strength = own.between(0.3, 2);
+    for (PlacedPart& part : b.parts) {
+      if (auto* drive = std::get_if<RotatingField>(&part.part)) {
+        if (drive->frequency) *drive->frequency *= detuning;
+        drive->amplitude *= strength;
+      } else if (auto* coil = std::get_if<UniformField>(&part.part)) {
+        if (part.placement.name != "guide") coil->field *= strength;
+      } else if (auto* filter = std::get_if<SpinFilter>(&part.part)) {
+        filter->up *= own.between(0.8, 1);
+        if (!rotating) filter->axis = own.direction();
+      }
+    }
+    return b;
+  }
+
+  Dice dice;
+  const bool rotating, magnets;
+  Beamline beam;
+
+ private:
+  static constexpr double field = 1e-3, resonance = 29164.7;  // [T], [Hz] of the neutron
+
+  UnitVector axis() {
+    if (!rotating) return dice.direction();
+    return {0, 0, dice.is(0.5) ? 1.0 : -1.0};
+  }
+  void add_drive() {
+    if (!rotating) {
+      UniformField coil{0.05, dice.between(0.1e-3, 1e-3), {}};
+      const UnitVector along = dice.direction();
+      coil.direction = {along.x, along.y, along.z};
+      beam.parts.push_back(place("coil" + std::to_string(number++), here, coil));
+    } else {
+      RotatingField drive;
+      drive.length = 0.1;
+      drive.amplitude = dice.between(0.05e-3, 0.3e-3);
+      drive.sense = Sense::co;
+      drive.phase = {Phase::Kind::random, 0};
+      drive.frequency = resonance;
+      if (dice.is(0.3)) drive.profile = HalfSineProfile{};
+      if (oscillator.empty()) {
+        oscillator = "drive" + std::to_string(number);
+      } else {
+        drive.frequency.reset();
+        drive.sense.reset();
+        drive.oscillator = oscillator;
+        drive.phase = {Phase::Kind::angle, dice.between(0, 6)};
+      }
+      beam.parts.push_back(place("drive" + std::to_string(number++), here, drive));
+    }
+    here += 0.15;
+  }
+  void add_turn_and_filter(int k) {
+    if (k > 0 || dice.is(0.3)) add_drive();
+    if (dice.is(0.3))
+      beam.parts.push_back(
+          place("slit" + std::to_string(k), here += 0.01, Slit{Rectangle{4e-3, 1.5e-3}, {}}));
+    SpinFilter filter;
+    filter.axis = axis();
+    filter.up = dice.between(0.3, 1);
+    filter.down = dice.is(0.4) ? 0 : dice.between(0, 1);
+    beam.parts.push_back(place("filter" + std::to_string(k), here += 0.01, filter));
+    here += 0.02;
+  }
+  double here = 0.1;
+  int number = 0;
+  std::string oscillator;
+};
+
+TEST(FilterMoments, GiveEachPointOfRandomBeamsAsIfItWereFlownAlone) {
+  int rotating = 0, standing = 0, with_magnets = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    FilteredBeam drawn(seed);
+    std::vector<Beamline> scan;
+    for (int i = 0; i < 4; ++i) scan.push_back(drawn.at(drawn.dice));
+    expect_as_alone(scan, {true});
+    if (HasFailure()) break;
+    ++(drawn.rotating ? rotating : standing);
+    with_magnets += drawn.magnets ? 1 : 0;
+  }
+  EXPECT_GT(rotating, 15);
+  EXPECT_GT(standing, 15);
+  EXPECT_GT(with_magnets, 15);
+}
+
+/// A polariser, a flipper and an analyser, as neutrons fly.
+std::vector<Beamline> flipper(int points) {
+  std::vector<Beamline> scan;
+  for (int i = 0; i < points; ++i) {
+    Beamline b = suggested(29164.7 * (1 + 0.02 * (i - points / 2)), 0.1e-3);
+    b.law = QuantumLaw{Outcomes::split};
+    b.source.speed = GaussianSpeed{1000, 60};
+    b.parts.erase(b.parts.begin());
+    b.parts.insert(b.parts.begin(), place("polariser", 0.1, SpinFilter{{0, 0, 1}, 0.98, 0.02, {}}));
+    std::get<UniformField>(b.parts[1].part).field = 1e-3;
+    std::get<Detector>(b.parts.back().part).bins = {3, 4};
+    b.parts.insert(b.parts.end() - 1, place("analyser", 0.8, SpinFilter{{0, 0, 1}, 0.98, 0.02, {}}));
+    scan.push_back(b);
+  }
+  return scan;
+}
+
+TEST(FilterMoments, ServeAScanOfAFlipperAndOneOfAnAxis) {
+  expect_as_alone(flipper(9));
+  std::vector<Beamline> turned = flipper(5);
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    std::erase_if(turned[i].parts, [](const PlacedPart& part) { return part.placement.name == "H0"; });
+    std::get<UniformField>(turned[i].parts[1].part).field = 1e-6 * static_cast<double>(i);
+    std::get<SpinFilter>(turned[i].parts[0].part).axis = {1, 0, 0};
+    const double turn = 0.3 * static_cast<double>(i);
+    std::get<SpinFilter>(turned[i].parts[2].part).axis = {std::cos(turn), 0, std::sin(turn)};
+  }
+  expect_as_alone(turned);
+}
+
+/// Behind an axis across z the phase of a clock matters, which differs from particle to particle.
+TEST(FilterMoments, AreNotKeptWhereWhatPassesDependsOnMoreThanTheSlowness) {
+  ASSERT_TRUE(has_moments(flipper(9)));
+  const auto refuses = [](auto change) {
+    std::vector<Beamline> scan = flipper(9);
+    for (Beamline& b : scan) change(b);
+    return !has_moments(scan);
+  };
+  const auto part = [](Beamline& b, const std::string& name) -> Part& {
+    return std::find_if(b.parts.begin(), b.parts.end(),
+                        [&](const PlacedPart& p) { return p.placement.name == name; })
+        ->part;
+  };
+  EXPECT_TRUE(refuses([&](Beamline& b) { std::get<SpinFilter>(part(b, "analyser")).axis = {1, 0, 0}; }));
+  EXPECT_TRUE(refuses([&](Beamline& b) { std::get<SpinFilter>(part(b, "polariser")).axis = {1, 0, 0}; }));
+  EXPECT_TRUE(refuses([&](Beamline& b) { b.source.spin = PolarisedSpin{{1, 0, 0}, 1}; }));
+  EXPECT_TRUE(refuses([&](Beamline& b) { b.law = ClassicalLaw{}; }));
+  EXPECT_TRUE(refuses([&](Beamline& b) {
+    b.parts.insert(b.parts.begin() + 1, place("look", 0.2, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
+  }));
+}
+
+TEST(FilterMoments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
+  Experiment e;
+  e.points = flipper(9);
+  const Plan plan = make_plan(e);
+  ASSERT_TRUE(has_moments(plan.trees.front().next));
+  const Result one = finish(e, plan, run(plan, {}).sums);
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    RunOptions options;
+    options.isa = isa;
+    options.threads = 3;
+    options.batch = isa == Isa::baseline ? 512 : 40;
+    const Result other = finish(e, plan, run(plan, options).sums);
+    EXPECT_EQ(one.detectors[0].counts, other.detectors[0].counts);
+    EXPECT_EQ(one.detectors[0].counts_errors, other.detectors[0].counts_errors);
+    EXPECT_EQ(one.detectors[0].detected_covariance, other.detectors[0].detected_covariance);
+    EXPECT_EQ(one.detectors[0].levels_errors, other.detectors[0].levels_errors);
+  }
+}
+
+/// Against groups of particles, as points are flown that a monitor looks at.
+TEST(FilterMoments, TellHowPointsVaryTogether) {
+  std::vector<Beamline> scan = flipper(7);
+  for (Beamline& b : scan) b.particles = 40000;
+  const DetectorResult screen = run_points(scan).detectors[0];
+  for (Beamline& b : scan)
+    b.parts.insert(b.parts.end() - 1, place("look", 0.9, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
+  ASSERT_FALSE(has_moments(scan));
+  const DetectorResult groups = run_points(scan).detectors[0];
+  const auto covariance = [&](std::size_t a, std::size_t b) { return screen.detected_covariance[a * 7 + b]; };
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_NEAR(covariance(i, i), screen.detected_errors[i] * screen.detected_errors[i],
+                1e-6 * covariance(i, i));
+    for (std::size_t j = 0; j < 7; ++j) {
+      // Of normally distributed numbers: Var(C_ij) = (C_ij^2 + C_ii C_jj)/255.
+      const double error =
+          std::sqrt((covariance(i, j) * covariance(i, j) + covariance(i, i) * covariance(j, j)) / 255);
+      EXPECT_NEAR(covariance(i, j), groups.detected_covariance[i * 7 + j], 4 * error);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rabiline::test
