@@ -33,6 +33,8 @@ std::vector<StageSample> samples_of<Precession>();
 template <>
 std::vector<StageSample> samples_of<Filter>();
 template <>
+std::vector<StageSample> samples_of<FilterStop>();
+template <>
 std::vector<StageSample> samples_of<LevelProjection>();
 template <>
 std::vector<StageSample> samples_of<Deflection>();
