@@ -19,12 +19,12 @@ void LevelProjection::explain(PlanReport& report) const {
                 split ? "all are followed with their shares of its weight" : "drawn by its probability",
                 report.reuse);
   for (const FilteredZones& next : spins.filters) {
-    next.filter.explain(report);
     for (const SpinZone& zone : next.zones) explain_zone(zone, report);
+    next.filter.explain(report);
   }
   if (report.reweightings > 1)
-    report.line("{:>16}its paths in {} levels are flown once; {} ways to share the weights {}", "",
-                report.levels_found, report.reweightings,
+    report.line("{:>16}its paths in {} {} are flown once; {} ways to share the weights {}", "",
+                report.levels_found, spins.filters.empty() ? "levels" : "outcomes", report.reweightings,
                 report.slowness_cells > 0
                     ? fmt::format("follow from moments of the slowness in {} cells", report.slowness_cells)
                     : fmt::format("are booked one by one: {}", report.why_one_by_one));
