@@ -208,6 +208,7 @@ class Sampler {
       if (formula_.frequency > 0) parser.DefineVar("t", &t);
       for (const auto& [name, value] : formula_.constants) parser.DefineConst(name, value);
       parser.SetExpr(text);
+      parser.Eval();  // complains of unknown names, which are variables for what is next
       const bool moves = parser.GetUsedVar().contains("t");
       for (int n = 1; moves && harmonics_.size() < kept; ++n) harmonics_.push_back(empty(n));
       std::size_t to = component;
