@@ -110,16 +110,16 @@ class Experiment:
         """The plan with its derived numbers, and what deserves a word."""
         return Report(*(part if isinstance(part, str) else tuple(part) for part in _core.check(self._setup)))
 
-    def run(self, *, threads: int = 0, isa: str = "", transit: str = "auto",
+    def run(self, *, threads: int = 0, isa: str = "", transit: str = "auto", max_memory: str = "",
             progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:
         """Flies it, or solves the model. `progress` is called with what is done (0 to 1) and the seconds left; True shows a
         bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
-        `threads` and `isa` never change a result. Warnings are given as ExperimentWarning. Raises InputError where something
+        `threads`, `isa` and `max_memory` ("2GiB", as of the command) never change a result. Warnings are given as ExperimentWarning. Raises InputError where something
         is wrong that only a flight tells."""
         if self.is_model:
             from . import motions
             return motions.read(_core.solve(self._setup).image())
-        result = _fly(self._setup, threads, isa, transit, progress)
+        result = _fly(self._setup, threads, isa, transit, max_memory, progress)
         for text in result.warnings:
             warnings.warn(text, ExperimentWarning, stacklevel=2)
         from .flown import Flown
@@ -128,7 +128,7 @@ class Experiment:
     def fly(self, threads: int = 0) -> Results:
         """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
         from .flown import Flown
-        return Flown(_fly(self._setup, threads, "", "none", False))
+        return Flown(_fly(self._setup, threads, "", "none", "", False))
 
     def field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
         """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,
@@ -185,10 +185,10 @@ class Experiment:
         return f"{number} {unit}".strip()
 
 
-def _fly(setup: object, threads: int, isa: str, transit: str, progress: Callable | bool | None) -> object:
+def _fly(setup: object, threads: int, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:
     bar = progress if callable(progress) else None if progress is False else _Bar(progress is True)
     arguments = ["import rabiline"]
-    return _core.fly(setup, threads, isa, transit, bar, arguments)
+    return _core.fly(setup, threads, isa, transit, max_memory, bar, arguments)
 
 
 class _Bar:

@@ -6,6 +6,7 @@
 
 #include "core/units.hpp"
 #include "python/bindings.hpp"
+#include "scan/settings.hpp"
 
 namespace rabiline {
 namespace {
@@ -23,7 +24,8 @@ KeptTransit transit_called(const std::string& name) {
 
 /// Flies in a thread of its own, as only the caller's may ask Python for signals.
 Result fly(const Setup& setup, int threads, const std::string& isa, const std::string& transit,
-           const py::object& progress, const std::vector<std::string>& arguments) {
+           const std::string& max_memory, const py::object& progress,
+           const std::vector<std::string>& arguments) {
   std::atomic<bool> stop{false};
   std::mutex mutex;
   Progress reached;
@@ -31,6 +33,7 @@ Result fly(const Setup& setup, int threads, const std::string& isa, const std::s
   settings.threads = threads;
   settings.isa = isa;
   settings.transit = transit_called(transit);
+  if (!max_memory.empty()) settings.max_memory = read_memory_argument("max_memory", max_memory);
   settings.stop = &stop;
   settings.arguments = arguments;
   settings.progress = [&](const Progress& now) {
@@ -145,7 +148,7 @@ void add_flights(py::module_& module) {
       .def("write",
            [](const SolvedModel& solved, const std::filesystem::path& path) { write(solved, path); });
   module.def("fly", fly, py::arg("setup"), py::arg("threads"), py::arg("isa"), py::arg("transit"),
-             py::arg("progress"), py::arg("arguments"));
+             py::arg("max_memory"), py::arg("progress"), py::arg("arguments"));
   module.def("rescan",
              [](const std::filesystem::path& path, const Changes& changes) { return rescan(path, changes); });
   module.def("solve", [](const Setup& setup) {

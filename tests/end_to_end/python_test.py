@@ -10,6 +10,7 @@ import threading
 import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -48,6 +49,18 @@ def test_what_is_written_is_the_file_of_the_command(ramsey: rabiline.Experiment,
     ramsey.run(threads=1).write(tmp_path / "a.h5")
     again = rabiline.open(tmp_path / "a.h5")
     assert (again.detected == of_the_command.detected).all() and again.title == of_the_command.title
+
+
+def test_a_scan_within_a_stated_memory_has_the_same_bits_in_slabs(tmp_path: Path) -> None:
+    beam = rabiline.load(BEAMLINES / "rabi-licl.yaml").scan().set({"particles": 200, "screen.bins": [1, 1]})
+    long = beam.scan("RF.frequency", "3.4 MHz:3.6 MHz:4200")
+    whole, slabs = long.run(), long.run(max_memory="20MiB")
+    assert (whole.detected == slabs.detected).all() and (whole.errors == slabs.errors).all()
+    slabs.write(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["entry/simulation/slabs"][0] == 2 and file["entry/simulation/max_memory"][0] == 20 * 2**20
+    with pytest.raises(rabiline.InputError, match="is no size of memory"):
+        long.run(max_memory="2 GB")
 
 
 def test_numbers_are_in_si_and_texts_have_their_units(ramsey: rabiline.Experiment) -> None:
