@@ -114,8 +114,9 @@ class Experiment:
             progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:
         """Flies it, or solves the model. `progress` is called with what is done (0 to 1) and the seconds left; True shows a
         bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
-        `threads`, `isa` and `max_memory` ("2GiB", as of the command) never change a result. Warnings are given as ExperimentWarning. Raises InputError where something
-        is wrong that only a flight tells."""
+        `threads` and `isa` never change a result; `max_memory` ("2GiB", as of the command) has slabs of a long scan follow from
+        kept moments, to 1e-12. Warnings are given as ExperimentWarning. Raises InputError where something is wrong that only a
+        flight tells, or for a size that is none."""
         if self.is_model:
             from . import motions
             return motions.read(_core.solve(self._setup).image())

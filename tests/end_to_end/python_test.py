@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from rescan_test import BEAMLINE, MAGNETS
 
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
@@ -52,9 +53,10 @@ def test_what_is_written_is_the_file_of_the_command(ramsey: rabiline.Experiment,
 
 
 def test_a_scan_within_a_stated_memory_has_the_same_bits_in_slabs(tmp_path: Path) -> None:
-    beam = rabiline.load(BEAMLINES / "rabi-licl.yaml").scan().set({"particles": 200, "screen.bins": [1, 1]})
-    long = beam.scan("RF.frequency", "3.4 MHz:3.6 MHz:4200")
-    whole, slabs = long.run(), long.run(max_memory="20MiB")
+    (tmp_path / "rabi.yaml").write_text(BEAMLINE)
+    (tmp_path / "magnets.yaml").write_text(MAGNETS)
+    long = rabiline.load(tmp_path / "rabi.yaml").scan().set(particles=200).scan("RF.frequency", "9.32 MHz:9.33 MHz:4200")
+    whole, slabs = long.run(transit="totals"), long.run(transit="totals", max_memory="20MiB")
     assert (whole.detected == slabs.detected).all() and (whole.errors == slabs.errors).all()
     slabs.write(tmp_path / "a.h5")
     with h5py.File(tmp_path / "a.h5") as file:
