@@ -24,8 +24,9 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
   for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
   if (std::find(verbs.begin(), verbs.end(), arguments.front()) != verbs.end()) return;
   if (arguments.front().ends_with(".yaml") || arguments.front().ends_with(".yml"))
-    throw ArgumentError(fmt::format("there is no command `{0}`\n  help: write `rabiline check {0}` or `rabiline run {0}`",
-                                    arguments.front()));
+    throw ArgumentError(
+        fmt::format("there is no command `{0}`\n  help: write `rabiline check {0}` or `rabiline run {0}`",
+                    arguments.front()));
   const std::string near = closest(arguments.front(), verbs);
   throw ArgumentError(fmt::format("there is no command `{}`\n  help: {}", arguments.front(),
                                   near.empty() ? fmt::format("the commands are {}", fmt::join(verbs, ", "))

@@ -68,7 +68,8 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
       reading_->error(
           place, fmt::format("`{},{}` is no number: the comma ends it", last->value.scalar, entry.key),
           is_group_of_thousands(entry.key)
-              ? fmt::format("numbers have a decimal point, and no commas between thousands: write `{0}.{1}` or `{0}{1}`",
+              ? fmt::format("numbers have a decimal point, and no commas between thousands: write `{0}.{1}` "
+                            "or `{0}{1}`",
                             last->value.scalar, entry.key)
               : fmt::format("numbers have a decimal point: write `{}.{}`", last->value.scalar, entry.key));
       continue;

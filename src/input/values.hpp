@@ -29,7 +29,8 @@ struct Row {
   std::string_view example{};  // of a struct whose values go together
 };
 
-/// Formulas that are sampled and still in use, so that points of a scan which do not touch one share its maps.
+/// Formulas that are sampled and still in use, so that points of a scan which do not touch one share its
+/// maps.
 class SampledFormulas {
  public:
   std::shared_ptr<const FormulaMaps> find(const FormulaBox&);
