@@ -287,6 +287,7 @@ class TreePlanner {
       if (gathered.back().stages.empty()) return {};
     }
     std::vector<const Chain*> pointers;
+    pointers.reserve(gathered.size());
     for (const Chain& chain : gathered) pointers.push_back(&chain);
     std::size_t own_sums = sums, own_place = place;
     PlanTree tree = make_tree(group_.root, pointers, neighbours_, own_sums);
