@@ -72,8 +72,10 @@ template <class Maths, class Number>
     v[i] = term.turned ? velocity[0] * axis[0] + velocity[1] * axis[1] + velocity[2] * axis[2] : velocity[i];
   }
   // Straight it would be there at `time` with the speed `nearing`: v t + b t^2/2 = v time has the root below.
+  // What only grazes a surface goes on by a sixth of that at least, or it would never be through.
   const auto consider = [&](const Number& time, const Number& nearing) {
-    const Number bent = bend * time / nearing;
+    const Number any_bend = bend * time / nearing,
+                 bent = Maths::select(any_bend < none + 64, any_bend, none + 64);
     const Number sure = 2.0 * time / (1.0 + Maths::root(1.0 + 2.0 * bent));
     latest = Maths::select(
         time > soonest, Maths::select(time < latest, Maths::select(bent > none + 1e-7, sure, time), latest),
