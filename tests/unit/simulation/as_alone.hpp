@@ -58,4 +58,25 @@ inline void expect_as_alone(const std::vector<Beamline>& scan, const MomentsWant
   }
 }
 
+/// For any threads, batches and instruction sets.
+inline void expect_same_bits(const std::vector<Beamline>& scan) {
+  Experiment e;
+  e.points = scan;
+  const Plan plan = make_plan(e);
+  ASSERT_TRUE(has_moments(plan.trees.front().next));
+  const DetectorResult one = finish(e, plan, run(plan, {}).sums).detectors[0];
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    RunOptions options;
+    options.isa = isa;
+    options.threads = 3;
+    options.batch = isa == Isa::baseline ? 512 : 40;
+    const DetectorResult other = finish(e, plan, run(plan, options).sums).detectors[0];
+    EXPECT_EQ(one.counts, other.counts);
+    EXPECT_EQ(one.counts_errors, other.counts_errors);
+    EXPECT_EQ(one.detected_covariance, other.detected_covariance);
+    EXPECT_EQ(one.levels_errors, other.levels_errors);
+  }
+}
+
 }  // namespace rabiline::test

@@ -123,22 +123,7 @@ TEST(Moments, AreOfOneFlightHoweverMuchAParticleCosts) {
 TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   Apparatus apparatus;
   apparatus.bins = {3, 4};
-  Experiment e;
-  e.points = apparatus.scan(7);
-  const Plan plan = make_plan(e);
-  const Result one = finish(e, plan, run(plan, {}).sums);
-  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-    if (!supported(isa)) continue;
-    RunOptions options;
-    options.isa = isa;
-    options.threads = 3;
-    options.batch = isa == Isa::baseline ? 512 : 40;
-    const Result other = finish(e, plan, run(plan, options).sums);
-    EXPECT_EQ(one.detectors[0].counts, other.detectors[0].counts);
-    EXPECT_EQ(one.detectors[0].counts_errors, other.detectors[0].counts_errors);
-    EXPECT_EQ(one.detectors[0].detected_covariance, other.detectors[0].detected_covariance);
-    EXPECT_EQ(one.detectors[0].levels_errors, other.detectors[0].levels_errors);
-  }
+  expect_same_bits(apparatus.scan(7));
 }
 
 /// Those that keep their level are what is detected where no field turns spins.

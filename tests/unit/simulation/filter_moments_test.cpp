@@ -189,25 +189,7 @@ TEST(FilterMoments, AreNotKeptWhereWhatPassesDependsOnMoreThanTheSlowness) {
   }));
 }
 
-TEST(FilterMoments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
-  Experiment e;
-  e.points = flipper(9);
-  const Plan plan = make_plan(e);
-  ASSERT_TRUE(has_moments(plan.trees.front().next));
-  const Result one = finish(e, plan, run(plan, {}).sums);
-  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
-    if (!supported(isa)) continue;
-    RunOptions options;
-    options.isa = isa;
-    options.threads = 3;
-    options.batch = isa == Isa::baseline ? 512 : 40;
-    const Result other = finish(e, plan, run(plan, options).sums);
-    EXPECT_EQ(one.detectors[0].counts, other.detectors[0].counts);
-    EXPECT_EQ(one.detectors[0].counts_errors, other.detectors[0].counts_errors);
-    EXPECT_EQ(one.detectors[0].detected_covariance, other.detectors[0].detected_covariance);
-    EXPECT_EQ(one.detectors[0].levels_errors, other.detectors[0].levels_errors);
-  }
-}
+TEST(FilterMoments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) { expect_same_bits(flipper(9)); }
 
 /// Against groups of particles, as points are flown that a monitor looks at.
 TEST(FilterMoments, TellHowPointsVaryTogether) {
