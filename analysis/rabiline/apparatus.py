@@ -28,7 +28,7 @@ PLACES = 600  # along the beam, where fields are probed
 FAR = 100.0  # between fields that are drawn on a logarithmic axis
 MOST_RECORDS = 2000  # of a path
 AT_ONCE, PATIENCE = 2, 0.5  # paths, and seconds of processor time after which no more are flown than were flown by then
-COILS = {"current_loop", "solenoid", "coil_pair", "straight_wire", "field_map", "formula_field"}  # drawn where their field is
+COILS = {"current_loop", "solenoid", "coil_pair", "straight_wire", "current_sheet", "field_map", "formula_field"}  # drawn where their field is
 FIELDS = COILS | {"polarizer", "uniform_field", "guide_field", "electric_field", "multipole_field", "gradient_magnet", "two_wire_magnet", "iron_magnet",
                   "multipole_magnet"}
 SMALL = 0.1  # of a coil's largest field on the axis: less is not shaded

@@ -1,4 +1,4 @@
-"""The magnetic field along a line, from the table that `rabiline probe --along` prints."""
+"""The fields along a line, from the table that `rabiline probe --along` prints."""
 from __future__ import annotations
 
 import csv
@@ -15,15 +15,17 @@ from .style import INK, OTHERS
 from .units import fitting_scale
 
 COLUMNS = ["x [m]", "y [m]", "z [m]", "Bx [T]", "By [T]", "Bz [T]", "|B| [T]"]
+ELECTRIC = ["Ex [V/m]", "Ey [V/m]", "Ez [V/m]"]
 
 
 @dataclass(frozen=True)
 class FieldLine:
-    """B at places on a line along x, y or z."""
+    """B and E at places on a line along x, y or z."""
 
     along: str
     place: np.ndarray  # [n] m
     field: np.ndarray  # [n, 3] T
+    electric: np.ndarray  # [n, 3] V/m
 
 
 def read_field(path: Path) -> FieldLine:
@@ -39,21 +41,25 @@ def read_field(path: Path) -> FieldLine:
     if table.ndim != 2 or len(table) < 2 or table.shape[1] != len(rows[0]):
         raise FileError(path, "the table has fewer than two rows")
     axis = int(np.argmax(np.ptp(table[:, :3], axis=0)))
-    return FieldLine("xyz"[axis], table[:, axis], table[:, 3:6])
+    electric = [rows[0].index(name) for name in ELECTRIC if name in rows[0]]
+    return FieldLine("xyz"[axis], table[:, axis], table[:, 3:6], table[:, electric] if len(electric) == 3 else np.zeros_like(table[:, 3:6]))
 
 
 def draw_field(line: FieldLine, title: str) -> Figure:
-    """The three components and the size."""
-    size = np.linalg.norm(line.field, axis=1)
-    across, up = fitting_scale(line.place, "m"), fitting_scale(np.append(size, 0), "T")
-    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
-    at = across.apply(line.place)
-    for name, values, look in zip("xyz", line.field.T, OTHERS):
-        axes.plot(at, up.apply(values), color=look[0], linewidth=1.4, label=f"$B_{name}$")
-    axes.plot(at, up.apply(size), color=INK, linewidth=1.0, linestyle="--", label="|B|")
-    axes.set_xlabel(across.label(line.along))
-    axes.set_ylabel(up.label("B"))
-    axes.grid(axis="y")
+    """The three components and the size of B, and below it those of E where there is any."""
+    fields = [("B", "T", line.field)] if line.field.any() or not line.electric.any() else []
+    fields += [("E", "V/m", line.electric)] if line.electric.any() else []
+    figure, panels = plt.subplots(len(fields), 1, sharex=True, squeeze=False, figsize=style.size(7.2, 4.8), layout="constrained")
+    across = fitting_scale(line.place, "m")
+    for axes, (symbol, unit, field) in zip(panels[:, 0], fields):
+        size = np.linalg.norm(field, axis=1)
+        up = fitting_scale(np.append(size, 0), unit)
+        for name, values, look in zip("xyz", field.T, OTHERS):
+            axes.plot(across.apply(line.place), up.apply(values), color=look[0], linewidth=1.4, label=f"${symbol}_{name}$")
+        axes.plot(across.apply(line.place), up.apply(size), color=INK, linewidth=1.0, linestyle="--", label=f"|{symbol}|")
+        axes.set_ylabel(up.label(symbol))
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        axes.grid(axis="y")
+    panels[-1, 0].set_xlabel(across.label(line.along))
     style.write_title(figure, title)
-    style.legend_below(figure, axes, 4)
     return figure

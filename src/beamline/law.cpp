@@ -16,21 +16,21 @@ std::string_view word_of(Closure closure) {
 LawTraits law_traits(const Law& law) {
   struct Of {
     LawTraits operator()(const QuantumLaw& quantum) const {
-      return {.has_levels = true,
-              .splits = quantum.outcomes == Outcomes::split || quantum.outcomes == Outcomes::coherent};
+      const Outcomes outcomes = quantum.outcomes;
+      return {.tolerance = quantum.tolerance,
+              .has_levels = true,
+              .splits = outcomes == Outcomes::split || outcomes == Outcomes::coherent,
+              .stays_coherent = outcomes == Outcomes::coherent || outcomes == Outcomes::coherent_drawn};
     }
-    LawTraits operator()(const ClassicalLaw&) const { return {}; }
+    LawTraits operator()(const ClassicalLaw& classical) const { return {.tolerance = classical.tolerance}; }
     LawTraits operator()(const DoradoLaw& dorado) const {
-      return {.deflects = false, .turns_with_spin = dorado.kappa != 0};
+      return {.tolerance = dorado.path_error,
+              .has_forces = false,
+              .kappa = dorado.kappa,
+              .closure = dorado.closure};
     }
   };
   return std::visit(Of{}, law);
-}
-
-double tolerance_of(const Law& law) {
-  if (const auto* dorado = std::get_if<DoradoLaw>(&law)) return dorado->path_error;
-  if (const auto* quantum = std::get_if<QuantumLaw>(&law)) return quantum->tolerance;
-  return std::get<ClassicalLaw>(law).tolerance;
 }
 
 Law without_splitting(Law law) {

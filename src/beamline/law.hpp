@@ -101,16 +101,15 @@ inline constexpr std::string_view tag_key<Law> = "name";
 /// "quantum", or "dorado (torque, kappa = 1)".
 std::string describe(const Law&);
 
-/// What steps through fields that differ from place to place are chosen for.
-double tolerance_of(const Law&);
-
-/// What a law does with levels, magnets and velocities: all that anything else needs to know of it, but for
-/// the parameters of its own force.
+/// What a law does with levels and velocities: all that anything else knows of it.
 struct LawTraits {
-  bool has_levels = false;       // spins are found in levels; else they are vectors
-  bool splits = false;           // weights are shared out over the levels that a magnet asks for
-  bool deflects = true;          // magnets act on the moment by the gradient of their field
-  bool turns_with_spin = false;  // the velocity turns jointly with the spin
+  double tolerance = usual_tolerance;  // what steps are chosen for
+  bool has_levels = false;             // spins are found in levels; else they are vectors
+  bool splits = false;                 // weights are shared out over the levels that a magnet asks for
+  bool stays_coherent = false;         // where a field neither surely keeps nor surely destroys phases
+  bool has_forces = true;              // Lorentz's on charges, and that of a gradient on moments
+  double kappa = 0;                    // of its spin's turning, the share by which the velocity turns
+  Closure closure = Closure::torque;   // what of the turning that is
 };
 LawTraits law_traits(const Law&);
 /// The same law, under which a particle is found in one level where it asks for levels.

@@ -1,6 +1,7 @@
 #include "commands/common.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <functional>
 #include <sstream>
@@ -64,6 +65,21 @@ int explained(const std::function<int()>& call) {
         error.what());
     return exit_code::mistake;
   }
+}
+
+/// HDF5 goes under no name that promises a table or a picture.
+void require_name_of_hdf5(const std::filesystem::path& output) {
+  static constexpr std::array<std::string_view, 5> endings{".csv", ".txt", ".png", ".pdf", ".svg"};
+  const auto found = std::ranges::find(endings, output.extension().string());
+  if (found == endings.end()) return;
+  const bool is_table = found - endings.begin() < 2;
+  std::filesystem::path named = output;
+  named.replace_extension(".h5");
+  throw ArgumentError(
+      fmt::format("-o {0} is named like a {1}, but HDF5 is written\n  help: write `-o {2}`, then `rabiline "
+                  "{3} {2} {4} {0}`",
+                  output.string(), is_table ? "table" : "picture", named.string(),
+                  is_table ? "export" : "plot", is_table ? ">" : "-o"));
 }
 
 }  // namespace
@@ -154,6 +170,7 @@ void print_summary(const Result& result, const std::filesystem::path& output) {
 }
 
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
+  require_name_of_hdf5(output);
   for (const InputText& input : inputs) {
     std::error_code none;  // of a file that is not there yet
     if (std::filesystem::equivalent(output.string() + ".checkpoint", input.path, none))

@@ -1,7 +1,10 @@
 // rabiline probe: the field at a place, or along a line.
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <string_view>
+
+#include <unistd.h>
 
 #include "commands/common.hpp"
 #include "core/units.hpp"
@@ -12,7 +15,8 @@ namespace {
 
 struct ProbeArguments {
   ExperimentOptions experiment;
-  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101";
+  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101",
+              picture;
 };
 
 /// "1 mm,0.4 m,0": a bare zero is a length too.
@@ -75,7 +79,8 @@ void print_place(const Probed& p) {
 }
 
 /// A table that any plotting program reads.
-void print_line(const Setup& setup, const ProbeArguments& a, std::array<double, 3> place, double time) {
+void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std::array<double, 3> place,
+                double time) {
   const std::size_t axis = std::string_view("xyz").find(a.along);
   if (a.along.size() != 1 || axis == std::string_view::npos)
     throw ArgumentError(fmt::format("--along: `{}` is none of x, y and z", a.along));
@@ -86,6 +91,7 @@ void print_line(const Setup& setup, const ProbeArguments& a, std::array<double, 
   const double from = read_quantity("--from", a.from, Dimension::length),
                to = read_quantity("--to", a.to, Dimension::length);
   fmt::print(
+      out,
       "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
       "Ez [V/m]\n");
   for (std::uint64_t i = 0; i < points; ++i) {
@@ -93,11 +99,22 @@ void print_line(const Setup& setup, const ProbeArguments& a, std::array<double, 
     const Probed p = probe(setup, place, time);
     const std::array<double, 3>& b = p.field;
     const std::array<double, 9>& g = p.slope;
-    fmt::print("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g},{:.9g},{:.9g},{:.9g}\n",
+    fmt::print(out, "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g},{:.9g},{:.9g},{:.9g}\n",
                place[0], place[1], place[2], b[0], b[1], b[2], std::hypot(b[0], b[1], b[2]),
                g[0] + g[4] + g[8], std::hypot(g[7] - g[5], g[2] - g[6], g[3] - g[1]), p.electric[0],
                p.electric[1], p.electric[2]);
   }
+}
+
+/// The package draws the table, which it reads from a file without a name.
+void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<double, 3>& place,
+               double time) {
+  std::FILE* const table = std::tmpfile();
+  if (table == nullptr) throw StorageError("no temporary file could be made");
+  print_line(table, setup, a, place, time);
+  std::rewind(table);
+  dup2(fileno(table), STDIN_FILENO);
+  start_package({"plot-field", "/dev/stdin", "--title", setup.title(), "-o", a.picture});
 }
 
 void probe_command(const ProbeArguments& a) {
@@ -106,8 +123,10 @@ void probe_command(const ProbeArguments& a) {
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   if (a.along.empty())
     print_place(probe(setup, place, time));
+  else if (a.picture.empty())
+    print_line(stdout, setup, a, place, time);
   else
-    print_line(setup, a, place, time);
+    draw_line(setup, a, place, time);
 }
 
 }  // namespace
@@ -125,6 +144,9 @@ void add_probe(CLI::App& app) {
   verb->add_option("--from", a->from, "where the line begins")->type_name("PLACE")->needs(along);
   verb->add_option("--to", a->to, "where it ends")->type_name("PLACE")->needs(along);
   verb->add_option("--points", a->points, "how many places on the line")->type_name("N")->needs(along);
+  verb->add_option("-o,--output", a->picture, "draws the line instead: PNG, PDF or SVG")
+      ->type_name("PICTURE")
+      ->needs(along);
   verb->callback([a] { probe_command(*a); });
 }
 

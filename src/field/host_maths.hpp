@@ -12,6 +12,8 @@ struct HostMaths {
   static double root(double x) { return std::sqrt(x); }
   static double floor(double x) { return std::floor(x); }
   static double exponential(double x) { return portable::exp(x < -700 ? -700 : x > 700 ? 700 : x); }
+  static double logarithm(double x) { return portable::log(x); }
+  static double arctangent(double x) { return portable::atan(x); }
   static void sine_and_cosine(double x, double& sine, double& cosine) {
     sine = portable::sin(x);
     cosine = portable::cos(x);

@@ -9,6 +9,8 @@ struct LaneMaths {
   RABILINE_LANES static real root(real x) { return RABILINE_ISA::sqrt(x); }
   RABILINE_LANES static real floor(real x) { return RABILINE_ISA::floor(x); }
   RABILINE_LANES static real exponential(real x) { return RABILINE_ISA::exp(x); }
+  RABILINE_LANES static real logarithm(real x) { return RABILINE_ISA::log(x); }
+  RABILINE_LANES static real arctangent(real x) { return RABILINE_ISA::atan(x); }
   RABILINE_LANES static void sine_and_cosine(real x, real& sine, real& cosine) {
     RABILINE_ISA::sincos(x, sine, cosine);
   }

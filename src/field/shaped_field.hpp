@@ -57,9 +57,10 @@ template <class Maths, class Number>
 }
 
 /// The first time after `soonest`, and before `latest`, at which a way from `place` with `velocity` meets a
-/// surface where the field of a term jumps or bends sharply: the faces of a map, the windings of a coil, the
-/// skin of a wire; else `latest`. A way that an acceleration may bend by up to `bend` is told a time at which
-/// it is not there yet, but nearer than the bend amounts to. The edges of sections are not among them.
+/// surface where the field of a term jumps or bends sharply: the faces of a map, the windings of a coil, a
+/// sheet of current, the skin of a wire; else `latest`. A way that an acceleration may bend by up to `bend`
+/// is told a time at which it is not there yet, but nearer than the bend amounts to. The edges of sections
+/// are not among them.
 template <class Maths, class Number>
 [[gnu::noinline]] Number time_to_face(const ShapedTerm& term, const Number (&place)[3],
                                       const Number (&velocity)[3], const Number& bend, const Number& soonest,
@@ -81,10 +82,12 @@ template <class Maths, class Number>
         time > soonest, Maths::select(time < latest, Maths::select(bent > none + 1e-7, sure, time), latest),
         latest);
   };
+  const auto plane = [&](int axis, double at) {
+    consider((at - own[axis]) / v[axis], v[axis] < none ? -v[axis] : v[axis]);
+  };
   const auto planes = [&](int axis, double begin, double scale, int nodes) {
-    const Number per = 1.0 / v[axis], nearing = v[axis] < none ? -v[axis] : v[axis];
-    consider((begin - own[axis]) * per, nearing);
-    consider((begin + (nodes - 1) / scale - own[axis]) * per, nearing);
+    plane(axis, begin);
+    plane(axis, begin + (nodes - 1) / scale);
   };
   const auto cylinder = [&](double radius) {
     const Number a = v[0] * v[0] + v[1] * v[1], b = own[0] * v[0] + own[1] * v[1],
@@ -100,6 +103,7 @@ template <class Maths, class Number>
     planes(2, term.round_map.begin[1], term.round_map.scale[1], term.round_map.nodes[1]);
     cylinder(-term.round_map.begin[0]);
   }
+  if (term.kind == ShapedKind::flat_sheet) plane(1, 0);
   if (term.kind == ShapedKind::sheet) cylinder(term.sheet.radius);
   if (term.kind == ShapedKind::wire) cylinder(term.wire.radius);
   return latest;

@@ -2,6 +2,7 @@
 // Static fields that differ from place to place, as plain values: kernels of every instruction set read them.
 // How large they are somewhere is in field/shaped_field.hpp.
 #include "field/current_loop.hpp"
+#include "field/flat_sheet.hpp"
 #include "field/fringed_field.hpp"
 #include "field/map_shape.hpp"
 #include "field/multipole.hpp"
@@ -9,7 +10,7 @@
 
 namespace rabiline {
 
-enum class ShapedKind { linear, loop, sheet, wire, multipole, fringed, map, round_map };
+enum class ShapedKind { linear, loop, sheet, flat_sheet, wire, multipole, fringed, map, round_map };
 
 /// B = B_0 + G r, r from the origin of its frame.
 struct LinearShape {
@@ -28,6 +29,7 @@ struct ShapedTerm {
     LinearShape linear = {};
     LoopShape loop;
     SheetShape sheet;
+    FlatSheetShape flat_sheet;
     WireShape wire;
     MultipoleShape multipole;
     FringeShape fringed;
@@ -41,6 +43,7 @@ struct ShapedTerm {
   explicit ShapedTerm(const LinearShape& f) : kind(ShapedKind::linear), linear(f) {}
   explicit ShapedTerm(const LoopShape& f) : kind(ShapedKind::loop), loop(f) {}
   explicit ShapedTerm(const SheetShape& f) : kind(ShapedKind::sheet), sheet(f) {}
+  explicit ShapedTerm(const FlatSheetShape& f) : kind(ShapedKind::flat_sheet), flat_sheet(f) {}
   explicit ShapedTerm(const WireShape& f) : kind(ShapedKind::wire), wire(f) {}
   explicit ShapedTerm(const MultipoleShape& f) : kind(ShapedKind::multipole), multipole(f) {}
   explicit ShapedTerm(const FringeShape& f) : kind(ShapedKind::fringed), fringed(f) {}
@@ -56,6 +59,8 @@ template <class Ask>
       return ask(term.loop);
     case ShapedKind::sheet:
       return ask(term.sheet);
+    case ShapedKind::flat_sheet:
+      return ask(term.flat_sheet);
     case ShapedKind::wire:
       return ask(term.wire);
     case ShapedKind::multipole:
@@ -83,6 +88,8 @@ inline bool operator==(const ShapedTerm& a, const ShapedTerm& b) {
       return a.loop == b.loop;
     case ShapedKind::sheet:
       return a.sheet == b.sheet;
+    case ShapedKind::flat_sheet:
+      return a.flat_sheet == b.flat_sheet;
     case ShapedKind::wire:
       return a.wire == b.wire;
     case ShapedKind::multipole:

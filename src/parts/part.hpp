@@ -8,6 +8,7 @@
 #include "parts/coil_pair.hpp"
 #include "parts/collimator.hpp"
 #include "parts/current_loop.hpp"
+#include "parts/current_sheet.hpp"
 #include "parts/detector.hpp"
 #include "parts/electric_field.hpp"
 #include "parts/formula_field.hpp"
@@ -43,6 +44,7 @@ using Part = std::variant<Polarizer,         //
                           Solenoid,          //
                           CoilPair,          //
                           StraightWire,      //
+                          CurrentSheet,      //
                           MultipoleField,    //
                           ElectricField,     //
                           MappedField,       //

@@ -381,7 +381,7 @@ Sections sections_of(const Beamline& beamline) {
     for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
     builder.fall_along(end);
   }
-  return builder.build(law_traits(beamline.law).deflects ? Magnets::deflect : Magnets::uniform);
+  return builder.build(law_traits(beamline.law).has_forces ? Magnets::deflect : Magnets::uniform);
 }
 
 std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,

@@ -34,7 +34,7 @@ void tell_relativity(const Experiment& experiment, std::vector<Fault>& out) {
 
 /// The hypothesis replaces mu grad |B|; what is left of a magnet is its field at the beam.
 void tell_magnets(const Experiment& experiment, std::vector<Fault>& out) {
-  const auto follows_hypothesis = [](const Beamline& b) { return !law_traits(b.law).deflects; };
+  const auto follows_hypothesis = [](const Beamline& b) { return !law_traits(b.law).has_forces; };
   const auto point = std::find_if(experiment.points.begin(), experiment.points.end(), follows_hypothesis);
   if (point == experiment.points.end()) return;
   std::string names;

@@ -120,7 +120,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
   const double speed = speed_of(beamline, species);
   const ZoneMaker zones(unit, unit, {}, speed, 0);
   LevelFields out;
-  out.tolerance = tolerance_of(beamline.law);
+  out.tolerance = law_traits(beamline.law).tolerance;
   const std::set<int> waves = clocks_of_waves(sections, from, to, zones, most_cycles);
   std::vector<Section> driven;  // by waves
   for (const Section& section : sections) {

@@ -81,8 +81,8 @@ double beam_size(const Beamline& beamline, const Sections& sections, double befo
 StretchOutlook outlook_of(const Beamline& beamline, const Species& species, const Sections& sections,
                           const Stretch& stretch) {
   StretchOutlook out;
-  const auto* law = std::get_if<QuantumLaw>(&beamline.law);
-  if (law == nullptr || species.charge != 0) return out;
+  const LawTraits law = law_traits(beamline.law);
+  if (!law.has_levels || species.charge != 0) return out;
   const double speed = mean_speed(beamline.source.speed, species.mass),
                size = beam_size(beamline, sections, stretch.begin),
                integral = std::max({gradient_along(sections, stretch, 0, 0),
@@ -99,8 +99,7 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   out.turns = 2 * moment * integral * size / (constants::hbar * speed) / (2 * std::numbers::pi);
   if (out.splitting > one_path * out.feature) {
     out.between = out.turns <= no_phase;
-    out.sorts =
-        !out.between || (law->outcomes != Outcomes::coherent && law->outcomes != Outcomes::coherent_drawn);
+    out.sorts = !out.between || !law.stays_coherent;
   }
   return out;
 }
@@ -118,12 +117,12 @@ bool asks_for_adiabaticity(const Beamline& beamline) {
 
 /// The hypothesis turns the velocity with the spin, whatever turns that.
 ElectricCoupling electric_coupling_of(const Law& law, const Species& species) {
-  const auto* dorado = std::get_if<DoradoLaw>(&law);
+  const LawTraits traits = law_traits(law);
   const double charge_rate = species.charge / species.mass;
   return {.spin_per_motional = -species.gyromagnetic_ratio + charge_rate / 2,
           .spin_per_electric = -species.electric_dipole_moment / (species.spin.value() * constants::hbar),
-          .turn_share = dorado != nullptr ? dorado->kappa : 0,
-          .acceleration = dorado != nullptr ? 0 : charge_rate};
+          .turn_share = traits.kappa,
+          .acceleration = traits.has_forces ? charge_rate : 0};
 }
 
 }  // namespace
@@ -139,10 +138,10 @@ FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   const LawTraits law = law_traits(beamline.law);
   feels.spin_per_tesla = -species.gyromagnetic_ratio;
   feels.turn_per_tesla = turning_of(beamline.law, species).rate_per_tesla;
-  if (law.deflects) feels.pull = full_moment(species) / species.mass;
+  if (law.has_forces) feels.pull = full_moment(species) / species.mass;
   feels.electric = electric_coupling_of(beamline.law, species);
   feels.levels = law.has_levels ? species.levels() : 0;
-  feels.tolerance = tolerance_of(beamline.law);
+  feels.tolerance = law.tolerance;
   feels.watches_turning = asks_for_adiabaticity(beamline);
   if (const auto& gravity = beamline.gravity) {
     feels.gravity[0] = gravity->acceleration * gravity->direction.x;

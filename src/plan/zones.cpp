@@ -42,10 +42,9 @@ bool is_shaped_otherwise(const DriveTerm& drive) {
 
 Turning turning_of(const Law& law, const Species& species) {
   // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
-  const auto* dorado = std::get_if<DoradoLaw>(&law);
-  if (dorado == nullptr) return {-species.charge / species.mass};
-  return {-dorado->kappa * species.gyromagnetic_ratio, dorado->closure == Closure::torque,
-          dorado->path_error};
+  const LawTraits traits = law_traits(law);
+  if (traits.has_forces) return {-species.charge / species.mass};
+  return {-traits.kappa * species.gyromagnetic_ratio, traits.closure == Closure::torque, traits.tolerance};
 }
 
 Vector3 ZoneMaker::static_field(const Section& section) const {

@@ -155,7 +155,7 @@ void check_spin_tallies(const Beamline& beamline, const Species& atom, Faults& o
 void check_atoms(const Beamline& beamline, Faults& out) {
   const Species* first = atom_of(beamline);
   if (first == nullptr) return;
-  if (!law_traits(beamline.law).deflects)  // the hypothesis knows one gamma for each particle
+  if (!law_traits(beamline.law).has_forces)  // the hypothesis knows one gamma for each particle
     out.push_back({"law", "name",
                    fmt::format("the law dorado turns the velocity with one spin and its gamma, but `{}` has "
                                "{} levels and no single gamma",

@@ -38,7 +38,7 @@ bool filters(const Part& part) {
       part);
 }
 bool asks_for_spins(const Part& part, const Law& law) {
-  if ((is_magnet(part) && law_traits(law).deflects) || filters(part) || detector_in(part)) return true;
+  if ((is_magnet(part) && law_traits(law).has_forces) || filters(part) || detector_in(part)) return true;
   const std::vector<Tally>* tallies = tallies_of(part);
   return tallies && std::any_of(tallies->begin(), tallies->end(), [](const Tally& tally) {
            return std::any_of(tally.axes.begin(), tally.axes.end(),
@@ -278,7 +278,7 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
 void find_unpolarised_spins(const Beamline& beamline, Faults& out) {
   const bool one_moment = !law_traits(beamline.law).has_levels || !has_levels(beamline);
   if (!std::holds_alternative<UnpolarisedSpin>(beamline.source.spin) || !one_moment ||
-      law_traits(beamline.law).turns_with_spin)
+      law_traits(beamline.law).kappa != 0)
     return;
   const PlacedPart *first = nullptr, *last = nullptr;
   for (const PlacedPart& part : beamline.parts)
@@ -294,7 +294,7 @@ void find_unpolarised_spins(const Beamline& beamline, Faults& out) {
                             });
                           });
     const bool selects = aligns(part.part) || filters(part.part) ||
-                         (is_magnet(part.part) && law_traits(beamline.law).deflects);
+                         (is_magnet(part.part) && law_traits(beamline.law).has_forces);
     return by_level || (last && selects && part.placement.at < end_of(*last));
   });
   if (first && !can_be_seen)

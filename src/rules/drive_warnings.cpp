@@ -200,7 +200,7 @@ bool needs_phase(const Part& part) {
 
 /// The gradient of a deflecting magnet acts on paths, not on the phases of spins that differ over the beam.
 void judge_gradients(const Beamline& beamline, Faults& out) {
-  if (!law_traits(beamline.law).deflects) return;
+  if (!law_traits(beamline.law).has_forces) return;
   for (const PlacedPart& magnet : beamline.parts) {
     if (!is_magnet(magnet.part)) continue;
     const PlacedPart *before = nullptr, *behind = nullptr;

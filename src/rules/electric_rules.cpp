@@ -44,7 +44,7 @@ void check_electric(const PlacedPart& part, const Beamline& beamline, const Comp
                      "shifts, is not modelled",
                      name, species.name),
          "omit it, or fly a species with one moment"});
-  else if (species.charge != 0 && law_traits(beamline.law).turns_with_spin)
+  else if (species.charge != 0 && law_traits(beamline.law).kappa != 0)
     out.push_back(
         {name, "kind",
          fmt::format("`{}` is an electric field, and what dorado makes of the force on the charge of "

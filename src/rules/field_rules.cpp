@@ -156,7 +156,7 @@ void check_fields(const Beamline& beamline, Faults& out) {
 /// Where a particle is deflected in one level, static fields may overlap the magnet, but nothing may drive
 /// that level or ask about it. Parts may touch a magnet: 0.1 m + 0.2 m is more than 0.3 m, in binary digits.
 void check_magnets(const Beamline& beamline, Faults& out) {
-  if (!law_traits(beamline.law).deflects) return;
+  if (!law_traits(beamline.law).has_forces) return;
   constexpr double rounding = 1e-12;  // [m]
   for (const PlacedPart& magnet : beamline.parts) {
     if (!is_magnet(magnet.part)) continue;

@@ -25,12 +25,12 @@ bool has_gradient(const PlacedPart& part) {
 
 Effects effects_of(const PlacedPart& part, const Law& law, const Species& species) {
   const bool charged = species.charge != 0, has_moment = species.gyromagnetic_ratio != 0 || species.structure;
-  const auto* dorado = std::get_if<DoradoLaw>(&law);
+  const LawTraits traits = law_traits(law);
   if (is_electric(part.part)) {
     const bool spins = has_moment || species.electric_dipole_moment != 0;
-    return {spins, dorado != nullptr ? spins && dorado->kappa != 0 : charged};
+    return {spins, traits.has_forces ? charged : spins && traits.kappa != 0};
   }
-  if (dorado != nullptr) return {has_moment, has_moment && dorado->kappa != 0};
+  if (!traits.has_forces) return {has_moment, has_moment && traits.kappa != 0};
   return {has_moment, charged || (has_moment && (is_magnet(part.part) || has_gradient(part)))};
 }
 

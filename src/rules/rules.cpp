@@ -31,7 +31,8 @@ const Species* atom_of(const Beamline& beamline) {
 }
 
 bool turns_paths(const Beamline& beamline) {
-  if (const auto* dorado = std::get_if<DoradoLaw>(&beamline.law)) return dorado->kappa != 0;
+  const LawTraits law = law_traits(beamline.law);
+  if (!law.has_forces) return law.kappa != 0;
   return std::any_of(beamline.species.begin(), beamline.species.end(),
                      [](const Component& c) { return c.species.charge != 0; });
 }

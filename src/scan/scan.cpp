@@ -161,6 +161,17 @@ std::vector<NamedAt> names_before(std::size_t equals, const std::shared_ptr<cons
   return out;
 }
 
+/// "280 kHz:300 kHz" for `280 kHz-300 kHz` and the like; empty for what is no range.
+std::string meant_as_range(std::string_view text) {
+  const auto is_quantity = [](std::string_view part) { return parse_quantity(part).error.empty(); };
+  for (const std::string_view between : {"..", " to ", "-"})
+    for (std::size_t at = text.find(between, 1); at < text.size(); at = text.find(between, at + 1)) {
+      const std::string_view from = text.substr(0, at), to = text.substr(at + between.size());
+      if (is_quantity(from) && is_quantity(to)) return fmt::format("{}:{}", from, to);
+    }
+  return {};
+}
+
 /// NAME=FROM:TO:POINTS, NAME=FROM:TO:POINTS:log or NAME=A,B,C; several names have commas between.
 Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& reading) {
   Axis axis;
@@ -177,10 +188,13 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
   const std::vector<std::size_t> colons = separators(text, equals + 1, ':');
   std::vector<std::size_t> cuts = separators(text, equals + 1, ',');
   const bool range = cuts.empty() && !colons.empty();
-  if (range && colons.size() != 2 && colons.size() != 3) {
+  const std::string meant =
+      cuts.empty() && !range ? meant_as_range(std::string_view(text).substr(equals + 1)) : "";
+  if (!meant.empty() || (range && colons.size() != 2 && colons.size() != 3)) {
     reading.error({source, 1, static_cast<int>(equals) + 2, static_cast<int>(text.size() - equals - 1)},
                   "a range is FROM:TO:POINTS, or FROM:TO:POINTS:log",
-                  "such as `280 kHz:300 kHz:21` or `1 nT:1 mT:31:log`");
+                  meant.empty() ? "such as `280 kHz:300 kHz:21` or `1 nT:1 mT:31:log`"
+                                : fmt::format("write `{}:21` for 21 points", meant));
     return axis;
   }
   if (range) cuts = colons;

@@ -60,7 +60,8 @@ def test_atoms_that_leave_a_map_end_there_as_point_spins_do(tmp_path: Path) -> N
     "kind: formula_field, formula: {Bx: 2e-5, Bz: 5e-5*(1 + x/0.1), By: 5e-5*z/0.1, width: 4 cm, height: 1 cm, length: 10 cm, step: 2 mm}, tilt: {x: 15 deg, z: 20 deg}",
     "kind: solenoid, winding: 8 cm, radius: 3 cm, direction: x, field: 0.1 mT, reach: 0.3 m",
     "kind: straight_wire, radius: 3 mm, current: 0.1 A, reach: 0.25 m, direction: [1, 0, 0.2]",
-], ids=["slanting faces", "through windings", "through a wire"])
+    "kind: current_sheet, width: 6 cm, current: 5 A, reach: 0.25 m, tilt: {x: 20 deg, y: 10 deg, z: 30 deg}",
+], ids=["slanting faces", "through windings", "through a wire", "through a sheet of current"])
 def test_what_flies_through_a_jump_of_the_field_that_no_edge_of_a_part_is_agrees_with_an_independent_integration(tmp_path: Path, part: str) -> None:
     path = experiment(tmp_path, part + "}\n  - {name: B, kind: uniform_field, at: 0.8 m, length: 50 cm, field: 20 uT, direction: [1, 0, 1]")
     path.write_text(path.read_text().replace("direction: parallel", "direction: {kind: cone, half_angle: 2 mrad}"))

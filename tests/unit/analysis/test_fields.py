@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rabiline.__main__ import main
-from rabiline.field_plots import read_field
+from rabiline.field_plots import draw_field, read_field
 
 HEADER = "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m]\n"
 
@@ -25,6 +25,15 @@ def test_the_field_is_drawn(tmp_path: Path) -> None:
     picture = tmp_path / "b.png"
     assert main(["plot-field", str(write(tmp_path / "b.csv")), "-o", str(picture)]) == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_an_electric_field_stands_below_the_magnetic_one(tmp_path: Path) -> None:
+    table = write(tmp_path / "e.csv", header=HEADER.replace("\n", ",Ex [V/m],Ey [V/m],Ez [V/m]\n"))
+    first, *rows = table.read_text().splitlines()
+    table.write_text("\n".join([first, *(row + ",0,0,2e5" for row in rows)]))
+    line = read_field(table)
+    assert line.electric[4].tolist() == [0, 0, 2e5]
+    assert [axes.get_ylabel() for axes in draw_field(line, "both").axes] == ["B [mT]", "E [kV/m]"]
 
 
 @pytest.mark.parametrize("rows, header, said", [(11, "y,B\n", "no table of"), (1, HEADER, "fewer than two rows")])

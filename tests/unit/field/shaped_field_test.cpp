@@ -29,6 +29,7 @@ std::vector<Sample> samples() {
   return {{"linear", ShapedTerm(linear)},
           {"loop", ShapedTerm(LoopShape{0.05, 1e-3})},
           {"sheet", ShapedTerm(SheetShape{0.05, 0.1, 1e-3})},
+          {"flat sheet", ShapedTerm(FlatSheetShape{0.04, 1e-3})},
           {"wire", ShapedTerm(WireShape{1e-5, 1e-3, 0})},
           {"piece of wire", ShapedTerm(WireShape{1e-5, 1e-3, 0.1}), true},
           {"sextupole", ShapedTerm(MultipoleShape{2, 1e-3, 0.01})},
@@ -114,6 +115,35 @@ TEST(CurrentSheet, IsARowOfLoops) {
     }
     const Here f = field_at(sheet, r);
     EXPECT_LT(length_of(Vector3{f.field[0], f.field[1], f.field[2]} - sum), 1e-7 * length_of(sum)) << r.x;
+  }
+}
+
+TEST(FlatSheet, IsARowOfWires) {
+  const double half = 0.04, strength = 1e-3;
+  const ShapedTerm sheet(FlatSheetShape{half, strength});
+  constexpr int n = 2000;
+  for (const Vector3& r : places) {
+    Vector3 sum;  // of the middles of narrow strips
+    for (int i = 0; i < n; ++i) {
+      const ShapedTerm wire(WireShape{strength * 2 * half / n, 1e-6, 0});
+      const Here f = field_at(wire, r - Vector3{-half + 2 * half * (i + 0.5) / n, 0, 0});
+      sum = sum + Vector3{f.field[0], f.field[1], f.field[2]};
+    }
+    const Here f = field_at(sheet, r);
+    EXPECT_LT(length_of(Vector3{f.field[0], f.field[1], f.field[2]} - sum), 1e-4 * length_of(sum)) << r.x;
+  }
+}
+
+TEST(FlatSheet, HasTheFieldOfAnEndlessOneNearByWhichJumpsAndIsZeroInIt) {
+  const ShapedTerm sheet(FlatSheetShape{0.04, 1e-3});  // mu_0 K/2 = pi mT
+  EXPECT_NEAR(field_at(sheet, {0, 1e-9, 5}).field[0], -pi * 1e-3, 1e-10);
+  EXPECT_NEAR(field_at(sheet, {0, -1e-9, 5}).field[0], pi * 1e-3, 1e-10);
+  EXPECT_EQ(field_at(sheet, {0, 0, 5}).field[0], 0);
+  EXPECT_EQ(field_at(sheet, {0, 0.3, 5}).field[1], 0);
+  for (const double x : {-0.04, 0.04}) {  // at an edge
+    const Here edge = field_at(sheet, {x, 0, 5});
+    EXPECT_LT(std::abs(edge.field[1]), 1e-3 * 15) << x;
+    EXPECT_EQ(edge.field[0], 0) << x;
   }
 }
 

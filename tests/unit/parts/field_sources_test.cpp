@@ -89,6 +89,17 @@ TEST(StraightWirePart, CrossesTheBeamAtItsOffset) {
   EXPECT_NEAR(field_in(section, {0.3, 3, 0}).y, -1e-3, 1e-12);
 }
 
+TEST(CurrentSheetPart, StandsAcrossTheBeamWithItsCurrentAlongX) {
+  CurrentSheet part{100, 0.1, 0.2};
+  const double half = mu_0 * 100 / 0.1 / 2;  // mu_0 K/2
+  EXPECT_DOUBLE_EQ(section_of(part).begin, 2.8);
+  EXPECT_NEAR(field_in(section_of(part), {0, 3 - 1e-6, 0}).z, -half, 1e-4 * half);
+  EXPECT_NEAR(field_in(section_of(part), {0, 3 + 1e-6, 0}).z, half, 1e-4 * half);
+  EXPECT_NEAR(field_in(section_of(part), {0, 3 + 0.05, 0}).z, half / 2, 1e-12);  // seen under 90 degrees
+  part.tilt.x = std::numbers::pi / 2;  // below and above the beam: y of its own frame is z
+  EXPECT_NEAR(field_in(section_of(part), {0, 3, 1e-6}).y, -half, 1e-4 * half);
+}
+
 TEST(MultipoleFieldPart, MayBeTurnedAboutTheBeam) {
   MultipoleField part{0.2, 4, 1e-3, 0.01};
   EXPECT_NEAR(field_in(section_of(part), {0, 3.1, 0.01}).z, 1e-3, 1e-17);
