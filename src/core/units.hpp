@@ -23,7 +23,7 @@ struct UnitSymbol {
   Dimension dimension;
   double factor;  // [SI per unit]
 };
-/// The whole table, prefixes written out; the README's list and the messages come from it.
+/// The whole table, prefixes written out; `describe units` and the messages come from it.
 const std::vector<UnitSymbol>& unit_table();
 
 /// Why a text is no quantity.

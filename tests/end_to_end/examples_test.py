@@ -15,6 +15,13 @@ PROGRAM = os.environ["RABILINE_PROGRAM"]
 ROWS = [line.strip("| \n").split(" | ") for line in (ROOT / "docs/mistakes.md").read_text().splitlines()[7:] if line.startswith("|")]
 
 
+def test_every_link_of_the_documents_leads_to_a_file() -> None:
+    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+    links = [(page, link) for page in pages for link in re.findall(r"\]\(([^)#:]+)\)", page.read_text())]
+    assert len(links) > 30
+    assert not [f"{page.name}: {link}" for page, link in links if not (page.parent / link).exists()]
+
+
 def test_twenty_mistakes_are_listed() -> None:
     assert len(ROWS) >= 20 and all(len(row) == 4 for row in ROWS)
 
