@@ -10,7 +10,7 @@
 #include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::apertures_test {
 namespace {
 
 constexpr double deg = pi / 180;
@@ -160,4 +160,4 @@ TEST(OverlappedMagnet, StopsAtomsThatItDoesNotSortAtItsPolesAsItStopsPointSpins)
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::apertures_test

@@ -11,7 +11,7 @@
 #include "physics/apparatus.hpp"
 #include "spin/atoms.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::apparatus_test {
 namespace {
 
 // ---- Ramsey ----
@@ -230,4 +230,4 @@ TEST(PotassiumBeam, ThroughTwoWireMagnetsAndADriveIsWhatABruteForceGives) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::apparatus_test

@@ -12,7 +12,7 @@
 #include "rules/rules.hpp"
 #include "spin/atoms.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::atoms_test {
 namespace {
 
 // ---- Zeeman resonances in a weak field ----
@@ -381,4 +381,4 @@ TEST(MixedIsotopes, EachFlyAsTheyWouldAlone) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::atoms_test

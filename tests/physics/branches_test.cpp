@@ -11,7 +11,7 @@
 #include "physics/apparatus.hpp"
 #include "spin/atoms.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::branches_test {
 namespace {
 
 // ---- split and sample ----
@@ -360,4 +360,4 @@ TEST(Polarizer, InFrontOfAMagnetPreparesWhatIsDeflected) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::branches_test

@@ -8,7 +8,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::charges_test {
 namespace {
 
 /// Half of the diameter of the half circle by which a charge of 1000 m/s leaves a wide field of 1 mT again
@@ -69,4 +69,4 @@ TEST(RadiiOfACharge, TurnToTheOtherSideForANegativeGUnderLarmorAlone) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::charges_test

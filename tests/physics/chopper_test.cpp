@@ -7,7 +7,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::chopper_test {
 namespace {
 
 constexpr double at = 0.5, speed = 1000, frequency = 3e3;
@@ -62,4 +62,4 @@ TEST(Chopper, StopsWhatItDoesNotPass) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::chopper_test

@@ -11,7 +11,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::courses_test {
 namespace {
 
 constexpr double field_begin = 0.3;
@@ -162,4 +162,4 @@ TEST(Courses, KeepTheErrorForSlowParticlesOfAWideBeamToo) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::courses_test

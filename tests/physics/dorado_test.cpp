@@ -13,7 +13,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::dorado_test {
 namespace {
 
 const double larmor = std::abs(gamma_n) * 10e-3 / two_pi;
@@ -330,4 +330,4 @@ TEST(ClosureTorque, LeavesAlignedSpinsInAUniformFieldAloneAndLarmorBendsThem) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::dorado_test

@@ -10,7 +10,7 @@
 #include "physics/independent_spin.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::drive_shapes_test {
 namespace {
 
 constexpr double deg = pi / 180, speed = 1000, begin = 0.3, length = 0.2, stay = length / speed;
@@ -309,4 +309,4 @@ TEST(StandingWave, DrivesTheLinesOfAtomsAlike) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::drive_shapes_test

@@ -8,7 +8,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::electric_field_test {
 namespace {
 
 constexpr double speed_of_light = 299792458, e_cm = 0.01 * elementary_charge;
@@ -218,4 +218,4 @@ TEST(ElectricField, IsInTheCheckThatEveryRunMakes) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::electric_field_test

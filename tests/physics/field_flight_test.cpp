@@ -10,7 +10,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::field_flight_test {
 namespace {
 
 constexpr double five_angstrom = planck / (neutron_mass * 5e-10);  // [m/s]
@@ -259,4 +259,4 @@ TEST(FreeFall, GoesOnThroughFieldsAndMagnetsAndTurnedPaths) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::field_flight_test

@@ -8,7 +8,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::gas_cell_test {
 namespace {
 
 constexpr double length = 0.3, density = 4e19, cross_section = 1e-19;
@@ -84,4 +84,4 @@ TEST(GasCell, StopsAtItsBoreWhatMissesTheGas) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::gas_cell_test

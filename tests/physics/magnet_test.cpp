@@ -7,7 +7,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::magnet_test {
 namespace {
 
 Species atom(double mass_in_u, int twice_spin, double moment) {
@@ -193,4 +193,4 @@ TEST(TwoMagnets, BetweenRamseysZonesEraseTheirFringes) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::magnet_test

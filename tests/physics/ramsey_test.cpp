@@ -8,7 +8,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::ramsey_test {
 namespace {
 
 constexpr double speed = 1000, field = 10e-3;
@@ -194,4 +194,4 @@ TEST(NeighbouringLine, InTheSameFieldPullsTheLine) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::ramsey_test

@@ -7,7 +7,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::resonance_test {
 namespace {
 
 constexpr double speed = 1000, zone_length = 0.2, stay = zone_length / speed;
@@ -210,4 +210,4 @@ TEST(AllLaws, GiveTheSameMeanSpinInHomogeneousFields) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::resonance_test

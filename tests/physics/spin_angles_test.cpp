@@ -8,7 +8,7 @@
 #include "physics/independent.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::spin_angles_test {
 namespace {
 
 constexpr double b_field = 0.1e-3, h0_field = 4.8e-6, begin = 0.35, length = 0.4;
@@ -135,4 +135,4 @@ TEST(SpinAngles, AreSeenInARegionAsAnIndependentIntegrationHasThem) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::spin_angles_test

@@ -8,7 +8,7 @@
 #include "physics/independent_spin.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::spin_fields_test {
 namespace {
 
 constexpr double deg = pi / 180;
@@ -344,4 +344,4 @@ TEST(FieldAcrossTheBeam, TurnsTheVelocityAboutItUnderClosureLarmor) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::spin_fields_test

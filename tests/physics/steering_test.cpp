@@ -13,7 +13,7 @@
 #include "spin/moment_table.hpp"
 #include "transport/stages/steering.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::steering_test {
 namespace {
 
 /// mu = gamma hbar I along its spin.
@@ -259,4 +259,4 @@ TEST(MultipoleMagnet, FocusesHydrogenByItsEffectiveMoment) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::steering_test

@@ -6,7 +6,7 @@
 #include "constants.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::tally_test {
 namespace {
 
 using test::pi;
@@ -148,4 +148,4 @@ TEST(StateToStateMatrix, RemembersThePolarizerAndNotTheSource) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::tally_test

@@ -7,7 +7,7 @@
 #include "physics/agreement.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::velocity_selector_test {
 namespace {
 
 constexpr double nominal = 600, resolution = 0.12, peak = 0.8;
@@ -45,4 +45,4 @@ TEST(VelocitySelector, TakesItsNominalSpeedAsAWavelength) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::velocity_selector_test

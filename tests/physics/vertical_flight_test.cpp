@@ -8,7 +8,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::vertical_flight_test {
 namespace {
 
 constexpr double g = 9.81;
@@ -103,4 +103,4 @@ TEST(FreeFallAlongTheBeam, IsInTheCheckThatEveryRunMakes) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::vertical_flight_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rabiline {
+namespace rabiline::diagnostics_test {
 namespace {
 
 std::shared_ptr<const SourceText> text_of(std::vector<std::string> lines) {
@@ -70,4 +70,4 @@ TEST(Closest, StaysSilentWhereNothingIsNear) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::diagnostics_test

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace rabiline {
+namespace rabiline::in_parallel_test {
 namespace {
 
 TEST(InParallel, CallsEachNumberOnceOnAnyNumberOfThreads) {
@@ -28,4 +28,4 @@ TEST(InParallel, ThrowsWhatWasThrownWhenAllElseIsDone) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::in_parallel_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace rabiline {
+namespace rabiline::portable_math_test {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon(), pi = std::numbers::pi;
@@ -110,4 +110,4 @@ TEST(PortableMath, HasLengthsThatNeitherOverflowNorVanish) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::portable_math_test

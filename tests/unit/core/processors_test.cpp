@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
-namespace rabiline {
+namespace rabiline::processors_test {
 namespace {
 
 TEST(Processors, AreThoseThatTheProcessIsBoundTo) {
@@ -19,4 +19,4 @@ TEST(Processors, AreThoseThatTheProcessIsBoundTo) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::processors_test

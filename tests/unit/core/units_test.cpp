@@ -10,7 +10,7 @@
 #include "core/constants.hpp"
 #include "particle/species.hpp"
 
-namespace rabiline {
+namespace rabiline::units_test {
 namespace {
 
 using testing::HasSubstr;
@@ -167,4 +167,4 @@ TEST(Constants, ObeyTheIdentitiesThatConnectThem) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::units_test

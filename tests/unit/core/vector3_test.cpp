@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-namespace rabiline {
+namespace rabiline::vector3_test {
 namespace {
 
 TEST(TurnedAbout, TurnsRightHandedAndKeepsTheLength) {
@@ -25,4 +25,4 @@ TEST(IsParallel, HoldsForVectorsAlongOneLineAndForNone) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::vector3_test

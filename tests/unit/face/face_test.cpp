@@ -8,7 +8,7 @@
 #include "commands/common.hpp"
 #include "rabiline.hpp"
 
-namespace rabiline {
+namespace rabiline::face_test {
 namespace {
 
 using testing::ElementsAre;
@@ -213,4 +213,4 @@ TEST_F(Face, SolvesAModelOverItsScan) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::face_test

@@ -7,7 +7,7 @@
 
 #include "field/host_maths.hpp"
 
-namespace rabiline {
+namespace rabiline::field_formula_test {
 namespace {
 
 const std::array<MapAxis, 3> axes{MapAxis{5, -0.01, 0.005}, MapAxis{7, 0, 0.02}, MapAxis{4, -0.03, 0.02}};
@@ -109,4 +109,4 @@ TEST(FieldFormula, HasNoConstantsWhoseNamesMeanSomethingElse) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::field_formula_test

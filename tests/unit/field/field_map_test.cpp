@@ -9,7 +9,7 @@
 #include "checks.hpp"
 #include "field/lane_maths.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::field_map_test {
 namespace {
 
 using Field = std::function<Vector3(const Vector3&)>;
@@ -300,4 +300,4 @@ TEST(MapAxis, IsEvenToAMillionthOfAStep) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::field_map_test

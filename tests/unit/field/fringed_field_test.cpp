@@ -4,7 +4,7 @@
 
 #include "checks.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::fringed_field_test {
 namespace {
 
 constexpr double pi = 3.14159265358979, size = 1e-3, half_length = 0.1, fringe = 0.02;
@@ -77,4 +77,4 @@ TEST(FringedField, StaysFiniteFarAway) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::fringed_field_test

@@ -9,7 +9,7 @@
 #include "checks.hpp"
 #include "field/lane_maths.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::shaped_field_test {
 namespace {
 
 constexpr double pi = std::numbers::pi, mu_0 = 1.25663706127e-6;
@@ -173,4 +173,4 @@ TEST(MultipoleField, PointsUpAboveItsAxisAndGrowsWithItsPower) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::shaped_field_test

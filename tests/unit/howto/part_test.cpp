@@ -9,7 +9,7 @@
 #include "scan/member.hpp"
 #include "section/section_builder.hpp"
 
-namespace rabiline {
+namespace rabiline::part_test {
 namespace {
 
 using testing::ElementsAre;
@@ -103,4 +103,4 @@ TEST(PartOfTheHowTo, ContributesItsFieldAndItsWall) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::part_test

@@ -10,7 +10,7 @@
 
 #include "scan/model_file.hpp"
 
-namespace rabiline {
+namespace rabiline::corpus_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ INSTANTIATE_TEST_SUITE_P(Corpus, GoodFile, testing::ValuesIn(files_in("good")),
                          [](const auto& test) { return test.param; });
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::corpus_test

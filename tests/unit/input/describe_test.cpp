@@ -9,7 +9,7 @@
 #include "input/document.hpp"
 #include "scan/experiment.hpp"
 
-namespace rabiline {
+namespace rabiline::describe_test {
 namespace {
 
 using testing::AllOf;
@@ -186,4 +186,4 @@ TEST(JsonSchema, HasEveryKeyOfABeamline) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::describe_test

@@ -8,7 +8,7 @@
 
 #include "input/file.hpp"
 
-namespace rabiline {
+namespace rabiline::document_test {
 namespace {
 
 using testing::HasSubstr;
@@ -107,4 +107,4 @@ TEST(File, PutsThePartsOfItsGeometryBeforeItsOwn) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::document_test

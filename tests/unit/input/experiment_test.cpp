@@ -7,7 +7,7 @@
 #include <ctime>
 #include <fstream>
 
-namespace rabiline {
+namespace rabiline::experiment_test {
 namespace {
 
 using testing::ElementsAre;
@@ -306,4 +306,4 @@ TEST(Parts, AreSortedByWhereTheyBegin) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::experiment_test

@@ -11,7 +11,7 @@
 #include "rules/warnings.hpp"
 #include "scan/experiment.hpp"
 
-namespace rabiline {
+namespace rabiline::explain_atoms_test {
 namespace {
 
 using testing::HasSubstr;
@@ -130,4 +130,4 @@ TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::explain_atoms_test

@@ -9,7 +9,7 @@
 
 #include "scan/experiment.hpp"
 
-namespace rabiline {
+namespace rabiline::mutation_test {
 namespace {
 
 constexpr const char* fragments[] = {"{",  "}",   "[",     "]",    ":",  ",",   "- ", "\n",
@@ -61,4 +61,4 @@ TEST(DamagedFile, IsReadOrExplained) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::mutation_test

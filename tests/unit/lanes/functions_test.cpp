@@ -11,7 +11,7 @@
 
 #include "lanes_kernels.hpp"
 
-namespace rabiline {
+namespace rabiline::functions_test {
 namespace {
 
 using Reference = std::function<long double(long double)>;
@@ -199,4 +199,4 @@ TEST(RotationCoefficients, agree_with_the_closed_form_up_to_one_radian) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::functions_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rabiline {
+namespace rabiline::isa_test {
 namespace {
 
 TEST(InstructionSet, is_parsed_back_from_its_own_name) {
@@ -23,4 +23,4 @@ TEST(InstructionSet, that_is_faster_implies_the_slower_ones) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::isa_test

@@ -10,7 +10,7 @@
 #include "core/portable_math.hpp"
 #include "lanes_kernels.hpp"
 
-namespace rabiline {
+namespace rabiline::same_bits_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -228,4 +228,4 @@ INSTANTIATE_TEST_SUITE_P(on, Lanes, testing::Values(Isa::baseline, Isa::avx2, Is
                          });
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::same_bits_test

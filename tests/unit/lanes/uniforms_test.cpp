@@ -6,7 +6,7 @@
 
 #include "lanes_kernels.hpp"
 
-namespace rabiline {
+namespace rabiline::uniforms_test {
 namespace {
 
 double uniform_of(std::uint32_t high, std::uint32_t low) {
@@ -49,4 +49,4 @@ TEST(Uniforms, lie_strictly_between_zero_and_one_even_at_the_ends) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::uniforms_test

@@ -12,7 +12,7 @@
 #include "physics/agreement.hpp"
 #include "unit/models/findings.hpp"
 
-namespace rabiline {
+namespace rabiline::bound_charge_test {
 namespace {
 
 using constants::two_pi;
@@ -184,4 +184,4 @@ TEST(BoundCharge, TellsRatesBeforeItIsRun) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::bound_charge_test

@@ -10,7 +10,7 @@
 #include "physics/agreement.hpp"
 #include "unit/models/findings.hpp"
 
-namespace rabiline {
+namespace rabiline::charged_particle_test {
 namespace {
 
 using constants::elementary_charge;
@@ -303,4 +303,4 @@ TEST(ChargedParticle, TellsRatesAndRadiiBeforeItIsRun) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::charged_particle_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rabiline {
+namespace rabiline::measure_test {
 namespace {
 
 TEST(AnglesAbout, FollowAVectorThroughManyTurnsAboutAnyAxis) {
@@ -36,4 +36,4 @@ TEST(MeanRate, AveragesOutWhatSwings) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::measure_test

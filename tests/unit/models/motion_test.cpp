@@ -7,7 +7,7 @@
 #include "models/model.hpp"
 #include "unit/models/findings.hpp"
 
-namespace rabiline {
+namespace rabiline::motion_test {
 namespace {
 
 using test::finding;
@@ -72,4 +72,4 @@ TEST(Expectations, OfABoundChargeAreRightToSomeOrder) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::motion_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace rabiline {
+namespace rabiline::ode_test {
 namespace {
 
 TEST(Integrate, KeepsAnOscillatorOnItsCircleForAHundredTurns) {
@@ -33,4 +33,4 @@ TEST(Integrate, SaysWhereTheMotionCannotBeFollowed) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::ode_test

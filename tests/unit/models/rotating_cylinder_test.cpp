@@ -10,7 +10,7 @@
 #include "physics/agreement.hpp"
 #include "unit/models/findings.hpp"
 
-namespace rabiline {
+namespace rabiline::rotating_cylinder_test {
 namespace {
 
 using test::expect_agreement;
@@ -230,4 +230,4 @@ TEST(RotatingCylinder, RefusesWhatCannotBeFollowedOrHasNoSteadyPrecession) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::rotating_cylinder_test

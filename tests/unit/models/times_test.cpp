@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rabiline {
+namespace rabiline::times_test {
 namespace {
 
 TEST(TimesOf, AreThoseThatAreWrittenWhereLittleTurns) {
@@ -20,4 +20,4 @@ TEST(TimesOf, AreSixteenForEachTurnAndEndWithTheDuration) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::times_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace rabiline {
+namespace rabiline::channel_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -125,4 +125,4 @@ TEST(ChannelFlow, AgreesWithMoleculesFollowedFromWallToWall) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::channel_test

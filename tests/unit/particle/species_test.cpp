@@ -8,7 +8,7 @@
 
 #include "core/constants.hpp"
 
-namespace rabiline {
+namespace rabiline::species_test {
 namespace {
 
 using namespace constants;
@@ -202,4 +202,4 @@ TEST(NaturalMixtures, ShareAllParticlesAmongTheIsotopesOfAnElement) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::species_test

@@ -10,7 +10,7 @@
 #include "core/constants.hpp"
 #include "particle/law_tables.hpp"
 
-namespace rabiline {
+namespace rabiline::speed_test {
 namespace {
 
 constexpr double neutron = test::neutron_mass, helium = 4.002602 * constants::atomic_mass;
@@ -119,4 +119,4 @@ TEST(MeanSpeed, OfATableIsThatOfItsLinearDensity) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::speed_test

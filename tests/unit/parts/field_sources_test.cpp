@@ -6,7 +6,7 @@
 #include "parts/part.hpp"
 #include "section/section_builder.hpp"
 
-namespace rabiline {
+namespace rabiline::field_sources_test {
 namespace {
 
 constexpr double mu_0 = 1.25663706127e-6;
@@ -111,4 +111,4 @@ TEST(MultipoleFieldPart, MayBeTurnedAboutTheBeam) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::field_sources_test

@@ -6,7 +6,7 @@
 #include "field/shaped_field.hpp"
 #include "section/section_builder.hpp"
 
-namespace rabiline {
+namespace rabiline::uniform_field_test {
 namespace {
 
 constexpr double g = 1e-3;  // [T/m]
@@ -129,4 +129,4 @@ TEST(UniformField, RefusesAGradientWithAFringeOrAskew) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::uniform_field_test

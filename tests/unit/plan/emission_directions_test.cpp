@@ -5,7 +5,7 @@
 #include "constants.hpp"
 #include "unit/plan/drawn.hpp"
 
-namespace rabiline {
+namespace rabiline::emission_directions_test {
 namespace {
 
 using test::beam;
@@ -237,4 +237,4 @@ TEST(Emission, OfEveryLawIsTheSameOnEveryInstructionSet) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::emission_directions_test

@@ -2,7 +2,7 @@
 #include "core/constants.hpp"
 #include "unit/plan/drawn.hpp"
 
-namespace rabiline {
+namespace rabiline::emission_speeds_test {
 namespace {
 
 using test::beam;
@@ -120,4 +120,4 @@ TEST(Emission, OfAWavelengthDependsOnTheMass) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::emission_speeds_test

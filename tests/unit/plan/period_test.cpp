@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rabiline {
+namespace rabiline::period_test {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
@@ -84,4 +84,4 @@ TEST(FloquetForm, IsLeftAloneWhereFieldsDoNotRepeatOrHaveTooManyHarmonics) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::period_test

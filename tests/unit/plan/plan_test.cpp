@@ -6,7 +6,7 @@
 #include "plan/explain.hpp"
 #include "rules/warnings.hpp"
 
-namespace rabiline {
+namespace rabiline::plan_test {
 namespace {
 
 using test::place;
@@ -262,4 +262,4 @@ TEST(SampledTables, MakeTheMomentsOfOneStructureOnce) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::plan_test

@@ -5,7 +5,7 @@
 
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::field_lint_test {
 namespace {
 
 using test::place;
@@ -76,4 +76,4 @@ TEST(FieldLint, TellsAMapThatIsNoFieldFromOneThatIs) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::field_lint_test

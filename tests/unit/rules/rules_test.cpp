@@ -8,7 +8,7 @@
 #include "core/constants.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::rules_test {
 namespace {
 
 using test::place;
@@ -131,4 +131,4 @@ TEST(Rules, ForbidAScanThatChangesWhatAllPointsShare) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::rules_test

@@ -8,7 +8,7 @@
 #include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::warnings_test {
 namespace {
 
 using test::place;
@@ -126,4 +126,4 @@ TEST(Warnings, TellThatAtomsInAGradientAreBetweenOnePathAndNoPhase) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::warnings_test

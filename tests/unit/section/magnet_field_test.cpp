@@ -5,7 +5,7 @@
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 
-namespace rabiline {
+namespace rabiline::magnet_field_test {
 namespace {
 
 FieldHere<double> field_in(const MagnetTerm& magnet, double x, double z) {
@@ -73,4 +73,4 @@ TEST(MagnetField, OfAnEvenGradientTakesTheOtherComponentWithIt) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::magnet_field_test

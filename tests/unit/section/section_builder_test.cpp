@@ -4,7 +4,7 @@
 
 #include "parts/part.hpp"
 
-namespace rabiline {
+namespace rabiline::section_builder_test {
 namespace {
 
 constexpr Wall chamber{0.05, chamber_number};
@@ -148,4 +148,4 @@ TEST(SectionBuilder, MakesAMagnetThatAnotherFieldOverlapsOneFieldAmongOthersWith
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::section_builder_test

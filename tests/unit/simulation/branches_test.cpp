@@ -3,7 +3,7 @@
 
 #include "physics/suggested.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::branches_test {
 namespace {
 
 constexpr Rectangle gap{6e-3, 0.5e-3};
@@ -108,4 +108,4 @@ TEST(Branches, DoNotDependOnBatchesThreadsAndInstructionSets) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::branches_test

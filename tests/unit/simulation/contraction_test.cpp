@@ -4,7 +4,7 @@
 #include "apparatus.hpp"
 #include "as_alone.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::contraction_test {
 namespace {
 
 using test::expect_as_alone;
@@ -222,4 +222,4 @@ TEST(Moments, TellHowPointsVaryTogether) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::contraction_test

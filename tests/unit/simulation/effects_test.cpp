@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace rabiline {
+namespace rabiline::effects_test {
 namespace {
 
 /// Two axes, of two and three points; what one detector caught at each of the six.
@@ -41,4 +41,4 @@ TEST(WarningsOfAResult, AreSilentWhereNothingIsScanned) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::effects_test

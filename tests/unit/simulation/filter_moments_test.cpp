@@ -4,7 +4,7 @@
 
 #include "as_alone.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::filter_moments_test {
 namespace {
 
 /// Draws the same numbers everywhere, which distributions of the library need not.
@@ -214,4 +214,4 @@ TEST(FilterMoments, TellHowPointsVaryTogether) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::filter_moments_test

@@ -8,7 +8,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/counting.hpp"
 
-namespace rabiline {
+namespace rabiline::finish_test {
 namespace {
 
 using test::run_points;
@@ -293,4 +293,4 @@ TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::finish_test

@@ -7,7 +7,7 @@
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::form_test {
 namespace {
 
 constexpr int many = 4200;  // points: more than stand in one slab, where memory is short
@@ -105,4 +105,4 @@ TEST(Slabs, OfARescanShareTheStragglersOfItsFlight) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::form_test

@@ -5,7 +5,7 @@
 
 #include "unit/transport/level_laboratory.hpp"
 
-namespace rabiline {
+namespace rabiline::level_check_test {
 namespace {
 
 /// Of the first particle of a flight.
@@ -75,4 +75,4 @@ TEST(LevelReference, SaysNothingWhereItWouldTakeTooLong) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::level_check_test

@@ -9,7 +9,7 @@
 #include "simulation/line_centre.hpp"
 #include "simulation/work.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::precision_test {
 namespace {
 
 /// Half of the particles pass: the error of `detected` is close to 1/(2 sqrt N).
@@ -219,4 +219,4 @@ TEST(Until, EndsWhereTheCentreOfTheLineIsKnown) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::precision_test

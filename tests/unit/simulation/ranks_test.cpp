@@ -7,7 +7,7 @@
 #include "simulation/run.hpp"
 #include "team.hpp"
 
-namespace rabiline {
+namespace rabiline::ranks_test {
 namespace {
 
 /// Two species, whose trees cost differently, at three independent points.
@@ -165,4 +165,4 @@ TEST(Dealer, GivesEachPlaceToOneAndSharesOutTheRest) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::ranks_test

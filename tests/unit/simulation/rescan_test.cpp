@@ -6,7 +6,7 @@
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
 
-namespace rabiline::test {
+namespace rabiline::test::rescan_test {
 namespace {
 
 Experiment experiment_of(std::vector<Beamline> points) {
@@ -171,4 +171,4 @@ TEST(Rescan, RefusesWhatDoesNotFollowFromTheFlight) {
 }
 
 }  // namespace
-}  // namespace rabiline::test
+}  // namespace rabiline::test::rescan_test

@@ -7,7 +7,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/work.hpp"
 
-namespace rabiline {
+namespace rabiline::run_test {
 namespace {
 
 /// A monitor and tallies of everything, a turned disc of some efficiency with a dead area.
@@ -212,4 +212,4 @@ TEST(Run, WithAnotherSeedOrStreamGivesOtherParticles) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::run_test

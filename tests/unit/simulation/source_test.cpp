@@ -6,7 +6,7 @@
 
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::source_test {
 namespace {
 
 using test::place;
@@ -247,4 +247,4 @@ TEST(Pulse, MovesTheStartAgainstLockedPhases) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::source_test

@@ -13,7 +13,7 @@
 #include "simulation/trace.hpp"
 #include "slow.hpp"
 
-namespace rabiline {
+namespace rabiline::tally_test {
 namespace {
 
 using test::axis;
@@ -320,4 +320,4 @@ TEST(Plan, SharesTalliesThatAskForNoSpinAndAllThatFollowsThoseThatDo) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::tally_test

@@ -6,7 +6,7 @@
 
 #include "physics/suggested.hpp"
 
-namespace rabiline {
+namespace rabiline::work_test {
 namespace {
 
 Experiment two_points(std::uint64_t particles) {
@@ -148,4 +148,4 @@ TEST(Merger, RefusesShardsThatOverlapOrAreForeignOrUnfinishedOrMissing) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::work_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rabiline {
+namespace rabiline::angular_momentum_test {
 namespace {
 
 TEST(AngularMomentum, ObeysItsCommutatorsAndHasTheLengthOfJ) {
@@ -29,4 +29,4 @@ TEST(AngularMomentum, OfOneHalfIsHalfOfPaulisMatricesWithTheUpperStateFirst) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::angular_momentum_test

@@ -8,7 +8,7 @@
 #include "particle/species.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::atoms_test {
 namespace {
 
 /// How much weaker the nucleus is in the atom than bare, by the library of species: 1 - mu(atom)/mu(bare).
@@ -82,4 +82,4 @@ TEST(AtomLibrary, HasTheElectronsGFactorUpToBinding) {
 TEST(AtomLibrary, DoesNotKnowOtherNames) { EXPECT_EQ(find_atom("Cs-134"), nullptr); }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::atoms_test

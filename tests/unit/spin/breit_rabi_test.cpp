@@ -8,7 +8,7 @@
 #include "core/constants.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::breit_rabi_test {
 namespace {
 
 using constants::bohr_magneton;
@@ -157,4 +157,4 @@ TEST(ZeroMomentField, DoesNotExistForStretchedLevelsAndForMZero) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::breit_rabi_test

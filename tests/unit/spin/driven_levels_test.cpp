@@ -13,7 +13,7 @@
 #include "spin/majorana.hpp"
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::driven_levels_test {
 namespace {
 
 /// N. Ramsey's formula for two fields of the time tau each, a time T apart.
@@ -319,4 +319,4 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryUnderEveryEnvelope) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::driven_levels_test

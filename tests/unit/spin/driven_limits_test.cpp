@@ -9,7 +9,7 @@
 #include "spin/driven_levels.hpp"
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::driven_limits_test {
 namespace {
 
 TEST(DrivenLevels, WithRandomClocksAreTheMeanOverAllStartPhases) {
@@ -104,4 +104,4 @@ TEST(DrivenLevels, RefuseZonesThatOverlapAndClocksWithTwoFrequencies) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::driven_limits_test

@@ -16,7 +16,7 @@
 #include "spin/rotating_frame.hpp"
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::evolution_test {
 namespace {
 
 using Cycles = long double;  // 1e8 cycles of a clock, to 1e-10 of a cycle
@@ -181,4 +181,4 @@ TEST(Evolution, OfLevelsThatNothingMixesIsNone) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::evolution_test

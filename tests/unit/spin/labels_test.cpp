@@ -8,7 +8,7 @@
 #include "spin/hamiltonian.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::labels_test {
 namespace {
 
 /// Atoms with a normal, an inverted and a J = 3/2 structure, and a molecule.
@@ -94,4 +94,4 @@ TEST(LevelLabels, FollowTheStatesContinuouslyFromZeroToAStrongField) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::labels_test

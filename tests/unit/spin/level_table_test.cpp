@@ -11,7 +11,7 @@
 #include "particle/species.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::level_table_test {
 namespace {
 
 /// A row of numbers at a field.
@@ -88,4 +88,4 @@ TEST(LevelTable, TakesFThatAreNearTogether) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::level_table_test

@@ -13,7 +13,7 @@
 #include "core/constants.hpp"
 #include "spin/atoms.hpp"
 
-namespace rabiline {
+namespace rabiline::levels_test {
 namespace {
 
 using constants::bohr_magneton;
@@ -197,4 +197,4 @@ TEST(Levels, OfOneSpinAloneAreThoseOfAPointMoment) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::levels_test

@@ -8,7 +8,7 @@
 
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::majorana_test {
 namespace {
 
 using test::instruction_sets;
@@ -63,4 +63,4 @@ TEST(MajoranaTable, GivesThePublishedSharesOfSpinThreeHalvesAtOneQuarter) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::majorana_test

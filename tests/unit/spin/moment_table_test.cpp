@@ -11,7 +11,7 @@
 #include "spin/levels.hpp"
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::moment_table_test {
 namespace {
 
 /// From 1 uT to 20 T in equal ratios, and next to nothing: at 0 the size of a field cannot fall further.
@@ -73,4 +73,4 @@ TEST(MomentTable, OfUncoupledSpinsIsOneCellOfConstants) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::moment_table_test

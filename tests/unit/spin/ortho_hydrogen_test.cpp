@@ -8,7 +8,7 @@
 #include "particle/species.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::ortho_hydrogen_test {
 namespace {
 
 constexpr double proton = 42.577478461e6, rotation = 6.71e6;  // [Hz/T]
@@ -90,4 +90,4 @@ TEST(OrthoHydrogen, HasThreeLevelsAtZeroField) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::ortho_hydrogen_test

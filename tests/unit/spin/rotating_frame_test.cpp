@@ -12,7 +12,7 @@
 #include "spin/level_labels.hpp"
 #include "unit/transport/readers.hpp"
 
-namespace rabiline {
+namespace rabiline::rotating_frame_test {
 namespace {
 
 struct Frame {
@@ -127,4 +127,4 @@ TEST(StandingCoupling, OfPotassiumAgreesWithTheWholeField) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::rotating_frame_test

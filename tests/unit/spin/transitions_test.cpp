@@ -8,7 +8,7 @@
 #include "spin/atoms.hpp"
 #include "spin/levels.hpp"
 
-namespace rabiline {
+namespace rabiline::transitions_test {
 namespace {
 
 using constants::bohr_magneton;
@@ -94,4 +94,4 @@ TEST(ThermalPopulations, AreEqualInAHotOvenAndAllInTheLowestLevelInTheCold) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::transitions_test

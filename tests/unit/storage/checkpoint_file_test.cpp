@@ -7,7 +7,7 @@
 
 #include "samples.hpp"
 
-namespace rabiline {
+namespace rabiline::checkpoint_file_test {
 namespace {
 
 using samples::Folder;
@@ -84,4 +84,4 @@ TEST(CheckpointFile, NoticesAFileCutShort) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::checkpoint_file_test

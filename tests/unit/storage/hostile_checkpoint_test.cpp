@@ -12,7 +12,7 @@
 #include "storage/checkpoint_file.hpp"
 #include "storage/seal.hpp"
 
-namespace rabiline {
+namespace rabiline::hostile_checkpoint_test {
 namespace {
 
 using samples::Folder;
@@ -185,4 +185,4 @@ INSTANTIATE_TEST_SUITE_P(Attacks, HostileCheckpoint, testing::ValuesIn(attacks()
                          [](const auto& attack) { return attack.param.name; });
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::hostile_checkpoint_test

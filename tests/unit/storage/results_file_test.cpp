@@ -15,7 +15,7 @@
 #include "storage/origin.hpp"
 #include "storage/tracks_file.hpp"
 
-namespace rabiline {
+namespace rabiline::results_file_test {
 namespace {
 
 using samples::Folder;
@@ -213,4 +213,4 @@ TEST(TracksFile, KeepsEveryTrackEvenOfTheSameParticle) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::results_file_test

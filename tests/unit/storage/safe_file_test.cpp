@@ -20,7 +20,7 @@
 #include "forked.hpp"
 #include "storage/lock.hpp"
 
-namespace rabiline {
+namespace rabiline::safe_file_test {
 namespace {
 
 using samples::bytes_of;
@@ -299,4 +299,4 @@ TEST(ReplaceFile, LeavesTheEarlierFileWhenKilledJustBeforeTheRename) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::safe_file_test

@@ -5,7 +5,7 @@
 
 #include "samples.hpp"
 
-namespace rabiline {
+namespace rabiline::tracks_file_test {
 namespace {
 
 using samples::Folder;
@@ -47,4 +47,4 @@ TEST(TracksFile, NamesTheLawOnceForAllAndOfEachParticle) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::tracks_file_test

@@ -9,7 +9,7 @@
 #include "plan/courses.hpp"
 #include "transport/stages/turning_region.hpp"
 
-namespace rabiline {
+namespace rabiline::courses_test {
 namespace {
 
 constexpr double w0 = 1.83e6, stay = 2e-4;  // [rad/s], [s] at 1000 m/s
@@ -176,4 +176,4 @@ TEST(ConstantTurn, AgreesWithFineStepsForBothClosuresInARotatingFieldAndWithout)
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::courses_test

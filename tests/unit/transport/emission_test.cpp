@@ -8,7 +8,7 @@
 
 #include "unit/transport/emitted.hpp"
 
-namespace rabiline {
+namespace rabiline::emission_test {
 namespace {
 
 using test::emitted;
@@ -136,4 +136,4 @@ TEST(Emission, GivesAParticleTheSameStartInAnyBatchAndOnAnyInstructionSet) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::emission_test

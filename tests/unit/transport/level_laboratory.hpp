@@ -53,16 +53,16 @@ inline CoupledSpins structure(int twice_i, int twice_j, double coupling, double 
   return coupled_spins(Structure{{twice_i}, {twice_j}, coupling, quadrupole, g_j, g_i});
 }
 
-inline constexpr int particles = 8;  // the first flies at the speed of the flight, the others ever faster
+inline constexpr int beam_size = 8;  // the first flies at the speed of the flight, the others ever faster
 
 /// The part of each particle that is found in each level: [level][particle].
 inline std::vector<double> all_carried_along(const SpinPath& path, const Flight& f, int level, Isa isa) {
   Batch batch;
   BatchView& v = batch.view();
-  v.count = v.padded = particles;
+  v.count = v.padded = beam_size;
   v.y = f.length;
   alignas(64) std::uint64_t weights[Batch::capacity] = {}, shares[most_levels * Batch::capacity];
-  for (int i = 0; i < particles; ++i) {
+  for (int i = 0; i < beam_size; ++i) {
     v.x[i] = v.z[i] = v.vx[i] = v.vz[i] = 0;
     v.vy[i] = f.speed * (1 + 0.01 * i);
     v.t[i] = f.length / v.vy[i];
@@ -72,7 +72,7 @@ inline std::vector<double> all_carried_along(const SpinPath& path, const Flight&
   }
   share_levels(path, {}, isa, v, weights, shares);
   std::vector<double> p;
-  for (int i = 0; i < f.spins.levels() * particles; ++i)
+  for (int i = 0; i < f.spins.levels() * beam_size; ++i)
     p.push_back(static_cast<double>(shares[i]) / static_cast<double>(quanta_per_particle));
   return p;
 }
@@ -89,7 +89,7 @@ inline std::vector<double> all_carried(const Flight& f, int level, Isa isa) {
 /// Of the first one.
 inline std::vector<double> of_first(const std::vector<double>& all) {
   std::vector<double> p;
-  for (std::size_t i = 0; i < all.size(); i += particles) p.push_back(all[i]);
+  for (std::size_t i = 0; i < all.size(); i += beam_size) p.push_back(all[i]);
   return p;
 }
 inline std::vector<double> carried(const Flight& f, int level) {

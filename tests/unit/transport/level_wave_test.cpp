@@ -9,7 +9,7 @@
 #include "spin/driven_levels.hpp"
 #include "unit/transport/level_laboratory.hpp"
 
-namespace rabiline {
+namespace rabiline::level_wave_test {
 namespace {
 
 /// A field [T] that swings along an axis all along the way as half a sine, in the rotating-wave
@@ -153,4 +153,4 @@ TEST(LevelWave, GivesTheSameBitsOnEachInstructionSet) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::level_wave_test

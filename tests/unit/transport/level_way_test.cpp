@@ -9,7 +9,7 @@
 #include "spin/majorana.hpp"
 #include "unit/transport/level_laboratory.hpp"
 
-namespace rabiline {
+namespace rabiline::level_way_test {
 namespace {
 
 /// Past a zero of the field, some of it across, at a speed at which levels neither stay nor follow.
@@ -111,7 +111,7 @@ TEST(LevelWay, SwitchesPulsesForEachParticleWhereItIsThen) {
   faster.speed *= 1.03;
   const std::vector<double> all = all_carried(f, 0, best_isa()), alone = carried(faster, 0);
   for (std::size_t level = 0; level < alone.size(); ++level)
-    EXPECT_EQ(all[level * particles + 3], alone[level]);
+    EXPECT_EQ(all[level * beam_size + 3], alone[level]);
   EXPECT_GT(worst_difference(carried(f, 0), alone), 1e-3);
 }
 
@@ -188,4 +188,4 @@ TEST(LevelWay, FeelsTheFieldAcross) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::level_way_test

@@ -7,7 +7,7 @@
 #include "physics/suggested.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline {
+namespace rabiline::region_test {
 namespace {
 
 using test::place;
@@ -102,4 +102,4 @@ TEST(Region, OfNoFieldFliesStraight) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::region_test

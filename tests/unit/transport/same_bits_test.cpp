@@ -9,7 +9,7 @@
 #include "unit/transport/readers.hpp"
 #include "unit/transport/stage_samples.hpp"
 
-namespace rabiline {
+namespace rabiline::same_bits_test {
 namespace {
 
 using test::StageSample;
@@ -121,4 +121,4 @@ INSTANTIATE_TEST_SUITE_P(Of, StageBits, testing::ValuesIn(kinds_of(std::type_ide
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::same_bits_test

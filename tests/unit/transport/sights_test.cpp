@@ -10,7 +10,7 @@
 #include "simulation/finish_tallies.hpp"
 #include "simulation/trace.hpp"
 
-namespace rabiline {
+namespace rabiline::sights_test {
 namespace {
 
 using test::axis;
@@ -231,4 +231,4 @@ TEST(SpinAngles, HaveTheMeanDirectionAndNotTheMeanNumberAcrossHalfATurn) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::sights_test

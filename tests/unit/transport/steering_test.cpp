@@ -16,7 +16,7 @@
 #include "spin/moment_table.hpp"
 #include "transport/stages/steering.hpp"
 
-namespace rabiline {
+namespace rabiline::steering_test {
 namespace {
 
 using test::atomic_mass;
@@ -327,4 +327,4 @@ TEST(Steering, OfParticlesThatMeetTheAxisEnds) {
 }
 
 }  // namespace
-}  // namespace rabiline
+}  // namespace rabiline::steering_test
