@@ -33,7 +33,7 @@ def test_an_electric_field_stands_below_the_magnetic_one(tmp_path: Path) -> None
     table.write_text("\n".join([first, *(row + ",0,0,2e5" for row in rows)]))
     line = read_field(table)
     assert line.electric[4].tolist() == [0, 0, 2e5]
-    assert [axes.get_ylabel() for axes in draw_field(line, "both").axes] == ["B [mT]", "E [kV/m]"]
+    assert [axes.get_ylabel() for axes in draw_field(line, "both").axes] == ["B (mT)", "E (kV/m)"]
 
 
 @pytest.mark.parametrize("rows, header, said", [(11, "y,B\n", "no table of"), (1, HEADER, "fewer than two rows")])
