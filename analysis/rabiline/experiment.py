@@ -98,10 +98,13 @@ class Experiment:
 
     def scan(self, names: str | None = None, values: str | Iterable[Value] = ()) -> Experiment:
         """With a scan more, inside of those made here before and outside of the file's own: over a range, "280 kHz:300 kHz:21" with `:log` behind it for
-        equal ratios, or over a list, `["9 mT", "10 mT"]` or numbers in SI. "a,b" scans two parameters together. Without
-        arguments: without any scan, the file's own included. Raises InputError as `load` does."""
+        equal ratios, or over a list, `["9 mT", "10 mT"]` or numbers in SI. "a,b" scans two parameters together. One text
+        may be as on the command line, "B.field=9 mT:11 mT:3". Without arguments: without any scan, the file's own included.
+        Raises InputError as `load` does."""
         if names is None:
             return replace(self, scans=(), without_scan=True)
+        if "=" in names:
+            return replace(self, scans=(*self.scans, names))
         if not isinstance(values, str):
             values = ",".join(self._text(names.split(",")[0], value) for value in values)
         return replace(self, scans=(*self.scans, f"{names}={values}"))
