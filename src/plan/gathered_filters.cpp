@@ -24,6 +24,21 @@ std::optional<UnitVector> axis_behind(Stages::const_iterator begin, Stages::cons
   return axis;
 }
 
+template <class Is>
+bool tallies(const Stage& stage, Is is) {
+  const auto* tally = std::get_if<Histogram>(&stage);
+  return tally != nullptr && std::any_of(tally->axes.begin(), tally->axes.end(),
+                                         [&](const HistogramAxis& axis) { return is(axis.quantity); });
+}
+bool asks_for_levels(const Stage& stage) {
+  return std::holds_alternative<SpinStretch>(stage) ||
+         tallies(stage, [](Quantity quantity) { return asks_for_spin(quantity); });
+}
+/// Behind the projection particles weigh what they did in front of it.
+bool asks_for_weights(const Stage& stage) {
+  return tallies(stage, [](Quantity quantity) { return quantity == Quantity::weight; });
+}
+
 /// Takes stages in their order into one projection and what follows it.
 class FilterGatherer {
  public:
@@ -42,27 +57,32 @@ class FilterGatherer {
       return !levels_known_;
     }
     if (const auto* filter = std::get_if<Filter>(&stage)) {
-      behind_.push_back(FilterStop{filter->part, filter->at, asked_.spins.outcomes()});
+      behind_.push_back(FilterStop{filter->part, filter->at});
       asked_.spins.filters.push_back({std::exchange(since_filter_, {}), *filter});
-      return !levels_known_ && asked_.spins.outcomes() <= most_levels;
+      return !levels_known_ && !has_screen_ && asked_.spins.outcomes() <= most_levels;
     }
     if (const auto* magnet = std::get_if<LevelProjection>(&stage); magnet != nullptr && !levels_known_) {
       levels_known_ = behind_magnet_ = true;
       asked_.spins.zones = magnet->spins.zones;
-      return magnet->split;
+      return magnet->split && !has_screen_;
     }
-    if (const auto* screen = std::get_if<SpinStretch>(&stage); screen != nullptr && !behind_magnet_) {
-      if (!std::exchange(levels_known_, true)) asked_.spins.zones = screen->spins.zones;
-      SpinStretch found = *screen;
-      found.spins.zones.clear();
-      behind_.push_back(std::move(found));
-      return screen->spins.zones == asked_.spins.zones;
+    if (asks_for_levels(stage) && !behind_magnet_) {
+      SpinPath found = *path_of(stage);
+      if (!std::exchange(levels_known_, true)) asked_.spins.zones = found.zones;
+      const bool as_asked = std::exchange(found.zones, {}) == asked_.spins.zones;
+      behind_.push_back(with_path(stage, found));
+      return as_asked && follows_paths(behind_.back());
     }
+    has_screen_ = has_screen_ || catches(stage) != no_part;
     behind_.push_back(stage);
-    return follows_paths(stage);
+    return follows_paths(stage) && !asks_for_weights(stage);
   }
 
+  /// The last filter's outcome comes first.
   void put(Stages& chain) {
+    int outcome = asked_.spins.outcomes();
+    for (Stage& stage : behind_)
+      if (auto* stop = std::get_if<FilterStop>(&stage)) stop->outcome = --outcome;
     chain.push_back(std::move(asked_));
     std::move(behind_.begin(), behind_.end(), std::back_inserter(chain));
   }
@@ -72,6 +92,7 @@ class FilterGatherer {
   Stages behind_;
   std::vector<SpinZone> since_filter_;
   bool levels_known_ = false, behind_magnet_ = false;
+  bool has_screen_ = false;  // whose levels are asked for behind everything
 };
 
 }  // namespace

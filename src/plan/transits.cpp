@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "core/portable_math.hpp"
+#include "plan/transit_links.hpp"
 #include "plan/zones.hpp"
 #include "transport/cost.hpp"
-#include "transport/sum_sink.hpp"
 
 namespace rabiline {
 namespace {
@@ -25,45 +25,6 @@ constexpr double beyond = 2;
 
 constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
                            turns_too_fast = "spins turn faster than the moments that were kept resolve";
-
-/// What a stage behind a projection keeps.
-class LinkSums : public SumSink {
- public:
-  explicit LinkSums(const Stage& stage) {
-    link.counted = counted_share(stage);
-    rabiline::list_sums(stage, *this);
-  }
-  TransitLink link;
-  bool has_levels = false, has_more = false;
-
- private:
-  void fate(std::string_view, int, std::size_t) override {}
-  void screen(int, const ScreenSums& layout, std::size_t) override {
-    link.is_screen = true;
-    link.screen = layout;
-  }
-  void levels(int, int, std::size_t) override { has_levels = true; }
-  void plane(int, int, std::size_t) override { has_more = true; }
-  void histogram(int, int, int, const HistogramSums&, std::size_t) override { has_more = true; }
-};
-
-/// The stages behind a projection, where its moments can hold all that they count.
-std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection) {
-  std::vector<TransitLink> links;
-  std::vector<int> screens;
-  for (const PlanNode* node = &projection; !node->next.empty();) {
-    node = &node->next.front();
-    const LinkSums kept(node->stage);
-    const bool of_screen_before =
-        std::find(screens.begin(), screens.end(), reads_catch_of(node->stage)) != screens.end();
-    if (kept.has_more || kept.has_levels != traits_of(node->stage).only_reads ||
-        (kept.has_levels && !of_screen_before) || traits_of(node->stage).spins == SpinEffect::set)
-      return {};
-    if (kept.link.is_screen) screens.push_back(catches(node->stage));
-    links.push_back(kept.link);
-  }
-  return links;
-}
 
 /// A field across z that turns about it by one clock, with the same size and rate for every particle at a
 /// place.
@@ -167,8 +128,9 @@ class TransitMaker {
         continue;
       }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
+      const TransitLink whole_catch{.outcomes = 1, .bins = 1, .columns = 1, .rows = 1};
       const auto layout = std::make_shared<TransitLayout>(*cells, std::vector<std::uint64_t>(levels, 1),
-                                                          std::vector<TransitLink>{{true, {1, 1}, 1}}, false);
+                                                          std::vector<TransitLink>{whole_catch}, false);
       const double entries = 2 * particles_;
       if (!is_shorter(*layout, group.size(),
                       cost::closed_form * static_cast<double>(levels) + cost_of_steps(one.stage), entries))
@@ -195,8 +157,9 @@ class TransitMaker {
     // Their covariance would need products of the weights before and behind.
     if (!full && weights_differ_)
       return by_particle(node, "the weights of an aimed source are changed on the way");
-    const auto links = links_behind(node);
-    if (!links) return by_particle(node, "more than counts and levels is asked for behind it");
+    std::string_view why_not;
+    const auto links = links_behind(node, why_not);
+    if (!links) return by_particle(node, why_not);
     const auto turning = angle_along(node);
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
@@ -204,9 +167,15 @@ class TransitMaker {
     const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
+    double shared = cost::share * levels, entries = levels * (levels + 1);
+    for (const TransitLink& link : *links) {
+      if (link.ends || link.bins == 0) continue;
+      shared += cost::tally * levels;
+      entries += levels * (levels + 2 + 2 * static_cast<double>(link.axes));
+    }
     if (!is_shorter(*layout, node.ways.size(),
-                    cost::share * levels + cost_of_steps(node.ways.front().stage) + cost_behind_filters(node),
-                    particles_ * levels * (levels + 1)))
+                    shared + cost_of_steps(node.ways.front().stage) + cost_behind_filters(node),
+                    particles_ * entries))
       return by_particle(node, "that is shorter here");
     keep(node, layout);
   }

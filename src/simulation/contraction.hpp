@@ -2,13 +2,13 @@
 // From moments of the slowness to what each scan point counts.
 #include <vector>
 
-#include "simulation/screen_covariance.hpp"
+#include "simulation/count_covariance.hpp"
 
 namespace rabiline {
 
 /// Adds what follows from the moments to the sums of every way to share the weights, and tells how the counts
 /// of screens go together; `threads` as for in_parallel(). Throws std::logic_error where moments do not add
 /// up to what was booked.
-std::vector<ScreenCovariance> contract_moments(const Plan&, int threads, Sums&);
+std::vector<CountCovariance> contract_moments(const Plan&, int threads, Sums&);
 
 }  // namespace rabiline

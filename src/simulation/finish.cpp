@@ -58,11 +58,20 @@ void add_absolute_numbers(const ScanPoints& points, Result& result) {
 
 }  // namespace
 
+double Summed::covariance_by_moments(const std::string& part, int plane, std::size_t a, std::size_t b) const {
+  double sum = 0;
+  for (const CountCovariance& c : covariances)
+    if (c.plane == plane &&
+        experiment.points.front().parts[static_cast<std::size_t>(c.part)].placement.name == part)
+      sum += c.between(a, b);
+  return sum / (particles(emitted[a].q) * particles(emitted[b].q));
+}
+
 Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int threads) {
-  const std::vector<ScreenCovariance> covariances = contract_moments(plan, threads, sums);
+  const std::vector<CountCovariance> covariances = contract_moments(plan, threads, sums);
   const Tallies tallies(plan);
   const std::vector<Moments> emitted = emitted_of(plan, sums);
-  const Summed run{experiment, plan, sums, tallies, emitted};
+  const Summed run{experiment, plan, sums, tallies, emitted, covariances};
 
   const Beamline& first = experiment.points.front();
   Result result;
@@ -77,7 +86,7 @@ Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int thr
   }
   add_emitted(run, result);
   add_absolute_numbers(experiment.points, result);
-  finish_detectors(run, covariances, result);
+  finish_detectors(run, result);
   finish_tallies(run, result);
   finish_fates(run, result);
   return result;

@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 
-#include "simulation/contraction.hpp"
 #include "simulation/counting.hpp"
 #include "simulation/transit_times.hpp"
 
@@ -14,9 +13,8 @@ namespace {
 
 class DetectorFinisher {
  public:
-  DetectorFinisher(const Summed& run, const std::vector<ScreenCovariance>& covariances, Result& result)
+  DetectorFinisher(const Summed& run, Result& result)
       : run_(run),
-        covariances_(covariances),
         result_(result),
         points_(run.experiment.points.size()),
         screens_(run.tallies.screens, points_),
@@ -42,7 +40,7 @@ class DetectorFinisher {
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, grid, detector);
       detector.detected_covariance = covariance_of(
           deviations_[detector.name], run_.experiment.particles,
-          [&](std::size_t a, std::size_t b) { return covariance_by_moments(detector.name, a, b); });
+          [&](std::size_t a, std::size_t b) { return run_.covariance_by_moments(detector.name, 0, a, b); });
       add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
@@ -123,21 +121,12 @@ class DetectorFinisher {
     const double fraction = particles(all.q) / particles(emitted.q);
     detector.detected.push_back(fraction);
     for (double& d : deviations) d /= particles(emitted.q);
-    const double by_moments = covariance_by_moments(detector.name, p, p);
+    const double by_moments = run_.covariance_by_moments(detector.name, 0, p, p);
     detector.detected_errors.push_back(
         fraction_error(all, total.variances[0], emitted, covariance_of(deviations, deviations) + by_moments));
     rate_errors_[detector.name].push_back(std::sqrt(total.variances[0]));
     if (points_ <= most_points_of_covariance) deviations_[detector.name].push_back(std::move(deviations));
     totals_[detector.name].push_back(all);
-  }
-
-  /// Between the detected fractions of two points, of what was booked as moments.
-  double covariance_by_moments(const std::string& detector, std::size_t a, std::size_t b) const {
-    double sum = 0;
-    for (const ScreenCovariance& c : covariances_)
-      if (run_.experiment.points.front().parts[static_cast<std::size_t>(c.part)].placement.name == detector)
-        sum += c.between(a, b);
-    return sum / (particles(run_.emitted[a].q) * particles(run_.emitted[b].q));
   }
 
   // ---- levels ----
@@ -196,7 +185,6 @@ class DetectorFinisher {
   }
 
   const Summed& run_;
-  const std::vector<ScreenCovariance>& covariances_;
   Result& result_;
   const std::size_t points_;
   const AtPoints<ScreenTally> screens_;
@@ -210,8 +198,6 @@ class DetectorFinisher {
 
 }  // namespace
 
-void finish_detectors(const Summed& run, const std::vector<ScreenCovariance>& covariances, Result& result) {
-  DetectorFinisher(run, covariances, result).finish();
-}
+void finish_detectors(const Summed& run, Result& result) { DetectorFinisher(run, result).finish(); }
 
 }  // namespace rabiline

@@ -55,6 +55,9 @@ class TallyFinisher {
 
   void add_plane(std::size_t plane, std::size_t planes, MonitorResult& monitor) {
     std::vector<std::vector<double>> deviations(points_, std::vector<double>(group_count, 0.0));
+    const auto by_moments = [&](std::size_t a, std::size_t b) {
+      return run_.covariance_by_moments(monitor.name, static_cast<int>(plane), a, b);
+    };
     for (std::size_t p = 0; p < points_; ++p) {
       const int number = number_of(beamline(p), monitor.name);
       const Moments& emitted = run_.emitted[p];
@@ -68,15 +71,15 @@ class TallyFinisher {
         total.add({own}, n);
         all.q += own.q;
         all.q2 += own.q2;
-        add_deviations(*census.tree, run_.sums, s + CensusSums::group(0), own, deviations[p]);
+        if (!census.by_moments)
+          add_deviations(*census.tree, run_.sums, s + CensusSums::group(0), own, deviations[p]);
       }
       for (double& d : deviations[p]) d /= particles(emitted.q);
       monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
-      monitor.passed_errors[p * planes + plane] =
-          fraction_error(all, total.variances[0], emitted, covariance_of(deviations[p], deviations[p]));
+      monitor.passed_errors[p * planes + plane] = fraction_error(
+          all, total.variances[0], emitted, covariance_of(deviations[p], deviations[p]) + by_moments(p, p));
     }
-    const std::vector<double> covariance =
-        covariance_of(deviations, run_.experiment.particles, [](std::size_t, std::size_t) { return 0.0; });
+    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles, by_moments);
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
   }
 

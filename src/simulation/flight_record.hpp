@@ -10,7 +10,8 @@
 namespace rabiline {
 
 struct FlightRecord {
-  /// Detectors behind projections whose bins were added up.
+  /// Detectors behind projections whose bins were added up, and they and monitors whose tallies were left
+  /// out.
   std::vector<std::string> totals_of;
   /// Of each place that keeps moments.
   std::vector<SlownessCells> cells;

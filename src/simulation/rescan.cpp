@@ -14,16 +14,15 @@
 namespace rabiline {
 namespace {
 
-/// Behind projections.
-std::vector<std::string> screens_of(const Plan& plan, const Beamline& beamline) {
+/// What counts in bins behind projections.
+std::vector<std::string> parts_with_bins(const Plan& plan, const Beamline& beamline) {
   std::vector<std::string> names;
   for (const PlanTree& tree : plan.trees)
     each_transit(tree.next, [&](const PlanNode& projection) {
-      for (const PlanNode* node = &projection; !node->next.empty();) {
-        node = &node->next.front();
-        const int part = catches(node->stage);
-        if (part == no_part) continue;
-        const std::string& name = beamline.parts[static_cast<std::size_t>(part)].placement.name;
+      for (std::size_t k = 0; !projection.next.empty() && k < projection.transit->links(); ++k) {
+        const TransitLink& link = projection.transit->link(k);
+        if (!link.is_screen() && !link.is_tally()) continue;
+        const std::string& name = beamline.parts[static_cast<std::size_t>(link.part)].placement.name;
         if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
       }
     });
@@ -31,9 +30,14 @@ std::vector<std::string> screens_of(const Plan& plan, const Beamline& beamline) 
 }
 
 Beamline with_totals(Beamline beamline, const std::vector<std::string>& of) {
-  for (PlacedPart& part : beamline.parts)
-    if (std::find(of.begin(), of.end(), part.placement.name) != of.end())
-      if (auto* detector = std::get_if<Detector>(&part.part)) detector->bins = {1, 1};
+  for (PlacedPart& part : beamline.parts) {
+    if (std::find(of.begin(), of.end(), part.placement.name) == of.end()) continue;
+    if (auto* monitor = std::get_if<Monitor>(&part.part)) monitor->tallies = {};
+    if (auto* detector = std::get_if<Detector>(&part.part)) {
+      detector->bins = {1, 1};
+      detector->tallies = {};
+    }
+  }
   return beamline;
 }
 Experiment with_totals(const Experiment& experiment, const std::vector<std::string>& of) {
@@ -51,7 +55,7 @@ std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& 
   for (const PlanTree& tree : plan.trees)
     each_transit(tree.next, [&](const PlanNode& node) { record.cells.push_back(node.transit->cells()); });
   if (!is_one_flight(plan, why_not) || record.cells.empty()) return {};
-  if (bins == KeptBins::totals) record.totals_of = screens_of(plan, experiment.points.front());
+  if (bins == KeptBins::totals) record.totals_of = parts_with_bins(plan, experiment.points.front());
   const Experiment one = with_totals(first_point_of(experiment), record.totals_of);
   const Plan alone = make_plan(one, 0, std::numeric_limits<double>::infinity(), {true, &record.cells});
   record.sums.resize(alone.sums);

@@ -29,7 +29,7 @@ struct Straggler {
 };
 
 /// Moments of the slowness that a result keeps, from which other scans follow without another flight: where
-/// they are a fifth of the file at most; none; of each detector as a whole; of each of its bins.
+/// they are a fifth of the file at most; none; of each detector as a whole; of its bins and of tallies.
 enum class KeptTransit { if_small, none, totals, images };
 
 /// A share of a run's work that is flown by itself, 1 to `of`.

@@ -5,41 +5,61 @@
 namespace rabiline {
 namespace {
 
-/// One layout's moments to another's; the bins of screens are added up where the other has one.
+/// One layout's moments to another's; the bins of screens are added up, and tallies left out, where the other
+/// does so.
 class MomentsCopy {
  public:
   MomentsCopy(const TransitLayout& a, const Sum* from, const TransitLayout& b, Sum* to)
       : a_(a), from_(from), b_(b), to_(to) {}
 
   void copy() {
-    if (a_.links() != b_.links() || a_.all_outcomes() != b_.all_outcomes() ||
-        a_.cells().count != b_.cells().count || a_.weights_alike() != b_.weights_alike())
-      throw std::invalid_argument("the moments that were kept are of another beam");
-    for (std::size_t k = 0; k < a_.links(); ++k)
-      for (std::size_t from = 0; from < a_.levels(); ++from) {
-        to_[b_.decided(k, from)] += from_[a_.decided(k, from)];
-        for (std::size_t rank = 0; rank < a_.outcomes(from).size(); ++rank) copy_path(k, from, rank);
-      }
+    require(a_.all_outcomes() == b_.all_outcomes() && a_.cells().count == b_.cells().count &&
+            a_.weights_alike() == b_.weights_alike());
+    std::size_t next = 0;
+    for (std::size_t link = 0; link < a_.links(); ++link)
+      if (a_.links() == b_.links() || !a_.link(link).is_tally()) copy_link(link, next++);
+    require(next == b_.links());
   }
 
  private:
-  void copy_path(std::size_t k, std::size_t from, std::size_t a) {
-    add(a_.stop(k, from, a), b_.stop(k, from, a));
-    if (!a_.link(k).is_screen || a >= a_.caught(from)) return;
-    const ScreenSums &screen = a_.link(k).screen, &other = b_.link(k).screen;
-    const bool same = screen.bins() == other.bins();
-    for (std::size_t bin = 0; bin < screen.bins(); ++bin) {
-      add(a_.share(k, bin, from, a), b_.share(k, same ? bin : 0, from, a));
+  static void require(bool alike) {
+    if (!alike) throw std::invalid_argument("the moments that were kept are of another beam");
+  }
+
+  void copy_link(std::size_t k, std::size_t l) {
+    require(l < b_.links() && a_.link(k).outcomes == b_.link(l).outcomes &&
+            a_.link(k).ends == b_.link(l).ends && a_.link(k).axes == b_.link(l).axes);
+    for (std::size_t from = 0; from < a_.levels(); ++from) {
+      to_[b_.decided(l, from)] += from_[a_.decided(k, from)];
+      for (std::size_t rank = 0; rank < a_.paths(k, from); ++rank) {
+        if (a_.link(k).ends) add(a_.stop(k, from, rank), b_.stop(l, from, rank));
+        copy_bins(k, l, from, rank);
+        for (std::size_t group = 0; a_.link(k).axes > 0 && group < moment_groups; ++group)
+          copy_places(k, l, group, from, rank);
+      }
+    }
+  }
+  void copy_bins(std::size_t k, std::size_t l, std::size_t from, std::size_t a) {
+    const TransitLink& kind = a_.link(k);
+    const bool same = kind.bins == b_.link(l).bins;
+    for (std::size_t bin = 0; bin < kind.bins; ++bin) {
+      add(a_.share(k, bin, from, a), b_.share(l, same ? bin : 0, from, a));
       for (std::size_t b = 0; b < a + (a_.weights_alike() ? 0 : 1); ++b)
-        add(a_.square(k, bin, from, a, b), b_.square(k, same ? bin : 0, from, a, b));
+        add(a_.square(k, bin, from, a, b), b_.square(l, same ? bin : 0, from, a, b));
     }
-    for (std::size_t b = 0; b < a; ++b) {
-      add(a_.screen(k, from, a, b), same ? b_.screen(k, from, a, b) : b_.square(k, 0, from, a, b));
+    for (std::size_t b = 0; kind.is_screen() && b < a; ++b) {
+      add(a_.screen(k, from, a, b), same ? b_.screen(l, from, a, b) : b_.square(l, 0, from, a, b));
       if (!same) continue;
-      for (std::size_t x = 0; x < screen.columns; ++x)
-        add(a_.column(k, x, from, a, b), b_.column(k, x, from, a, b));
-      for (std::size_t z = 0; z < screen.rows; ++z) add(a_.row(k, z, from, a, b), b_.row(k, z, from, a, b));
+      for (std::size_t x = 0; x < kind.columns; ++x)
+        add(a_.column(k, x, from, a, b), b_.column(l, x, from, a, b));
+      for (std::size_t z = 0; z < kind.rows; ++z) add(a_.row(k, z, from, a, b), b_.row(l, z, from, a, b));
     }
+  }
+  void copy_places(std::size_t k, std::size_t l, std::size_t group, std::size_t from, std::size_t rank) {
+    add(a_.inside(k, group, from, rank), b_.inside(l, group, from, rank));
+    for (std::size_t axis = 0; axis < a_.link(k).axes; ++axis)
+      for (const int power : {1, 2})
+        add(a_.place(k, axis, group, power, from, rank), b_.place(l, axis, group, power, from, rank));
   }
   void add(std::size_t row, std::size_t to) {
     const std::size_t length = static_cast<std::size_t>(a_.cells().count) * transit_powers;

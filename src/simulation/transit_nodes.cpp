@@ -64,14 +64,14 @@ Sum TransitNodes::booked(std::size_t row) const {
   return sum;
 }
 
-TransitNodes::WholeScreen TransitNodes::whole_screen(std::size_t link) const {
-  WholeScreen whole;
+TransitNodes::WholeLink TransitNodes::whole_link(std::size_t link) const {
+  WholeLink whole;
   for (std::size_t from = 0; from < layout_.levels(); ++from) {
-    const std::size_t ranks = layout_.caught(from);
+    const std::size_t ranks = layout_.paths(link, from);
     whole.paths.emplace_back(ranks, Eigen::VectorXd::Zero(size()));
     whole.pairs.emplace_back(ranks);
     for (std::size_t a = 0; a < ranks; ++a) {
-      for (std::size_t bin = 0; bin < layout_.link(link).screen.bins(); ++bin)
+      for (std::size_t bin = 0; bin < layout_.link(link).bins; ++bin)
         weights(layout_.share(link, bin, from, a)).add_to(whole.paths[from][a]);
       for (std::size_t b = 0; b < ranks; ++b) whole.pairs[from][a].push_back(pair_weights(link, from, a, b));
     }
@@ -82,11 +82,11 @@ TransitNodes::WholeScreen TransitNodes::whole_screen(std::size_t link) const {
 Eigen::VectorXd TransitNodes::pair_weights(std::size_t link, std::size_t from, std::size_t a,
                                            std::size_t b) const {
   if (a < b) std::swap(a, b);
-  const ScreenSums& screen = layout_.link(link).screen;
+  const TransitLink& kind = layout_.link(link);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(size());
-  for (std::size_t bin = 0; bin < screen.bins(); ++bin)
+  for (std::size_t bin = 0; bin < kind.bins; ++bin)
     weights(layout_.square(link, bin, from, a, b)).add_to(sum);
-  if (a != b && screen.bins() > 1) weights(layout_.screen(link, from, a, b)).add_to(sum);
+  if (a != b && kind.is_screen()) weights(layout_.screen(link, from, a, b)).add_to(sum);
   return sum;
 }
 

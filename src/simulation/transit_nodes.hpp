@@ -47,12 +47,12 @@ class TransitNodes {
   const NodeWeights& weights(std::size_t row) const { return weights_[row]; }
   /// All that was booked in a row of w, exactly.
   Sum booked(std::size_t row) const;
-  /// What a screen catches of each level, and of each pair of them, whatever the bins.
-  struct WholeScreen {
+  /// What a link has in its bins of each path, and of each pair of them, whatever the bins.
+  struct WholeLink {
     std::vector<std::vector<Eigen::VectorXd>> paths;               // [from][rank]: weights of w
     std::vector<std::vector<std::vector<Eigen::VectorXd>>> pairs;  // [from][rank][rank]: weights of w^2
   };
-  WholeScreen whole_screen(std::size_t link) const;
+  WholeLink whole_link(std::size_t link) const;
 
   /// What the kernel that shares out weights gives to each outcome of a level: [node][rank].
   Eigen::MatrixXd shares(const SpinPath& path, const RandomKey& key, std::size_t from) const {

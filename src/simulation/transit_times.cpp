@@ -25,7 +25,7 @@ class PathReader {
     Path path{std::move(name), {}, {}};
     for (std::size_t cell = 0; cell < static_cast<std::size_t>(layout_.cells().count); ++cell) {
       Sum w = 0, w2 = 0;
-      for (std::size_t bin = 0; bin < layout_.link(link).screen.bins(); ++bin) {
+      for (std::size_t bin = 0; bin < layout_.link(link).bins; ++bin) {
         w += sums_[layout_.moment(layout_.share(link, bin, from, rank), cell, 0)];
         w2 += sums_[layout_.moment(layout_.square(link, bin, from, rank, rank), cell, 0)];
       }
@@ -75,7 +75,7 @@ std::vector<Path> paths_behind(const PlanNode& projection, int part, const std::
     node = &node->next.front();
     if (catches(node->stage) != part) continue;
     for (std::size_t from = 0; from < layout.levels(); ++from)
-      for (std::size_t rank = 0; rank < layout.caught(from); ++rank)
+      for (std::size_t rank = 0; rank < layout.paths(link, from); ++rank)
         paths.push_back(
             reader.read(link, from, rank,
                         fmt::format("{} to {}", names[from],

@@ -89,7 +89,7 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
   const std::vector<std::uint64_t> size{record.sums.size()},
       halvings{static_cast<std::uint64_t>(record.halvings)};
   group.dataset("totals_of", {record.totals_of.size()}, record.totals_of,
-                {{"long_name", "detectors whose bins are added up"}});
+                {{"long_name", "parts whose bins are added up and whose tallies are left out"}});
   group.dataset("cells_first", {first.size()}, first,
                 {{"units", "s/m"}, {"long_name", "slowness where the cells begin (s/m)"}});
   group.dataset("cells_width", {width.size()}, width,

@@ -168,7 +168,7 @@ void Branches::find_stops() {
 
 bool Branches::book_moments(const TransitLayout& layout, const Batch& batch, MomentBuffer& moments,
                             Sum* sums) {
-  transits_.add(layout, paths_, batch.view(), in_cells_, isa_, moments);
+  transits_.add(layout, paths_, tallies_, batch.view(), in_cells_, isa_, moments);
   for (std::size_t k = 0; k < chain_.size(); ++k)
     for (std::size_t from = 0; from < layout.levels(); ++from)
       sums[layout.decided(k, from)] += std::exchange(decided_[k * most_levels + from], 0);

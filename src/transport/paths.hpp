@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tally/tally.hpp"
 #include "transport/kernels.hpp"
 #include "transport/stage_concept.hpp"
 
@@ -17,6 +18,14 @@ struct PathEnds {
   std::array<std::uint16_t, Batch::capacity> link;  // at which stage, or not_flown
   std::array<std::uint8_t, Batch::capacity> level;  // in which level
   std::array<std::uint32_t, Batch::capacity> bin;   // on a screen, or not_caught
+};
+
+/// Where the particles on one path are when a stage looks at them, by their numbers in the batch.
+struct PathPlaces {
+  static constexpr std::uint32_t nowhere = PathEnds::not_caught;  // that the stage looks at
+  std::array<std::uint32_t, Batch::capacity> bin;
+  std::array<std::array<std::uint32_t, Batch::capacity>, most_tally_axes>
+      steps;  // along the axes that have means, of what is inside them
 };
 
 /// Particles of `asked`, one after the other, that were prepared in one level.
@@ -77,6 +86,8 @@ class PathTally {
   /// The particles on a path come to the stage; `numbers`: of each of them in the batch. Only stages that
   /// read.
   virtual void see(std::size_t /*path*/, StageContext&, const std::uint16_t* /*numbers*/) {}
+  /// What it has seen of a path; nothing where it does not look.
+  virtual const PathPlaces* places(std::size_t /*path*/) const { return nullptr; }
   /// All paths are flown; the stage is that link of the chain.
   virtual void gather(const Paths&, std::size_t /*link*/, Isa) {}
   /// Adds to the stage's sums, and to its ledger by prepared level where it has one.

@@ -27,12 +27,13 @@ void share_behind_filters(const SpinPath& path, const RandomKey& key, Isa isa, c
   for (const auto column : word_columns) std::copy_n(batch.*column, batch.padded, b.*column);
   std::copy_n(weights, batch.padded, b.weight);
   for (int i = 0; i < batch.padded; ++i) b.flying[i] = weights[i] != 0 ? ~std::uint64_t{0} : 0;
-  std::uint64_t* stopped = shares + static_cast<std::ptrdiff_t>(path.levels) * batch.padded;
+  std::uint64_t* stopped = shares + static_cast<std::ptrdiff_t>(path.outcomes()) * batch.padded;
   for (const FilteredZones& next : path.filters) {
+    stopped -= batch.padded;
     std::copy_n(b.weight, batch.padded, stopped);
     kernel::precess(isa)(next.zones.data(), static_cast<int>(next.zones.size()), key, b);
     kernel::filter(isa)(next.filter, b);
-    for (int i = 0; i < batch.padded; ++i) *stopped++ -= b.weight[i];
+    for (int i = 0; i < batch.padded; ++i) stopped[i] -= b.weight[i];
   }
   kernel::outcomes(isa)(path.view(key), b, b.weight, shares);
 }

@@ -26,7 +26,8 @@ struct SpinPath {
   const DrivenLevels* transitions = nullptr;  // of an atom that fields drive; a plan makes each once
   const LevelWay* way = nullptr;              // of an atom, instead, through fields without a closed form
   /// Where filters stand on the way, `zones` are behind the last one. What each of them stops is an outcome
-  /// of its own, behind the levels.
+  /// of its own behind the levels, that of the last one first: so those that come to a place are the first
+  /// ones.
   std::vector<FilteredZones> filters{};
   UnitVector start{};  // in front of filters: the axis of the levels that particles are in
   bool operator==(const SpinPath&) const = default;

@@ -50,7 +50,7 @@ inline constexpr double moment_steps = 0x1p24;
 struct HistogramSums {
   std::size_t bins = 1, axes = 0;
   static std::size_t bin(std::size_t i) { return 2 * i; }
-  std::size_t outside() const { return 2 * bins; }
+  std::size_t outside() const { return bin(bins); }
   std::size_t moments(std::size_t axis, std::size_t group) const {
     return 2 * bins + 2 + 3 * (axis * moment_groups + group);
   }

@@ -3,34 +3,33 @@
 #ifndef RABILINE_ISA  // what the host does
 
 #include <bit>
+#include <utility>
 
 namespace rabiline {
 
 TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
                              const std::vector<TransitLink>& links, bool weights_alike)
-    : cells_(cells),
-      weights_alike_(weights_alike),
-      outcomes_(reach.size()),
-      paths_before_{0},
-      caught_before_{0},
-      pairs_before_{0},
-      links_(links) {
-  for (std::size_t from = 0; from < reach.size(); ++from) {
+    : cells_(cells), weights_alike_(weights_alike), outcomes_(reach.size()), links_(links) {
+  for (std::size_t from = 0; from < reach.size(); ++from)
     for (int to = 0; to < most_levels; ++to)
       if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
-    const auto n =
-        static_cast<std::size_t>(std::popcount(reach[from] & ((std::uint64_t{1} << reach.size()) - 1)));
-    paths_before_.push_back(paths_before_.back() + outcomes_[from].size());
-    caught_before_.push_back(caught_before_.back() + n);
-    pairs_before_.push_back(pairs_before_.back() + n * (n - 1) / 2);
+  for (std::size_t link = 0; link < links.size(); ++link) add_link(link, reach);
+}
+
+void TransitLayout::add_link(std::size_t number, const std::vector<std::uint64_t>& reach) {
+  const TransitLink& link = links_[number];
+  RowsOfLink& rows = rows_of_.emplace_back();
+  for (const std::uint64_t found : reach) {
+    const auto n = static_cast<std::size_t>(std::popcount(found & ((std::uint64_t{1} << link.outcomes) - 1)));
+    rows.paths_before.push_back(rows.paths_before.back() + n);
+    rows.pairs_before.push_back(rows.pairs_before.back() + n * (n - 1) / 2);
   }
-  for (const TransitLink& link : links) {
-    first_row_.push_back(rows_);
-    rows_ += paths_before_.back();
-    if (link.is_screen)
-      rows_ += (caught_before_.back() + all_pairs(!weights_alike)) * link.screen.bins() +
-               all_pairs(false) * (link.screen.columns + link.screen.rows + 1);
-  }
+  const auto next = [&](std::size_t size) { return std::exchange(rows_, rows_ + size); };
+  rows.stops = next(link.ends ? paths(number) : 0);
+  rows.shares = next(paths(number) * link.bins);
+  rows.squares = next(pairs(number, !weights_alike_) * link.bins);
+  rows.across = next(link.is_screen() ? pairs(number, false) * (link.columns + link.rows + 1) : 0);
+  rows.means = next(link.axes > 0 ? paths(number) * (1 + 2 * link.axes) * moment_groups : 0);
 }
 
 }  // namespace rabiline

@@ -7,11 +7,14 @@
 // s = 1/v_y. So what ends somewhere is summed as w (1, t, ... t^7), t in [-1, 1] across a cell of s; a scan
 // point is then the sum over cells of these moments times the polynomial of its P through 8 Chebyshev points.
 // Squares of what a particle is counted with, w^2 (sum of P)^2 over the paths of one place, are summed for
-// each pair of paths.
+// each pair of paths. What a monitor or a tally sees on the way is summed likewise, and for the mean of a
+// place u also w u and w u^2.
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "transport/kernels.hpp"
+#include "transport/stage_concept.hpp"
 #include "transport/sum_layout.hpp"
 
 namespace rabiline {
@@ -26,18 +29,32 @@ struct SlownessCells {
   }
 };
 
-/// A stage behind the projection.
+/// A stage behind the projection. Particles end there, in its bins or outside of them; or it only looks in
+/// which of its bins they are. A bin has q and q^2 among the stage's sums, and the next one follows.
 struct TransitLink {
-  bool is_screen = false;
-  ScreenSums screen{1, 1};
-  double counted = 1;  // of each weight that the screen catches
+  std::size_t outcomes = 0;  // of the projection that come to it: the first ones
+  bool ends = true;
+  std::size_t bins = 0;
+  std::size_t columns = 0, rows = 0;  // that the bins of a screen stand in
+  std::size_t axes = 0;               // of a tally that have means; the last of its bins is outside of them
+  double counted = 1;                 // of each weight in a bin
+  int part = no_part, plane = 0;      // whose bins they are
+  std::size_t whole = 0;              // the link whose bins have the same in all: itself, or what it tallies
+  // Where among the stage's sums:
+  std::size_t first_bin = 0;
+  std::optional<std::size_t> total{};   // q and q^2 of all bins of a screen
+  std::optional<std::size_t> groups{};  // q of every group of particles
+
+  bool is_screen() const { return columns > 0; }
+  bool is_tally() const { return !ends && bins > 0 && !groups; }
+  std::size_t whole_sum() const { return total.value_or(first_bin); }
 };
 
 inline constexpr int transit_powers = 8;
 
 /// Where each moment stands: rows of 8 moments for each cell. Paths are told by their rank among the outcomes
 /// that their level before the projection can lead to; pairs of paths by both ranks, the lower one last.
-/// Outcomes behind the levels are those of filters, which stop them: no screen catches these.
+/// Outcomes behind the levels are those of filters, which stop them, those of the last filter first.
 class TransitLayout {
  public:
   /// `reach`: the outcomes that can be found, as a mask for each level before. `weights_alike`: each weight
@@ -49,8 +66,10 @@ class TransitLayout {
   bool weights_alike() const { return weights_alike_; }
   std::size_t levels() const { return outcomes_.size(); }  // before the projection
   const std::vector<int>& outcomes(std::size_t from) const { return outcomes_[from]; }
-  /// How many of them are levels: the first ones.
-  std::size_t caught(std::size_t from) const { return caught_before_[from + 1] - caught_before_[from]; }
+  /// How many of them come to a link: the first ones.
+  std::size_t paths(std::size_t link, std::size_t from) const {
+    return rows_of_[link].paths_before[from + 1] - rows_of_[link].paths_before[from];
+  }
   const std::vector<std::vector<int>>& all_outcomes() const { return outcomes_; }
   const TransitLink& link(std::size_t number) const { return links_[number]; }
   std::size_t links() const { return links_.size(); }
@@ -68,48 +87,63 @@ class TransitLayout {
   }
   std::size_t sums() const { return decided(links(), 0); }
 
-  /// Rows of w: of what ends at a link and is not caught, and of what a bin catches.
+  /// Rows of w: of what ends at a link and is in no bin, and of what is in a bin.
   std::size_t stop(std::size_t link, std::size_t from, std::size_t rank) const {
-    return first_row_[link] + paths_before_[from] + rank;
+    return rows_of_[link].stops + path(link, from, rank);
   }
   std::size_t share(std::size_t link, std::size_t bin, std::size_t from, std::size_t rank) const {
-    return first_row_[link] + paths_before_.back() + caught_before_.back() * bin + caught_before_[from] +
-           rank;
+    return rows_of_[link].shares + paths(link) * bin + path(link, from, rank);
   }
-  /// Rows of w^2: of pairs of paths, one of them may be the other, that end in one bin; of pairs in different
+  /// Rows of w^2: of pairs of paths, one of them may be the other, that are in one bin; of pairs in different
   /// bins of a column, of a row and of a screen.
   std::size_t square(std::size_t link, std::size_t bin, std::size_t from, std::size_t a,
                      std::size_t b) const {
     if (weights_alike_ && a == b) return share(link, bin, from, a);
-    return squares_begin(link) + all_pairs(!weights_alike_) * bin + pairs_before(from, !weights_alike_) +
-           (weights_alike_ ? a * (a - 1) : a * (a + 1)) / 2 + b;
+    return rows_of_[link].squares + pairs(link, !weights_alike_) * bin +
+           pairs_before(link, from, !weights_alike_) + (weights_alike_ ? a * (a - 1) : a * (a + 1)) / 2 + b;
   }
   std::size_t column(std::size_t link, std::size_t x, std::size_t from, std::size_t a, std::size_t b) const {
-    return across_begin(link) + all_pairs(false) * x + pairs_before(from, false) + a * (a - 1) / 2 + b;
+    return rows_of_[link].across + pairs(link, false) * x + pairs_before(link, from, false) +
+           a * (a - 1) / 2 + b;
   }
   std::size_t row(std::size_t link, std::size_t z, std::size_t from, std::size_t a, std::size_t b) const {
-    return column(link, links_[link].screen.columns + z, from, a, b);
+    return column(link, links_[link].columns + z, from, a, b);
   }
   std::size_t screen(std::size_t link, std::size_t from, std::size_t a, std::size_t b) const {
-    return row(link, links_[link].screen.rows, from, a, b);
+    return row(link, links_[link].rows, from, a, b);
+  }
+  /// Rows of what is inside the axes of a tally, for each group of particles: of w, and for each axis of w u
+  /// and w u^2, u from 0 to 1 along it.
+  std::size_t inside(std::size_t link, std::size_t group, std::size_t from, std::size_t rank) const {
+    return rows_of_[link].means + paths(link) * (1 + 2 * links_[link].axes) * group + path(link, from, rank);
+  }
+  std::size_t place(std::size_t link, std::size_t axis, std::size_t group, int power, std::size_t from,
+                    std::size_t rank) const {
+    return inside(link, group, from, rank) + paths(link) * (2 * axis + static_cast<std::size_t>(power));
   }
 
  private:
-  std::size_t pairs_before(std::size_t from, bool with_itself) const {
-    return pairs_before_[from] + (with_itself ? caught_before_[from] : 0);
+  struct RowsOfLink {
+    std::vector<std::size_t> paths_before{0}, pairs_before{0};  // [from + 1]
+    std::size_t stops = 0, shares = 0, squares = 0, across = 0, means = 0;
+  };
+  std::size_t path(std::size_t link, std::size_t from, std::size_t rank) const {
+    return rows_of_[link].paths_before[from] + rank;
   }
-  std::size_t all_pairs(bool with_itself) const { return pairs_before(levels(), with_itself); }
-  std::size_t squares_begin(std::size_t link) const { return share(link, links_[link].screen.bins(), 0, 0); }
-  std::size_t across_begin(std::size_t link) const {
-    return squares_begin(link) + all_pairs(!weights_alike_) * links_[link].screen.bins();
+  std::size_t paths(std::size_t link) const { return rows_of_[link].paths_before.back(); }
+  std::size_t pairs_before(std::size_t link, std::size_t from, bool with_itself) const {
+    return rows_of_[link].pairs_before[from] + (with_itself ? rows_of_[link].paths_before[from] : 0);
   }
+  std::size_t pairs(std::size_t link, bool with_itself) const {
+    return pairs_before(link, levels(), with_itself);
+  }
+  void add_link(std::size_t link, const std::vector<std::uint64_t>& reach);
 
   SlownessCells cells_;
   bool weights_alike_;
-  std::vector<std::vector<int>> outcomes_;                                // [from] that are found
-  std::vector<std::size_t> paths_before_, caught_before_, pairs_before_;  // [from + 1]
+  std::vector<std::vector<int>> outcomes_;  // [from] that are found
   std::vector<TransitLink> links_;
-  std::vector<std::size_t> first_row_;  // [link]
+  std::vector<RowsOfLink> rows_of_;  // [link]
   std::size_t rows_ = 0;
 };
 

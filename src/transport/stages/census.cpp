@@ -39,17 +39,18 @@ class CensusPaths : public PathTally {
     alignas(64) std::uint64_t weights[Batch::capacity];
     const BatchView& batch = here.batch.view();
     kernel::cross(here.isa)(census_.face, batch, weights);
-    if (crossed_.size() <= path) crossed_.resize(path + 1);
-    crossed_[path].fill(0);
+    if (places_.size() <= path) places_.resize(path + 1);
+    places_[path].bin.fill(PathPlaces::nowhere);
     for (int n = 0; n < batch.count; ++n)
-      crossed_[path][numbers[n]] = weights[n] != 0 ? ~std::uint64_t{0} : 0;
+      if (weights[n] != 0) places_[path].bin[numbers[n]] = 0;
   }
+  const PathPlaces* places(std::size_t path) const override { return &places_[path]; }
   void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
     Crossed crossed(sums);
     for (std::size_t k = 0; k < paths.count(); ++k) {
       std::uint64_t q = 0;
       for (std::size_t path = 0; path < paths.levels.size(); ++path)
-        q += weights.of[path][k] & crossed_[path][paths.number[k]];
+        q += places_[path].bin[paths.number[k]] == 0 ? weights.of[path][k] : 0;
       crossed.add(q, paths.asked.view().particle[k]);
     }
     crossed.put();
@@ -57,7 +58,7 @@ class CensusPaths : public PathTally {
 
  private:
   const Census& census_;
-  std::vector<std::array<std::uint64_t, Batch::capacity>> crossed_;  // [path] masks
+  std::vector<PathPlaces> places_;  // [path]
 };
 
 }  // namespace

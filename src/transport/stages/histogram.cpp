@@ -17,20 +17,11 @@ constexpr std::size_t most_axes = most_tally_axes;
 constexpr int outside_axis = -1;
 constexpr auto last_step = static_cast<std::int64_t>(moment_steps) - 1;
 
-/// Where each particle of a batch stands in a histogram, as long as no measurement has several outcomes.
-struct HistogramPlaces {
-  static constexpr std::uint32_t beyond = ~std::uint32_t{0};       // the range of an axis
-  static constexpr std::uint32_t nowhere = ~std::uint32_t{0} - 1;  // does not count
-  std::array<std::uint32_t, Batch::capacity> bin;
-  std::array<std::array<std::uint32_t, Batch::capacity>, most_tally_axes>
-      steps;  // of the axes that have moments
-};
-
-/// Adds what one particle has in one bin, or beyond an axis, to the sums of a histogram.
-void add_score(const HistogramSums& layout, std::uint32_t bin, std::uint64_t q, Sum* sums) {
-  Sum* at = sums + (bin == HistogramPlaces::beyond ? layout.outside() : HistogramSums::bin(bin));
-  at[0] += q;
-  at[1] += square(q);
+/// Adds what one particle has in one bin, the last of which is outside of the axes, to the sums of a
+/// histogram.
+void add_score(std::size_t bin, std::uint64_t q, Sum* sums) {
+  sums[HistogramSums::bin(bin)] += q;
+  sums[HistogramSums::bin(bin) + 1] += square(q);
 }
 
 /// Where a value is on an axis.
@@ -85,8 +76,9 @@ class Filler {
       if (weights_[i] != 0) score(i);
   }
 
-  void find_places(HistogramPlaces& places) {
-    places.bin.fill(HistogramPlaces::nowhere);
+  /// As long as no measurement has several outcomes.
+  void find_places(PathPlaces& places) {
+    places.bin.fill(PathPlaces::nowhere);
     if (!weigh()) return;
     measure();
     for (int i = 0; i < batch_.count; ++i)
@@ -94,7 +86,7 @@ class Filler {
   }
 
  private:
-  void find_place(int i, HistogramPlaces& places) {
+  void find_place(int i, PathPlaces& places) {
     std::int64_t shares[most_levels];
     int found = 0;
     if (measured_) {
@@ -106,7 +98,7 @@ class Filler {
     for (std::size_t a = 0; a < rulers_.size(); ++a) {
       const Mark mark = rulers_[a].mark(is_measured(histogram_.axes[a]) ? outcome(a, found) : values_[a][i]);
       if (mark.bin == outside_axis) {
-        places.bin[at] = HistogramPlaces::beyond;
+        places.bin[at] = static_cast<std::uint32_t>(layout_.bins);
         return;
       }
       bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(mark.bin);
@@ -249,12 +241,12 @@ class Filler {
     }
   }
   void flush_bin() {
-    add_score(layout_, static_cast<std::uint32_t>(bin_), inside_, context_.sums);
+    add_score(bin_, inside_, context_.sums);
     inside_ = 0;
   }
   void flush() {
     if (inside_ != 0) flush_bin();
-    add_score(layout_, HistogramPlaces::beyond, outside_, context_.sums);
+    add_score(layout_.bins, outside_, context_.sums);
     outside_ = 0;
   }
 
@@ -281,17 +273,19 @@ class HistogramPaths : public PathTally {
   explicit HistogramPaths(const Histogram& histogram) : histogram_(histogram), layout_(sums_of(histogram)) {}
 
   void see(std::size_t path, StageContext& here, const std::uint16_t* numbers) override {
-    HistogramPlaces seen;
+    PathPlaces seen;
     Filler(histogram_, here).find_places(seen);
     if (places_.size() <= path) places_.resize(path + 1);
-    HistogramPlaces& places = places_[path];
-    places.bin.fill(HistogramPlaces::nowhere);
+    PathPlaces& places = places_[path];
+    places.bin.fill(PathPlaces::nowhere);
     for (std::size_t n = 0; n < static_cast<std::size_t>(here.batch.view().count); ++n) {
       places.bin[numbers[n]] = seen.bin[n];
       for (std::size_t axis = 0; axis < seen.steps.size(); ++axis)
         places.steps[axis][numbers[n]] = seen.steps[axis][n];
     }
   }
+
+  const PathPlaces* places(std::size_t path) const override { return &places_[path]; }
 
   void add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum*) override {
     for (std::size_t k = 0; k < paths.count(); ++k) {
@@ -301,13 +295,13 @@ class HistogramPaths : public PathTally {
       std::size_t found = 0;
       for (std::size_t path = 0; path < paths.levels.size(); ++path) {
         const std::uint32_t bin = places_[path].bin[at];
-        const std::uint64_t q = bin == HistogramPlaces::nowhere ? 0 : weights.of[path][k];
+        const std::uint64_t q = bin == PathPlaces::nowhere ? 0 : weights.of[path][k];
         if (q == 0) continue;
         std::size_t cell = 0;
         while (cell < found && bins[cell] != bin) ++cell;
         if (cell == found) bins[found++] = bin;
         scores[cell] += q;
-        if (bin == HistogramPlaces::beyond) continue;
+        if (bin == layout_.bins) continue;
         for (std::size_t axis = 0; axis < layout_.axes; ++axis) {
           Sum* moments = sums + layout_.moments(axis, group);
           const Sum u = places_[path].steps[axis][at];
@@ -316,14 +310,14 @@ class HistogramPaths : public PathTally {
           moments[2] += q * u * u;
         }
       }
-      for (std::size_t cell = 0; cell < found; ++cell) add_score(layout_, bins[cell], scores[cell], sums);
+      for (std::size_t cell = 0; cell < found; ++cell) add_score(bins[cell], scores[cell], sums);
     }
   }
 
  private:
   const Histogram& histogram_;
   const HistogramSums layout_;
-  std::vector<HistogramPlaces> places_;  // [path]
+  std::vector<PathPlaces> places_;  // [path]
 };
 
 /// The name of a tally, and in how many planes its part has it.

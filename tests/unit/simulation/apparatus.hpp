@@ -8,6 +8,8 @@ namespace rabiline::test {
 
 inline Species point_of_spin(int twice) { return {"point", 3e-26, 0, {twice}, 5.86e10, ""}; }
 
+inline TallyAxis levels_of(Quantity quantity) { return {quantity, {}, {}, {}, {}}; }
+
 /// A magnet, a field that turns or two of them on one oscillator, a second magnet, a screen.
 struct Apparatus {
   static constexpr Rectangle gap{6e-3, 0.5e-3};
@@ -15,6 +17,7 @@ struct Apparatus {
   Bins bins{1, 1};
   double efficiency = 1;
   bool ramsey = false, aimed = false;
+  bool tallied = false;  // by two planes behind the second magnet, and the screen
   DriveProfile profile{};
   double twist = 0;
   std::uint64_t particles = 30000;
@@ -36,10 +39,21 @@ struct Apparatus {
     Detector detector{Rectangle{4e-3, 0.6e-3}, bins, {}};
     detector.efficiency = efficiency;
     if (efficiency < 1) detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};
+    Monitor monitor{Rectangle{4e-3, 0.4e-3}, {}};
+    if (tallied) {
+      monitor.length = 0.05;
+      monitor.planes = 2;
+      monitor.tallies = {
+          {"places",
+           {axis(Quantity::z, -0.15e-3, 0.2e-3, 5), axis(Quantity::time_of_flight, 0.7e-3, 1e-3, 2)}},
+          {"levels", {levels_of(Quantity::prepared_level), levels_of(Quantity::level)}}};
+      detector.tallies = {{"speeds", {levels_of(Quantity::level), axis(Quantity::speed, 700, 900, 4)}}};
+    }
     b.parts = {place("A", 0.1, magnet(0.1, 8, gap)), place("C", 0.25, UniformField{0.2, resonant_field, {}}),
                place("drive", 0.27, drive)};
     if (ramsey) b.parts.push_back(place("second", 0.39, drive));
     b.parts.push_back(place("B", 0.5, magnet(0.1, 20, gap)));
+    if (tallied) b.parts.push_back(place("look", 0.65, monitor));
     b.parts.push_back(place("screen", 0.8, detector));
     b.particles = particles;
     return b;

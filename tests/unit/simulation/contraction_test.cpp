@@ -17,6 +17,18 @@ TEST(Moments, GiveEveryBinOfAScreenThatCountsTwoThirds) {
   apparatus.efficiency = 2.0 / 3;
   expect_as_alone(apparatus, 7);
 }
+TEST(Moments, GiveEveryBinAndMeanThatMonitorsAndTalliesSee) {
+  for (const int twice : {1, 3})
+    for (const bool aimed : {false, true}) {
+      Apparatus apparatus;
+      apparatus.species = point_of_spin(twice);
+      apparatus.tallied = true;
+      apparatus.aimed = aimed;
+      apparatus.efficiency = 2.0 / 3;
+      apparatus.particles = 10000;
+      expect_as_alone(apparatus.scan(5), {true});
+    }
+}
 TEST(Moments, OfASpinThreeHalvesFollowMajorana) {
   Apparatus apparatus;
   apparatus.species = point_of_spin(3);
@@ -108,21 +120,26 @@ TEST(Moments, ServeSpinsThatAPolariserPrepared) {
   }
 }
 
+/// With one point more, whose particles fly otherwise.
+std::vector<Beamline> flown_apart(std::vector<Beamline> scan) {
+  scan.push_back(scan.back());
+  std::get<GradientMagnet>(scan.back().parts.front().part).gradient *= 1.01;
+  return scan;
+}
+
 /// Parts of a scan would each fly all of it, as far as a tree is cut by what one particle costs.
 TEST(Moments, AreOfOneFlightHoweverMuchAParticleCosts) {
   Experiment e;
   e.points = Apparatus{}.scan(9);
   EXPECT_EQ(make_plan(e, 1, 1e-9).trees.size(), 1U);
-  std::vector<Beamline> looked_at = Apparatus{}.scan(9);
-  for (Beamline& b : looked_at)
-    b.parts.insert(b.parts.end() - 1, place("look", 0.7, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
-  e.points = looked_at;
+  e.points = flown_apart(Apparatus{}.scan(8));
   EXPECT_EQ(make_plan(e, 1, 1e-9).trees.size(), 9U);
 }
 
 TEST(Moments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   Apparatus apparatus;
   apparatus.bins = {3, 4};
+  apparatus.tallied = true;
   expect_same_bits(apparatus.scan(7));
 }
 
@@ -191,10 +208,12 @@ TEST(Moments, TellHowPointsVaryTogether) {
   for (const bool aimed : {false, true}) {
     Apparatus apparatus;
     apparatus.aimed = aimed;
+    apparatus.tallied = true;
     std::vector<Beamline> scan = apparatus.scan(6);
     scan.push_back(apparatus.at(apparatus.resonance() * (1 + 1e-12)));
     ASSERT_TRUE(has_moments(scan));
-    const DetectorResult screen = run_points(scan).detectors[0];
+    const Result all = run_points(scan);
+    const DetectorResult& screen = all.detectors[0];
     const auto covariance = [&](std::size_t a, std::size_t b) {
       return screen.detected_covariance[a * 7 + b];
     };
@@ -206,18 +225,19 @@ TEST(Moments, TellHowPointsVaryTogether) {
     }
     EXPECT_NEAR(covariance(3, 6), covariance(3, 3), 1e-6 * covariance(3, 3));
 
-    // Against groups of particles, as points are flown whose projection has a monitor behind it.
-    for (Beamline& b : scan)
-      b.parts.insert(b.parts.end() - 1, place("look", 0.7, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
+    // Against groups of particles, as points are flown beside one of another flight.
+    scan = flown_apart(scan);
     ASSERT_FALSE(has_moments(scan));
-    const DetectorResult groups = run_points(scan).detectors[0];
-    for (std::size_t i = 0; i < 7; ++i)
-      for (std::size_t j = 0; j < 7; ++j) {
-        // Of normally distributed numbers: Var(C_ij) = (C_ij^2 + C_ii C_jj)/255.
-        const double error =
-            std::sqrt((covariance(i, j) * covariance(i, j) + covariance(i, i) * covariance(j, j)) / 255);
-        EXPECT_NEAR(covariance(i, j), groups.detected_covariance[i * 7 + j], 4 * error);
-      }
+    const Result groups = run_points(scan);
+    expect_as_groups_scatter(screen.detected_covariance, groups.detectors[0].detected_covariance);
+    const MonitorResult& monitor = all.monitors[0];
+    for (std::size_t i = 0; i < 14; ++i) {
+      const double variance = monitor.passed_covariance[i % 2 * 49 + i / 2 * 8];
+      EXPECT_NEAR(variance, monitor.passed_errors[i] * monitor.passed_errors[i], 1e-6 * variance);
+    }
+    for (const std::size_t plane : {0U, 1U})
+      expect_as_groups_scatter(std::span(all.monitors[0].passed_covariance).subspan(plane * 7 * 7, 7 * 7),
+                               std::span(groups.monitors[0].passed_covariance).subspan(plane * 8 * 8, 8 * 8));
   }
 }
 

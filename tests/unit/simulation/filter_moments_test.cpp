@@ -2,6 +2,7 @@
 #include <numbers>
 #include <random>
 
+#include "apparatus.hpp"
 #include "as_alone.hpp"
 
 namespace rabiline::test::filter_moments_test {
@@ -34,7 +35,7 @@ struct FilteredBeam {
     beam.chamber.reset();
     beam.source = {GaussianSpeed{1000, 80}, Rectangle{2e-3, 1e-3}, BoxDirection{5e-4, 5e-4}};
     if (dice.is(0.3)) beam.source.direction = AimedDirection{"screen", CosineEmission{}};
-    if (dice.is(0.7)) beam.source.spin = PolarisedSpin{axis(), dice.is(0.5) ? 0.3 : 1};
+    if (dice.is(0.7)) beam.source.spin = PolarisedSpin{direction(), dice.is(0.5) ? 0.3 : 1};
     beam.particles = 2000;
     beam.parts = {place("guide", 0.05, UniformField{1.9, field, {}})};
     const int filters = 1 + dice.upto(3);
@@ -43,9 +44,17 @@ struct FilteredBeam {
       if (dice.is(0.5)) add_drive();
       beam.parts.push_back(place("B", 2, magnet(0.1, dice.between(300, 1000), Rectangle{6e-3, 2e-3})));
     }
+    if (dice.is(0.3)) add_monitor();
     Detector detector{Rectangle{3e-3, 2e-3}, {1 + dice.upto(2), 3}, {}};
+    if (dice.is(0.3))
+      detector.tallies = {{"levels", {levels_of(Quantity::level), levels_of(Quantity::prepared_level)}}};
     if (dice.is(0.5)) detector.efficiency = 0.7;
     beam.parts.push_back(place("screen", 3, detector));
+  }
+
+  bool is_looked_at() const {
+    return std::any_of(beam.parts.begin(), beam.parts.end(),
+                       [](const PlacedPart& part) { return std::holds_alternative<Monitor>(part.part); });
   }
 
   /// A point of a scan over everything that does to spins what moments can tell.
@@ -73,7 +82,7 @@ struct FilteredBeam {
  private:
   static constexpr double field = 1e-3, resonance = 29164.7;  // [T], [Hz] of the neutron
 
-  UnitVector axis() {
+  UnitVector direction() {
     if (!rotating) return dice.direction();
     return {0, 0, dice.is(0.5) ? 1.0 : -1.0};
   }
@@ -108,12 +117,25 @@ struct FilteredBeam {
     if (dice.is(0.3))
       beam.parts.push_back(
           place("slit" + std::to_string(k), here += 0.01, Slit{Rectangle{4e-3, 1.5e-3}, {}}));
+    if (dice.is(0.3)) add_monitor();
     SpinFilter filter;
-    filter.axis = axis();
+    filter.axis = direction();
     filter.up = dice.between(0.3, 1);
     filter.down = dice.is(0.4) ? 0 : dice.between(0, 1);
     beam.parts.push_back(place("filter" + std::to_string(k), here += 0.01, filter));
     here += 0.02;
+  }
+  /// Often with two planes.
+  void add_monitor() {
+    Monitor monitor{Rectangle{3e-3, 1.5e-3}, {}};
+    monitor.planes = 1 + static_cast<std::uint64_t>(dice.upto(1));
+    monitor.length = monitor.planes > 1 ? 5e-3 : 0;
+    monitor.tallies = {{"prepared", {levels_of(Quantity::prepared_level)}}};
+    if (rotating)  // else there are too many cells for means
+      monitor.tallies.push_back(
+          {"times", {axis(Quantity::time_of_flight, 0, 4e-3, 2), axis(Quantity::x, -1e-3, 1e-3, 2)}});
+    beam.parts.push_back(place("look" + std::to_string(number++), here += 0.01, monitor));
+    here += 0.01;
   }
   double here = 0.1;
   int number = 0;
@@ -121,7 +143,7 @@ struct FilteredBeam {
 };
 
 TEST(FilterMoments, GiveEachPointOfRandomBeamsAsIfItWereFlownAlone) {
-  int rotating = 0, standing = 0, with_magnets = 0;
+  int rotating = 0, standing = 0, with_magnets = 0, looked_at = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
     FilteredBeam drawn(seed);
@@ -131,10 +153,12 @@ TEST(FilterMoments, GiveEachPointOfRandomBeamsAsIfItWereFlownAlone) {
     if (HasFailure()) break;
     ++(drawn.rotating ? rotating : standing);
     with_magnets += drawn.magnets ? 1 : 0;
+    looked_at += drawn.is_looked_at() ? 1 : 0;
   }
   EXPECT_GT(rotating, 15);
   EXPECT_GT(standing, 15);
   EXPECT_GT(with_magnets, 15);
+  EXPECT_GT(looked_at, 15);
 }
 
 /// A polariser, a flipper and an analyser, as neutrons fly.
@@ -184,33 +208,55 @@ TEST(FilterMoments, AreNotKeptWhereWhatPassesDependsOnMoreThanTheSlowness) {
   EXPECT_TRUE(refuses([&](Beamline& b) { std::get<SpinFilter>(part(b, "polariser")).axis = {1, 0, 0}; }));
   EXPECT_TRUE(refuses([&](Beamline& b) { b.source.spin = PolarisedSpin{{1, 0, 0}, 1}; }));
   EXPECT_TRUE(refuses([&](Beamline& b) { b.law = ClassicalLaw{}; }));
-  EXPECT_TRUE(refuses([&](Beamline& b) {
-    b.parts.insert(b.parts.begin() + 1, place("look", 0.2, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
-  }));
+  const auto tallied = [](double at, TallyAxis axis) {
+    return [=](Beamline& b) {
+      const auto behind = std::find_if(b.parts.begin(), b.parts.end(),
+                                       [&](const PlacedPart& other) { return other.placement.at > at; });
+      Monitor monitor{Rectangle{6e-3, 0.4e-3}, {}};
+      monitor.tallies = {{"of", {axis}}};
+      b.parts.insert(behind, place("look", at, monitor));
+    };
+  };
+  EXPECT_TRUE(refuses(tallied(0.2, axis(Quantity::weight, 0, 1, 2))));
+  EXPECT_TRUE(refuses(tallied(0.2, levels_of(Quantity::level))));
+  EXPECT_FALSE(refuses(tallied(0.2, levels_of(Quantity::prepared_level))));
+  EXPECT_FALSE(refuses(tallied(0.9, levels_of(Quantity::level))));
+}
+
+/// A polariser that passes (1 + 0.96)/2 and (1 - 0.96)/2, whatever turns spins and filters them behind.
+TEST(FilterMoments, KnowTheLevelsOfWhatAScreenCaughtBeforeFieldsAndAFilter) {
+  std::vector<Beamline> scan = flipper(5);
+  for (Beamline& b : scan)
+    b.parts.insert(b.parts.begin() + 1, place("mid", 0.2, Detector{Rectangle{2e-3, 0.4e-3}, {1, 1}, {}}));
+  const DetectorResult screen = run_points(scan).detectors[0];
+  EXPECT_GT(screen.detected[0], 0.05);
+  for (std::size_t i = 0; i < scan.size(); ++i) EXPECT_NEAR(screen.levels[2 * i], 0.98, 1e-3);
 }
 
 TEST(FilterMoments, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) { expect_same_bits(flipper(9)); }
 
-/// Against groups of particles, as points are flown that a monitor looks at.
+/// Against groups of particles, as points are flown where the weight behind a filter is asked for.
 TEST(FilterMoments, TellHowPointsVaryTogether) {
   std::vector<Beamline> scan = flipper(7);
-  for (Beamline& b : scan) b.particles = 40000;
-  const DetectorResult screen = run_points(scan).detectors[0];
-  for (Beamline& b : scan)
-    b.parts.insert(b.parts.end() - 1, place("look", 0.9, Monitor{Rectangle{6e-3, 0.4e-3}, {}}));
-  ASSERT_FALSE(has_moments(scan));
-  const DetectorResult groups = run_points(scan).detectors[0];
-  const auto covariance = [&](std::size_t a, std::size_t b) { return screen.detected_covariance[a * 7 + b]; };
-  for (std::size_t i = 0; i < 7; ++i) {
-    EXPECT_NEAR(covariance(i, i), screen.detected_errors[i] * screen.detected_errors[i],
-                1e-6 * covariance(i, i));
-    for (std::size_t j = 0; j < 7; ++j) {
-      // Of normally distributed numbers: Var(C_ij) = (C_ij^2 + C_ii C_jj)/255.
-      const double error =
-          std::sqrt((covariance(i, j) * covariance(i, j) + covariance(i, i) * covariance(j, j)) / 255);
-      EXPECT_NEAR(covariance(i, j), groups.detected_covariance[i * 7 + j], 4 * error);
-    }
+  for (Beamline& b : scan) {
+    b.particles = 40000;
+    b.parts.insert(b.parts.begin() + 1, place("look", 0.2, Monitor{Rectangle{6e-3, 3e-3}, {}}));
+    b.parts.insert(b.parts.end() - 2, place("before", 0.75, Monitor{Rectangle{6e-3, 3e-3}, {}}));
   }
+  ASSERT_TRUE(has_moments(scan));
+  const Result exact = run_points(scan);
+  for (Beamline& b : scan)
+    std::get<Monitor>(b.parts[1].part).tallies = {{"weights", {axis(Quantity::weight, 0, 1, 2)}}};
+  ASSERT_FALSE(has_moments(scan));
+  const Result groups = run_points(scan);
+  const DetectorResult& screen = exact.detectors[0];
+  for (std::size_t i = 0; i < 7; ++i)
+    EXPECT_NEAR(screen.detected_covariance[i * 8], screen.detected_errors[i] * screen.detected_errors[i],
+                1e-6 * screen.detected_covariance[i * 8]);
+  expect_as_groups_scatter(screen.detected_covariance, groups.detectors[0].detected_covariance);
+  for (const std::size_t monitor : {0U, 1U})
+    expect_as_groups_scatter(exact.monitors[monitor].passed_covariance,
+                             groups.monitors[monitor].passed_covariance);
 }
 
 }  // namespace

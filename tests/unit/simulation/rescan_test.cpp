@@ -86,13 +86,40 @@ TEST(Rescan, GivesEveryBinWhereTheyAreKept) {
 TEST(Rescan, OfTheSamePointsHasTheSameBits) {
   Apparatus apparatus;
   apparatus.species = point_of_spin(3);
+  apparatus.tallied = true;
   const Flown flown = fly(apparatus.scan(9), KeptBins::images);
   const Result again = rescanned(flown, apparatus.scan(9));
   EXPECT_EQ(flown.result.detectors[0].counts, again.detectors[0].counts);
   EXPECT_EQ(flown.result.detectors[0].detected_covariance, again.detectors[0].detected_covariance);
   EXPECT_EQ(flown.result.detectors[0].levels_errors, again.detectors[0].levels_errors);
+  EXPECT_EQ(flown.result.monitors[0].passed_covariance, again.monitors[0].passed_covariance);
+  for (std::size_t i = 0; i < again.tallies.size(); ++i) {
+    EXPECT_EQ(flown.result.tallies[i].counts_errors, again.tallies[i].counts_errors);
+    EXPECT_EQ(flown.result.tallies[i].axes.back().mean_errors, again.tallies[i].axes.back().mean_errors);
+  }
   for (std::size_t f = 0; f < again.fates.size(); ++f)
     EXPECT_EQ(flown.result.fates[f].quanta_low, again.fates[f].quanta_low);
+}
+/// Monitors count a total, as detectors do; tallies are bins.
+TEST(Rescan, KeepsWhatMonitorsCountAndTalliesWithTheBins) {
+  Apparatus apparatus;
+  apparatus.tallied = true;
+  for (const KeptBins bins : {KeptBins::totals, KeptBins::images}) {
+    const Flown flown = fly(apparatus.scan(9), bins);
+    ASSERT_TRUE(flown.record);
+    const Result scan = rescanned(flown, narrower(apparatus)), again = run_points(narrower(apparatus));
+    expect_same_scan(scan, again);
+    expect_close(scan.monitors[0].passed, again.monitors[0].passed, 1e-9);
+    expect_close(scan.monitors[0].passed_errors, again.monitors[0].passed_errors, 1e-9);
+    expect_close(scan.monitors[0].passed_covariance, again.monitors[0].passed_covariance, 1e-12);
+    ASSERT_EQ(scan.tallies.size(), bins == KeptBins::images ? 3U : 0U);
+    for (std::size_t i = 0; i < scan.tallies.size(); ++i) {
+      expect_close(scan.tallies[i].counts, again.tallies[i].counts, 1e-9 * again.emitted[0]);
+      for (std::size_t axis = 0; axis < scan.tallies[i].axes.size(); ++axis)
+        expect_close(scan.tallies[i].axes[axis].mean, again.tallies[i].axes[axis].mean,
+                     1e-9 * scan.tallies[i].axes[axis].edges.back());
+    }
+  }
 }
 TEST(Rescan, CanBeScannedAgain) {
   const Apparatus apparatus;

@@ -1,4 +1,4 @@
-#include "simulation/screen_covariance.hpp"
+#include "simulation/count_covariance.hpp"
 
 #include <algorithm>
 
@@ -11,64 +11,68 @@ namespace {
 constexpr double one_particle = static_cast<double>(quanta_per_particle);  // [quanta]
 
 /// A share P(from -> to) is a sum of functions of the slowness that are fewer than the shares, the first of
-/// them 1: powers of the flip probability p of a spin 1/2 (MajoranaTable). Behind filters they are the
-/// shares.
-std::size_t terms_of(const SpinPath& path) {
+/// them 1: powers of the flip probability p of a spin 1/2 (MajoranaTable). Where filters share the weights
+/// too they are the shares of the `outcomes` that can come to a place.
+std::size_t terms_of(const SpinPath& path, std::size_t outcomes) {
   const auto levels = static_cast<std::size_t>(path.levels);
-  return path.filters.empty() ? levels : 1 + levels * levels;
+  return path.filters.empty() ? levels : 1 + levels * outcomes;
 }
-double coefficient(const SpinPath& path, std::size_t from, int to, std::size_t term) {
-  const auto levels = static_cast<std::size_t>(path.levels);
-  const std::size_t share = from * levels + static_cast<std::size_t>(to);
+double coefficient(const SpinPath& path, std::size_t outcomes, std::size_t from, int to, std::size_t term) {
+  const std::size_t share = from * outcomes + static_cast<std::size_t>(to);
   if (!path.filters.empty()) return term == 1 + share ? 1 : 0;
   if (path.levels == 2) {
     const bool stays = static_cast<int>(from) == to;
     return term == 0 ? (stays ? 1 : 0) : (stays ? -1 : 1);
   }
-  return path.polynomials[share * levels + term];
+  return path.polynomials[share * static_cast<std::size_t>(path.levels) + term];
 }
 /// Each over the nodes, and of powers as many as products of two of them have.
-std::vector<Eigen::VectorXd> terms_at(const TransitNodes& nodes, const SpinPath& path, const RandomKey& key) {
+std::vector<Eigen::VectorXd> terms_at(const TransitNodes& nodes, const SpinPath& path, std::size_t outcomes,
+                                      const RandomKey& key) {
   std::vector<Eigen::VectorXd> terms{Eigen::VectorXd::Ones(nodes.size())};
   if (path.filters.empty()) {
     terms.push_back(nodes.flips(path, key));
-    while (terms.size() + 1 < 2 * terms_of(path)) terms.push_back(terms.back().cwiseProduct(terms[1]));
+    while (terms.size() + 1 < 2 * terms_of(path, outcomes))
+      terms.push_back(terms.back().cwiseProduct(terms[1]));
     return terms;
   }
   for (std::size_t from = 0; from < static_cast<std::size_t>(path.levels); ++from) {
     const Eigen::MatrixXd shares = nodes.shares(path, key, from);
-    for (int to = 0; to < path.levels; ++to) terms.emplace_back(shares.col(to));
+    for (std::size_t to = 0; to < outcomes; ++to)
+      terms.emplace_back(shares.col(static_cast<Eigen::Index>(to)));
   }
   return terms;
 }
 
-/// Products of terms in what the screen counts of pairs of paths: [i][j], each over the nodes.
+/// Products of terms in what a link has of pairs of paths: [i][j], each over the nodes.
 std::vector<std::vector<Eigen::VectorXd>> products_of_terms(const SpinPath& path, const TransitLayout& layout,
-                                                            const TransitNodes::WholeScreen& screen) {
-  const std::size_t terms = terms_of(path);
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
+                                                            std::size_t link,
+                                                            const TransitNodes::WholeLink& whole) {
+  const std::size_t outcomes = layout.link(link).outcomes, terms = terms_of(path, outcomes);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(whole.paths.front().front().size());
   std::vector<std::vector<Eigen::VectorXd>> of(terms, std::vector<Eigen::VectorXd>(terms, none));
   for (std::size_t from = 0; from < layout.levels(); ++from)
-    for (std::size_t a = 0; a < layout.caught(from); ++a)
-      for (std::size_t b = 0; b < layout.caught(from); ++b) {
-        const Eigen::VectorXd& pair = screen.pairs[from][a][b];
+    for (std::size_t a = 0; a < layout.paths(link, from); ++a)
+      for (std::size_t b = 0; b < layout.paths(link, from); ++b) {
+        const Eigen::VectorXd& pair = whole.pairs[from][a][b];
         for (std::size_t i = 0; i < terms; ++i)
           for (std::size_t j = 0; j < terms; ++j)
-            of[i][j] += pair * (coefficient(path, from, layout.outcomes(from)[a], i) *
-                                coefficient(path, from, layout.outcomes(from)[b], j));
+            of[i][j] += pair * (coefficient(path, outcomes, from, layout.outcomes(from)[a], i) *
+                                coefficient(path, outcomes, from, layout.outcomes(from)[b], j));
       }
   return of;
 }
 
 /// Sum of w^2 P, by its terms.
 std::vector<Eigen::VectorXd> terms_in_counts(const SpinPath& path, const TransitLayout& layout,
-                                             const TransitNodes::WholeScreen& screen) {
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(screen.paths.front().front().size());
-  std::vector<Eigen::VectorXd> of(terms_of(path), none);
+                                             std::size_t link, const TransitNodes::WholeLink& whole) {
+  const std::size_t outcomes = layout.link(link).outcomes;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(whole.paths.front().front().size());
+  std::vector<Eigen::VectorXd> of(terms_of(path, outcomes), none);
   for (std::size_t from = 0; from < layout.levels(); ++from)
-    for (std::size_t a = 0; a < layout.caught(from); ++a)
+    for (std::size_t a = 0; a < layout.paths(link, from); ++a)
       for (std::size_t i = 0; i < of.size(); ++i)
-        of[i] += screen.pairs[from][a][a] * coefficient(path, from, layout.outcomes(from)[a], i);
+        of[i] += whole.pairs[from][a][a] * coefficient(path, outcomes, from, layout.outcomes(from)[a], i);
   return of;
 }
 
@@ -81,14 +85,15 @@ std::vector<Eigen::VectorXd> terms_in_counts(const SpinPath& path, const Transit
 class CovarianceMaker {
  public:
   CovarianceMaker(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
-                  const TransitNodes::WholeScreen& screen, double share, const Eigen::VectorXd& counted,
+                  std::size_t link, const TransitNodes::WholeLink& whole, const Eigen::VectorXd& counted,
                   const Eigen::MatrixXd& stragglers, const Sums& sums)
       : tree_(tree),
         projection_(projection),
         nodes_(nodes),
-        products_(products_of_terms(*path_of(projection.stage), *projection.transit, screen)),
-        singles_(terms_in_counts(*path_of(projection.stage), *projection.transit, screen)),
-        share_(share),
+        outcomes_(projection.transit->link(link).outcomes),
+        products_(products_of_terms(*path_of(projection.stage), *projection.transit, link, whole)),
+        singles_(terms_in_counts(*path_of(projection.stage), *projection.transit, link, whole)),
+        share_(projection.transit->link(link).counted),
         counted_(counted),
         stragglers_(stragglers),
         some_strayed_(!stragglers.isZero(0)),
@@ -165,7 +170,7 @@ class CovarianceMaker {
 
  private:
   std::vector<Eigen::VectorXd> terms_of_way(Eigen::Index way) const {
-    return terms_at(nodes_, *path_of(projection_.ways[static_cast<std::size_t>(way)].stage),
+    return terms_at(nodes_, *path_of(projection_.ways[static_cast<std::size_t>(way)].stage), outcomes_,
                     tree_.source.key);
   }
   void add_stragglers(Eigen::MatrixXd& together) const {
@@ -178,6 +183,7 @@ class CovarianceMaker {
   const PlanTree& tree_;
   const PlanNode& projection_;
   const TransitNodes& nodes_;
+  const std::size_t outcomes_;
   const std::vector<std::vector<Eigen::VectorXd>> products_;
   const std::vector<Eigen::VectorXd> singles_;
   const double share_;
@@ -189,12 +195,12 @@ class CovarianceMaker {
 
 }  // namespace
 
-ScreenCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
-                               const TransitNodes::WholeScreen& screen, double share, int part,
-                               const Eigen::VectorXd& counted, const Eigen::MatrixXd& stragglers,
-                               const Sums& sums, int threads) {
-  const CovarianceMaker maker(tree, projection, nodes, screen, share, counted, stragglers, sums);
-  ScreenCovariance out{part};
+CountCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, const TransitNodes& nodes,
+                              std::size_t link, const TransitNodes::WholeLink& whole,
+                              const Eigen::VectorXd& counted, const Eigen::MatrixXd& stragglers,
+                              const Sums& sums, int threads) {
+  const CovarianceMaker maker(tree, projection, nodes, link, whole, counted, stragglers, sums);
+  CountCovariance out{projection.transit->link(link).part, projection.transit->link(link).plane};
   for (std::size_t way = 0; way < projection.ways.size(); ++way)
     for (const int point : projection.ways[way].points) {
       out.way_of.resize(std::max(out.way_of.size(), static_cast<std::size_t>(point) + 1));
