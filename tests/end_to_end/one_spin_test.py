@@ -79,11 +79,11 @@ SWINGS = "oscillates: {frequency: 29.1 kHz, phase: 30 deg}"
 @pytest.mark.parametrize("part", [
     f"kind: current_loop, radius: 4 cm, direction: [1, 1, 0], field: 0.3 mT, reach: 0.25 m, {SWINGS}",
     f"kind: solenoid, winding: 8 cm, radius: 3 cm, direction: [1, 2, 0], field: 0.2 mT, reach: 0.25 m, {SWINGS}",
-    f"kind: coil_pair, radius: 5 cm, distance: 5 cm, direction: x, field: 60 uT, reach: 0.2 m, {SWINGS.replace('30 deg', 'random')}",
-    f"kind: straight_wire, radius: 1 mm, current: 6 A, reach: 0.2 m, offset: {{z: 2 cm}}, {SWINGS}",
+    f"kind: coil_pair, radius: 5 cm, distance: 5 cm, direction: x, field: 200 uT, reach: 0.2 m, {SWINGS.replace('30 deg', 'random')}",
+    f"kind: straight_wire, radius: 1 mm, current: 15 A, reach: 0.2 m, offset: {{z: 2 cm}}, {SWINGS}",
     f"kind: multipole_field, length: 20 cm, poles: 4, field: 0.1 mT, radius: 1 cm, offset: {{x: 6 mm, z: 2 mm}}, {SWINGS}",
-    "kind: formula_field, formula: {Bx: A*cos(2*pi*(f*t - y/L))*(1 + z/0.01), By: A*sin(2*pi*f*t)^2, Bz: A*sin(4*pi*f*t), constants: {A: 80 uT, f: 29.1 kHz, L: 0.4 m}, "
-    "frequency: 29.1 kHz, phase: random, width: 1 cm, height: 1 cm, length: 10 cm, step: 2 mm}, tilt: {x: 15 deg, z: 20 deg}",
+    "kind: formula_field, formula: {Bx: A*cos(2*pi*(f*t - y/L))*(1 + z/0.05), By: A*sin(2*pi*f*t)^2, Bz: A*sin(4*pi*f*t), constants: {A: 200 uT, f: 31.6 kHz, L: 0.4 m}, "
+    "frequency: 31.6 kHz, phase: random, width: 6 cm, height: 4 cm, length: 10 cm, step: 4 mm}, tilt: {x: 8 deg, z: 12 deg}",
     f"kind: formula_field, formula: {{Bx: 1e-4*(1 + y/0.1), Bz: 3e-5*x/0.01, width: 1 cm, height: 1 cm, length: 10 cm, step: 2 mm}}, scale: 0.8, {SWINGS}",
 ], ids=["a ring", "through windings", "a pair of random phase", "a wire", "a quadrupole", "a wave with harmonics and slanting faces", "a formula"])
 def test_an_atom_is_driven_by_a_field_that_swings_as_a_point_spin_is(tmp_path: Path, part: str) -> None:
