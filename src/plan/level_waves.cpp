@@ -189,7 +189,9 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
         const RotatingTerm term = along_field(drive, {peak.field[0], peak.field[1], peak.field[2]},
                                               size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
         const double distance = nearest_line(spins, size, term);
-        if (best.drive && distance >= nearest) continue;
+        const bool as_near = best.drive && distance == nearest;
+        if (best.drive && !(distance < nearest || (as_near && term.amplitude > best.drive->amplitude)))
+          continue;
         best.field = size;
         best.drive = term;
         nearest = distance;

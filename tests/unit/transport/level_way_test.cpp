@@ -128,14 +128,15 @@ TEST(LevelWay, IsNotChangedByAFieldThatSwingsByNothing) {
     EXPECT_LT(worst_difference(carried(past_a_ring(0), level), carried(without, level)), 1e-8);
   }
 }
-/// One spin in a field that swings with its Larmor frequency: half of it turns with the spin, the other half
-/// leaves (b/4B)^2 of the flip (F. Bloch and A. Siegert, Phys. Rev. 57, 522 (1940)).
+/// One spin in a field that swings with its Larmor frequency, half of which turns with the spin: a flip in
+/// h/(g mu_B b), but for (b/B)^2, since levels are those along the whole field (I. I. Rabi, Phys. Rev. 51,
+/// 652 (1937)).
 TEST(LevelWay, IsFlippedByAFieldThatSwingsWithTheFrequencyOfALine) {
-  constexpr double field = 20e-6, across = 0.2e-6;
+  constexpr double field = 20e-6, across = 0.05e-6;
   const CoupledSpins spin = structure(0, 1, 0, 0, 2, 0);
   Flight f = flight(spin, 1000, 1000 / (spin.zeeman_j * across), linear(0, 0, field, 0, 0, 0), 0);
   swing(f, ShapedTerm(linear(across, 0, 0, 0, 0, 0)), spin.zeeman_j * field);
-  EXPECT_NEAR(carried(f, 0)[1], 1, 2e-5);
+  EXPECT_NEAR(carried(f, 0)[1], 1, (across / field) * (across / field));
 }
 /// Where nothing stands the spin turns about the one axis, by 2 pi (g mu_B/h) b (sin(wt + p) - sin p)/w.
 TEST(LevelWay, TurnsAboutAFieldThatSwingsAlone) {
