@@ -29,7 +29,7 @@ inline constexpr auto parameters<Structure> = std::tuple{
     param("I", &Structure::i, "nuclear spin, 0 to 9/2"),
     param("J", &Structure::j, "the other angular momentum: of the electrons, or of a rotating molecule"),
     param("coupling", &Structure::coupling, Dimension::frequency, range::any,
-          "A of the interaction A I.J; negative where the largest F is the lowest"),
+          "A of the interaction A I.J; negative where the largest F is the lowest; none of I = 0", 0.0),
     param("quadrupole", &Structure::quadrupole, Dimension::frequency, range::any,
           "B of the interaction of quadrupole type, for I and J of 1 or more", 0.0),
     param("g_J", &Structure::g_j, Dimension::number, range::any,

@@ -265,12 +265,9 @@ class Compiler {
       if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
       return fly_through_region(touching, coupling_of(beamline_, species_), stretch.outlook);
     }
-    Plane entrance;
-    entrance.y = begin;
-    entrance.part = std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); })
-                        ->shaped.front()
-                        .part;
-    entrance.term = MagnetTerm{stretch.end};
+    const Section& first =
+        *std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); });
+    const Plane entrance{begin, first.shaped.front().part, MagnetTerm{stretch.end}};
     if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
     fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
     TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
@@ -280,8 +277,11 @@ class Compiler {
   void keep_inside(const Section& section, double from, double to) {
     if (from >= to) return;
     for (const GapTerm& gap : section.gaps) chain_.push_back(Bounds{{gap.part, from}, to, gap_of(gap)});
-    for (const ShapedTerm& term : section.shaped)
+    const auto keep = [&](const ShapedTerm& term) {
       if (nothing_may_leave(term)) chain_.push_back(Bounds{{term.part, from}, to, term});
+    };
+    std::ranges::for_each(section.shaped, keep);
+    std::ranges::for_each(section.swinging, keep, &SwingingTerm::field);
   }
   void fly_straight_through(const Section& section) {
     if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall);

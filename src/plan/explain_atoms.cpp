@@ -146,6 +146,19 @@ std::string headline_of(const Species& atom) {
                      write_half(s.j.twice), s.levels(), apart);
 }
 
+namespace {
+
+/// The field that drives levels there.
+std::string name_of(const LevelZone& zone, const Beamline& beamline) {
+  if (zone.part >= 0) return beamline.parts[static_cast<std::size_t>(zone.part)].placement.name;
+  for (const PlacedPart& part : beamline.parts)
+    if (traits_of(part.part).drives && part.placement.at <= zone.begin && zone.begin < end_of(part))
+      return part.placement.name;
+  return fmt::format("the field at {:.4g} m", zone.begin);
+}
+
+}  // namespace
+
 DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
     : experiment_(experiment), plan_(plan) {
   for (const PlanTree& tree : plan.trees) collect(tree.component, tree.next);
@@ -159,7 +172,8 @@ void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
   }
 }
 
-const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Structure& structure) {
+const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Beamline& beamline,
+                                                  const Structure& structure) {
   const void* of = path.way != nullptr ? static_cast<const void*>(path.way) : path.transitions;
   const auto known = std::ranges::find(driven_, of, &Driven::of);
   if (known != driven_.end()) return &*known;
@@ -169,13 +183,14 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const St
     made.zones = zones_near_lines(path.way->fields(), structure);
     for (const WaveFields& wave : path.way->fields().waves)
       made.neglected = std::max(made.neglected, wave.frame.neglected);
-    return &made;
+  } else {
+    const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
+    made.neglected = tabled.levels.neglected();
+    made.largest_slowness = tabled.largest_slowness;
+    std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
+                         [](const LevelZone& zone) { return zone.drive.has_value(); });
   }
-  const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
-  made.neglected = tabled.levels.neglected();
-  made.largest_slowness = tabled.largest_slowness;
-  std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
-                       [](const LevelZone& zone) { return zone.drive.has_value(); });
+  for (const LevelZone& zone : made.zones) made.names.push_back(name_of(zone, beamline));
   return &made;
 }
 
@@ -188,16 +203,8 @@ void DrivenParts::collect(int component, const Stage& stage, const std::vector<i
       parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
   at.resize(experiment_.points.size());
   const Driven* driven =
-      driven_of(*path, *beamline.species[static_cast<std::size_t>(component)].species.structure);
+      driven_of(*path, beamline, *beamline.species[static_cast<std::size_t>(component)].species.structure);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
-}
-
-/// The field that drives levels there.
-std::string DrivenParts::name_at(double y) const {
-  for (const PlacedPart& part : experiment_.points.front().parts) {
-    if (traits_of(part.part).drives && part.placement.at <= y && y < end_of(part)) return part.placement.name;
-  }
-  return fmt::format("the field at {:.4g} m", y);
 }
 
 double DrivenParts::speed_at(std::size_t point, int component) const {
@@ -243,9 +250,9 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
     add_zone(i, at, speed, told.back());
     const auto same =
         static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
-    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", name_at(zones[i].begin), zones[i].begin,
+    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", driven.names[i], zones[i].begin,
                               zones[i].end,
-                              same == i ? "" : fmt::format(", as {} does", name_at(zones[same].begin))));
+                              same == i ? "" : fmt::format(", as {} does", driven.names[same])));
     if (same == i)
       for (const std::string& line : told.back()) out.push_back("  " + line);
   }
@@ -276,6 +283,7 @@ std::vector<Fault> DrivenParts::warnings() const {
     std::vector<Transition> near{};
     double distance = 0;  // in widths and Rabi frequencies
     const LevelZone* zone = nullptr;
+    const std::string* name = nullptr;  // of its field
     const Structure* structure = nullptr;
   };
   std::set<std::string> useful;  // fields that drive some species of the beam
@@ -294,21 +302,22 @@ std::vector<Fault> DrivenParts::warnings() const {
       const std::vector<LevelZone>& zones = driven->zones;
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
+        const std::string& field = driven->names[i];
         const double width = width_of(zones[i], speed_at(point, component));
         std::vector<Transition> near = transitions_near(driven->structure, zones[i]);
         const Eigen::VectorXd shifts = shifts_of(driven->structure, zones[i]);
         for (const Transition& t : near) {
           if (is_far(t, width)) continue;
-          useful.insert(name_at(zones[i].begin));
+          useful.insert(field);
           const double shift =
               std::abs(shifts(t.upper) - shifts(t.lower)) * driven->neglected * driven->neglected;
           if (shift > width && shift * most.width >= most.shift * width)
-            most = {shift, width, name_of(driven->structure, t), name_at(zones[i].begin)};
+            most = {shift, width, name_of(driven->structure, t), field};
         }
-        if (useful.contains(name_at(zones[i].begin))) continue;
+        if (useful.contains(field)) continue;
         const double distance = near.empty() ? HUGE_VAL : std::abs(near.front().detuning);
         if (best[i].zone && distance >= best[i].distance) continue;
-        best[i] = {std::move(near), distance, &zones[i], &driven->structure};
+        best[i] = {std::move(near), distance, &zones[i], &field, &driven->structure};
       }
     }
     std::ranges::move(best, std::back_inserter(all));
@@ -326,13 +335,13 @@ std::vector<Fault> DrivenParts::warnings() const {
           "`approximation: none` takes the whole field");
   }
   for (const Best& b : all) {
-    if (b.zone == nullptr || useful.contains(name_at(b.zone->begin))) continue;
+    if (b.zone == nullptr || useful.contains(*b.name)) continue;
     std::string list;
     for (std::size_t i = 0; i < b.near.size() && i < 3; ++i)
       list += fmt::format("{}{} at {}", i == 0 ? "" : ", ", name_of(*b.structure, b.near[i]),
                           megahertz(b.near[i].frequency));
-    add(name_at(b.zone->begin), "frequency",
-        fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name_at(b.zone->begin),
+    add(*b.name, "frequency",
+        fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", *b.name,
                     experiment_.axes.empty() ? "" : " at any scan point", tesla(b.zone->field),
                     megahertz(b.zone->drive->oscillator.frequency), list.empty() ? "none" : list));
   }
@@ -344,7 +353,7 @@ std::string field_free_gaps(const Beamline& beamline) {
   for (const PlacedPart& part : beamline.parts)
     if (holds_spins(part.part)) fields.emplace_back(part.placement.at, end_of(part));
   for (const Section& section : sections_of(beamline).sections)
-    if (!section.shaped.empty()) fields.emplace_back(section.begin, section.end);
+    if (section.has_shaped_fields()) fields.emplace_back(section.begin, section.end);
   std::sort(fields.begin(), fields.end());
   std::string gaps;
   double reach = fields.empty() ? 0 : fields.front().second;

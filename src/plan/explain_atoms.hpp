@@ -33,13 +33,13 @@ class DrivenParts {
     const void* of = nullptr;  // the transitions or the way that a path has
     Structure structure{};
     std::vector<LevelZone> zones{};
+    std::vector<std::string> names{};  // [zone] of the fields that drive there
     double neglected = 0, largest_slowness = 0;
     bool on_way = false;
   };
-  const Driven* driven_of(const SpinPath&, const Structure&);
+  const Driven* driven_of(const SpinPath&, const Beamline&, const Structure&);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
-  std::string name_at(double y) const;
   void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;
   double speed_at(std::size_t point, int component) const;

@@ -27,7 +27,8 @@ struct StaticField {
 };
 StaticField static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y) {
   FieldHere<double> here{};
-  for (const ShapedTerm& term : shaped) add_field<HostMaths>(term, 0.0, y, 0.0, here);
+  for (const ShapedTerm& term : shaped)
+    if (term.drive < 0) add_field<HostMaths>(term, 0.0, y, 0.0, here);
   return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
           {here.slope[1], here.slope[4], here.slope[7]}};
 }
@@ -56,17 +57,20 @@ WavePlace place_of(const SpinZone& drives, const StaticField& there, double spee
   return out;
 }
 
-/// In axes along a static field; of a plane that is not across it, as if it swung along its first axis.
-RotatingTerm along_field(const DriveTerm& drive, const Vector3& third) {
+/// What a drive is at a place on the axis, `shaped` being the fields that swing with its angle, in axes along
+/// a static field; of a plane that is not across it, as if it swung along its first axis.
+RotatingTerm along_field(const DriveTerm& drive, const Vector3& shaped, const Vector3& third) {
   RotatingTerm out;
-  const Vector3 a{drive.first[0], drive.first[1], drive.first[2]},
-      b{drive.second[0], drive.second[1], drive.second[2]};
-  const double along = dot(a, third), turns = dot(cross(a, b), third);
-  out.amplitude = std::abs(drive.spin_rate);
+  const Vector3 a = std::abs(drive.spin_rate) * Vector3{drive.first[0], drive.first[1], drive.first[2]} +
+                    shaped,
+                b = std::abs(drive.spin_rate) * Vector3{drive.second[0], drive.second[1], drive.second[2]};
+  out.amplitude = length_of(a);
   out.oscillator.frequency = std::abs(drive.omega) / two_pi;
   out.envelope = drive.envelope;
   out.gate = drive.gate;
-  if (std::abs(turns) > 0.99) {
+  const double square = out.amplitude * out.amplitude,
+               along = out.amplitude > 0 ? dot(a, third) / out.amplitude : 0, turns = dot(cross(a, b), third);
+  if (std::abs(turns) > 0.99 * square) {
     out.oscillator.turn = (turns > 0) == (drive.omega > 0) ? Turn::positive : Turn::negative;
   } else {
     out.motion = FieldMotion::swings_in_rotating_wave;
@@ -108,9 +112,12 @@ std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from,
   std::vector<Clock> turning;
   std::set<int> out;
   double whole = 0;
-  for (const Section& section : sections)
+  for (const Section& section : sections) {
+    const double length = std::min(section.end, to) - std::max(section.begin, from);
+    double fastest = 0;  // [Hz] of what swings
+    for (const SwingingTerm& term : section.swinging) fastest = std::max(fastest, term.oscillator.frequency);
+    whole += std::max(0.0, fastest * length / zones.speed());
     for (const RotatingTerm& term : section.rotating) {
-      const double length = std::min(section.end, to) - std::max(section.begin, from);
       const int part = term.oscillator.part;
       if (length <= 0 || term.amplitude == 0) continue;
       if (term.motion == FieldMotion::swings_in_rotating_wave && term.oscillator.frequency != 0)
@@ -126,6 +133,7 @@ std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from,
       if (clock == turning.end()) clock = turning.insert(clock, {part, frequency, 0});
       clock->periods += turns;
     }
+  }
   std::ranges::stable_sort(turning, std::ranges::greater(), &Clock::frequency);
   for (const Clock& clock : turning) {
     if (whole <= periods) break;
@@ -155,25 +163,35 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
   const CoupledSpins spins = coupled_spins(structure);
   std::vector<LevelZone> out;
   for (const CourseSection& section : fields.sections) {
-    std::vector<DriveTerm> drives(section.field.drive, section.field.drive + section.field.drives);
+    const SpinZone& zone = section.field;
+    std::vector<DriveTerm> drives(zone.drive, zone.drive + zone.drives);
     if (section.wave >= 0)
       std::ranges::copy(fields.waves[static_cast<std::size_t>(section.wave)].drives,
                         std::back_inserter(drives));
-    const SpinZone& zone = section.field;
     const Vector3 uniform =
         zone.spin_rate *
         (zone.turned ? Vector3{zone.frame[6], zone.frame[7], zone.frame[8]} : Vector3{0, 0, 1});
     const std::span shaped(fields.shaped.data() + section.shaped_begin,
                            fields.shaped.data() + section.shaped_end);
-    for (const DriveTerm& drive : drives) {
+    for (int number = 0; number < static_cast<int>(drives.size()); ++number) {
+      const DriveTerm& drive = drives[static_cast<std::size_t>(number)];
+      const auto swings = [&](const ShapedTerm& term) { return term.drive == number; };
       LevelZone best{zone.begin, zone.end};
+      if (const auto own = std::ranges::find_if(shaped, swings); own != shaped.end()) best.part = own->part;
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
-        const Vector3 b = static_field_on_axis(uniform, shaped, place_in(zone.begin, zone.end, i)).here;
+        const double y = place_in(zone.begin, zone.end, i);
+        const Vector3 b = static_field_on_axis(uniform, shaped, y).here;
+        FieldHere<double> peak{};
+        for (const ShapedTerm& term : shaped)
+          if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);
         const double size = length_of(b);
-        const RotatingTerm term = along_field(drive, size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
+        const RotatingTerm term = along_field(drive, {peak.field[0], peak.field[1], peak.field[2]},
+                                              size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
         const double distance = nearest_line(spins, size, term);
-        if (best.drive && distance >= nearest) continue;
+        const bool as_near = best.drive && distance == nearest;
+        if (best.drive && !(distance < nearest || (as_near && term.amplitude > best.drive->amplitude)))
+          continue;
         best.field = size;
         best.drive = term;
         nearest = distance;

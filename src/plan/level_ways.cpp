@@ -44,7 +44,7 @@ Section whole_fields(Section section, const std::set<int>& clocks, bool of_these
 }
 
 bool has_field(const Section& section) {
-  return section.field != Vector3{} || !section.shaped.empty() ||
+  return section.field != Vector3{} || section.has_shaped_fields() ||
          std::ranges::any_of(section.rotating, [](const RotatingTerm& term) { return term.amplitude != 0; });
 }
 
@@ -62,29 +62,58 @@ double jump_of(const DriveTerm& drive, double stay) {
                   std::abs(share_of(e, e.begin + (1 - inside) * e.length)));
 }
 
+/// What a particle passes on the axis at one place.
+struct Passing {
+  double rate = 0;                            // [T/s] of the static field
+  double peak = 0, growth = 0, swinging = 0;  // [T] of what swings, [T/s] along the way and in time
+};
+Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed) {
+  Passing out;
+  const auto growth_of = [&](const FieldHere<double>& field) {
+    return speed * portable::hypot(field.slope[1], field.slope[4], field.slope[7]);
+  };
+  FieldHere<double> still{};
+  for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
+    const ShapedTerm& term = fields.shaped[static_cast<std::size_t>(i)];
+    FieldHere<double> peak{};
+    add_field<HostMaths>(term, 0.0, y, 0.0, term.drive < 0 ? still : peak);
+    if (term.drive < 0) continue;
+    const double size = portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
+    out.peak += size;
+    out.growth += growth_of(peak);
+    out.swinging += size * section.field.drive[term.drive].omega;
+  }
+  out.rate = growth_of(still);
+  return out;
+}
+
 /// By which energies F must differ to exchange nothing (level_fields).
 double far_apart(const Species& species, const LevelFields& fields, double speed) {
   constexpr int places = 256;
-  double passing = 0, driving = 0, switching = 0, frequency = 0;  // [T/s], [T], [Hz]
+  double passing = 0, driving = 0, switching = 0, frequency = 0;  // [T/s], [T/s], [T], [Hz]
   for (const CourseSection& section : fields.sections) {
-    double drives = 0, jumps = 0;
+    double drives = 0, jumps = 0, swings = 0, leaps = 0;
     for (int i = 0; i < section.field.drives; ++i) {
       const DriveTerm& drive = section.field.drive[i];
       jumps += std::abs(drive.spin_rate) * jump_of(drive, (section.field.end - section.field.begin) / speed);
       drives += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
       frequency = std::max(frequency, angular_frequency(drive, speed) / (2 * std::numbers::pi));
     }
-    driving = std::max(driving, drives);
-    switching = std::max(switching, jumps);
-    for (int place = 0; place < places; ++place) {
-      FieldHere<double> here{};
-      for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-        add_field<HostMaths>(
-            fields.shaped[static_cast<std::size_t>(i)], 0.0,
-            section.field.begin + (place + 0.5) / places * (section.field.end - section.field.begin), 0.0,
-            here);
-      passing = std::max(passing, speed * portable::hypot(here.slope[1], here.slope[4], here.slope[7]));
+    const double step = (section.field.end - section.field.begin) / places;
+    Passing last;
+    for (int place = 0; place <= places; ++place) {
+      const Passing here =
+          place < places ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed)
+                         : Passing{};
+      passing = std::max(passing, here.rate);
+      swings = std::max(swings, here.swinging + here.growth);
+      // More than it grows by, at its ends or the faces of a map.
+      leaps = std::max(leaps,
+                       std::abs(here.peak - last.peak) - step / speed * std::max(here.growth, last.growth));
+      last = here;
     }
+    driving = std::max(driving, drives + swings);
+    switching = std::max(switching, jumps + leaps);
   }
   // What drives does so for long.
   const CoupledSpins spins = coupled_spins(*species.structure);
@@ -104,7 +133,7 @@ bool needs_way(const Section& section) {
     if (!has_standing_frame(term)) return true;
     ++drives;
   }
-  return drives > 1 || !section.shaped.empty() || section.field.x != 0 || section.field.y != 0 ||
+  return drives > 1 || section.has_shaped_fields() || section.field.x != 0 || section.field.y != 0 ||
          section.field.z < 0;
 }
 
@@ -131,6 +160,9 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.field.begin = begin;
     part.field.end = end;
     part.longest = (end - begin) / 8;
+    part.shaped_begin = static_cast<int>(out.shaped.size());
+    add_shaped_fields(section, part.field, out.shaped);
+    part.shaped_end = static_cast<int>(out.shaped.size());
     double fastest = 0;
     for (int i = 0; i < part.field.drives; ++i)
       fastest = std::max(fastest, angular_frequency(part.field.drive[i], speed));
@@ -139,9 +171,6 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     });
     if (part.field.drives > 0 && part.is_pulsed) fastest = std::max(fastest, speed / (end - begin));
     if (fastest > 0) part.moment = short_time / fastest;
-    part.shaped_begin = static_cast<int>(out.shaped.size());
-    out.shaped.insert(out.shaped.end(), section.shaped.begin(), section.shaped.end());
-    part.shaped_end = static_cast<int>(out.shaped.size());
     if (Section wave = whole_fields(section, waves, true); !wave.rotating.empty()) {
       wave.begin = begin;
       wave.end = end;
@@ -162,14 +191,10 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
   return out;
 }
 
-double cycles_on(const Beamline& beamline, const Species& species, const LevelFields& fields) {
-  const double speed = speed_of(beamline, species);
-  double cycles = 0;
-  for (const CourseSection& section : fields.sections)
-    for (int i = 0; i < section.field.drives; ++i)
-      cycles += angular_frequency(section.field.drive[i], speed) / (2 * std::numbers::pi) *
-                (section.field.end - section.field.begin) / speed;
-  return cycles;
+double cycles_in(const CourseSection& section, double speed) {
+  if (section.moment == 0) return 0;
+  return short_time / section.moment / (2 * std::numbers::pi) * (section.field.end - section.field.begin) /
+         speed;
 }
 
 }  // namespace rabiline

@@ -21,8 +21,8 @@ bool needs_way(const std::vector<Section>&, double from, double to);
 /// field changes along the beam, and a tenth where something drives.
 LevelFields level_fields(const Beamline&, const Species&, const std::vector<Section>&, double from,
                          double to);
-/// Periods of all drives that are followed as whole fields, at the mean speed.
-double cycles_on(const Beamline&, const Species&, const LevelFields&);
+/// Periods of the fastest of the drives in a section that are followed as whole fields, at a speed [m/s].
+double cycles_in(const CourseSection&, double speed);
 
 /// With more than this in all, fields that turn are taken in the rotating-wave approximation, those of the
 /// highest frequencies first; what must be whole is refused.

@@ -28,7 +28,30 @@ double fastest_of(const DriveTerm& drive) {
   return std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive)));
 }
 
+/// For a field that swings with its angle.
+DriveTerm drive_without_field(const Oscillator& oscillator) {
+  DriveTerm drive;
+  put({}, drive.second);
+  drive.omega = two_pi * oscillator.frequency;
+  drive.phase = oscillator.phase;
+  drive.oscillator = oscillator.random_phase ? oscillator.part : -1;
+  drive.random_turn *= oscillator.harmonic;
+  return drive;
+}
+
 }  // namespace
+
+void add_shaped_fields(const Section& section, SpinZone& zone, std::vector<ShapedTerm>& fields) {
+  fields.insert(fields.end(), section.shaped.begin(), section.shaped.end());
+  const Oscillator* last = nullptr;
+  for (const SwingingTerm& term : section.swinging) {
+    if (last == nullptr || !(*last == term.oscillator))
+      zone.drive[zone.drives++] = drive_without_field(term.oscillator);
+    last = &term.oscillator;
+    fields.push_back(term.field);
+    fields.back().drive = zone.drives - 1;
+  }
+}
 
 double swept_in_all(const DriveTerm& drive) {
   return drive.sweep.rate * (drive.sweep.end - drive.sweep.begin);
@@ -91,16 +114,6 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
     zone.step = std::min(two_pi / (steps_per_turn * rate), shortest / speed_ / steps_per_profile);
   }
   return zone;
-}
-
-DriveTerm ZoneMaker::clock_of(const Oscillator& oscillator) const {
-  DriveTerm drive;
-  put({}, drive.second);
-  drive.omega = two_pi * oscillator.frequency;
-  drive.phase = oscillator.phase;
-  drive.oscillator = oscillator.random_phase ? oscillator.part : -1;
-  drive.random_turn *= oscillator.harmonic;
-  return drive;
 }
 
 /// A drive about the static field's axis, whose signed size along it is given [T].

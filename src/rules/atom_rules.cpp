@@ -42,22 +42,6 @@ void check_structures(const Beamline& beamline, Faults& out) {
 /// Parts that know one moment only.
 void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
-    const std::string key = std::visit(
-        [](const auto& any) {
-          if constexpr (requires { any.formula.box.frequency; })
-            if (any.formula.box.frequency) return "formula.frequency";
-          if constexpr (requires { any.oscillates; })
-            if (any.oscillates) return "oscillates";
-          return "";
-        },
-        part.part);
-    if (!key.empty())
-      out.push_back(
-          {part.placement.name, key,
-           fmt::format("`{}` swings, but fields that differ from place to place do not drive the {} "
-                       "levels of `{}` here",
-                       part.placement.name, atom.levels(), atom.name),
-           "drive them by an `oscillating_field`"});
     const PartTraits traits = traits_of(part.part);
     if (traits.needs_one_moment.empty()) continue;
     out.push_back(
@@ -116,17 +100,25 @@ void check_sizes(const Beamline& beamline, const Species& atom, Faults& out) {
 
 // ---- fields that drive transitions ----
 
-/// A field that drives levels turns one way, whatever precesses.
+/// A field that drives levels turns one way, whatever precesses. One spin J alone precesses with +g_J about
+/// B, so that `co` has a word there.
 template <class Field>
 void check_drive(const Field& field, const std::string& name, const Species& atom, Faults& out) {
   if constexpr (requires { field.sense; }) {
-    if (field.sense == Sense::co || field.sense == Sense::counter)
-      out.push_back(
-          {name, "sense",
-           fmt::format("`{}` cannot say which way `{}` turns: levels of `{}` precess both ways",
-                       *field.sense == Sense::co ? "co" : "counter", name, atom.name),
-           "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
-           "for m - 1"});
+    if (field.sense != Sense::co && field.sense != Sense::counter) return;
+    const bool with = *field.sense == Sense::co, one_spin = atom.structure->i.twice == 0;
+    out.push_back(
+        {name, "sense",
+         fmt::format(
+             "`{}` cannot say which way `{}` turns: {}", with ? "co" : "counter", name,
+             one_spin ? fmt::format("`{}` has levels, and a field that drives levels has a sense of its own",
+                                    atom.name)
+                      : fmt::format("levels of `{}` precess both ways", atom.name)),
+         one_spin
+             ? fmt::format("write `{}`, which it is where the static field is along +z",
+                           (atom.structure->g_j > 0) == with ? "positive" : "negative")
+             : "write `positive`, from x to y, for transitions whose upper level has m + 1, or `negative` "
+               "for m - 1"});
   }
 }
 

@@ -1,6 +1,7 @@
 // What only the fields as each species sees them tell: how far phases are known, and what drives levels.
 #include <algorithm>
 #include <numbers>
+#include <span>
 
 #include "plan/level_history.hpp"
 #include "plan/level_ways.hpp"
@@ -177,6 +178,43 @@ std::string drive_at(const Beamline& beamline, const CourseSection& section) {
   return fields_at(beamline, (section.field.begin + section.field.end) / 2, true).back()->placement.name;
 }
 
+/// The key by which a field that differs from place to place swings.
+std::string key_of_swing(const Part& part) {
+  return std::visit(
+      [](const auto& any) {
+        if constexpr (requires { any.formula.box.frequency; })
+          if (any.formula.box.frequency) return "formula.frequency";
+        return "oscillates";
+      },
+      part);
+}
+
+/// Of what swings too often on a way, by the fastest of its fields.
+Fault fault_of_cycles(const Beamline& beamline, const Species& atom, const LevelFields& fields,
+                      double cycles) {
+  const auto fault = [&](const std::string& name, std::string key, std::string help) {
+    return Fault{name, std::move(key),
+                 fmt::format("`{}` swings {:.3g} times while the levels of `{}` pass fields without a closed "
+                             "form, and {:.0e} times are the most for a whole field",
+                             name, cycles, atom.name, most_cycles),
+                 std::move(help)};
+  };
+  const CourseSection& section = *std::ranges::max_element(
+      fields.sections, {}, [](const CourseSection& s) { return s.moment > 0 ? 1 / s.moment : 0; });
+  const std::span drives(section.field.drive, static_cast<std::size_t>(section.field.drives));
+  const auto fastest =
+      std::ranges::max_element(drives, {}, [](const DriveTerm& drive) { return std::abs(drive.omega); });
+  for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
+    const ShapedTerm& term = fields.shaped[static_cast<std::size_t>(i)];
+    if (term.drive != fastest - drives.begin()) continue;
+    const PlacedPart& part = beamline.parts[static_cast<std::size_t>(term.part)];
+    return fault(part.placement.name, key_of_swing(part.part),
+                 "make it slower or shorter, or drive by an `oscillating_field`, which may be taken in the "
+                 "rotating-wave approximation");
+  }
+  return fault(drive_at(beamline, section), "approximation", "write `approximation: rotating_wave`");
+}
+
 /// Where fields are followed in steps, each period takes many; and a frame has one frequency.
 void check_cycles(const Beamline& beamline, const Species& atom, const Sections& sections, Faults& out) {
   const ZoneMaker zones = zone_maker(beamline, atom);
@@ -185,17 +223,10 @@ void check_cycles(const Beamline& beamline, const Species& atom, const Sections&
     const double known = spins.known_before(plane);
     if (!asks_for_spin(plane) || !needs_way(sections.sections, known, plane.y)) continue;
     const LevelFields fields = level_fields(beamline, atom, sections.sections, known, plane.y);
-    const double cycles = cycles_on(beamline, atom, fields);
+    double cycles = 0;
+    for (const CourseSection& section : fields.sections) cycles += cycles_in(section, zones.speed());
     if (cycles > most_cycles) {
-      const std::string name = drive_at(
-          beamline, *std::ranges::find_if(fields.sections, [](const auto& s) { return s.field.drives > 0; }));
-      out.push_back(
-          {name, "approximation",
-           fmt::format(
-               "`{}` swings {:.3g} times while the levels of `{}` pass fields without a closed form, and "
-               "{:.0e} times are the most for a whole field",
-               name, cycles, atom.name, most_cycles),
-           "write `approximation: rotating_wave`"});
+      out.push_back(fault_of_cycles(beamline, atom, fields, cycles));
       return;
     }
     for (const CourseSection& section : fields.sections) {

@@ -49,13 +49,15 @@ void check_structure(const Species& species, std::size_t number, Faults& out) {
   if (s.i.twice == 0) {
     if (s.coupling != 0)
       add("coupling", fmt::format("`{}` has I = 0, which nothing couples to", species.name),
-          "write `coupling: 0 Hz`");
+          "omit `coupling`");
     return;
   }
   if (s.coupling == 0 && s.quadrupole == 0)
     add("coupling",
         fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),
-        "a species with one moment has `spin` and `gyromagnetic_ratio` instead of `structure`");
+        "state `coupling`, A of A I.J; a species with one moment has `spin` and `gyromagnetic_ratio` instead "
+        "of "
+        "`structure`");
   else if (s.g_j == s.g_i)
     add("g_J", fmt::format("`g_J` and `g_I` of `{}` are equal: no field could mix its levels", species.name),
         "g_I is that of the nucleus in Bohr magnetons, about 1e-3 or smaller");

@@ -59,15 +59,8 @@ Acting acting_at(const Problem& p, double x, double y, double z, double t, const
   const SpinZone& zone = p.zone.field;
   const ZoneRates rates = rates_of(zone, p.phases, {x, y, z}, t, t);
   Acting at{rates.spin, rates.turn, {}};
-  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i) {
-    const ShapedTerm& term = p.region.shaped[static_cast<std::size_t>(i)];
-    FieldHere<double> peak{};
-    add_field<HostMaths>(term, x, y, z, peak);
-    const double share =
-        term.drive < 0 ? 1 : portable::cos(zone.drive[term.drive].omega * t + p.phases[term.drive]);
-    for (int k = 0; k < 3; ++k) at.field.field[k] += share * peak.field[k];
-    for (int k = 0; k < 9; ++k) at.field.slope[k] += share * peak.slope[k];
-  }
+  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i)
+    add_field_at(p.region.shaped[static_cast<std::size_t>(i)], zone, p.phases, {x, y, z}, t, at.field);
   if (p.region.feels.follows_level) return at;
   if (p.zone.shaped_end < p.zone.electric_end) add_electric(p, x, y, z, velocity, at);
   const Vector3 b = vector_at(at.field.field);

@@ -193,16 +193,30 @@ class FollowedAtom {
     const double y =
         std::clamp(place.y, section.field.begin + section.hair(), section.field.end - section.hair());
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], place.x, y, place.z, here);
+      add_field_at(way_.fields().shaped[static_cast<std::size_t>(i)], section.field, phases_,
+                   {place.x, y, place.z}, flight_.t + s, here);
     return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);
+  }
+  /// [T] Of all that swings, at any time.
+  double peaks_at(const CourseSection& section, double s) const {
+    const Vector3 place = place_at(s);
+    double sum = 0;
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
+      const ShapedTerm& term = way_.fields().shaped[static_cast<std::size_t>(i)];
+      FieldHere<double> peak{};
+      if (term.drive >= 0) add_field<HostMaths>(term, place.x, place.y, place.z, peak);
+      sum += length_of(vector_at(peak.field));
+    }
+    return sum;
   }
   /// [s] Of a step before it is halved: by what turns the state, and what the field does.
   double longest(const CourseSection& section) const {
     constexpr int places = 16;
     double most = 0;
-    for (int i = 0; i <= places; ++i)
-      most = std::max(
-          most, length_of(field_at(section, time_at(section.field.begin) + i * (stay(section) / places))));
+    for (int i = 0; i <= places; ++i) {
+      const double s = time_at(section.field.begin) + i * (stay(section) / places);
+      most = std::max(most, length_of(field_at(section, s)) + peaks_at(section, s));
+    }
     for (int i = 0; i < section.field.drives; ++i) most += std::abs(section.field.drive[i].spin_rate);
     const double drives = section.moment > 0 ? 300 * section.moment : stay(section);
     return std::min({6 / spins_.radius(most), drives, stay(section) / 100});

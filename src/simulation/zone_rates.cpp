@@ -1,6 +1,8 @@
 #include "simulation/zone_rates.hpp"
 
 #include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
 #include "field/terms.hpp"
 #include "transport/vector_lanes.hpp"
 
@@ -23,6 +25,16 @@ ZoneRates rates_of(const SpinZone& zone, const double* phases, const Vector3& pl
     at.turn = at.turn + drive.turn_rate * along;
   }
   return at;
+}
+
+void add_field_at(const ShapedTerm& term, const SpinZone& zone, const double* phases, const Vector3& place,
+                  double t, FieldHere<double>& sum) {
+  FieldHere<double> peak{};
+  add_field<HostMaths>(term, place.x, place.y, place.z, peak);
+  const double share =
+      term.drive < 0 ? 1 : portable::cos(zone.drive[term.drive].omega * t + phases[term.drive]);
+  for (int k = 0; k < 3; ++k) sum.field[k] += share * peak.field[k];
+  for (int k = 0; k < 9; ++k) sum.slope[k] += share * peak.slope[k];
 }
 
 double phase_of(const DriveTerm& drive, const RandomKey& key, std::uint64_t particle) {

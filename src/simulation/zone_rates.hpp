@@ -1,6 +1,7 @@
 #pragma once
 // The fields of a zone as independent integrations see them: in plain numbers, without lanes.
 #include "core/vector3.hpp"
+#include "field/shaped_term.hpp"
 #include "transport/kernels.hpp"
 
 namespace rabiline {
@@ -11,6 +12,10 @@ struct ZoneRates {
 };
 /// At a place and time, from the phases of its drives at emission. `moment`: pulses are as at that time.
 ZoneRates rates_of(const SpinZone&, const double* phases, const Vector3& place, double t, double moment);
+
+/// Adds a field that stands, or swings with the angle of a drive of the zone.
+void add_field_at(const ShapedTerm&, const SpinZone&, const double* phases, const Vector3& place, double t,
+                  FieldHere<double>&);
 
 /// A drive's phase at the particle's emission, as kernels draw it.
 double phase_of(const DriveTerm&, const RandomKey&, std::uint64_t particle);

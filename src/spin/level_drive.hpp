@@ -21,6 +21,7 @@ struct LevelZone {
   double begin = 0, end = 0;  // [m]
   double field = 0;           // [T] B >= 0
   std::optional<RotatingTerm> drive{};
+  int part = -1;  // whose field drives, where it differs from place to place
   bool operator==(const LevelZone&) const = default;
 };
 

@@ -6,11 +6,10 @@
 // Gauss points of the path, which is known there to third order from a at the begin and at the first point.
 // In an electric field w depends on the velocity too, by v x E/c^2, which is known to second order there.
 #include "core/constants.hpp"
-#include "field/lane_maths.hpp"
-#include "field/shaped_field.hpp"
 #include "transport/adiabaticity_lanes.hpp"
 #include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
+#include "transport/shaped_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -113,10 +112,7 @@ struct FieldStepper {
     if (zone.shaped_begin == zone.shaped_end) return here;
     FieldHere<real> field{};
     for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
-      if (region.shaped[i].drive < 0)
-        add_field<LaneMaths>(region.shaped[i], r.x, r.y, r.z, field);
-      else
-        add_swinging(region.shaped[i], t, r, field);
+      add_field_at(region.shaped[i], zone.field, phases, t, r, field);
     const Vector b{field.field[0], field.field[1], field.field[2]};
     here.spin = add(here.spin, broadcast(region.feels.spin_per_tesla), b);
     here.turn = add(here.turn, broadcast(region.feels.turn_per_tesla), b);
@@ -144,13 +140,6 @@ struct FieldStepper {
     here.spin = add(here.spin, broadcast(1), turn);
     here.turn = add(here.turn, broadcast(feels.turn_share), turn);
     here.push = {feels.acceleration * e.x, feels.acceleration * e.y, feels.acceleration * e.z};
-  }
-  inline void add_swinging(const ShapedTerm& term, real t, const Vector& r, FieldHere<real>& field) const {
-    const real share = phasor(angle_at(zone.field.drive[term.drive], phases[term.drive], t, r)).c;
-    FieldHere<real> peak{};
-    add_field<LaneMaths>(term, r.x, r.y, r.z, peak);
-    for (int k = 0; k < 3; ++k) field.field[k] = fma(share, peak.field[k], field.field[k]);
-    for (int k = 0; k < 9; ++k) field.slope[k] = fma(share, peak.slope[k], field.slope[k]);
   }
   /// mu grad |B| = mu (B . dB/dx_k)/|B|, zero where B is 0 and has no direction.
   /// No spin is carried.

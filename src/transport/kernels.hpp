@@ -221,14 +221,16 @@ struct StepRecorder {
   void* self = nullptr;
 };
 
+inline constexpr std::uint64_t no_particle = ~std::uint64_t{0};
+
 RABILINE_KERNEL(emit, void(const Emission&, std::uint64_t first_particle, BatchView&))
 /// The shares of each weight that are found in each level, a column for each: floored, the largest takes the
-/// rest.
-RABILINE_KERNEL(outcomes, void(const SpinPathView&, const BatchView&, const std::uint64_t* weights,
-                               std::uint64_t* shares))
+/// rest. The number of a particle that could not be followed, or no_particle.
+RABILINE_KERNEL(outcomes, std::uint64_t(const SpinPathView&, const BatchView&, const std::uint64_t* weights,
+                                        std::uint64_t* shares))
 /// What flies gets one level, drawn by its shares, and the state is that level from then on. Numbers are
-/// drawn for that part.
-RABILINE_KERNEL(collapse, void(const SpinPathView&, int part, BatchView&))
+/// drawn for that part. Likewise.
+RABILINE_KERNEL(collapse, std::uint64_t(const SpinPathView&, int part, BatchView&))
 /// What a screen counts of each share, a column of counts for each path (of others than the eights they stay
 /// as they are), and of each particle in all. Sums
 /// are by path; of particles they come last, at index `paths`.

@@ -16,6 +16,8 @@ namespace rabiline::RABILINE_ISA {
 class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
+  /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
+  static constexpr double most_steps = 1e8;
 
  public:
   Amplitudes a;
@@ -42,6 +44,8 @@ class LevelFlight {
       reversed_ = size_ < zero;
     }
   }
+  /// Which could not be followed to the end: numbers that are none, or steps too short to go on.
+  mask lost() const { return lost_; }
   /// |a_k|^2, by the atom's levels.
   inline void probabilities(real* p, int levels) const {
     for (int n = 0; n < levels; ++n) p[n] = broadcast(0);
@@ -234,7 +238,7 @@ class LevelFlight {
       dressed = (dressed & ~going) | skips;
       if (section.wave < 0)
         face_what_comes(section, here, fma(min(h, left), broadcast(gauss_first), s), resolves);
-      mask arrives{};
+      mask arrives{}, stuck = going & (tries >= broadcast(most_steps));
       const Amplitudes before = a;
       const LevelAxes axes = axes_;
       if (any(skips)) {
@@ -278,7 +282,9 @@ class LevelFlight {
                  select(accepted, half_axes.first, axes_.first)};
         s = select(accepted, s + trial, s);
         arrives = arrives | (accepted & (trial >= left));
-        const real root = sqrt(sqrt(max(select(good, error, broadcast(1e4)), broadcast(1e-4))));
+        stuck = stuck | (resolves & ~accepted & ~(trial > 1e-15 * (abs(s) + stay)));
+        const mask known = good & (error < broadcast(1e300));
+        const real root = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-4))));
         const real wanted = max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root));
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
@@ -293,7 +299,8 @@ class LevelFlight {
         arrives = arrives & ~switches;
       }
       tries = tries + 1.0;
-      going = going & ~arrives & (tries < broadcast(1e6));
+      lost_ = lost_ | stuck;
+      going = going & ~arrives & ~stuck;
     }
     const FieldAtTime field = path_.field_at(section, end);
     dress(section, end, min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))),
@@ -376,7 +383,7 @@ class LevelFlight {
   LevelPath path_;
   LevelAxes axes_{};
   real size_{};  // [T] of the field where it was last, along the third axis
-  mask reversed_{};
+  mask reversed_{}, lost_{};
 };
 
 }  // namespace rabiline::RABILINE_ISA

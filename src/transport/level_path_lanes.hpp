@@ -1,9 +1,8 @@
 #pragma once
 // The fields that a particle meets on a straight path, for kernels only.
-#include "field/lane_maths.hpp"
-#include "field/shaped_field.hpp"
 #include "transport/level_wave_lanes.hpp"
 #include "transport/plane_lanes.hpp"
+#include "transport/shaped_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
@@ -73,7 +72,8 @@ class LevelPath {
     FieldHere<real> field{};
     const Vector inside = place_at(max(from_ + hair(section), min(until_ - hair(section), s)));
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field<LaneMaths>(course_.shaped[i], inside.x, inside.y, inside.z, field);
+      at.rate = add(at.rate, broadcast(1),
+                    add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field));
     at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
     const real* g = field.slope;
     at.rate = add(at.rate, broadcast(1),

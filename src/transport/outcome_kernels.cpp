@@ -182,10 +182,12 @@ void share_by_transitions(const SpinPathView& q, const BatchView& batch, const s
   }
 }
 
-/// Particles that begin in one level, through fields of any direction.
-void share_by_course(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
-                     std::uint64_t* shares) {
+/// Particles that begin in one level, through fields of any direction. The number of one that is lost, or
+/// no_particle.
+std::uint64_t share_by_course(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
+                              std::uint64_t* shares) {
   const LevelCourse& course = *q.course;
+  std::uint64_t lost = no_particle;
   for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
   const ByLevel ordered(batch, weights, q.levels);
   for (int level = 0; level < q.levels; ++level) {
@@ -213,6 +215,8 @@ void share_by_course(const SpinPathView& q, const BatchView& batch, const std::u
       }
       LevelFlight flight(course, manifold, {course, q.key, batch.y, place, velocity, t, batch.fall, number});
       flight.fly(course.place_of[level], weight_words != words{});
+      for (int k = 0; k < lane_count; ++k)
+        if (lane((words)flight.lost(), k) != 0) lost = lane(number, k);
       flight.probabilities(parts, q.levels);
       const real weight = number_of(weight_words);
       for (int to = 0; to < q.levels; ++to) parts[to] = floor(weight * parts[to]);
@@ -224,25 +228,26 @@ void share_by_course(const SpinPathView& q, const BatchView& batch, const std::u
       }
     }
   }
+  return lost;
 }
 
 }  // namespace
 
-void outcomes(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
-              std::uint64_t* shares) {
-  if (q.course != nullptr)
-    share_by_course(q, batch, weights, shares);
-  else if (q.transitions.block_of != nullptr)
+std::uint64_t outcomes(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
+                       std::uint64_t* shares) {
+  if (q.course != nullptr) return share_by_course(q, batch, weights, shares);
+  if (q.transitions.block_of != nullptr)
     share_by_transitions(q, batch, weights, shares);
   else
     share_by_flip(q, batch, weights, shares);
+  return no_particle;
 }
 
-void collapse(const SpinPathView& q, int part, BatchView& batch) {
+std::uint64_t collapse(const SpinPathView& q, int part, BatchView& batch) {
   alignas(64) std::uint64_t whole[Batch::capacity], shares[most_levels * Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count)
     store(whole + i, load(batch.flying + i) & broadcast_word(quanta_per_particle));
-  outcomes(q, batch, whole, shares);
+  const std::uint64_t lost = outcomes(q, batch, whole, shares);
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
     real u, unused;
@@ -259,6 +264,7 @@ void collapse(const SpinPathView& q, int part, BatchView& batch) {
     store(batch.sy + i, select(flying, broadcast(0), load(batch.sy + i)));
     store(batch.sz + i, select(flying, broadcast(1), load(batch.sz + i)));
   }
+  return lost;
 }
 
 }  // namespace rabiline::RABILINE_ISA

@@ -1,6 +1,9 @@
 #include "transport/spin_path.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <stdexcept>
 
 #include "transport/cost.hpp"
 #include "transport/stages/precession.hpp"
@@ -35,10 +38,19 @@ void share_behind_filters(const SpinPath& path, const RandomKey& key, Isa isa, c
     kernel::filter(isa)(next.filter, b);
     for (int i = 0; i < batch.padded; ++i) stopped[i] -= b.weight[i];
   }
-  kernel::outcomes(isa)(path.view(key), b, b.weight, shares);
+  require_followed(kernel::outcomes(isa)(path.view(key), b, b.weight, shares));
 }
 
 }  // namespace
+
+void require_followed(std::uint64_t lost) {
+  if (lost == no_particle) return;
+  throw std::invalid_argument(
+      fmt::format("the levels of particle {} could not be followed through the fields on its way: steps that "
+                  "keep the tolerance became too short to go on\n  help: a looser `tolerance` of the law, or "
+                  "look at its fields: `rabiline trace FILE --particle {}`",
+                  lost, lost));
+}
 
 SpinPathView SpinPath::view(const RandomKey& key) const {
   return {key,
@@ -69,7 +81,8 @@ double SpinPath::cost(double speed) const {
 void share_levels(const SpinPath& path, const RandomKey& key, Isa isa, const BatchView& batch,
                   const std::uint64_t* weights, std::uint64_t* shares) {
   if (!path.filters.empty()) return share_behind_filters(path, key, isa, batch, weights, shares);
-  if (!path.of_atom || !path.is_idle()) return kernel::outcomes(isa)(path.view(key), batch, weights, shares);
+  if (!path.of_atom || !path.is_idle())
+    return require_followed(kernel::outcomes(isa)(path.view(key), batch, weights, shares));
   std::fill_n(shares, path.levels * batch.padded, 0);
   for (int i = 0; i < batch.count; ++i)
     shares[static_cast<int>(batch.level[i]) * batch.padded + i] = weights[i];

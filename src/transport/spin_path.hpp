@@ -1,5 +1,6 @@
 #pragma once
 // How the spins of a straight flight are carried from where they were last known to where they are asked for.
+#include <cstdint>
 #include <vector>
 
 #include "core/unit_vector.hpp"
@@ -51,6 +52,10 @@ struct SpinPath {
 
 /// Time for the turning of spins in zones [s].
 double cost_of(const std::vector<SpinZone>&, double speed);
+
+/// Throws std::invalid_argument where kernels name a particle whose levels could not be followed: shares
+/// would be wrong.
+void require_followed(std::uint64_t particle);
 
 /// Weights shared out over the outcomes, a column for each, whose sum is the weight: by what acts on the way,
 /// or of atoms where nothing does by the level that each is in.

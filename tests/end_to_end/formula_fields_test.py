@@ -1,6 +1,7 @@
 """Fields as formulas in place and time."""
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from fields_test import BOX, experiment, levels_of, run
@@ -101,8 +102,29 @@ def test_what_is_wrong_with_a_formula_in_time_has_its_place(tmp_path: Path, form
     assert message in out.stderr and help_ in out.stderr and ":9:" in out.stderr, out.stderr
 
 
-def test_levels_of_atoms_are_not_driven_by_a_formula_and_this_is_told(tmp_path: Path) -> None:
-    path = of_formula(tmp_path, "Bx: 1e-5*cos(2*pi*1e4*t), frequency: 10 kHz")
-    path.write_text(path.read_text().replace("species: neutron", "species: H atom"))
-    out = run("check", path)
-    assert out.returncode == 2 and "`F` swings" in out.stderr and "frequency: 10 kHz" in out.stderr
+LEVELS = "\n  spin: {kind: levels, levels: [F=1 m=1]}"
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.0])
+def test_levels_of_an_atom_are_driven_by_a_formula_as_by_oscillating_fields_of_its_size(tmp_path: Path, scale: float) -> None:
+    static = "}\n  - {name: B, kind: uniform_field, at: 0.9 m, length: 40 cm, field: 20 uT"
+    formula = of_formula(tmp_path, "Bx: A*cos(2*pi*f*t), By: A/2*sin(2*pi*f*t), constants: {A: 3 uT, f: 286 kHz}, frequency: 286 kHz, phase: 20 deg",
+                         rest=f", scale: {scale}", beside=static)
+    drive = "kind: oscillating_field, length: 20 cm, frequency: 286 kHz, approximation: none"
+    fields = experiment(tmp_path, f"{drive}, amplitude: {3 * scale} uT, phase: 20 deg}}\n  - {{name: Y, at: 1 m, {drive}, amplitude: {1.5 * scale} uT, direction: y, phase: -70 deg"
+                        + static, "fields.yaml")
+    for path in (formula, fields):
+        path.write_text(path.read_text().replace("species: neutron", "species: H atom").replace("direction: parallel", "direction: parallel" + LEVELS))
+    levels = [levels_of(path) for path in (formula, fields)]
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6
+    assert levels[0].max() < 0.9 if scale > 0 else levels[0].max() > 1 - 1e-9
+
+
+def test_levels_of_an_atom_through_a_map_that_swings_end_where_nothing_may_leave_it(tmp_path: Path) -> None:
+    path = of_formula(tmp_path, "Bx: 1e-6*cos(2*pi*1e4*t), frequency: 10 kHz", rest=", outside: error")
+    path.write_text(path.read_text().replace("species: neutron", "species: H atom").replace("width: 0.2 mm, height: 0.2 mm", "width: 14 mm, height: 2 mm")
+                    .replace("particles: 100", "particles: 2000").replace("direction: parallel", "direction: parallel" + LEVELS))
+    levels_of(path)
+    with h5py.File(path.with_suffix(".h5")) as file:
+        left = file["entry/fates/particles"][:][file["entry/fates/fate"][:] == b"left_map"].sum()
+    assert abs(left / 2000 - 4 / 14) < 0.05

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fields_test import BOX, experiment, levels_of
 
-FREE_SPIN = ("species: {name: spin, mass: 1.00866491595 u, charge: 0 e, structure: {I: 0, J: 1/2, coupling: 0 Hz, g_J: 0.0020837513, g_I: 0}, "
+FREE_SPIN = ("species: {name: spin, mass: 1.00866491595 u, charge: 0 e, structure: {I: 0, J: 1/2, g_J: 0.0020837513, g_I: 0}, "
              "source: the moment of a neutron}")
 
 
@@ -71,3 +71,32 @@ def test_what_flies_through_a_jump_of_the_field_that_no_edge_of_a_part_is_agrees
         with h5py.File(each.with_suffix(".h5")) as file:
             check = file["entry/field_check"]
             assert check["particles"][()] == 16 and check[what][()] < 1e-7
+
+
+IN_A_FIELD = "}\n  - {name: B, kind: uniform_field, at: 0.7 m, length: 70 cm, field: 1 mT, direction: [0.1, 0, 1]"
+SWINGS = "oscillates: {frequency: 29.1 kHz, phase: 30 deg}"
+
+
+@pytest.mark.parametrize("part", [
+    f"kind: current_loop, radius: 4 cm, direction: [1, 1, 0], field: 0.3 mT, reach: 0.25 m, {SWINGS}",
+    f"kind: solenoid, winding: 8 cm, radius: 3 cm, direction: [1, 2, 0], field: 0.2 mT, reach: 0.25 m, {SWINGS}",
+    f"kind: coil_pair, radius: 5 cm, distance: 5 cm, direction: x, field: 200 uT, reach: 0.2 m, {SWINGS.replace('30 deg', 'random')}",
+    f"kind: straight_wire, radius: 1 mm, current: 15 A, reach: 0.2 m, offset: {{z: 2 cm}}, {SWINGS}",
+    f"kind: multipole_field, length: 20 cm, poles: 4, field: 0.1 mT, radius: 1 cm, offset: {{x: 6 mm, z: 2 mm}}, {SWINGS}",
+    "kind: formula_field, formula: {Bx: A*cos(2*pi*(f*t - y/L))*(1 + z/0.05), By: A*sin(2*pi*f*t)^2, Bz: A*sin(4*pi*f*t), constants: {A: 200 uT, f: 31.6 kHz, L: 0.4 m}, "
+    "frequency: 31.6 kHz, phase: random, width: 6 cm, height: 4 cm, length: 10 cm, step: 4 mm}, tilt: {x: 8 deg, z: 12 deg}",
+    f"kind: formula_field, formula: {{Bx: 1e-4*(1 + y/0.1), Bz: 3e-5*x/0.01, width: 1 cm, height: 1 cm, length: 10 cm, step: 2 mm}}, scale: 0.8, {SWINGS}",
+], ids=["a ring", "through windings", "a pair of random phase", "a wire", "a quadrupole", "a wave with harmonics and slanting faces", "a formula"])
+def test_an_atom_is_driven_by_a_field_that_swings_as_a_point_spin_is(tmp_path: Path, part: str) -> None:
+    path = experiment(tmp_path, part + IN_A_FIELD)
+    path.write_text(path.read_text().replace("direction: parallel", "direction: {kind: cone, half_angle: 2 mrad}\n  spin: {kind: polarised, axis: z, degree: 1}"))
+    atom = of_atom(path)
+    atom.write_text(atom.read_text().replace("{kind: polarised, axis: z, degree: 1}", "{kind: levels, levels: [F=1/2 m=1/2]}"))
+    weaker = experiment(tmp_path, "kind: uniform_field, length: 1 mm, field: 0 T" + IN_A_FIELD, "without.yaml")
+    weaker.write_text(weaker.read_text().replace("parallel", "parallel\n  spin: {kind: polarised, axis: z, degree: 1}"))
+    levels = [levels_of(each) for each in (path, atom, weaker)]
+    assert np.abs(levels[0] - levels[2]).max() > 0.05
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6, levels
+    with h5py.File(atom.with_suffix(".h5")) as file:
+        check = file["entry/field_check"]
+        assert check["particles"][()] == 16 and check["levels"][()] < 3e-7

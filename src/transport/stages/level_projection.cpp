@@ -8,7 +8,7 @@ namespace rabiline {
 
 std::size_t LevelProjection::sums() const { return 0; }
 void LevelProjection::pass(StageContext& context) const {
-  kernel::collapse(context.isa)(spins.view(context.key), part, context.batch.view());
+  require_followed(kernel::collapse(context.isa)(spins.view(context.key), part, context.batch.view()));
 }
 void LevelProjection::list_sums(SumSink&) const {}
 double LevelProjection::y() const { return at; }

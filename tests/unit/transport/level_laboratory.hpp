@@ -151,9 +151,14 @@ class Laboratory {
                           alone.zeeman_i * in_product_basis(alone, false, 2)));
   }
   Eigen::Vector3d field(double t) const {
-    FieldHere<double> here{};
-    for (const ShapedTerm& term : f_.fields.shaped) add_field<HostMaths>(term, 0.0, f_.speed * t, 0.0, here);
-    Eigen::Vector3d b(here.field[0], here.field[1], here.field[2]);
+    Eigen::Vector3d b(0, 0, 0);
+    for (const ShapedTerm& term : f_.fields.shaped) {
+      FieldHere<double> here{};
+      add_field<HostMaths>(term, 0.0, f_.speed * t, 0.0, here);
+      const DriveTerm* clock = term.drive < 0 ? nullptr : &f_.fields.sections[0].field.drive[term.drive];
+      const double share = clock == nullptr ? 1 : std::cos(clock->omega * t + clock->phase);
+      b += share * Eigen::Vector3d(here.field[0], here.field[1], here.field[2]);
+    }
     const auto add = [&](const DriveTerm& drive) {
       const double y = f_.speed * t, begin = drive.envelope.begin,
                    share = (y - begin) / drive.envelope.length;
