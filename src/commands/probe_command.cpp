@@ -15,8 +15,7 @@ namespace {
 
 struct ProbeArguments {
   ExperimentOptions experiment;
-  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101",
-              picture;
+  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101", picture;
 };
 
 /// "1 mm,0.4 m,0": a bare zero is a length too.
@@ -90,10 +89,9 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
         "--along: where the line begins and ends is missing\n  help: add `--from '0 m' --to '1 m'`");
   const double from = read_quantity("--from", a.from, Dimension::length),
                to = read_quantity("--to", a.to, Dimension::length);
-  fmt::print(
-      out,
-      "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
-      "Ez [V/m]\n");
+  fmt::print(out,
+             "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
+             "Ez [V/m]\n");
   for (std::uint64_t i = 0; i < points; ++i) {
     place[axis] = from + (to - from) * static_cast<double>(i) / static_cast<double>(points - 1);
     const Probed p = probe(setup, place, time);
@@ -107,8 +105,7 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
 }
 
 /// The package draws the table, which it reads from a file without a name.
-void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<double, 3>& place,
-               double time) {
+void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<double, 3>& place, double time) {
   std::FILE* const table = std::tmpfile();
   if (table == nullptr) throw StorageError("no temporary file could be made");
   print_line(table, setup, a, place, time);
