@@ -78,8 +78,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, Ranks* ra
   a->flight.machine.add_memory_to(*verb);
   verb->add_option("--transit", a->transit,
                    "what is kept for `rabiline rescan`: totals, images and tallies too, none, or auto: "
-                   "totals where they "
-                   "are a fifth of the file at most")
+                   "totals where they are a fifth of the file at most")
       ->check(CLI::IsMember({"auto", "none", "totals", "images"}));
   verb->add_option(
           "--shard", a->shard,

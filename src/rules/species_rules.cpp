@@ -56,8 +56,7 @@ void check_structure(const Species& species, std::size_t number, Faults& out) {
     add("coupling",
         fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),
         "state `coupling`, A of A I.J; a species with one moment has `spin` and `gyromagnetic_ratio` instead "
-        "of "
-        "`structure`");
+        "of `structure`");
   else if (s.g_j == s.g_i)
     add("g_J", fmt::format("`g_J` and `g_I` of `{}` are equal: no field could mix its levels", species.name),
         "g_I is that of the nucleus in Bohr magnetons, about 1e-3 or smaller");

@@ -174,6 +174,8 @@ def test_probe_tells_the_electric_field_and_whose_it_is(tmp_path: Path) -> None:
     assert "E =" not in run("probe", path, "--at", "0,0.7 m,0").stdout
     table = run("probe", path, "--along", "y", "--from", "0.9 m", "--to", "1.1 m", "--points", "3").stdout.splitlines()
     assert table[0].endswith("Ex [V/m],Ey [V/m],Ez [V/m]")
+    assert run("probe", path, "--along", "y", "--from", "0.9 m", "--to", "1.1 m", "-o", tmp_path / "field.png").returncode == 0
+    assert (tmp_path / "field.png").read_bytes().startswith(b"\x89PNG")
     assert [float(row.split(",")[-1]) for row in table[1:]] == [0, 1e6, 1e6]
 
 

@@ -70,8 +70,9 @@ def test_numbers_are_in_si_and_texts_have_their_units(ramsey: rabiline.Experimen
     assert (ramsey.value("source.speed.mean"), ramsey.unit("source.speed.mean")) == (1000, "m/s")
     as_number, as_text = (ramsey.set({"B.field": value}).run() for value in (0.009, "9 mT"))
     assert (as_number.detected == as_text.detected).all()
-    scanned = [ramsey.scan().scan("B.field", values).run().scan.axes[0].values for values in ([0.009, 0.01], "9 mT,10 mT")]
-    assert (scanned[0] == scanned[1]).all()
+    scanned = [ramsey.scan().scan(*scan).run().scan.axes[0].values
+               for scan in (("B.field", [0.009, 0.01]), ("B.field", "9 mT,10 mT"), ("B.field=9 mT,10 mT",))]
+    assert all((values == scanned[0]).all() for values in scanned)
     with pytest.raises(KeyError, match="B.feld"):
         ramsey.value("B.feld")
 

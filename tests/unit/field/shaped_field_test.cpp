@@ -101,7 +101,7 @@ TEST(CurrentLoop, HasFiniteSlopesOnItsAxis) {
   EXPECT_EQ(f.slope[2], 0);
 }
 
-TEST(CurrentSheet, IsARowOfLoops) {
+TEST(Solenoid, IsARowOfLoops) {
   const double radius = 0.05, half = 0.1, field = 1e-3;
   const ShapedTerm sheet(SheetShape{radius, half, field});
   constexpr int n = 400;
