@@ -78,9 +78,8 @@ template <class Maths, class Number>
     const Number any_bend = bend * time / nearing,
                  bent = Maths::select(any_bend < none + 64, any_bend, none + 64);
     const Number sure = 2.0 * time / (1.0 + Maths::root(1.0 + 2.0 * bent));
-    latest = Maths::select(
-        time > soonest, Maths::select(time < latest, Maths::select(bent > none + 1e-7, sure, time), latest),
-        latest);
+    const Number met = Maths::select(bent > none + 1e-7, sure, time);
+    latest = Maths::select(time > soonest, Maths::select(met < latest, met, latest), latest);
   };
   const auto plane = [&](int axis, double at) {
     consider((at - own[axis]) / v[axis], v[axis] < none ? -v[axis] : v[axis]);

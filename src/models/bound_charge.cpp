@@ -70,12 +70,12 @@ Orbit orbit_of(const BoundCharge& model) {
 }
 
 /// Places and velocities at all times.
-struct Path {
+struct OrbitPath {
   std::vector<Vector3> r{}, v{};
 };
 
 /// d2r/dt2 = -(what binds it) + (q/m) v x B, with (q/m) v x B = 2 w z x v; in units of radius and 1/omega.
-Path fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<double>& times) {
+OrbitPath fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<double>& times) {
   const double w = larmor / o.omega, speed = o.radius * o.omega;
   std::vector<double> scaled;
   scaled.reserve(times.size());
@@ -93,7 +93,7 @@ Path fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<doub
       },
       {o.r.x / o.radius, o.r.y / o.radius, o.r.z / o.radius, v.x / speed, v.y / speed, v.z / speed}, scaled,
       1e-14);
-  Path path;
+  OrbitPath path;
   for (const auto& y : rows) {
     path.r.push_back(o.radius * Vector3{y[0], y[1], y[2]});
     path.v.push_back(speed * Vector3{y[3], y[4], y[5]});
@@ -102,8 +102,8 @@ Path fly(const Orbit& o, double larmor, const Vector3& v, const std::vector<doub
 }
 
 /// The orbit without the field, turned with w about z: the start is the same, since v = v' + w x r'.
-Path fly_turned(const Orbit& o, double w, const std::vector<double>& times) {
-  Path path = fly(o, 0, o.v - w * cross(z, o.r), times);
+OrbitPath fly_turned(const Orbit& o, double w, const std::vector<double>& times) {
+  OrbitPath path = fly(o, 0, o.v - w * cross(z, o.r), times);
   for (std::size_t i = 0; i < times.size(); ++i) {
     path.v[i] = turned_about(z, w * times[i], path.v[i] + w * cross(z, path.r[i]));
     path.r[i] = turned_about(z, w * times[i], path.r[i]);
@@ -140,7 +140,7 @@ Times times_of(const BoundCharge& model, const Orbit& o) {
   return rabiline::times_of(two_pi / o.omega * model.orbits, turns_of(model, o), model.samples);
 }
 
-Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::string name,
+Motion motion_of(const Orbit& o, const OrbitPath& path, const Times& times, std::string name,
                  std::string meaning) {
   Motion out{std::move(name), std::move(meaning), {}, {}, {}, {}};
   VectorCourse velocity{"velocity", "m/s", "of the charge"},
@@ -168,7 +168,7 @@ Motion motion_of(const Orbit& o, const Path& path, const Times& times, std::stri
 }
 
 /// What is conserved: the energy, since a magnetic field does no work, and the canonical L_z.
-void find_conserved(const Orbit& o, const Path& path, Findings& out) {
+void find_conserved(const Orbit& o, const OrbitPath& path, Findings& out) {
   std::vector<double> energies, momenta;
   for (std::size_t i = 0; i < path.r.size(); ++i) {
     energies.push_back(energy(o, path.r[i], path.v[i]));
@@ -182,8 +182,8 @@ void find_conserved(const Orbit& o, const Path& path, Findings& out) {
 }
 
 /// How L precesses, in the mean over orbits, and what eq. 74 makes of it.
-void find_precession(const Orbit& o, const Path& path, const std::vector<double>& times, double inclination,
-                     Findings& out) {
+void find_precession(const Orbit& o, const OrbitPath& path, const std::vector<double>& times,
+                     double inclination, Findings& out) {
   constexpr double fewest = 9.5;  // orbits that have a mean
   const double small = std::abs(o.larmor) / o.omega, orbits = times.back() * o.omega / two_pi;
   // Within an orbit L nods by about w/omega: an axis that near to z has no azimuth.
@@ -220,7 +220,7 @@ void find_mean_torque(const Orbit& o, double inclination, Findings& out) {
   std::vector<double> times;
   for (int i = 0; i <= steps; ++i) times.push_back(two_pi / o.omega * i / steps);
   if (std::abs(o.larmor) > 0.1 * o.omega) return;
-  const Path path = fly(o, o.larmor, o.v, times);
+  const OrbitPath path = fly(o, o.larmor, o.v, times);
   Vector3 torque, momentum;
   for (std::size_t i = 0; i < steps; ++i) {
     torque = torque + 2 * o.larmor * o.mass * cross(path.r[i], cross(z, path.v[i]));
@@ -236,7 +236,7 @@ void find_mean_torque(const Orbit& o, double inclination, Findings& out) {
       "x W needs r.v = v.W = 0; and, of a Coulomb orbit, the first order -(3/2) (w/omega) cos(i)");
 }
 
-void find_free(const Orbit& o, const Path& path, const std::vector<double>& times, Findings& out) {
+void find_free(const Orbit& o, const OrbitPath& path, const std::vector<double>& times, Findings& out) {
   if (!(portable::hypot(o.v.x, o.v.y) > 1e-9 * length_of(o.v))) return;
   const double rate = angles_about(z, path.v).back() / times.back();
   out.closed_form("turn", "Hz", rate / two_pi, 2 * o.larmor / two_pi,
@@ -299,7 +299,7 @@ ModelResult solve(const BoundCharge& model) {
   refuse(faults_of(model));
   const Orbit o = orbit_of(model);
   const Times times = times_of(model, o);
-  const Path standard = fly(o, o.larmor, o.v, times.all);
+  const OrbitPath standard = fly(o, o.larmor, o.v, times.all);
   ModelResult out;
   Findings findings;
   out.motions.push_back(motion_of(o, standard, times, "standard",

@@ -147,9 +147,9 @@ void find_ratio(const Particle& p, const Path& standard, const Path& larmor, dou
         "Lorentz factor for a fast one, since the hypothesis knows no relativity; 1 for g = 2");
   const bool flat = std::abs(p.velocity.z) < 1e-12 * p.speed;
   if (!flat || portable::hypot(p.spin.x, p.spin.y) < 1e-6) return;
-  const Vector3 z{0, 0, 1};
+  const Vector3 up{0, 0, 1};
   const auto ratio = [&](const Path& path) {
-    return angles_about(z, path.spin).back() / angles_about(z, path.velocity).back();
+    return angles_about(up, path.spin).back() / angles_about(up, path.velocity).back();
   };
   findings.closed_form(
       "standard_spin_turns", "1", ratio(standard), 1 + p.lorentz * (half_g - 1),

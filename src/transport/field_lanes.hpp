@@ -261,19 +261,25 @@ struct FieldStepper {
     return select(next < latest, next - s.t, most);
   }
 
-  /// Nor beyond a surface where a field jumps.
+  /// Nor beyond a surface where a field jumps. What bends away from it may also be bent towards it: surfaces
+  /// are looked for twice as far ahead, and the bend allowed for is twice what is found here or straight
+  /// ahead.
   inline real until_face(const State& s, real most) const {
     const real place[3] = {s.place.x, s.place.y, s.place.z},
                velocity[3] = {s.velocity.x, s.velocity.y, s.velocity.z}, soonest = abs(s.t) * 1e-14;
-    const auto straight_or_bent = [&](const real& bend) {
-      real face = most;
+    const auto next_face = [&](const real& bend, real face) {
       for (int i = zone.shaped_begin; i < zone.electric_end; ++i)
         face = time_to_face<LaneMaths>(region.shaped[i], place, velocity, bend, soonest, face);
       return face;
     };
-    if (!any(straight_or_bent(broadcast(0)) < most)) return most;
-    const Vector a = acceleration(at(s.t, s.place, [&] { return s.velocity; }), s.spin, s.velocity);
-    return straight_or_bent(sqrt(dot(a, a)));
+    const real far = 2.0 * most;
+    if (!any(next_face(broadcast(0), far) < far)) return most;
+    const auto acceleration_after = [&](const real& dt) {
+      const auto velocity_here = [&] { return s.velocity; };
+      return acceleration(at(s.t + dt, add(s.place, dt, s.velocity), velocity_here), s.spin, s.velocity);
+    };
+    const Vector here = acceleration_after(broadcast(0)), ahead = acceleration_after(most);
+    return next_face(2.0 * sqrt(max(dot(here, here), dot(ahead, ahead))), most);
   }
 
   /// The state where a lane first comes to `plane` within its next step of the length h.
