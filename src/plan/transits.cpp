@@ -24,7 +24,8 @@ constexpr std::size_t most_moments = std::size_t{1} << 21;
 constexpr double beyond = 2;
 
 constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
-                           turns_too_fast = "spins turn faster than the moments that were kept resolve";
+                           turns_too_fast = "spins turn faster than the moments that were kept resolve",
+                           shorter_by_particle = "that is shorter here";
 
 /// A field across z that turns about it by one clock, with the same size and rate for every particle at a
 /// place.
@@ -133,8 +134,10 @@ class TransitMaker {
                                                           std::vector<TransitLink>{whole_catch}, false);
       const double entries = 2 * particles_;
       if (!is_shorter(*layout, group.size(),
-                      cost::closed_form * static_cast<double>(levels) + cost_of_steps(one.stage), entries))
+                      cost::closed_form * static_cast<double>(levels) + cost_of_steps(one.stage), entries)) {
+        nodes[group.front()].why_one_by_one = shorter_by_particle;
         continue;
+      }
       keep(one, layout);
       nodes[group.front()] = std::move(one);
       for (std::size_t i = 1; i < group.size(); ++i) gone[group[i]] = true;
@@ -176,7 +179,7 @@ class TransitMaker {
     if (!is_shorter(*layout, node.ways.size(),
                     shared + cost_of_steps(node.ways.front().stage) + cost_behind_filters(node),
                     particles_ * entries))
-      return by_particle(node, "that is shorter here");
+      return by_particle(node, shorter_by_particle);
     keep(node, layout);
   }
   static void by_particle(PlanNode& node, std::string_view why) { node.why_one_by_one = why; }

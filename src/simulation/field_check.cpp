@@ -147,7 +147,7 @@ class Checker {
     walk(tree.next, batch);
   }
   std::optional<FieldCheck> found() const {
-    return regions_ > 0 || found_.particles > 0 ? std::optional(found_) : std::nullopt;
+    return regions_ > 0 || found_.particles > 0 || found_.too_long ? std::optional(found_) : std::nullopt;
   }
 
  private:
@@ -182,6 +182,8 @@ class Checker {
     std::fill_n(weights, batch.count, quanta_per_particle);
     share_levels(path, key_, isa_, batch, weights, shares);
     const LevelReference reference(way, key_);
+    found_.tolerance = way.fields().tolerance;
+    const bool whole = operations_ == most_operations;  // which other ways have used nothing of
     for (int i = 0; i < batch.count; ++i) {
       const auto expected = reference.carried({{batch.x[i], batch.y, batch.z[i]},
                                                {batch.vx[i], batch.vy[i], batch.vz[i]},
@@ -190,8 +192,10 @@ class Checker {
                                                batch.particle[i],
                                                static_cast<int>(batch.level[i])},
                                               operations_);
-      if (!expected) return;
-      found_.tolerance = way.fields().tolerance;
+      if (!expected) {
+        if (found_.particles == 0 && whole) found_.too_long = true;
+        return;
+      }
       ++found_.particles;
       for (std::size_t level = 0; level < expected->size(); ++level) {
         const double found =

@@ -347,6 +347,7 @@ void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   put("spin", check.spin, "largest deviation of the spin, a unit vector");
   put("levels", check.levels, "largest deviation of the probability of a level of an atom");
   put("tolerance", check.tolerance, "what steps were chosen for");
+  put("too_long", check.too_long ? 1 : 0, "1: not even one atom's levels could be integrated in a second");
 }
 
 /// What nobody asked for is kept where it is a fifth of the file at most, or small anyway.

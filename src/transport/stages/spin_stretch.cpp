@@ -107,6 +107,8 @@ void SpinStretch::explain(PlanReport& report) const {
   if (report.slowness_cells > 0)
     report.line("{:>16}{} scan points follow from moments of the slowness in {} cells", "",
                 report.reweightings, report.slowness_cells);
+  else if (!report.why_one_by_one.empty())
+    report.line("{:>16}scan points are read one by one: {}", "", report.why_one_by_one);
   for (const SpinZone& zone : spins.zones) explain_zone(zone, report);
   report.tell_driven(part);
 }
