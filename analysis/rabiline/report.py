@@ -1,6 +1,7 @@
 """What a results file holds, in words."""
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Iterable, Sequence
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from .agreement import with_constant
 from .curves import Curve, NoResonance, Resonance, curves, half_maxima
 from .fit import fit
-from .results import Axis, Results
+from .results import Axis, FieldCheck, Results
 from .units import format_value, law_name
 
 
@@ -36,6 +37,7 @@ def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, obj
         "title": results.title, "program": results.program, "law": list(dict.fromkeys(results.laws)),
         "species": list(dict.fromkeys(results.species)), "particles": float(results.particles[0]),
         "warnings": list(results.warnings),
+        "field_check": None if results.field_check is None else asdict(results.field_check),
         "scan": [{"parameter": axis.parameter, "unit": axis.units, "points": int(axis.values.size),
                   "labels" if axis.labels else "values": list(axis.labels) or axis.values.tolist()}
                  for axis in results.scan.axes],
@@ -61,8 +63,17 @@ def _run(results: Results) -> Iterable[str]:
             " of all that leave the source"
     if results.rate is not None:
         yield f"  rate         {results.rate:.6g} 1/s leave the source"
+    if (check := results.field_check) is not None:
+        yield f"  steps        {_checked(check)}"
     for axis in results.scan.axes:
         yield f"  scan         {axis.parameter}: {_extent(axis)}"
+
+
+def _checked(check: FieldCheck) -> str:
+    if check.particles == 0:
+        return "not checked: an independent integration takes longer than a second for one particle, or none gets through"
+    particles = "one particle" if check.particles == 1 else f"{check.particles} particles"
+    return f"within {check.deviation:.2g} of an independent integration of {particles}; {check.tolerance:.2g} asked for"
 
 
 def _warnings(results: Results) -> Iterable[str]:

@@ -130,6 +130,15 @@ class Fate:
 
 
 @dataclass(frozen=True)
+class FieldCheck:
+    """Flights through fields, and levels of atoms in them, against an independent integration of a few particles."""
+
+    particles: int  # integrated both ways; 0 where that takes too long, or none gets through
+    deviation: float  # the largest of place, direction, spin and probabilities of levels
+    tolerance: float  # what steps were chosen for
+
+
+@dataclass(frozen=True)
 class Results:
     """One file of `rabiline run`."""
 
@@ -150,6 +159,7 @@ class Results:
     emitted: np.ndarray  # [points] particles
     simulation: dict[str, str]  # provenance: seed, version, threads, ...
     warnings: tuple[str, ...] = ()  # what the run warned of
+    field_check: FieldCheck | None = None  # None where nothing flies in steps
 
     @property
     def covariance_missing(self) -> bool:
@@ -230,6 +240,7 @@ def read(source: Path | str | bytes) -> Results:
             emitted=fates.numbers("emitted", (points,)),
             simulation=_read_simulation(entry) if "simulation" in entry else {},
             warnings=read_warnings(entry),
+            field_check=_read_field_check(entry.group("field_check")) if "field_check" in entry else None,
         )
 
 
@@ -353,6 +364,11 @@ def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
         raise group.error(f"{len(fates)} fates at {len(places)} places")
     particles = group.numbers("particles", (len(fates), points))
     return tuple(Fate(*line) for line in zip(fates, places, particles))
+
+
+def _read_field_check(group: Group) -> FieldCheck:
+    number = {name: float(group.numbers(name).ravel()[0]) for name in ("particles", "place", "direction", "spin", "levels", "tolerance")}
+    return FieldCheck(int(number["particles"]), max(number[name] for name in ("place", "direction", "spin", "levels")), number["tolerance"])
 
 
 def read_warnings(entry: Group) -> tuple[str, ...]:

@@ -43,11 +43,6 @@ std::vector<std::string> warnings_of(const Result& result) {
         "particles: more than the tolerance of {:.2g}\n"
         "  help: a smaller `tolerance` of the law takes shorter steps",
         check->place, check->direction, check->spin, check->levels, check->particles, check->tolerance));
-  if (const auto& check = result.field_check; check && check->too_long)
-    out.push_back(
-        "levels of atoms through fields are not held against an independent integration, which would take "
-        "longer than a second for one particle\n"
-        "  help: compare with a run of a smaller `tolerance` of the law");
   const Seen seen = seen_in(result);
   const std::size_t points = result.emitted.size();
   if (seen.empty()) return out;

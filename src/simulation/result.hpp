@@ -132,7 +132,6 @@ struct FieldCheck {
   double spin = 0;       // of S, or of the image of z: that of a probability is about as large
   double levels = 0;     // of the probability of a level of an atom
   double tolerance = 0;  // that steps were chosen for
-  bool too_long = false;  // the levels of not even one atom could be integrated in the time that there is
   double largest() const { return std::max({place, direction, spin, levels}); }
 };
 

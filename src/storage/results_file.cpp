@@ -337,8 +337,10 @@ void write_simulation(const GroupWriter& entry, const Result& result, std::uint6
 /// How far flights in steps are from an independent integration.
 void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   const GroupWriter group = entry.group("field_check", "NXcollection");
-  group.number("particles", check.particles,
-               {{"units", "1"}, {"long_name", "particles integrated both ways"}});
+  group.number(
+      "particles", check.particles,
+      {{"units", "1"},
+       {"long_name", "particles integrated both ways; 0: that takes too long, or none gets through"}});
   const auto put = [&](const char* name, double value, const char* meaning) {
     group.number(name, value, {{"units", "1"}, {"long_name", meaning}});
   };
@@ -347,7 +349,6 @@ void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   put("spin", check.spin, "largest deviation of the spin, a unit vector");
   put("levels", check.levels, "largest deviation of the probability of a level of an atom");
   put("tolerance", check.tolerance, "what steps were chosen for");
-  put("too_long", check.too_long ? 1 : 0, "1: not even one atom's levels could be integrated in a second");
 }
 
 /// What nobody asked for is kept where it is a fifth of the file at most, or small anyway.

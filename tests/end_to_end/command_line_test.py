@@ -1,12 +1,10 @@
-"""The program as a user meets it: bits, fates, exit codes, stops and restarts, what the options change, memory.
+"""The program as a user meets it: bits, fates, exit codes, what the options change, memory.
 
 RABILINE_PROGRAM names the program; Debian's /usr/bin/python3 -m pytest has what is needed.
 """
 from __future__ import annotations
 
-import os
 import resource
-import signal
 import subprocess
 import sys
 import time
@@ -15,111 +13,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from runs import (
+    BAD_INPUT, CROWDED, DONE, EDGES, EXPERIMENT, LAWS, NOT_WRITTEN, PROGRAM, QUANTA, assert_same_bits, crowded,
+    crowded_reference, folder, provenance, rabiline, read, reference, run,
+)
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = os.environ.get("RABILINE_PROGRAM", str(ROOT / "build" / "release" / "rabiline"))
-EXPERIMENT = ROOT / "beamline" / "suggested-experiment.yaml"
 VERBS = ("run", "check", "describe", "trace", "resume", "rescan", "merge", "verify", "reproduce")
-DONE, BAD_INPUT, NOT_WRITTEN, STOPPED = 0, 2, 3, 4
-QUANTA = 2**40  # of one particle
-LAWS = ("--scan", "law=quantum,classical,dorado")
-EDGES = ("--scan", "H0.frequency=270 kHz,288.1 kHz,295.6 kHz")  # dorado's dip: far off and on both slopes
-
-# Every fate there is: a spread beam, a slit that stops some of it, two species, spins of both signs.
-CROWDED = """rabiline: 1
-title: A crowded beam
-species: [{name: neutron, fraction: 0.75}, {name: H, fraction: 0.25}]
-law: quantum
-source:
-  speed: {kind: gaussian, mean: 1000 m/s, sigma: 50 m/s}
-  opening: {radius: 0.3 mm}
-  direction: {kind: gaussian, x: 2 mrad, z: 2 mrad}
-chamber: {radius: 5 mm}
-parts:
-  - {name: B_prime, kind: polarizer,      at: 0.10 m, length: 0.10 m, field: 10 mT, alignment: 0.5}
-  - {name: hole,    kind: slit,           at: 0.25 m, width: 1 mm, height: 2 mm}
-  - {name: B,       kind: uniform_field,  at: 0.30 m, length: 0.25 m, field: 10 mT}
-  - {name: H0,      kind: rotating_field, at: 0.35 m, length: 0.20 m, amplitude: 60 uT, frequency: 291.6 kHz,
-     sense: positive, phase: random}
-  - {name: screen,  kind: detector,       at: 1.2 m, width: 4 mm, height: 4 mm, bins: [20, 30]}
-particles: 1003
-seed: 7
-scan: [{parameter: law, values: [quantum, classical, dorado]},
-       {parameter: H0.frequency, from: 288 kHz, to: 294 kHz, points: 3}]
-"""
-
-
-def rabiline(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300)
-
-
-def run(output: Path, *arguments: object, experiment: Path = EXPERIMENT) -> Path:
-    """A run that has to succeed, in one thread unless told otherwise; its output."""
-    threads = () if "--threads" in arguments else ("--threads", 1)
-    done = rabiline("run", experiment, "-o", output, "--progress", "none", *threads, *arguments)
-    assert done.returncode == DONE, done.stderr
-    assert done.stderr == "" and f"wrote {output}" in done.stdout
-    return output
-
-
-def contents(path: Path) -> dict[str, np.ndarray]:
-    """Every dataset, and every attribute of groups and datasets, outside /entry/simulation."""
-    found = {}
-
-    def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
-        if name.startswith("entry/simulation"):
-            return
-        if isinstance(item, h5py.Dataset):
-            found[name] = item[()]
-        for key, value in item.attrs.items():
-            found[f"{name}@{key}"] = value
-
-    with h5py.File(path) as file:
-        file.visititems(visit)
-    assert "entry/scan/detected" in found and "entry/fates/quanta_low" in found
-    return found
-
-
-def bits(value: object) -> tuple:
-    array = np.asarray(value)
-    return array.dtype, array.shape, array.tolist() if array.dtype == object else array.tobytes()
-
-
-def assert_same_bits(one: Path, other: Path) -> None:
-    a, b = contents(one), contents(other)
-    assert a.keys() == b.keys()
-    assert not [name for name in a if bits(a[name]) != bits(b[name])]
-
-
-def read(path: Path, name: str) -> np.ndarray:
-    with h5py.File(path) as file:
-        return file["entry"][name][()]
-
-
-def provenance(path: Path) -> list[str]:
-    return [argument.decode() for argument in read(path, "simulation/arguments")]
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("runs")
-
-
-@pytest.fixture(scope="module")
-def crowded(folder: Path) -> Path:
-    path = folder / "crowded.yaml"
-    path.write_text(CROWDED)
-    return path
-
-
-@pytest.fixture(scope="module")
-def reference(folder: Path) -> Path:
-    return run(folder / "reference.h5", "--particles", 2003, *LAWS, *EDGES)
-
-
-@pytest.fixture(scope="module")
-def crowded_reference(folder: Path, crowded: Path) -> Path:
-    return run(folder / "crowded.h5", experiment=crowded)
 
 
 # ---- The same bits on every machine -----------------------------------------------------------------------------
@@ -237,80 +136,6 @@ def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Pa
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
     assert done.returncode == NOT_WRITTEN and "out.h5" in done.stderr
     assert list(tmp_path.iterdir()) == [output] and output.read_bytes() == b"precious"
-
-
-# ---- Stopped and resumed ----------------------------------------------------------------------------------------
-
-LONG = ("--particles", 4_800_001, *EDGES)
-
-
-def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:
-    """A run that has flown for half a second, with most of it still to come."""
-    process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE)
-    assert '"done"' in process.stderr.readline()
-    return process
-
-
-def slow_run(output: Path) -> subprocess.Popen[str]:
-    return start_and_wait_for_progress("run", EXPERIMENT, "-o", output, *LONG, "--threads", 1, "--batch", 8,
-                                       "--progress", "json")
-
-
-def stop(process: subprocess.Popen[str], how: signal.Signals) -> str:
-    """What it said after the signal; it exits 4 and soon."""
-    process.send_signal(how)
-    _, errors = process.communicate(timeout=300)
-    assert process.returncode == STOPPED, errors
-    return errors
-
-
-@pytest.fixture(scope="module")
-def long_reference(folder: Path) -> Path:
-    return run(folder / "long.h5", *LONG)
-
-
-@pytest.mark.slow
-def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, long_reference: Path) -> None:
-    output = tmp_path / "out.h5"
-    checkpoint = tmp_path / "out.h5.checkpoint"
-    said = stop(slow_run(output), signal.SIGTERM)
-    assert f"rabiline resume {output}" in said
-    assert list(tmp_path.iterdir()) == [checkpoint]
-    stop(start_and_wait_for_progress("resume", output, "--threads", 1, "--batch", 8, "--progress", "json"), signal.SIGINT)
-    assert list(tmp_path.iterdir()) == [checkpoint]
-    resumed = rabiline("resume", output)
-    assert resumed.returncode == DONE, resumed.stderr
-    assert list(tmp_path.iterdir()) == [output]
-    assert_same_bits(long_reference, output)
-
-
-def test_a_stopped_run_leaves_an_earlier_file_and_a_killed_one_too(tmp_path: Path, reference: Path) -> None:
-    output = tmp_path / "out.h5"
-    output.write_bytes(reference.read_bytes())
-    stop(slow_run(output), signal.SIGTERM)
-    assert output.read_bytes() == reference.read_bytes()
-    (tmp_path / "out.h5.checkpoint").unlink()
-    process = slow_run(output)
-    process.kill()
-    process.communicate(timeout=300)
-    assert process.returncode == -signal.SIGKILL
-    assert output.read_bytes() == reference.read_bytes()
-    assert {path.name for path in tmp_path.iterdir()} <= {"out.h5", ".out.h5.lock"}
-
-
-@pytest.mark.slow
-def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) -> None:
-    work = tmp_path / "work"
-    work.mkdir()
-    (work / "mine.yaml").write_text(EXPERIMENT.read_text())
-    process = start_and_wait_for_progress("run", "mine.yaml", "-o", "out.h5", *LONG, "--threads", 1, "--batch", 8,
-                                          "--progress", "json", cwd=work)
-    stop(process, signal.SIGTERM)
-    resumed = rabiline("resume", "work/out.h5", cwd=tmp_path)
-    assert resumed.returncode == DONE, resumed.stderr
-    assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
-    assert_same_bits(long_reference, work / "out.h5")
 
 
 # ---- What the options change, and that it is recorded -----------------------------------------------------------

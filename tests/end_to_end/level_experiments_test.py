@@ -1,8 +1,12 @@
 """Shipped experiments with the levels of atoms in fields of any direction give what their headers promise."""
 
+import re
+import subprocess
+
 import numpy as np
 import pytest
 from constants import BOHR, PLANCK
+from experiments import RABILINE
 
 CAESIUM, G_J, G_I = 9192631770, 2.00254032, -3.9885395e-4
 
@@ -76,3 +80,69 @@ def test_ortho_hydrogen_through_a_solenoid_turns_as_an_integration_of_all_nine_l
     assert abs(levels[0, 0] - 1) < 1e-9
     assert np.abs(levels[2] - [0.00044048, 0.00895323, 0.07915304, 0.34470254, 0.5667507, 0, 0, 0, 0]).max() < 2e-6
     assert np.abs(levels[10] - [0.45791887, 0.0246294, 0.18162404, 0.23068109, 0.10512614, 0.00000918, 0.00000605, 0.00000522, 0]).max() < 2e-6
+
+
+@pytest.mark.experiment("strip-line-cavity")
+def test_a_strip_line_cavity_splits_the_line_of_hydrogen(run):
+    for species in ("H atom", "antihydrogen"):
+        file = run("strip-line-cavity", "--set", f"species={species}")
+        x, flipped = file["entry/scan/cavity_frequency"][:] - 1420405751.768, file["entry/screen_levels/levels"][:, 1]
+        peak, width = 0.64174 * 900 / 0.1055, x[1] - x[0]
+        for side in (-1, 1):
+            half = side * x > 0
+            assert abs(x[half][np.argmax(flipped[half])] - side * peak) < width
+            assert flipped[half].max() > 0.998
+        assert flipped[abs(x) < width].max() < 2e-3
+        assert abs(flipped - flipped[::-1]).max() < 5e-3
+
+
+@pytest.mark.experiment("frisch-segre-potassium")
+def test_potassium_past_a_wire_leaves_its_levels_as_an_independent_integration_says(run):
+    file = run("frisch-segre-potassium")
+    states = file["entry/screen_states/counts"][:]
+    stays = states[4, 0, 0] / states[4, 0].sum()  # F=2 m=2 at 0.1 A
+    assert abs(stays - 0.000197) < 5e-7  # spin F turned by steps of its own, with Breit and Rabi's energies between
+    flipped = file["entry/screen_levels/levels"][:, 4]
+    assert np.all(np.diff(flipped) > 0) and 0.24 < flipped[-1] < 0.28  # the measured points fall from 0.1 A on
+    assert abs(states[:, :, 5:].sum()) < 1e-9 * states.sum()
+
+
+@pytest.mark.experiment("sona-unit")
+def test_metastable_hydrogen_leaves_a_zero_of_the_field_as_majorana_says(run):
+    file = run("sona-unit")
+    r, levels = file["entry/ioniser_levels/source_offset_x"][:], file["entry/ioniser_levels/levels"][:]
+    assert levels[0, 1] + levels[0, 2] > 1 - 1e-6
+    zero, one = levels[0, 1], levels[0, 2]  # the parts that began in m = 0 and m = 1
+
+    def field(y):  # of a solenoid on its axis, from its middle
+        ends = np.array([y + 0.2, y - 0.2])
+        return 57.5e-3 * np.diff(-ends / np.hypot(ends, 0.06))[0] / (2 * 0.2 / np.hypot(0.2, 0.06))
+
+    slope = abs(field(0.5005) - field(0.4995)) / 1e-3 * 2
+    for k in (1, 2, 3):
+        across, change = r[k] / 2 * slope, 310e3 * slope
+        q = 1 - np.exp(-np.pi * 2 * np.pi * 14.0e9 * across**2 / (2 * change))
+        expected = one * q**2 + zero * 2 * q * (1 - q)
+        assert abs(levels[k, 0] / expected - 1) < 0.02
+
+
+@pytest.mark.experiment("rf-transition-unit")
+def test_a_weak_field_unit_turns_every_level_of_deuterium_round(run):
+    states = run("rf-transition-unit")["entry/behind_states/counts"][:]
+    for level in range(3):
+        assert states[0, level, level] > 0.9999 * states[0, level].sum()
+        assert states[1, level, 3 - level] > 0.99 * states[1, level].sum()
+
+
+def told_of_steps(run, name, *arguments):
+    """The line on steps of `rabiline summary`."""
+    told = subprocess.run([RABILINE, "summary", run(name, *arguments).filename], capture_output=True, text=True, check=True)
+    return next(line for line in told.stdout.splitlines() if line.startswith("  steps"))
+
+
+def test_summary_tells_how_far_levels_are_from_an_integration_or_that_there_is_none(run):
+    assert re.fullmatch(r"  steps +within [1-9.]+e-\d+ of an independent integration of one particle; 0.0001 asked for",
+                        told_of_steps(run, "rf-transition-unit", "--particles", "20"))
+    idle = [word for unit in ("weak", "medium", "strong") for word in ("--set", f"{unit}.amplitude=0 mT")]
+    assert "not checked: an independent integration takes longer" in told_of_steps(
+        run, "polarised-deuterium", "--particles", "20", "--no-scan", *idle)

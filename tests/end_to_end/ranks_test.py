@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from lives_test import BAD_INPUT, DONE, EXPERIMENT, FEW, LONG, MODEL, MORE, PROGRAM, STOPPED, THREE, bits, rabiline, run
+from lives_test import BAD_INPUT, DONE, EXPERIMENT, LONG, MODEL, MORE, PROGRAM, STOPPED, THREE, bits, rabiline, run
 
 # As root in a container, and with more ranks than cores.
 os.environ.update({"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",

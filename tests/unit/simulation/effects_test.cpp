@@ -40,14 +40,5 @@ TEST(WarningsOfAResult, AreSilentWhereNothingIsScanned) {
   EXPECT_TRUE(warnings_of(result).empty());
 }
 
-TEST(WarningsOfAResult, SayWhereTheIntegrationOfAtomsTakesTooLong) {
-  Result result;
-  result.emitted = {100};
-  result.field_check = FieldCheck{.tolerance = 1e-6};
-  EXPECT_TRUE(warnings_of(result).empty());
-  result.field_check->too_long = true;
-  EXPECT_THAT(warnings_of(result), testing::ElementsAre(testing::HasSubstr("not held against")));
-}
-
 }  // namespace
 }  // namespace rabiline::effects_test

@@ -1,0 +1,50 @@
+"""Shards of a run, flown apart and merged."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from lives_test import BAD_INPUT, DONE, EXPERIMENT, FEW, NOT_WRITTEN, bits, rabiline, reference, run
+
+
+def shards_of(folder: Path, count: int) -> list[Path]:
+    return [run(folder / f"s{i}.h5", *FEW, "--shard", f"{i}/{count}") for i in range(1, count + 1)]
+
+
+def test_merged_shards_are_the_run_in_one_piece(tmp_path: Path, reference: Path) -> None:
+    for count in (1, 2, 5):
+        done = rabiline("merge", tmp_path / f"all{count}.h5", *reversed(shards_of(tmp_path, count)))
+        if count == 1:  # that is no shard but the run
+            assert done.returncode == NOT_WRITTEN and "neither a checkpoint nor a shard" in done.stderr
+            continue
+        assert done.returncode == DONE, done.stderr
+        assert bits(tmp_path / f"all{count}.h5") == bits(reference)
+        assert rabiline("reproduce", tmp_path / f"all{count}.h5").returncode == DONE
+
+
+def test_shards_that_do_not_belong_together_are_refused_by_name(tmp_path: Path, reference: Path) -> None:
+    first, second, third = shards_of(tmp_path, 3)
+    other = run(tmp_path / "other.h5", *FEW, "--seed", "7", "--shard", "2/3")
+    for parts, says in (([first, third], "missing: 2"), ([first, second, second, third], f"{second} and {second} are both shard 2/3"),
+                        ([first, other, third], f"{other}: is a shard of another run"), ([first, reference], f"{reference}: is neither"),
+                        ([], "PARTS")):
+        refused = rabiline("merge", tmp_path / "all.h5", *parts)
+        assert refused.returncode in (BAD_INPUT, NOT_WRITTEN) and says in refused.stderr, refused.stderr
+    assert not (tmp_path / "all.h5").exists()
+
+
+@pytest.mark.parametrize("shard", ["0/3", "4/3", "3", "1/0", "a/b", "1/3/4", "-1/3"])
+def test_a_shard_that_is_none_is_refused(tmp_path: Path, shard: str) -> None:
+    refused = rabiline("run", EXPERIMENT, *FEW, f"--shard={shard}", "-o", tmp_path / "a.h5")
+    assert refused.returncode == BAD_INPUT and "shard" in refused.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_launcher_needs_shards(tmp_path: Path) -> None:
+    several = {**os.environ, "OMPI_COMM_WORLD_SIZE": "4"}
+    refused = rabiline("run", EXPERIMENT, *FEW, "-o", tmp_path / "a.h5", env=several)
+    assert refused.returncode == BAD_INPUT and "--shard" in refused.stderr
+    assert rabiline("run", EXPERIMENT, *FEW, "--shard", "2/4", "-o", tmp_path / "a.h5", env=several).returncode == DONE
+    alone = {**os.environ, "OMPI_COMM_WORLD_SIZE": "1"}
+    assert rabiline("run", EXPERIMENT, *FEW, "-o", tmp_path / "a.h5", env=alone).returncode == DONE

@@ -1,0 +1,80 @@
+"""Runs that are stopped, and resumed to the same bits."""
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from runs import DONE, EDGES, EXPERIMENT, PROGRAM, STOPPED, assert_same_bits, folder, rabiline, reference, run  # noqa: F401 (fixtures)
+
+LONG = ("--particles", 4_800_001, *EDGES)
+
+
+def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:
+    """A run that has flown for half a second, with most of it still to come."""
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE)
+    assert '"done"' in process.stderr.readline()
+    return process
+
+
+def slow_run(output: Path) -> subprocess.Popen[str]:
+    return start_and_wait_for_progress("run", EXPERIMENT, "-o", output, *LONG, "--threads", 1, "--batch", 8,
+                                       "--progress", "json")
+
+
+def stop(process: subprocess.Popen[str], how: signal.Signals) -> str:
+    """What it said after the signal; it exits 4 and soon."""
+    process.send_signal(how)
+    _, errors = process.communicate(timeout=300)
+    assert process.returncode == STOPPED, errors
+    return errors
+
+
+@pytest.fixture(scope="module")
+def long_reference(folder: Path) -> Path:
+    return run(folder / "long.h5", *LONG)
+
+
+@pytest.mark.slow
+def test_a_run_stopped_twice_and_resumed_gives_the_same_bits(tmp_path: Path, long_reference: Path) -> None:
+    output = tmp_path / "out.h5"
+    checkpoint = tmp_path / "out.h5.checkpoint"
+    said = stop(slow_run(output), signal.SIGTERM)
+    assert f"rabiline resume {output}" in said
+    assert list(tmp_path.iterdir()) == [checkpoint]
+    stop(start_and_wait_for_progress("resume", output, "--threads", 1, "--batch", 8, "--progress", "json"), signal.SIGINT)
+    assert list(tmp_path.iterdir()) == [checkpoint]
+    resumed = rabiline("resume", output)
+    assert resumed.returncode == DONE, resumed.stderr
+    assert list(tmp_path.iterdir()) == [output]
+    assert_same_bits(long_reference, output)
+
+
+def test_a_stopped_run_leaves_an_earlier_file_and_a_killed_one_too(tmp_path: Path, reference: Path) -> None:
+    output = tmp_path / "out.h5"
+    output.write_bytes(reference.read_bytes())
+    stop(slow_run(output), signal.SIGTERM)
+    assert output.read_bytes() == reference.read_bytes()
+    (tmp_path / "out.h5.checkpoint").unlink()
+    process = slow_run(output)
+    process.kill()
+    process.communicate(timeout=300)
+    assert process.returncode == -signal.SIGKILL
+    assert output.read_bytes() == reference.read_bytes()
+    assert {path.name for path in tmp_path.iterdir()} <= {"out.h5", ".out.h5.lock"}
+
+
+@pytest.mark.slow
+def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) -> None:
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "mine.yaml").write_text(EXPERIMENT.read_text())
+    process = start_and_wait_for_progress("run", "mine.yaml", "-o", "out.h5", *LONG, "--threads", 1, "--batch", 8,
+                                          "--progress", "json", cwd=work)
+    stop(process, signal.SIGTERM)
+    resumed = rabiline("resume", "work/out.h5", cwd=tmp_path)
+    assert resumed.returncode == DONE, resumed.stderr
+    assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
+    assert_same_bits(long_reference, work / "out.h5")
