@@ -337,10 +337,8 @@ void write_simulation(const GroupWriter& entry, const Result& result, std::uint6
 /// How far flights in steps are from an independent integration.
 void write_field_check(const GroupWriter& entry, const FieldCheck& check) {
   const GroupWriter group = entry.group("field_check", "NXcollection");
-  group.number(
-      "particles", check.particles,
-      {{"units", "1"},
-       {"long_name", "particles integrated both ways; 0: that takes too long, or none gets through"}});
+  group.number("particles", check.particles,
+               {{"units", "1"}, {"long_name", "particles integrated both ways; 0: none could be"}});
   const auto put = [&](const char* name, double value, const char* meaning) {
     group.number(name, value, {{"units", "1"}, {"long_name", meaning}});
   };
