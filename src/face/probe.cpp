@@ -62,7 +62,8 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
     if (place.y < section.begin || place.y >= section.end) continue;
     add_uniform(section.field, sum);
     for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place, time, sum);
-    for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, place.x, place.y, place.z, sum);
+    for (const ShapedTerm& term : section.shaped)
+      add_field_at<HostMaths>(term, place.x, place.y, place.z, time, sum);
     for (const SwingingTerm& term : section.swinging) add_swinging(term, place, time, sum);
     for (const ShapedTerm& term : section.electric)
       add_field<HostMaths>(term, place.x, place.y, place.z, sum.electric);

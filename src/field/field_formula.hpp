@@ -10,11 +10,13 @@
 
 namespace rabiline {
 
-/// The components of a field in x, y and z [m] and, where it has a frequency, t [s]; named constants in SI.
+/// The components of a field in x, y and z [m] and, where it moves, t [s]; named constants in SI.
 struct FieldFormula {
   std::array<std::string, 3> components{"0", "0", "0"};
   std::map<std::string, double> constants;
-  double frequency = 0;  // [Hz] with which it repeats in t; 0: it stands, and there is no t
+  double frequency = 0;  // [Hz] with which it repeats in t
+  double duration = 0;   // [s] or else for which it is worked out from t = 0 on
+  bool moves() const { return frequency > 0 || duration > 0; }
 };
 /// What of a field swings as cos(k 2 pi f t), or as the sine of that; k = 0: what stands.
 struct FieldHarmonic {
@@ -23,6 +25,13 @@ struct FieldHarmonic {
   MapNodes nodes;
 };
 inline constexpr int most_field_harmonics = 4;
+
+/// What of a field is B(r) f(t), with f between -1 and 1.
+struct FieldOfCourse {
+  MapNodes nodes;
+  std::vector<double> course;  // f as TimeCourse has it, from t = 0 to `duration`
+};
+inline constexpr int most_field_courses = 8;
 
 /// What is wrong with the text of one component, and where in it: at `length` characters from `from` on.
 struct FormulaFault : std::runtime_error {
@@ -40,5 +49,9 @@ bool can_name_constant(const std::string&);
 /// are left out, but for the first. Throws FormulaFault, also where no formula has t although it has a
 /// frequency (component 3), and where it needs more harmonics.
 std::vector<FieldHarmonic> sampled(const FieldFormula&, const std::array<MapAxis, 3>& axes);
+
+/// The field at these nodes while its duration lasts, as the sum of fields with a course in time each. Throws
+/// FormulaFault, also where no formula has t, where it needs more of them, or jumps (component 3).
+std::vector<FieldOfCourse> sampled_in_time(const FieldFormula&, const std::array<MapAxis, 3>& axes);
 
 }  // namespace rabiline

@@ -36,6 +36,16 @@ void find_coefficients(const std::vector<double>& f, std::vector<double>& work, 
   at(n) = 6 * f[n - 1] - 4 * at(n - 1) - at(n - 2);
 }
 
+}  // namespace
+
+std::vector<double> spline_coefficients(const std::vector<double>& values) {
+  std::vector<double> work(values.size()), out(values.size() + 2);
+  find_coefficients(values, work, out.data(), 1);
+  return out;
+}
+
+namespace {
+
 /// The number of numbers at each node of a table: of three components, a fourth is unused.
 std::size_t per_node(std::size_t axes) { return axes == 3 ? 4 : 2; }
 std::size_t components(std::size_t axes) { return axes; }

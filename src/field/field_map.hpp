@@ -37,6 +37,10 @@ struct MapNodes {
   bool electric = false;      // it is E, which has no planes of symmetry here
 };
 
+/// Of the cubic B-spline through four values or more at even steps, not-a-knot at the ends: one more at each
+/// end.
+std::vector<double> spline_coefficients(const std::vector<double>& values);
+
 /// Owns the table that terms point into.
 class FieldMap {
  public:

@@ -138,4 +138,16 @@ template <class Maths, class Number>
   }
 }
 
+/// The same of a field that stands or follows a course, at a time.
+template <class Maths, class Number>
+void add_field_at(const ShapedTerm& term, const Number& x, const Number& y, const Number& z, const Number& t,
+                  FieldHere<Number>& sum) {
+  if (term.course.nodes == 0) return add_field<Maths>(term, x, y, z, sum);
+  FieldHere<Number> peak{};
+  add_field<Maths>(term, x, y, z, peak);
+  const Number share = course_at<Maths>(term.course, t).share;
+  for (int k = 0; k < 3; ++k) sum.field[k] = sum.field[k] + share * peak.field[k];
+  for (int k = 0; k < 9; ++k) sum.slope[k] = sum.slope[k] + share * peak.slope[k];
+}
+
 }  // namespace rabiline

@@ -1,5 +1,5 @@
 #pragma once
-// Static fields that differ from place to place, as plain values: kernels of every instruction set read them.
+// Fields that differ from place to place, as plain values: kernels of every instruction set read them.
 // How large they are somewhere is in field/shaped_field.hpp.
 #include "field/current_loop.hpp"
 #include "field/flat_sheet.hpp"
@@ -7,6 +7,7 @@
 #include "field/map_shape.hpp"
 #include "field/multipole.hpp"
 #include "field/straight_wire.hpp"
+#include "field/time_course.hpp"
 
 namespace rabiline {
 
@@ -36,6 +37,7 @@ struct ShapedTerm {
     MapShape map;
     RoundMapShape round_map;
   };
+  TimeCourse course{};
   int part = 0;    // whose field it is
   int drive = -1;  // of its zone, with whose angle it swings; -1: it stands
 
@@ -81,7 +83,8 @@ template <class Ask>
 inline bool operator==(const ShapedTerm& a, const ShapedTerm& b) {
   for (int i = 0; i < 9; ++i)
     if (a.axes[i] != b.axes[i]) return false;
-  if (a.kind != b.kind || a.x != b.x || a.y != b.y || a.z != b.z || a.part != b.part || a.drive != b.drive)
+  if (a.kind != b.kind || a.x != b.x || a.y != b.y || a.z != b.z || a.part != b.part || a.drive != b.drive ||
+      a.course != b.course)
     return false;
   switch (a.kind) {
     case ShapedKind::loop:

@@ -70,8 +70,14 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
                   "make two parts of them at the same place");
     return false;
   }
-  if (has(electric) && out.box.frequency) {
-    reading.error(place_of(node, "frequency"), "electric fields stand still", "omit `frequency`");
+  for (const std::string_view key : {"frequency", "duration"})
+    if (has(electric) && node.find(key) != nullptr) {
+      reading.error(place_of(node, key), "electric fields stand still", fmt::format("omit `{}`", key));
+      return false;
+    }
+  if (out.box.frequency && out.box.duration) {
+    reading.error(place_of(node, "duration"), "a formula with a frequency repeats, and has no duration",
+                  "omit `duration`, or `frequency` where it does not repeat");
     return false;
   }
   if (!out.box.frequency && out.box.phase != Phase{}) {
@@ -92,7 +98,7 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
   } catch (const FormulaFault& fault) {
     const Place place = fault.component < std::size(keys)
                             ? place_within(node.find(keys[fault.component])->value, fault.from, fault.length)
-                            : place_of(node, "frequency");
+                            : place_of(node, out.box.duration ? "duration" : "frequency");
     reading.error(place, fault.what(), fault.help);
   }
   return out.maps != nullptr;

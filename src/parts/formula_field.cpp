@@ -29,7 +29,8 @@ double places_of(const FormulaBox& box) {
   double places = 1;
   for (const double extent : {box.width, box.length, box.height})
     places *= std::max(4.0, std::ceil(extent / box.step) + 1);
-  return box.frequency ? 2 * most_field_harmonics * places : places;
+  constexpr double times = 256;  // about, of what does not repeat
+  return box.frequency ? 2 * most_field_harmonics * places : box.duration ? times * places : places;
 }
 
 std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
@@ -37,32 +38,41 @@ std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
   if (box.is_electric())
     formula.components = {box.ex.value_or("0"), box.ey.value_or("0"), box.ez.value_or("0")};
   formula.frequency = box.frequency.value_or(0);
+  formula.duration = box.duration.value_or(0);
   auto maps = std::make_shared<FormulaMaps>();
-  for (FieldHarmonic& harmonic : sampled(formula, axes_of(box))) {
-    harmonic.nodes.electric = box.is_electric();
-    maps->push_back({harmonic.number, harmonic.sine,
-                     FieldMap(std::move(harmonic.nodes), std::array<MapSymmetry, 3>{}, "formula")});
+  const auto add = [&](int number, bool sine, std::vector<double> course, MapNodes nodes) {
+    nodes.electric = box.is_electric();
+    maps->push_back({number, sine, std::move(course),
+                     FieldMap(std::move(nodes), std::array<MapSymmetry, 3>{}, "formula")});
+  };
+  if (box.duration) {
+    for (FieldOfCourse& field : sampled_in_time(formula, axes_of(box)))
+      add(0, false, std::move(field.course), std::move(field.nodes));
+    return maps;
   }
+  for (FieldHarmonic& harmonic : sampled(formula, axes_of(box)))
+    add(harmonic.number, harmonic.sine, {}, std::move(harmonic.nodes));
   return maps;
 }
 
 void contribute(const FormulaField& part, const Placement& place, SectionBuilder& builder) {
   const FormulaBox& box = part.formula.box;
-  for (const FormulaHarmonic& harmonic : *part.formula.maps) {
-    std::optional<Oscillator> clock = clock_of(part.oscillates);
-    if (harmonic.number > 0)
-      clock =
-          Oscillator{.frequency = harmonic.number * box.frequency.value_or(0),
-                     .phase = harmonic.number * box.phase.angle - (harmonic.sine ? std::numbers::pi / 2 : 0),
-                     .random_phase = box.phase.kind == Phase::Kind::random,
-                     .harmonic = harmonic.number};
-    contribute_map(harmonic.map, part.scale, part.outside, clock, turned_frame(part.tilt), part.offset, place,
+  for (const FormulaMap& own : *part.formula.maps) {
+    MapMotion motion{clock_of(part.oscillates)};
+    if (own.number > 0)
+      motion.clock = Oscillator{.frequency = own.number * box.frequency.value_or(0),
+                                .phase = own.number * box.phase.angle - (own.sine ? std::numbers::pi / 2 : 0),
+                                .random_phase = box.phase.kind == Phase::Kind::random,
+                                .harmonic = own.number};
+    if (const int nodes = static_cast<int>(own.course.size()) - 2; nodes > 0)
+      motion.course = {own.course.data(), nodes, (nodes - 1) / *box.duration};
+    contribute_map(own.map, part.scale, part.outside, motion, turned_frame(part.tilt), part.offset, place,
                    builder);
   }
 }
 
 std::vector<Fault> faults_of(const FormulaField& part, const Placement& place) {
-  if (!part.oscillates || !(part.is_electric() || part.formula.box.frequency)) return {};
+  if (!part.oscillates || !(part.is_electric() || part.formula.box.moves())) return {};
   return {{place.name, "oscillates",
            part.is_electric()
                ? fmt::format("`{}` is an electric field, and these stand still", place.name)

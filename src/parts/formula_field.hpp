@@ -28,7 +28,9 @@ struct FormulaBox {
   double step = 0;                           // [m] of the grid
   std::optional<double> frequency{};         // [Hz] of formulas with t
   Phase phase;                               // of theirs
+  std::optional<double> duration{};          // [s] of formulas with t that do not repeat
   bool is_electric() const { return ex || ey || ez; }
+  bool moves() const { return frequency || duration; }
   bool operator==(const FormulaBox&) const = default;
 };
 template <>
@@ -51,14 +53,19 @@ inline constexpr auto parameters<FormulaBox> = std::tuple{
           "with which formulas that have t [s] repeat, up to four harmonics of it"),
     param("phase", &FormulaBox::phase, "of their period at emission: locked (t = 0), random, or an angle",
           Phase{}),
+    param("duration", &FormulaBox::duration, Dimension::time, range::positive,
+          "for which formulas that have t [s] but do not repeat are worked out, from t = 0 on; behind it the "
+          "field "
+          "stays"),
 };
-/// What of a formula stands (number 0), or swings with a multiple of its frequency.
-struct FormulaHarmonic {
-  int number = 0;
+/// What of a formula stands, swings with a multiple of its frequency, or follows a course in time.
+struct FormulaMap {
+  int number = 0;  // of the harmonic; 0: it does not swing
   bool sine = false;
+  std::vector<double> course{};  // as TimeCourse has it; empty: none
   FieldMap map;
 };
-using FormulaMaps = std::vector<FormulaHarmonic>;
+using FormulaMaps = std::vector<FormulaMap>;
 /// The formulas, and the maps that they were sampled onto, which live as long as any beamline that has them.
 struct SampledFormula {
   FormulaBox box;

@@ -32,21 +32,22 @@ std::pair<double, double> extent_along_beam(const FieldMap& map, const OwnFrame&
 
 }  // namespace
 
-void contribute_map(const FieldMap& map, double scale, MapOutside outside,
-                    const std::optional<Oscillator>& clock, const OwnFrame& frame, const Offset& offset,
-                    const Placement& place, SectionBuilder& builder) {
+void contribute_map(const FieldMap& map, double scale, MapOutside outside, const MapMotion& motion,
+                    const OwnFrame& frame, const Offset& offset, const Placement& place,
+                    SectionBuilder& builder) {
   const auto [begin, end] = extent_along_beam(map, frame);
   if (place.at + end <= 0) return;
-  const ShapedTerm term =
+  ShapedTerm term =
       map.is_round() ? ShapedTerm(map.round_shape(scale, outside)) : ShapedTerm(map.shape(scale, outside));
+  term.course = motion.course;
   const ShapedTerm here = placed(term, place_of(place.at, offset), frame);
   if (map.is_electric()) return builder.electric(std::max(0.0, place.at + begin), place.at + end, here);
-  add_shaped(clock, std::max(0.0, place.at + begin), place.at + end, here, builder);
+  add_shaped(motion.clock, std::max(0.0, place.at + begin), place.at + end, here, builder);
 }
 
 void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
   const FieldMap& map = *part.map.map;
-  contribute_map(map, part.scale, part.outside, clock_of(part.oscillates),
+  contribute_map(map, part.scale, part.outside, {clock_of(part.oscillates)},
                  map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt),
                  part.offset, place, builder);
 }

@@ -84,8 +84,13 @@ inline constexpr auto parameters<MappedField> = std::tuple{
 
 void contribute(const MappedField&, const Placement&, SectionBuilder&);
 std::vector<Fault> faults_of(const MappedField&, const Placement&);
+/// What the field of a map follows in time, if anything.
+struct MapMotion {
+  std::optional<Oscillator> clock{};
+  TimeCourse course{};
+};
 /// Where that frame has the map.
-void contribute_map(const FieldMap&, double scale, MapOutside, const std::optional<Oscillator>&,
-                    const OwnFrame&, const Offset&, const Placement&, SectionBuilder&);
+void contribute_map(const FieldMap&, double scale, MapOutside, const MapMotion&, const OwnFrame&,
+                    const Offset&, const Placement&, SectionBuilder&);
 
 }  // namespace rabiline

@@ -25,10 +25,12 @@ constexpr int places_of_frame = 129;
 struct StaticField {
   Vector3 here, slope;  // [T], and [T/m] along the beam
 };
-StaticField static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y) {
+/// `t`: the time [s] at which fields with a course are taken.
+StaticField static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
+                                 double t) {
   FieldHere<double> here{};
   for (const ShapedTerm& term : shaped)
-    if (term.drive < 0) add_field<HostMaths>(term, 0.0, y, 0.0, here);
+    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
   return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
           {here.slope[1], here.slope[4], here.slope[7]}};
 }
@@ -150,9 +152,9 @@ WaveFields wave_fields(const SpinZone& drives, const Section& section, const Spe
   out.frequency = std::abs(out.drives.front().omega) / two_pi;
   std::vector<WavePlace> places;
   for (int i = 0; i < places_of_frame; ++i) {
-    places.push_back(place_of(
-        drives, static_field_on_axis(section.field, section.shaped, place_in(section.begin, section.end, i)),
-        speed));
+    const double y = place_in(section.begin, section.end, i);
+    places.push_back(
+        place_of(drives, static_field_on_axis(section.field, section.shaped, y, y / speed), speed));
     if (section.shaped.empty()) break;
   }
   out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, out.frequency, places);
@@ -160,6 +162,7 @@ WaveFields wave_fields(const SpinZone& drives, const Section& section, const Spe
 }
 
 std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structure& structure) {
+  constexpr double at_the_end = std::numeric_limits<double>::max();
   const CoupledSpins spins = coupled_spins(structure);
   std::vector<LevelZone> out;
   for (const CourseSection& section : fields.sections) {
@@ -181,7 +184,7 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
         const double y = place_in(zone.begin, zone.end, i);
-        const Vector3 b = static_field_on_axis(uniform, shaped, y).here;
+        const Vector3 b = static_field_on_axis(uniform, shaped, y, at_the_end).here;
         FieldHere<double> peak{};
         for (const ShapedTerm& term : shaped)
           if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);

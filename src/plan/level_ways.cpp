@@ -76,14 +76,19 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
     const ShapedTerm& term = fields.shaped[static_cast<std::size_t>(i)];
     FieldHere<double> peak{};
-    add_field<HostMaths>(term, 0.0, y, 0.0, term.drive < 0 ? still : peak);
-    if (term.drive < 0) continue;
+    add_field<HostMaths>(term, 0.0, y, 0.0, peak);
     const double size = portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
+    if (term.drive < 0) {
+      add_field_at<HostMaths>(term, 0.0, y, 0.0, y / speed, still);
+      if (term.course.nodes > 0)
+        out.rate += size * std::abs(course_at<HostMaths>(term.course, y / speed).rate);
+      continue;
+    }
     out.peak += size;
     out.growth += growth_of(peak);
     out.swinging += size * section.field.drive[term.drive].omega;
   }
-  out.rate = growth_of(still);
+  out.rate += growth_of(still);
   return out;
 }
 

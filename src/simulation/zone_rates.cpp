@@ -29,10 +29,10 @@ ZoneRates rates_of(const SpinZone& zone, const double* phases, const Vector3& pl
 
 void add_field_at(const ShapedTerm& term, const SpinZone& zone, const double* phases, const Vector3& place,
                   double t, FieldHere<double>& sum) {
+  if (term.drive < 0) return rabiline::add_field_at<HostMaths>(term, place.x, place.y, place.z, t, sum);
   FieldHere<double> peak{};
   add_field<HostMaths>(term, place.x, place.y, place.z, peak);
-  const double share =
-      term.drive < 0 ? 1 : portable::cos(zone.drive[term.drive].omega * t + phases[term.drive]);
+  const double share = portable::cos(zone.drive[term.drive].omega * t + phases[term.drive]);
   for (int k = 0; k < 3; ++k) sum.field[k] += share * peak.field[k];
   for (int k = 0; k < 9; ++k) sum.slope[k] += share * peak.slope[k];
 }

@@ -1,7 +1,7 @@
 #pragma once
 // How slowly a static field turns for a particle that flies through it, against its spin: for kernels only.
 #include "field/lane_maths.hpp"
-#include "field/shaped_field.hpp"
+#include "transport/shaped_lanes.hpp"
 #include "transport/visit_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -45,14 +45,19 @@ class Adiabaticity {
   };
   inline Turning at(const State& s) const {
     FieldHere<real> here{};
+    Vector change{broadcast(0), broadcast(0), broadcast(0)};
     for (int i = zone_.shaped_begin; i < zone_.shaped_end; ++i)
       if (region_.shaped[i].drive < 0)
-        add_field<LaneMaths>(region_.shaped[i], s.place.x, s.place.y, s.place.z, here);
+        change = add(change, broadcast(1),
+                     add_field_at(region_.shaped[i], zone_.field, nullptr, s.t, s.place, here));
     const real *b = here.field, *g = here.slope;
     const double* uniform = zone_.uniform;
     const Vector& v = s.velocity;
-    const auto along = [&](int k) { return fma(g[k], v.x, fma(g[k + 1], v.y, g[k + 2] * v.z)); };
-    return {{b[0] + uniform[0], b[1] + uniform[1], b[2] + uniform[2]}, {along(0), along(3), along(6)}};
+    const auto along = [&](int k, const real& in_time) {
+      return fma(g[k], v.x, fma(g[k + 1], v.y, fma(g[k + 2], v.z, in_time)));
+    };
+    return {{b[0] + uniform[0], b[1] + uniform[1], b[2] + uniform[2]},
+            {along(0, change.x), along(3, change.y), along(6, change.z)}};
   }
   template <class Weight, class Slope>
   static Vector sum(const Vector& a, Weight wa, const Vector& b, Weight wb, const Vector& da, Slope wda,
