@@ -29,7 +29,7 @@ inline constexpr int most_field_harmonics = 4;
 /// What of a field is B(r) f(t), with f between -1 and 1.
 struct FieldOfCourse {
   MapNodes nodes;
-  std::vector<double> course;  // f as TimeCourse has it, from t = 0 to `duration`
+  std::vector<double> course, stops;  // f as TimeCourse has it, from t = 0 to `duration`
 };
 inline constexpr int most_field_courses = 8;
 

@@ -49,27 +49,21 @@ class InTime {
     return out;
   }
 
-  /// Some over all of the time, and those at which a few places have their largest and smallest values.
+  /// Some over all of the time, and those at which three places have their largest and smallest values.
   std::vector<double> times_to_see() {
-    constexpr int even = 32, scouting = 1024;
+    constexpr int even = 32;
     std::vector<double> out;
     for (int i = 0; i <= even; ++i)
       out.push_back(duration_ / 2 * (1 - portable::cos(std::numbers::pi * i / even)));
-    const auto third_of = [&](std::size_t a, int i) { return (axes_[a].nodes - 1) * i / 2; };
-    for (int place = 0; place < 27; ++place) {
-      const Eigen::Index node =
-          (static_cast<Eigen::Index>(third_of(0, place / 9)) * axes_[1].nodes + third_of(1, place / 3 % 3)) *
-              axes_[2].nodes +
-          third_of(2, place % 3);
+    for (const Eigen::Index node : {Eigen::Index{0}, size_ / 6, size_ / 3 - 1})
       for (Eigen::Index row = 3 * node; row < 3 * node + 3; ++row) {
         if (!formulas_[row % 3].moves()) continue;
         std::vector<double> seen;
-        for (int i = 0; i <= scouting; ++i) seen.push_back(value(row, duration_ * i / scouting));
+        for (int i = 0; i <= scouted; ++i) seen.push_back(value(row, duration_ * i / scouted));
         const auto [least, most] = std::ranges::minmax_element(seen);
         for (const auto& extreme : {least, most})
-          out.push_back(duration_ * static_cast<double>(extreme - seen.begin()) / scouting);
+          out.push_back(duration_ * static_cast<double>(extreme - seen.begin()) / scouted);
       }
-    }
     std::ranges::sort(out);
     const auto same = std::ranges::unique(out);
     out.erase(same.begin(), same.end());
@@ -115,46 +109,87 @@ class InTime {
                          "waves that travel repeat: state `frequency` instead of `duration`");
   }
 
+  using Courses = std::vector<std::vector<double>>;  // of each field
+  Courses courses(int cells) {
+    Courses out(pivots_.size());
+    for (int i = 0; i <= cells; ++i) {
+      const std::vector<double> share = shares(duration_ * i / cells);
+      for (std::size_t k = 0; k < share.size(); ++k) out[k].push_back(share[k]);
+    }
+    return out;
+  }
   /// As many nodes as it takes, in powers of two.
   std::vector<FieldOfCourse> with_courses() {
-    for (int cells = 64; cells <= most_cells; cells *= 2) {
-      std::vector<std::vector<double>> values(pivots_.size()), between(pivots_.size());
-      const auto see = [&](std::vector<std::vector<double>>& seen, double cell) {
-        const std::vector<double> share = shares(duration_ * cell / cells);
-        for (std::size_t k = 0; k < share.size(); ++k) seen[k].push_back(share[k]);
-      };
-      for (int i = 0; i <= cells; ++i) {
-        see(values, i);
-        if (i < cells) see(between, i + 0.5);
-      }
-      if (auto out = fitted(values, between)) return std::move(*out);
+    for (int finest = scouted; finest <= most_cells; finest *= 2) {
+      const Courses known = courses(finest);
+      for (int cells = finest == scouted ? fewest_cells : finest / 2; cells <= finest / 2; cells *= 2)
+        if (auto out = fitted(known, static_cast<std::size_t>(finest / cells))) return std::move(*out);
     }
     throw fault_in_time(
         "the formulas jump in t, or change too often for their `duration`",
         "make a jump a steep slope, as `min(max((t - t0)/tau, 0), 1)` is, or `duration` shorter");
   }
-  /// Nothing where the splines miss what is between their nodes.
-  std::optional<std::vector<FieldOfCourse>> fitted(const std::vector<std::vector<double>>& values,
-                                                   const std::vector<std::vector<double>>& between) const {
+  /// Splines through every so many of the values; nothing where they miss the others.
+  std::optional<std::vector<FieldOfCourse>> fitted(const Courses& known, std::size_t every) const {
     std::vector<FieldOfCourse> out;
-    for (std::size_t k = 0; k < pivots_.size(); ++k) {
+    for (std::size_t k = 0; k < known.size(); ++k) {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < known[k].size(); i += every) values.push_back(known[k][i]);
       double largest = 0, missed = 0;
-      for (const double value : values[k]) largest = std::max(largest, std::abs(value));
-      std::vector<double> course = spline_coefficients(values[k]);
-      const auto cells = static_cast<int>(between[k].size());
-      for (int i = 0; i < cells; ++i)
-        missed += std::abs(course_at<HostMaths>({course.data(), cells + 1, 1}, i + 0.5).share -
-                           between[k][static_cast<std::size_t>(i)]);
-      if (missed > missed_on_average * cells * largest) return std::nullopt;
+      for (const double value : known[k]) largest = std::max(largest, std::abs(value));
+      std::vector<double> course = spline_coefficients(values);
+      const TimeCourse spline{course.data(), static_cast<int>(values.size()),
+                              1.0 / static_cast<double>(every)};
+      for (std::size_t i = 0; i < known[k].size(); ++i)
+        missed += std::abs(course_at<HostMaths>(spline, static_cast<double>(i)).share - known[k][i]);
+      if (missed > missed_on_average * static_cast<double>(known[k].size()) * largest) return std::nullopt;
       for (double& coefficient : course) coefficient /= largest;
       const Eigen::VectorXd field = largest * fields_[k];
-      out.push_back({{{axes_.begin(), axes_.end()}, {field.begin(), field.end()}}, std::move(course)});
+      out.push_back({{{axes_.begin(), axes_.end()}, {field.begin(), field.end()}},
+                     std::move(course),
+                     stops_of(values, bent * largest)});
+    }
+    return out;
+  }
+  /// Whether the cubic through four of the values from one to another misses none in between by more.
+  static bool is_cubic(const std::vector<double>& values, std::size_t first, std::size_t last, double miss) {
+    const std::size_t length = last - first;
+    if (length < 4) return true;
+    const std::size_t at[4] = {0, length / 3, length - length / 3, length};
+    for (std::size_t i = 0; i <= length; ++i) {
+      double sum = 0;
+      for (const std::size_t a : at) {
+        double weight = 1;
+        for (const std::size_t b : at)
+          if (b != a)
+            weight *= (static_cast<double>(i) - static_cast<double>(b)) /
+                      (static_cast<double>(a) - static_cast<double>(b));
+        sum += weight * values[first + a];
+      }
+      if (!(std::abs(sum - values[first + i]) <= miss)) return false;
+    }
+    return true;
+  }
+  /// As far apart as the values are cubic in between.
+  std::vector<double> stops_of(const std::vector<double>& values, double miss) const {
+    const std::size_t cells = values.size() - 1;
+    std::vector<double> out;
+    while (out.size() < cells) {
+      const std::size_t first = out.size();
+      std::size_t good = first + 1, bad = cells + 1;
+      for (std::size_t length = 2; bad - good > 1;) {
+        const std::size_t tried = std::min(bad == cells + 1 ? first + length : (good + bad) / 2, cells);
+        (is_cubic(values, first, tried, miss) ? good : bad) = tried;
+        if (good == cells) break;
+        length *= 2;
+      }
+      out.resize(good, duration_ * static_cast<double>(good) / static_cast<double>(cells));
     }
     return out;
   }
 
-  static constexpr double interpolated = 1e-9, told = 1e-6, missed_on_average = 1e-8;
-  static constexpr int most_cells = 1 << 17;
+  static constexpr double interpolated = 1e-9, told = 1e-6, missed_on_average = 1e-8, bent = 1e-4;
+  static constexpr int fewest_cells = 64, scouted = 1 << 15, most_cells = 1 << 18;
   const std::array<MapAxis, 3>& axes_;
   const double duration_;  // [s]
   std::array<FormulaComponent, 3> formulas_;

@@ -54,6 +54,7 @@ bool ValueType<NamedValues>::read(const Node& node, const Row& row, Reading& rea
 bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& reading,
                                      SampledFormula& out) {
   out = {};
+  const std::size_t errors = reading.errors.size();
   if (!read_struct(node, node.place, row, reading, out.box)) return false;
   constexpr std::string_view magnetic[] = {"Bx", "By", "Bz"}, electric[] = {"Ex", "Ey", "Ez"};
   const auto has = [&](const auto& keys) {
@@ -85,6 +86,7 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
                   "state `frequency`, or omit `phase`");
     return false;
   }
+  if (reading.errors.size() > errors) return false;
   if (const double places = places_of(out.box); places > most_formula_places) {
     reading.error(
         place_of(node, "step"), fmt::format("the formula would be worked out at {:.2g} places", places),

@@ -22,6 +22,13 @@ bool ends_in_comma(const Entry& before, const Entry& entry) {
          !entry.key.empty() && is_digit(entry.key.front()) && entry.value.is_null();
 }
 
+/// `Bx: min(t, 1)` in braces: a bracket, and behind the comma a key without a value.
+bool ends_in_bracket(const Entry& before, const Entry& entry) {
+  const Node& value = before.value;
+  return value.is_scalar() && !value.quoted && entry.value.is_null() &&
+         std::ranges::count(value.scalar, '(') > std::ranges::count(value.scalar, ')');
+}
+
 /// Whether what stands behind a comma may be meant as thousands, `647 Hz`: three digits.
 bool is_group_of_thousands(std::string_view text) {
   return text.size() >= 3 && std::all_of(text.begin(), text.begin() + 3, is_digit) &&
@@ -59,9 +66,20 @@ void Keys::missing(std::string_view key, std::string_view meaning, std::string_v
 
 void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
   const Entry* before = nullptr;
+  bool in_bracket = false;  // that a comma has cut
   for (const Entry& entry : node_->entries) {
     const Entry* const last = std::exchange(before, &entry);
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+    const bool goes_on = std::exchange(in_bracket, false) && entry.value.is_null();
+    if (goes_on || (last && ends_in_bracket(*last, entry))) {
+      in_bracket = true;
+      if (goes_on) continue;
+      reading_->error(last->value.place,
+                      fmt::format("the comma ends `{}` before its bracket is closed", last->value.scalar),
+                      fmt::format("write a formula with commas in quotes: `{}: '{}, ...'`", last->key,
+                                  last->value.scalar));
+      continue;
+    }
     if (last && ends_in_comma(*last, entry)) {
       const Place& place = last->value.place;
       std::erase_if(reading_->errors, [&](const Diagnostic& d) { return same_place(d.place, place); });

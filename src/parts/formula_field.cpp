@@ -40,18 +40,17 @@ std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
   formula.frequency = box.frequency.value_or(0);
   formula.duration = box.duration.value_or(0);
   auto maps = std::make_shared<FormulaMaps>();
-  const auto add = [&](int number, bool sine, std::vector<double> course, MapNodes nodes) {
+  const auto map_of = [&](MapNodes& nodes) {
     nodes.electric = box.is_electric();
-    maps->push_back({number, sine, std::move(course),
-                     FieldMap(std::move(nodes), std::array<MapSymmetry, 3>{}, "formula")});
+    return FieldMap(std::move(nodes), std::array<MapSymmetry, 3>{}, "formula");
   };
   if (box.duration) {
     for (FieldOfCourse& field : sampled_in_time(formula, axes_of(box)))
-      add(0, false, std::move(field.course), std::move(field.nodes));
+      maps->push_back({0, false, std::move(field.course), std::move(field.stops), map_of(field.nodes)});
     return maps;
   }
   for (FieldHarmonic& harmonic : sampled(formula, axes_of(box)))
-    add(harmonic.number, harmonic.sine, {}, std::move(harmonic.nodes));
+    maps->push_back({harmonic.number, harmonic.sine, {}, {}, map_of(harmonic.nodes)});
   return maps;
 }
 
@@ -65,7 +64,7 @@ void contribute(const FormulaField& part, const Placement& place, SectionBuilder
                                 .random_phase = box.phase.kind == Phase::Kind::random,
                                 .harmonic = own.number};
     if (const int nodes = static_cast<int>(own.course.size()) - 2; nodes > 0)
-      motion.course = {own.course.data(), nodes, (nodes - 1) / *box.duration};
+      motion.course = {own.course.data(), nodes, (nodes - 1) / *box.duration, own.stops.data()};
     contribute_map(own.map, part.scale, part.outside, motion, turned_frame(part.tilt), part.offset, place,
                    builder);
   }

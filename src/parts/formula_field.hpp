@@ -62,7 +62,7 @@ inline constexpr auto parameters<FormulaBox> = std::tuple{
 struct FormulaMap {
   int number = 0;  // of the harmonic; 0: it does not swing
   bool sine = false;
-  std::vector<double> course{};  // as TimeCourse has it; empty: none
+  std::vector<double> course{}, stops{};  // as TimeCourse has it; empty: none
   FieldMap map;
 };
 using FormulaMaps = std::vector<FormulaMap>;

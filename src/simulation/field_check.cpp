@@ -105,6 +105,16 @@ int derivative(double y, const double* q, double* dq, void* with) {
   return velocity.y > 0 && p.evaluations < most_evaluations ? GSL_SUCCESS : GSL_EBADFUNC;
 }
 
+/// Where a particle comes to the next bend of a course in time, about; the zone's end at the latest.
+double next_bend(const Problem& p, double y, const Row& state) {
+  const double end = p.zone.field.end, latest = state[2] + (end - y) / state[4];
+  double stop = latest;
+  for (int i = p.zone.shaped_begin; i < p.zone.shaped_end; ++i)
+    if (const TimeCourse& course = p.region.shaped[static_cast<std::size_t>(i)].course; course.nodes > 0)
+      stop = next_stop<HostMaths>(course, state[2] * (1 + 1e-12), stop);
+  return stop < latest ? std::min(y + state[4] * (stop - state[2]), end) : end;
+}
+
 /// Takes a state from the begin of a zone to its end; false where it turns back or takes too long.
 bool integrate(Problem& problem, Row& state) {
   const SpinZone& zone = problem.zone.field;
@@ -119,7 +129,10 @@ bool integrate(Problem& problem, Row& state) {
       gsl_odeiv2_driver_free);
   gsl_odeiv2_driver_set_hmax(driver.get(), problem.zone.longest > 0 ? problem.zone.longest : length);
   double y = zone.begin;
-  return gsl_odeiv2_driver_apply(driver.get(), &y, zone.end, state.data()) == GSL_SUCCESS;
+  while (y < zone.end)
+    if (gsl_odeiv2_driver_apply(driver.get(), &y, next_bend(problem, y, state), state.data()) != GSL_SUCCESS)
+      return false;
+  return true;
 }
 
 Row state_of(const BatchView& b, int i) {

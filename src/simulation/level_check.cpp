@@ -154,7 +154,7 @@ class FollowedAtom {
     for (int i = 0; i < section.field.drives; ++i)
       phases_[i] = phase_of(section.field.drive[i], key_, flight_.particle);
   }
-  /// The moments within at which pulses are switched or the field jumps, and the end.
+  /// The moments within at which pulses are switched, a course bends or the field jumps, and the end.
   std::vector<double> edges_of(const CourseSection& section, double begin, double end) const {
     std::vector<double> out;
     for (int i = 0; i < section.field.drives; ++i) {
@@ -168,6 +168,11 @@ class FollowedAtom {
           if (edge > begin && edge < end) out.push_back(edge);
       }
     }
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      if (const TimeCourse& course = way_.fields().shaped[static_cast<std::size_t>(i)].course;
+          course.nodes > 0)
+        for (double s = begin; s < end; out.push_back(s))
+          s = next_stop<HostMaths>(course, (flight_.t + s) * (1 + 1e-14), flight_.t + end) - flight_.t;
     const double soonest = 2 * section.hair() / flight_.velocity.y,
                  bend = portable::hypot(flight_.fall.x, flight_.fall.z, 0);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)

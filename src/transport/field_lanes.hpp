@@ -252,13 +252,22 @@ struct FieldStepper {
     return min(most, 1.0 / max(sqrt(dot(w, w)), broadcast(0x1p-500)));
   }
 
-  /// Nor beyond a moment at which a drive is switched: a step would not see it between its Gauss points. One
-  /// that rounding leaves just ahead is passed over.
+  /// Nor beyond a moment at which a drive is switched, or the course of a field bends: a step would not see
+  /// it between its Gauss points. One that rounding leaves just ahead is passed over.
   inline real until_change(const State& s, real most) const {
     const real latest = s.t + most, from = fma(abs(s.t), broadcast(1e-14), s.t);
     real next = latest;
     for (int k = 0; k < zone.field.drives; ++k) next = next_change(zone.field.drive[k], from, next);
+    for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
+      if (const TimeCourse& course = region.shaped[i].course; course.nodes > 0)
+        next = next_stop<LaneMaths>(course, from, next);
     return select(next < latest, next - s.t, most);
+  }
+
+  bool follows_courses() const {
+    for (int i = zone.shaped_begin; i < zone.shaped_end; ++i)
+      if (region.shaped[i].course.nodes > 0) return true;
+    return false;
   }
 
   /// Nor beyond a surface where a field jumps. What bends away from it may also be bent towards it: surfaces
@@ -327,7 +336,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   real h = most, last_h = h, steps = broadcast(0);
   const bool has_gaps = zone.gap_begin < zone.gap_end;
   mask going = has_gaps ? chosen & stepper.in_gaps(start.place) : chosen;
-  const bool switched = is_switched(zone.field);
+  const bool switched = is_switched(zone.field) || stepper.follows_courses();
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   while (any(going)) {
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.

@@ -94,6 +94,9 @@ class LevelPath {
     real next = latest;
     for (int i = 0; i < section.field.drives; ++i) next = next_change(section.field.drive[i], from, next);
     for (int i = 0; i < count; ++i) next = next_change(waves[i], from, next);
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      if (const TimeCourse& course = course_.shaped[i].course; course.nodes > 0)
+        next = next_stop<LaneMaths>(course, from, next);
     const real middle = 0.5 * (from + next);
     const auto put = [&](const DriveTerm* drive, int drives, mask* on) {
       for (int i = 0; i < drives; ++i)

@@ -1,0 +1,79 @@
+"""Fields as formulas in place and time whose t does not repeat."""
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fields_test import levels_of, run
+from formula_fields_test import BESIDE, of_formula, same_levels
+from lives_test import bits
+from one_spin_test import of_atom
+
+GAMMA = 1.83247172e8  # of the neutron [rad/(s T)]
+ALONG_Z = "direction: parallel\n  spin: {kind: polarised, axis: z, degree: 1}"
+
+
+def flipped(folder: Path, course: str, *, turn: float, area: float, duration: str, name: str = "formula.yaml") -> tuple[float, Path]:
+    """The share of spins along z that a field along x turns, which flies past from 1 to 1.2 ms, and has the integral `area` of its course [s] there."""
+    path = of_formula(folder, f"Bx: 'A*{course}', constants: {{A: {turn / GAMMA / area!r} T}}, duration: {duration}", name, beside="")
+    path.write_text(path.read_text().replace("direction: parallel", ALONG_Z))
+    return 1 - levels_of(path)[0], path
+
+
+@pytest.mark.parametrize(("course", "area", "duration"), [
+    ("min(max((t - 1.05e-3)/30e-6, 0), 1)", 135e-6, "20 ms"),
+    ("min(max((t - 1.05e-3)/30e-6, 0), 1)", 135e-6, "1.1 ms"),
+    ("exp(-((t - 1.137e-3)/2e-6)^2)", np.sqrt(np.pi) * 2e-6, "20 ms"),
+    ("exp(-(t - 1e-3)/40e-6)", 40e-6 * (1 - np.exp(-5)), "1.3 ms"),
+    ("t", (1.2e-3**2 - 1e-3**2) / 2, "1.2 ms"),
+], ids=["ramp", "ramp that stays", "short pulse", "decay", "sweep"])
+def test_a_field_that_does_not_repeat_turns_spins_by_its_integral(tmp_path: Path, course: str, area: float, duration: str) -> None:
+    found, path = flipped(tmp_path, course, turn=2.0, area=area, duration=duration)
+    assert abs(found - np.sin(1.0) ** 2) < 2e-6
+    with h5py.File(path.with_suffix(".h5")) as file:
+        assert file["entry/field_check/particles"][()] == 16 and file["entry/field_check/spin"][()] < 1e-6
+
+
+def test_a_field_that_repeats_is_the_same_with_a_duration(tmp_path: Path) -> None:
+    turning = "Bx: A*cos(2*pi*f*t)*(1 + y/L), By: A*sin(2*pi*f*t), constants: {A: 40 uT, f: -29.2 kHz, L: 0.5 m}"
+    same_levels(of_formula(tmp_path, f"{turning}, frequency: 29.2 kHz"), of_formula(tmp_path, f"{turning}, duration: 1.5 ms", "course.yaml"))
+
+
+def test_a_sum_of_courses_drives_the_levels_of_an_atom_as_the_point_spin_that_it_is(tmp_path: Path) -> None:
+    path = of_formula(tmp_path, "Bx: A*exp(-((t - 1.1e-3)/30e-6)^2)*cos(2*pi*f*t)*(1 + x/0.1), By: 'A*min(t/1e-3, 1)*y/0.2', Bz: A*tanh((t - 1.1e-3)/20e-6), "
+                      "constants: {A: 200 uT, f: 29.1 kHz}, duration: 2 ms")
+    path.write_text(path.read_text().replace("direction: parallel", "direction: {kind: cone, half_angle: 2 mrad}" + ALONG_Z[19:]))
+    atom = of_atom(path)
+    atom.write_text(atom.read_text().replace("{kind: polarised, axis: z, degree: 1}", "{kind: levels, levels: [F=1/2 m=1/2]}"))
+    levels = [levels_of(each) for each in (path, atom)]
+    assert 0.05 < levels[0][0] < 0.95
+    assert np.abs(levels[0] - levels[1]).max() < 1e-6
+    for isa in ("x86-64", "avx2"):
+        narrow = run("run", path, "-o", tmp_path / f"{isa}.h5", "--progress", "none", "--isa", isa)
+        assert "this processor has no" in narrow.stderr or bits(tmp_path / f"{isa}.h5") == bits(path.with_suffix(".h5")), narrow.stderr
+    for each, what in ((path, "spin"), (atom, "levels")):
+        with h5py.File(each.with_suffix(".h5")) as file:
+            assert file["entry/field_check/particles"][()] == 16 and file[f"entry/field_check/{what}"][()] < 1e-6
+
+
+def test_probe_tells_a_course_at_a_time(tmp_path: Path) -> None:
+    path = of_formula(tmp_path, "Bx: 'G*z*min(t/1e-3, 1)', Bz: 'G*x*min(t/1e-3, 1)', constants: {G: 1 T/m}, duration: 2 ms", beside="")
+    for time, size in (("0.1 ms", "200 uT"), ("0.25 ms", "500 uT"), ("1.5 ms", "2 mT"), ("1 s", "2 mT")):
+        assert f"B = ({size}" in run("probe", path, "--at", "0 m,1.1 m,2 mm", "--time", time).stdout, time
+
+
+@pytest.mark.parametrize(("formula", "rest", "message", "help_"), [
+    ("Bz: 1e-3, duration: 2 ms", "", "no component has t: the field stands", "omit `duration`"),
+    ("Bz: 1e-3*(t > 1e-3), duration: 2 ms", "", "the formulas jump in t", "a steep slope"),
+    ("Bz: 1e-3*exp(-((y - 100*t)/0.01)^2), duration: 2 ms", "", "no sum of up to eight fields with a course in time each", "state `frequency` instead"),
+    ("Bz: 1e-3*cos(2*pi*1e4*t), frequency: 10 kHz, duration: 2 ms", "", "a formula with a frequency repeats, and has no duration", "omit `duration`"),
+    ("Bz: 1e-3*t, duration: 2 ms, phase: random", "", "a formula without a frequency has no phase", "omit `phase`"),
+    ("Bz: 1e-3*t, duration: 2 ms", ", oscillates: {frequency: 10 kHz, phase: locked}", "`oscillates` would multiply them", "into the formulas"),
+    ("Ez: 1e3*t, duration: 2 ms", "", "electric fields stand still", "omit `duration`"),
+    ("Bz: 1e-3/(t - 1e-3), duration: 2 ms", "", "the formula has no finite value", "finite there"),
+    ("Bz: 1e-3*t, duration: 0 s", "", "`duration` must be greater than zero", ""),
+])
+def test_what_is_wrong_with_a_course_has_its_place(tmp_path: Path, formula: str, rest: str, message: str, help_: str) -> None:
+    out = run("check", of_formula(tmp_path, formula, rest=rest, beside=BESIDE))
+    assert out.returncode == 2
+    assert message in out.stderr and help_ in out.stderr and ":9:" in out.stderr, out.stderr
