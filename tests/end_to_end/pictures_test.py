@@ -101,9 +101,10 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
         else:
             experiment = experiment.set(particles=min(PARTICLES, int(experiment.value("particles"))))
             figures = drawn(experiment.fly(), name)
-            figures["tracks"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG})
-            figures["tracks, small"] = pictures.plot_of(experiment.trace(2), "tracks", {"title": LONG, "size": PAGE})
-            figures["in space"] = pictures.plot_of(experiment.trace(5), "tracks", {"title": LONG, "in_space": True})
+            tracks = experiment.trace(5)
+            figures["tracks"] = pictures.plot_of(tracks, "tracks", {"title": LONG})
+            figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": PAGE})
+            figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 10, LONG)
             with style.here(PAGE):
                 figures["draw, small"] = draw_apparatus(experiment.scan(), 2, LONG)
