@@ -14,19 +14,19 @@ bool leaves_untouched(const PlanNode& node) {
 
 void count_emitted(const PlanTree& tree, const BatchView& batch, Sum* all) {
   Sum* sums = all + tree.sums;
-  const EmissionSums layout = sums_of(tree.source);
-  Moments emitted;
-  for (int i = 0; i < batch.count; ++i) {
-    emitted.q += batch.weight[i];
-    emitted.q2 += static_cast<Sum>(batch.weight[i]) * batch.weight[i];
-  }
-  sums[EmissionSums::q()] += emitted.q;
-  sums[EmissionSums::q2()] += emitted.q2;
   for (int i = 0; i < batch.count && tree.ledger_levels > 0; ++i)
     all[tree.ledger + batch.prepared[i]] += batch.weight[i];
-  if (!layout.weights_differ) return;
-  for (int i = 0; i < batch.count; ++i)
+  if (!sums_of(tree.source).weights_differ) {
+    const auto count = static_cast<Sum>(batch.count);
+    sums[EmissionSums::q()] += count * quanta_per_particle;
+    sums[EmissionSums::q2()] += count * square(quanta_per_particle);
+    return;
+  }
+  for (int i = 0; i < batch.count; ++i) {
+    sums[EmissionSums::q()] += batch.weight[i];
+    sums[EmissionSums::q2()] += square(batch.weight[i]);
     sums[EmissionSums::group(batch.particle[i] % group_count)] += batch.weight[i];
+  }
 }
 
 /// Books what ended at a stage by the level that it was prepared in.

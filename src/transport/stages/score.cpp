@@ -52,7 +52,19 @@ void Score::pass(StageContext& context) const {
     caught[count] = i;
     count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
   }
-  Sum squares = 0;  // the totals of a batch stay in registers
+  context.sums[layout.total()] += taken.counted;
+  // Of whole particles, numbers that are known beforehand: the square's lower half is zero and stays alone.
+  if (taken.counted == static_cast<std::uint64_t>(count) * quanta_per_particle) {
+    for (int k = 0; k < count; ++k) {
+      const std::size_t bin = ScreenSums::bin(batch.scratch[caught[k]]);
+      context.sums[bin] += quanta_per_particle;
+      context.sums[bin + 1] += square(quanta_per_particle);
+      context.sums[layout.group(batch.particle[caught[k]] % group_count)] += quanta_per_particle;
+    }
+    context.sums[layout.total() + 1] += static_cast<Sum>(count) * square(quanta_per_particle);
+    return;
+  }
+  Sum squares = 0;  // the total of a batch stays in registers
   for (int k = 0; k < count; ++k) {
     const int i = caught[k];
     const std::uint64_t weight = batch.weight[i];
@@ -62,7 +74,6 @@ void Score::pass(StageContext& context) const {
     context.sums[layout.group(batch.particle[i] % group_count)] += weight;
     squares += squared;
   }
-  context.sums[layout.total()] += taken.counted;
   context.sums[layout.total() + 1] += squares;
 }
 
