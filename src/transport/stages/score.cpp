@@ -53,7 +53,8 @@ void Score::pass(StageContext& context) const {
     count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
   }
   context.sums[layout.total()] += taken.counted;
-  // Of whole particles, numbers that are known beforehand: the square's lower half is zero and stays alone.
+  // Weights are one at most. Of whole particles, numbers that are known beforehand: the square's lower half
+  // is zero.
   if (taken.counted == static_cast<std::uint64_t>(count) * quanta_per_particle) {
     for (int k = 0; k < count; ++k) {
       const std::size_t bin = ScreenSums::bin(batch.scratch[caught[k]]);
