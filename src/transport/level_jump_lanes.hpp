@@ -47,12 +47,13 @@ namespace rabiline::RABILINE_ISA {
                  h);
       for (int k = 0; k < f.levels; ++k) h.diagonal[k] = zero;
     };
-    LevelMatrix one, two;
-    at(gauss_first, one);
-    at(gauss_second, two);
-    mix(f, one, two);
-    exponentiate(f, one, resized);
-    exponentiate(f, two, resized);
+    LevelMatrix points[5], h;
+    for (int p = 0; p < 5; ++p) at(0.5 + 0.5 * lobatto_point[p], points[p]);
+    to_legendre(f, broadcast(1), points);
+    for (const auto& share : whole_step) {
+      sum_up(f, points, share, h);
+      exponentiate(f, h, resized);
+    }
   }
   choose(f.levels, counted, resized, a);
 }

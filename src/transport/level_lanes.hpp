@@ -16,6 +16,8 @@ namespace rabiline::RABILINE_ISA {
 class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
+  /// Of what a step's fifth polynomial turns by.
+  static constexpr double unseen_share = 0.025;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
   static constexpr double most_steps = 1e8;
 
@@ -60,11 +62,12 @@ class LevelFlight {
 
  private:
   /// Axes in no field are free: they turn to where the field that comes points, at the time s.
-  [[gnu::noinline]] inline void face_what_comes(const CourseSection& section, const FollowedField& here,
-                                                real s, mask lanes) {
+  inline void face_what_comes(const CourseSection& section, const FieldAtTime& field, real s, mask lanes,
+                              FollowedField& here) {
     const mask nothing = lanes & (here.size < broadcast(tiny));
-    if (any(nothing))
-      turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
+    if (!any(nothing)) return;
+    turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
+    here = followed(field, axes_);
   }
   /// Fields are switched or jump at s, and the state stays; until when they do not again.
   [[gnu::noinline]] inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
@@ -104,48 +107,42 @@ class LevelFlight {
     add_to(section, s, f, broadcast(1), h);
   }
 
-  /// One step of the length h from s; false where it turns by too much.
-  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, Amplitudes& state,
-                                     LevelAxes& axes) const {
+  /// One step of the length h from s, where the matrix is `now`, to `state` and what it may be off by; false
+  /// where it turns by too much.
+  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, const LevelMatrix& now,
+                                     Amplitudes& state, LevelAxes& axes, real& error) const {
     const LevelManifold& f = coupled(section);
-    const real early = s + gauss_first * h, late = s + gauss_second * h;
-    const FollowedField first = followed(path_.field_at(section, early), axes),
-                        second = followed(path_.field_at(section, late), axes),
-                        end = followed(path_.field_at(section, s + h), axes);
-    LevelMatrix one, two;
-    clear(f, one);
-    clear(f, two);
-    mask good =
-        (first.cosine > broadcast(0.5)) & (second.cosine > broadcast(0.5)) & (end.cosine > broadcast(0.5));
-    add_to(section, early, first, h, one);
-    add_to(section, late, second, h, two);
-    mix(f, one, two);
-    good = good & (max(radius_of(f, one), radius_of(f, two)) < broadcast(largest_radius));
-    exponentiate(f, one, state);
-    exponentiate(f, two, state);
-    axes = moved_to(end.n, axes);
-    return good;
-  }
-  /// The same state with another first axis.
-  inline void turn_about_third(const LevelAxes& from, const LevelAxes& to, Amplitudes& state) const {
-    const Phasor by{dot(from.first, to.first), dot(to.first, from.second())};
-    // exp(i m angle), up to a phase of all.
-    Phasor powers[most_levels];
-    powers[0] = {broadcast(1), broadcast(0)};
-    int known = 0;
-    for (int k = 0; k < f_.levels; ++k) {
-      const int down = static_cast<int>(top() - f_.m[k] + 0.5);
-      for (; known < down; ++known) powers[known + 1] = powers[known] * Phasor{by.c, -by.s};
-      const Phasor p = powers[down];
-      const real re = fnma(state.im[k], p.s, state.re[k] * p.c);
-      state.im[k] = fma(state.re[k], p.s, state.im[k] * p.c);
-      state.re[k] = re;
+    LevelMatrix at[5];
+    copy_matrix(f, now, at[0]);
+    FollowedField there;
+    mask good = ~mask{};
+    for (int i = 1; i < 5; ++i) {
+      const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
+      there = followed(path_.field_at(section, then), axes);
+      clear(f, at[i]);
+      add_to(section, then, there, broadcast(1), at[i]);
+      good = good & (there.cosine > broadcast(0.5));
     }
-  }
-  double top() const {
-    double most = f_.m[0];
-    for (int k = 1; k < f_.levels; ++k) most = f_.m[k] > most ? f_.m[k] : most;
-    return most;
+    to_legendre(f, h, at);
+    real radius[5];
+    for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
+    const auto turn = [&](const double(&share)[4], Amplitudes& turned) {
+      real bound = broadcast(0);
+      for (int i = 0; i < 4; ++i)
+        bound = fma(broadcast(share[i] < 0 ? -share[i] : share[i]), radius[i], bound);
+      LevelMatrix exponent;
+      sum_up(f, at, share, exponent);
+      exponentiate(f, exponent, bound, turned);
+      good = good & (bound < broadcast(largest_radius));
+    };
+    Amplitudes whole = state;
+    for (const auto& share : whole_step) turn(share, whole);
+    for (const auto& share : half_steps) turn(share, state);
+    // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
+    error = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
+    extrapolate(f.levels, whole, state);
+    axes = moved_to(there.n, axes);
+    return good;
   }
 
   /// Lanes get dressed, or bare again. `near` [s] is a short time for the field there, `begin` and `end`
@@ -220,7 +217,9 @@ class LevelFlight {
       const real left = until - s;
       LevelMatrix now;
       const FieldAtTime field = path_.field_at(section, s);
-      const FollowedField here = followed(field, axes_);
+      FollowedField here = followed(field, axes_);
+      if (section.wave < 0)
+        face_what_comes(section, field, fma(min(h, left), broadcast(gauss_first), s), going, here);
       clear(f, now);
       add_to(section, s, here, broadcast(1), now);
       const Calm calm = calm_of(f, now);
@@ -236,8 +235,6 @@ class LevelFlight {
       dress(section, s, near, from, until, 1, skips & ~dressed);
       dress(section, s, near, from, until, -1, resolves & dressed);
       dressed = (dressed & ~going) | skips;
-      if (section.wave < 0)
-        face_what_comes(section, here, fma(min(h, left), broadcast(gauss_first), s), resolves);
       mask arrives{}, stuck = going & (tries >= broadcast(most_steps));
       const Amplitudes before = a;
       const LevelAxes axes = axes_;
@@ -255,31 +252,17 @@ class LevelFlight {
         skip = select(skips, select(accepted, min(longest, 4.0 * leap), 0.3 * leap), skip);
       }
       if (any(resolves)) {
-        const real free = min(min(h, longest), 4.0 / max(spread, broadcast(tiny))),
+        const real free = min(min(h, longest), min(4.0 / max(calm.swift, broadcast(tiny)),
+                                                   20.0 / max(spread, broadcast(tiny)))),
                    trial = select(resolves, min(free, left), broadcast(0));
-        Amplitudes whole = before, halves = before;
-        LevelAxes whole_axes = axes, half_axes = axes;
-        mask good = step(section, s, trial, whole, whole_axes);
-        good = good & step(section, s, 0.5 * trial, halves, half_axes);
-        good = good & step(section, s + 0.5 * trial, 0.5 * trial, halves, half_axes);
-        turn_about_third(whole_axes, half_axes, whole);
-        const real allowed = tolerance * (0.25 * (trial / stay) + 1e-2);
-        const real error = difference(f_.levels, whole, halves) * (1.0 / 15) / allowed;
+        Amplitudes there = before;
+        LevelAxes turned = axes;
+        real error;
+        const mask good = step(section, s, trial, now, there, turned, error);
+        error = error / (tolerance * (0.25 * (trial / stay) + 1e-2));
         const mask accepted = resolves & good & (error <= broadcast(1));
-        real size2 = broadcast(0);
-        for (int k = 0; k < f_.levels; ++k) {
-          halves.re[k] = fma(halves.re[k] - whole.re[k], broadcast(1.0 / 15), halves.re[k]);
-          halves.im[k] = fma(halves.im[k] - whole.im[k], broadcast(1.0 / 15), halves.im[k]);
-          size2 = fma(halves.re[k], halves.re[k], fma(halves.im[k], halves.im[k], size2));
-        }
-        const real unit = 1.0 / sqrt(size2);
-        for (int k = 0; k < f_.levels; ++k) {
-          halves.re[k] = halves.re[k] * unit;
-          halves.im[k] = halves.im[k] * unit;
-        }
-        choose(f_.levels, accepted, halves, a);
-        axes_ = {select(accepted, half_axes.third, axes_.third),
-                 select(accepted, half_axes.first, axes_.first)};
+        choose(f_.levels, accepted, there, a);
+        axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};
         s = select(accepted, s + trial, s);
         arrives = arrives | (accepted & (trial >= left));
         stuck = stuck | (resolves & ~accepted & ~(trial > 1e-15 * (abs(s) + stay)));

@@ -134,52 +134,91 @@ inline real radius_of(const LevelManifold& f, const LevelMatrix& h) {
 }
 
 constexpr double largest_radius = 12;
-/// So many terms of the series of exp(-i H) leave less than 1e-13 out.
-RABILINE_LANES real terms_needed(real radius) {
-  return floor(min(fma(radius, broadcast(10), broadcast(7)), fma(radius, broadcast(5.5), broadcast(9.5))));
-}
-/// 1/j for lanes that need the term, else 0.
-RABILINE_LANES real share_of_term(real last, int j) {
-  return select(last >= broadcast(j), broadcast(1.0 / j), broadcast(0));
-}
+/// exp(-i H) = J_0(R) + 2 sum over k of J_k(R) (-i)^k T_k(H/R), which holds and converges where no eigenvalue
+/// is beyond R (H. Tal-Ezer and R. Kosloff, J. Chem. Phys. 81, 3967 (1984)).
+class ChebyshevSeries {
+  static constexpr int most_terms = 40;
+
+ public:
+  int terms = 1;
+  real weight[most_terms];
+  real twice;  // 2/R
+  inline explicit ChebyshevSeries(real bound) {
+    const real radius = max(broadcast(0.1), min(bound, broadcast(largest_radius)));
+    last = floor(min(min(fma(radius, broadcast(6), broadcast(8)), fma(radius, broadcast(2.6), broadcast(12))),
+                     fma(radius, broadcast(2), broadcast(14))));
+    twice = 2.0 / radius;
+    // Downwards by J_k-1 = (2k/R) J_k - J_k+1 from some number, then J_0 + 2 J_2 + 2 J_4 + ... = 1.
+    real above = broadcast(0), here = broadcast(0), even = broadcast(0);
+    while (needs(terms)) ++terms;
+    weight[terms] = broadcast(0);
+    for (int k = terms - 1; k > 0; --k) {
+      here = select(last == broadcast(k), broadcast(1), here);
+      weight[k] = 2.0 * here;
+      if (k % 2 == 0) even = even + weight[k];
+      const real below = fnma(broadcast(1), above, (k * twice) * here);
+      above = here;
+      here = below;
+    }
+    const real over = 1.0 / (here + even);
+    weight[0] = here * over;
+    for (int k = 1; k < terms; ++k) weight[k] = weight[k] * over;
+  }
+
+ private:
+  bool needs(int k) const { return any(last >= broadcast(k)); }
+  real last;  // of each lane, to 1e-12; its other weights are 0
+};
 
 /// exp(-i H) a of levels in a chain.
 template <int levels>
-[[gnu::noinline]] void exponentiate_chain(const LevelMatrix& h, real last, Amplitudes& a) {
-  real term_re[levels], term_im[levels], re[levels], im[levels];
+[[gnu::noinline]] void exponentiate_chain(const LevelMatrix& h, const ChebyshevSeries& series,
+                                          Amplitudes& a) {
+  struct Term {
+    real re[levels], im[levels];
+  } one, other;
   for (int k = 0; k < levels; ++k) {
-    term_re[k] = re[k] = a.re[k];
-    term_im[k] = im[k] = a.im[k];
+    one.re[k] = a.re[k];
+    one.im[k] = a.im[k];
+    other.re[k] = other.im[k] = broadcast(0);
+    a.re[k] = series.weight[0] * a.re[k];
+    a.im[k] = series.weight[0] * a.im[k];
   }
-  for (int j = 1; any(last >= broadcast(j)); ++j) {
-    const real by = share_of_term(last, j);
+  // (-i)^k+1 T_k+1 = -2i (H/R) (-i)^k T_k + (-i)^k-1 T_k-1, the first without 2: in place of the one before.
+  const auto go_on = [&](real by, real weight, const Term& term, Term& next) {
     real above_re = broadcast(0), above_im = broadcast(0);  // from the level before
 #pragma GCC unroll 16
     for (int k = 0; k < levels; ++k) {
-      real h_re = fma(h.diagonal[k], term_re[k], above_re), h_im = fma(h.diagonal[k], term_im[k], above_im);
+      real h_re = fma(h.diagonal[k], term.re[k], above_re), h_im = fma(h.diagonal[k], term.im[k], above_im);
       if (k + 1 < levels) {
         const real c_re = h.re[k], c_im = h.im[k];
-        h_re = fma(c_re, term_re[k + 1], fma(c_im, term_im[k + 1], h_re));
-        h_im = fma(c_re, term_im[k + 1], fnma(c_im, term_re[k + 1], h_im));
-        above_re = fnma(c_im, term_im[k], c_re * term_re[k]);
-        above_im = fma(c_im, term_re[k], c_re * term_im[k]);
+        h_re = fma(c_re, term.re[k + 1], fma(c_im, term.im[k + 1], h_re));
+        h_im = fma(c_re, term.im[k + 1], fnma(c_im, term.re[k + 1], h_im));
+        above_re = fnma(c_im, term.im[k], c_re * term.re[k]);
+        above_im = fma(c_im, term.re[k], c_re * term.im[k]);
       }
-      term_re[k] = by * h_im;
-      term_im[k] = -by * h_re;
-      re[k] = re[k] + term_re[k];
-      im[k] = im[k] + term_im[k];
+      next.re[k] = fma(by, h_im, next.re[k]);
+      next.im[k] = fnma(by, h_re, next.im[k]);
+      a.re[k] = fma(weight, next.re[k], a.re[k]);
+      a.im[k] = fma(weight, next.im[k], a.im[k]);
     }
-  }
-  for (int k = 0; k < levels; ++k) {
-    a.re[k] = re[k];
-    a.im[k] = im[k];
+  };
+  go_on(0.5 * series.twice, series.weight[1], one, other);
+  for (int k = 2; k < series.terms; k += 2) {
+    go_on(series.twice, series.weight[k], other, one);
+    go_on(series.twice, series.weight[k + 1], one, other);
   }
 }
-[[gnu::noinline]] inline void exponentiate_any(const LevelManifold& f, const LevelMatrix& h, real last,
-                                               Amplitudes& a) {
-  Amplitudes term = a;
-  for (int j = 1; any(last >= broadcast(j)); ++j) {
-    const real by = share_of_term(last, j);
+[[gnu::noinline]] inline void exponentiate_any(const LevelManifold& f, const LevelMatrix& h,
+                                               const ChebyshevSeries& series, Amplitudes& a) {
+  Amplitudes term = a, last;
+  for (int k = 0; k < f.levels; ++k) {
+    last.re[k] = last.im[k] = broadcast(0);
+    a.re[k] = series.weight[0] * a.re[k];
+    a.im[k] = series.weight[0] * a.im[k];
+  }
+  for (int j = 1; j < series.terms; ++j) {
+    const real by = j == 1 ? 0.5 * series.twice : series.twice;
     real re[most_levels], im[most_levels];
     for (int k = 0; k < f.levels; ++k) {
       re[k] = h.diagonal[k] * term.re[k];
@@ -193,36 +232,42 @@ template <int levels>
       im[from] = fma(h.re[c], term.im[to], fnma(h.im[c], term.re[to], im[from]));
     }
     for (int k = 0; k < f.levels; ++k) {
-      term.re[k] = by * im[k];
-      term.im[k] = -by * re[k];
-      a.re[k] = a.re[k] + term.re[k];
-      a.im[k] = a.im[k] + term.im[k];
+      const real next_re = fma(by, im[k], last.re[k]), next_im = fnma(by, re[k], last.im[k]);
+      last.re[k] = term.re[k];
+      last.im[k] = term.im[k];
+      term.re[k] = next_re;
+      term.im[k] = next_im;
+      a.re[k] = fma(series.weight[j], next_re, a.re[k]);
+      a.im[k] = fma(series.weight[j], next_im, a.im[k]);
     }
   }
 }
-/// exp(-i H) a by its series; no more than the largest radius.
-inline void exponentiate(const LevelManifold& f, const LevelMatrix& h, Amplitudes& a) {
-  const real last = terms_needed(min(radius_of(f, h), broadcast(largest_radius)));
+/// exp(-i H) a, right where no eigenvalue is beyond the largest radius.
+inline void exponentiate(const LevelManifold& f, const LevelMatrix& h, real bound, Amplitudes& a) {
+  const ChebyshevSeries series(bound);
   switch (f.is_chain ? f.levels : 0) {
     case 2:
-      return exponentiate_chain<2>(h, last, a);
+      return exponentiate_chain<2>(h, series, a);
     case 3:
-      return exponentiate_chain<3>(h, last, a);
+      return exponentiate_chain<3>(h, series, a);
     case 4:
-      return exponentiate_chain<4>(h, last, a);
+      return exponentiate_chain<4>(h, series, a);
     case 5:
-      return exponentiate_chain<5>(h, last, a);
+      return exponentiate_chain<5>(h, series, a);
     case 6:
-      return exponentiate_chain<6>(h, last, a);
+      return exponentiate_chain<6>(h, series, a);
     case 7:
-      return exponentiate_chain<7>(h, last, a);
+      return exponentiate_chain<7>(h, series, a);
     case 8:
-      return exponentiate_chain<8>(h, last, a);
+      return exponentiate_chain<8>(h, series, a);
     case 9:
-      return exponentiate_chain<9>(h, last, a);
+      return exponentiate_chain<9>(h, series, a);
     default:
-      return exponentiate_any(f, h, last, a);
+      return exponentiate_any(f, h, series, a);
   }
+}
+inline void exponentiate(const LevelManifold& f, const LevelMatrix& h, Amplitudes& a) {
+  exponentiate(f, h, radius_of(f, h), a);
 }
 RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes& a) {
   for (int k = 0; k < levels; ++k) {
@@ -231,19 +276,46 @@ RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes
   }
 }
 
-/// From the matrices at the Gauss points to those of the two exponentials.
-inline void mix(const LevelManifold& f, LevelMatrix& one, LevelMatrix& two) {
-  const auto both = [](real& first, real& second) {
-    constexpr double near = 0.25 - 0.28867513459481288225, far = 0.25 + 0.28867513459481288225;
-    const real sum = far * first + near * second;
-    second = near * first + far * second;
-    first = sum;
-  };
-  for (int k = 0; k < f.levels; ++k) both(one.diagonal[k], two.diagonal[k]);
+/// Calls act(number) where number(matrix) is one of the real numbers of a matrix, for all of them.
+template <typename Act>
+RABILINE_LANES void for_each_number(const LevelManifold& f, const Act& act) {
+  for (int k = 0; k < f.levels; ++k) act([=](auto& h) -> auto& { return h.diagonal[k]; });
   for (int j = 0; j < f.couplings; ++j) {
-    both(one.re[j], two.re[j]);
-    both(one.im[j], two.im[j]);
+    act([=](auto& h) -> auto& { return h.re[j]; });
+    act([=](auto& h) -> auto& { return h.im[j]; });
   }
+}
+inline void copy_matrix(const LevelManifold& f, const LevelMatrix& from, LevelMatrix& to) {
+  for_each_number(f, [&](auto&& number) { number(to) = number(from); });
+}
+constexpr double lobatto_inner = 0.65465367070797714380;  // sqrt(3/7)
+constexpr double lobatto_point[5] = {-1, -lobatto_inner, 0, lobatto_inner, 1};
+/// From the values at Lobatto's five points to the factors of P_0 to P_4, times h.
+inline void to_legendre(const LevelManifold& f, real h, LevelMatrix* at) {
+  for_each_number(f, [&](auto&& number) {
+    const real outer = h * (number(at[0]) + number(at[4])), inner = h * (number(at[1]) + number(at[3])),
+               middle = h * number(at[2]), out = h * (number(at[4]) - number(at[0])),
+               in = h * (number(at[3]) - number(at[1]));
+    number(at[0]) = (1.0 / 20) * outer + (49.0 / 180) * inner + (16.0 / 45) * middle;
+    number(at[1]) = (3.0 / 20) * out + (49.0 / 60 * lobatto_inner) * in;
+    number(at[2]) = (1.0 / 4) * outer + (7.0 / 36) * inner - (8.0 / 9) * middle;
+    number(at[3]) = 0.5 * out - number(at[1]);
+    number(at[4]) = (1.0 / 5) * outer - (7.0 / 15) * inner + (8.0 / 15) * middle;
+  });
+}
+/// What a step of a time-dependent H exponentiates one after the other: shares of the factors of P_0 to P_3,
+/// those of two steps of half the length by what the polynomials are there.
+constexpr double whole_step[2][4] = {{1.0 / 2, -1.0 / 3, 0, 0}, {1.0 / 2, 1.0 / 3, 0, 0}};
+constexpr double half_steps[4][4] = {{1.0 / 4, -5.0 / 24, 1.0 / 8, -1.0 / 32},
+                                     {1.0 / 4, -1.0 / 24, -1.0 / 8, 3.0 / 32},
+                                     {1.0 / 4, 1.0 / 24, -1.0 / 8, -3.0 / 32},
+                                     {1.0 / 4, 5.0 / 24, 1.0 / 8, 1.0 / 32}};
+inline void sum_up(const LevelManifold& f, const LevelMatrix* at, const double (&share)[4], LevelMatrix& h) {
+  for_each_number(f, [&](auto&& number) {
+    real sum = share[0] * number(at[0]);
+    for (int i = 1; i < 4; ++i) sum = fma(broadcast(share[i]), number(at[i]), sum);
+    number(h) = sum;
+  });
 }
 /// By how much two states differ, but for a common phase.
 inline real difference(int levels, const Amplitudes& one, const Amplitudes& other) {
@@ -256,28 +328,45 @@ inline real difference(int levels, const Amplitudes& one, const Amplitudes& othe
   return sqrt(max(broadcast(0), fnma(phase, phase, square)));
 }
 
+/// What whole steps of fourth order and halves of them would come to with ever shorter ones.
+inline void extrapolate(int levels, const Amplitudes& whole, Amplitudes& halves) {
+  real size2 = broadcast(0);
+  for (int k = 0; k < levels; ++k) {
+    halves.re[k] = fma(halves.re[k] - whole.re[k], broadcast(1.0 / 15), halves.re[k]);
+    halves.im[k] = fma(halves.im[k] - whole.im[k], broadcast(1.0 / 15), halves.im[k]);
+    size2 = fma(halves.re[k], halves.re[k], fma(halves.im[k], halves.im[k], size2));
+  }
+  const real unit = 1.0 / sqrt(size2);
+  for (int k = 0; k < levels; ++k) {
+    halves.re[k] = halves.re[k] * unit;
+    halves.im[k] = halves.im[k] * unit;
+  }
+}
+
 /// How weak couplings are at one moment against what they couple.
 struct Calm {
   real ratio;   // the largest |V_kl / (E_k - E_l)|
   real uneven;  // by how much the gaps |E_k - E_l| differ, over the largest: 0 of a ladder, whose second
                 // order is diagonal
   real gap;     // [rad/s] the smallest
+  real swift;   // [rad/s] about the fastest that coupled levels turn against one another
   /// What the dressed states leave out, for a field that changes by `changes` within 1/gap.
   RABILINE_LANES real left_out(real changes) const {
     return ratio * max(ratio * max(ratio, uneven), 9.0 * changes * changes);
   }
 };
 inline Calm calm_of(const LevelManifold& f, const LevelMatrix& h) {
-  real ratio2 = broadcast(0), least = broadcast(1e300), most = broadcast(tiny);
+  real ratio2 = broadcast(0), strongest2 = broadcast(0), least = broadcast(1e300), most = broadcast(tiny);
   for (int j = 0; j < f.couplings; ++j) {
     const real apart = abs(h.diagonal[f.to[j]] - h.diagonal[f.from[j]]),
                coupled2 = fma(h.re[j], h.re[j], h.im[j] * h.im[j]);
     const mask acts = coupled2 > broadcast(0);
     ratio2 = select(acts, max(coupled2 / max(apart * apart, broadcast(tiny)), ratio2), ratio2);
+    strongest2 = max(coupled2, strongest2);
     least = min(apart, least);
     most = max(apart, most);
   }
-  return {sqrt(ratio2), (most - least) / most, least};
+  return {sqrt(ratio2), (most - least) / most, least, fma(broadcast(2), sqrt(strongest2), most)};
 }
 /// V_kl/(E_k - E_l), in place of V.
 inline void divide_by_gaps(const LevelManifold& f, LevelMatrix& h) {
