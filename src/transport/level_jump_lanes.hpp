@@ -1,6 +1,6 @@
 #pragma once
 // What becomes of amplitudes where the field is another one at once and the state stays, for kernels only.
-#include "transport/level_matrix_lanes.hpp"
+#include "transport/level_exponential_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 

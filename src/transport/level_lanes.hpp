@@ -126,20 +126,23 @@ class LevelFlight {
     to_legendre(f, h, at);
     real radius[5];
     for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
-    const auto turn = [&](const double(&share)[4], Amplitudes& turned) {
-      real bound = broadcast(0);
-      for (int i = 0; i < 4; ++i)
-        bound = fma(broadcast(share[i] < 0 ? -share[i] : share[i]), radius[i], bound);
-      LevelMatrix exponent;
-      sum_up(f, at, share, exponent);
-      exponentiate(f, exponent, bound, turned);
-      good = good & (bound < broadcast(largest_radius));
-    };
     Amplitudes whole = state;
-    for (const auto& share : whole_step) turn(share, whole);
-    for (const auto& share : half_steps) turn(share, state);
+    const auto turn = [&](const auto& shares, Amplitudes& turned) {
+      real bound = broadcast(0);
+      for (int i = 0; i < 4; ++i) bound = fma(broadcast(largest_share(shares, i)), radius[i], bound);
+      good = good & (bound < broadcast(largest_radius));
+      const ChebyshevSeries series(bound);
+      for (const auto& share : shares) {
+        LevelMatrix exponent;
+        sum_up(f, at, share, exponent);
+        exponentiate(f, exponent, series, turned);
+      }
+    };
+    turn(whole_step, whole);
+    turn(half_steps, state);
     // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
-    error = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
+    const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
+    error = min(off, 353.0 * off * sqrt(off));
     extrapolate(f.levels, whole, state);
     axes = moved_to(there.n, axes);
     return good;
@@ -267,7 +270,8 @@ class LevelFlight {
         arrives = arrives | (accepted & (trial >= left));
         stuck = stuck | (resolves & ~accepted & ~(trial > 1e-15 * (abs(s) + stay)));
         const mask known = good & (error < broadcast(1e300));
-        const real root = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-4))));
+        const real fourth = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-5)))),
+                   root = select(fourth < broadcast(1), sqrt(fourth), fourth);
         const real wanted = max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root));
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
