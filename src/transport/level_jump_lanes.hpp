@@ -20,8 +20,7 @@ namespace rabiline::RABILINE_ISA {
     still.turn_2 = select(turns, by * dot(across, axes.second()), broadcast(0)) * (1.0 / parts);
     still.turn_3 = broadcast(0);
     LevelMatrix h;
-    clear(f, h);
-    add_matrix(f, still, broadcast(1), h);
+    set_matrix(f, still, h);
     for (int k = 0; k < f.levels; ++k) h.diagonal[k] = broadcast(0);
     for (int i = 0; i < parts; ++i) {
       Amplitudes turned = a;
@@ -42,9 +41,7 @@ namespace rabiline::RABILINE_ISA {
   for (int i = 0; i < parts; ++i) {
     const auto at = [&](double share, LevelMatrix& h) {
       const real b = fma(broadcast(i + share), each, from), zero = broadcast(0);
-      clear(f, h);
-      add_matrix(f, {axes.third, axes.first, abs(b), b, each, zero, zero, zero, broadcast(1)}, broadcast(1),
-                 h);
+      set_matrix(f, {axes.third, axes.first, abs(b), b, each, zero, zero, zero, broadcast(1)}, h);
       for (int k = 0; k < f.levels; ++k) h.diagonal[k] = zero;
     };
     LevelMatrix points[5], h;

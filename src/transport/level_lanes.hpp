@@ -94,17 +94,15 @@ class LevelFlight {
   inline const LevelManifold& coupled(const CourseSection& section) const {
     return section.wave < 0 ? f_ : course_.waves[section.wave].standing;
   }
-  inline void add_to(const CourseSection& section, real s, const FollowedField& f, real weight,
-                     LevelMatrix& h) const {
-    if (section.wave < 0) return add_matrix(f_, f, weight, h);
+  inline void matrix_of(const CourseSection& section, real s, const FollowedField& f, LevelMatrix& h) const {
+    if (section.wave < 0) return set_matrix(f_, f, h);
     const LevelWave& wave = course_.waves[section.wave];
-    add_matrix(f_, wave, f, path_.wave_at(wave, s), weight, h);
+    set_matrix(f_, wave, f, path_.wave_at(wave, s), h);
   }
   [[gnu::noinline]] inline void matrix_at(const CourseSection& section, real s, const LevelAxes& from,
                                           LevelMatrix& h, FollowedField& f) const {
     f = followed(path_.field_at(section, s), from);
-    clear(coupled(section), h);
-    add_to(section, s, f, broadcast(1), h);
+    matrix_of(section, s, f, h);
   }
 
   /// One step of the length h from s, where the matrix is `now`, to `state` and what it may be off by; false
@@ -118,9 +116,7 @@ class LevelFlight {
     mask good = ~mask{};
     for (int i = 1; i < 5; ++i) {
       const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
-      there = followed(path_.field_at(section, then), axes);
-      clear(f, at[i]);
-      add_to(section, then, there, broadcast(1), at[i]);
+      matrix_at(section, then, axes, at[i], there);
       good = good & (there.cosine > broadcast(0.5));
     }
     to_legendre(f, h, at);
@@ -223,8 +219,7 @@ class LevelFlight {
       FollowedField here = followed(field, axes_);
       if (section.wave < 0)
         face_what_comes(section, field, fma(min(h, left), broadcast(gauss_first), s), going, here);
-      clear(f, now);
-      add_to(section, s, here, broadcast(1), now);
+      matrix_of(section, s, here, now);
       const Calm calm = calm_of(f, now);
       const real spread = radius_of(f, now);
       const real changes = length_of(field.rate) / max(here.size * calm.gap, broadcast(tiny));

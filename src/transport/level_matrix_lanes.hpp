@@ -98,31 +98,29 @@ constexpr int most_row = (3 * most_levels + most_couplings + most_pairs + 7) / 8
   }
 }
 
-/// H in the frame, in rad/s times `weight`, added to what is there.
-inline void add_matrix(const LevelManifold& f, const FollowedField& at, real weight, LevelMatrix& h) {
+/// H in the frame, in rad/s.
+inline void set_matrix(const LevelManifold& f, const FollowedField& at, LevelMatrix& h) {
   real values[3 * most_levels + most_couplings];
   const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1));
   look_up(f, 3 * f.levels + f.couplings, atan(ratio), values);
-  const real root = sqrt(fma(ratio, ratio, broadcast(1))), energy = weight * root, about = weight * at.turn_3;
-  const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = energy * over,
+  const real root = sqrt(fma(ratio, ratio, broadcast(1)));
+  const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = root * over,
              turning = cosine * fma(at.turn_1, at.turn_1, at.turn_2 * at.turn_2),
              stretching = cosine * theta_rate * theta_rate;
   const real *shift_1 = values + f.levels + f.couplings, *shift_2 = shift_1 + f.levels;
   for (int k = 0; k < f.levels; ++k)
-    h.diagonal[k] = fma(
-        energy, values[k],
-        fma(turning, shift_1[k], fma(stretching, shift_2[k], fnma(about, broadcast(f.m[k]), h.diagonal[k]))));
-  const real re = -0.5 * weight * at.turn_1, im = -0.5 * weight * at.turn_2, stretch = -weight * theta_rate;
+    h.diagonal[k] =
+        fma(root, values[k],
+            fma(turning, shift_1[k], fnma(at.turn_3, broadcast(f.m[k]), stretching * shift_2[k])));
   const real* coupled = values + f.levels;
   for (int j = 0; j < f.ladders; ++j) {
-    h.re[j] = fma(re, coupled[j], h.re[j]);
-    h.im[j] = fma(im, coupled[j], h.im[j]);
+    h.re[j] = -0.5 * at.turn_1 * coupled[j];
+    h.im[j] = -0.5 * at.turn_2 * coupled[j];
   }
-  for (int j = f.ladders; j < f.couplings; ++j) h.im[j] = fma(stretch, coupled[j], h.im[j]);
-}
-inline void clear(const LevelManifold& f, LevelMatrix& h) {
-  for (int k = 0; k < f.levels; ++k) h.diagonal[k] = broadcast(0);
-  for (int j = 0; j < f.couplings; ++j) h.re[j] = h.im[j] = broadcast(0);
+  for (int j = f.ladders; j < f.couplings; ++j) {
+    h.re[j] = broadcast(0);
+    h.im[j] = -theta_rate * coupled[j];
+  }
 }
 
 /// What bounds the eigenvalues' size.
