@@ -4,11 +4,11 @@
 
 namespace rabiline::RABILINE_ISA {
 
-constexpr double largest_radius = 12;
+constexpr double largest_radius = 24;
 /// exp(-i H) = J_0(R) + 2 sum over k of J_k(R) (-i)^k T_k(H/R), which holds and converges where no eigenvalue
 /// is beyond R (H. Tal-Ezer and R. Kosloff, J. Chem. Phys. 81, 3967 (1984)).
 class ChebyshevSeries {
-  static constexpr int most_terms = 40;
+  static constexpr int most_terms = 56;
 
  public:
   int terms = 1;
@@ -17,7 +17,7 @@ class ChebyshevSeries {
   inline explicit ChebyshevSeries(real bound) {
     const real radius = max(broadcast(0.1), min(bound, broadcast(largest_radius)));
     last = floor(min(min(fma(radius, broadcast(6), broadcast(8)), fma(radius, broadcast(2.6), broadcast(12))),
-                     fma(radius, broadcast(2), broadcast(14))));
+                     fma(radius, broadcast(1.4), broadcast(21))));
     twice = 2.0 / radius;
     // Downwards by J_k-1 = (2k/R) J_k - J_k+1 from some number, then J_0 + 2 J_2 + 2 J_4 + ... = 1.
     real above = broadcast(0), here = broadcast(0), even = broadcast(0);

@@ -138,7 +138,7 @@ class LevelFlight {
     turn(half_steps, state);
     // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
     const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
-    error = min(off, 353.0 * off * sqrt(off));
+    error = min(off, 100.0 * off * sqrt(off));
     extrapolate(f.levels, whole, state);
     axes = moved_to(there.n, axes);
     return good;
@@ -250,8 +250,8 @@ class LevelFlight {
         skip = select(skips, select(accepted, min(longest, 4.0 * leap), 0.3 * leap), skip);
       }
       if (any(resolves)) {
-        const real free = min(min(h, longest), min(4.0 / max(calm.swift, broadcast(tiny)),
-                                                   20.0 / max(spread, broadcast(tiny)))),
+        const real free = min(min(h, longest), min(8.0 / max(calm.swift, broadcast(tiny)),
+                                                   44.0 / max(spread, broadcast(tiny)))),
                    trial = select(resolves, min(free, left), broadcast(0));
         Amplitudes there = before;
         LevelAxes turned = axes;
