@@ -6,12 +6,6 @@
 
 namespace rabiline::RABILINE_ISA {
 
-/// Numbers in a row that are aligned to nothing more than themselves.
-RABILINE_LANES real row_at(const double* p) {
-  using numbers [[gnu::aligned(8), gnu::may_alias]] = double __attribute__((vector_size(8 * lane_count)));
-  return *reinterpret_cast<const numbers*>(p);
-}
-
 struct Amplitudes {
   real re[most_levels], im[most_levels];
 };
@@ -85,9 +79,9 @@ constexpr int most_row = (3 * most_levels + most_couplings + most_pairs + 7) / 8
     const double* row = f.rows + static_cast<long>(lane(cell, k)) * (level_powers * f.width);
     const real at = broadcast(lane(x, k));
     for (int i = 0; i < count; i += lane_count) {
-      real sum = row_at(row + (level_powers - 1) * f.width + i);
+      real sum = load(row + (level_powers - 1) * f.width + i);
       for (int power = level_powers - 2; power >= 0; --power)
-        sum = fma(sum, at, row_at(row + power * f.width + i));
+        sum = fma(sum, at, load(row + power * f.width + i));
       store(found[k] + i, sum);
     }
   }
