@@ -2,11 +2,12 @@
 // Amplitudes of an atom's levels along a straight path through fields of any direction, for kernels only.
 //
 // In a frame whose third axis n follows +-B, from step to step without turning about n, H is that of
-// LevelManifold. A step is of fourth order: two exponentials of H at the Gauss points (the commutator-free
-// Magnus method: S. Blanes and P. Moan, Appl. Numer. Math. 56, 1519 (2006)); inside of it the frame turns
-// from n at the begin by the shortest way, which adds a turn about n. Where all couplings V_kl are weak
-// against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with S_kl =
-// V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
+// LevelManifold. A step takes it at Lobatto's five points; of the polynomial through them the whole and both
+// halves are two exponentials each, of fourth order (the commutator-free Magnus method: S. Blanes and P.
+// Moan, Appl. Numer. Math. 56, 1519 (2006)), and tell the error and what they extrapolate to. Inside of it
+// the frame turns from n at the begin by the shortest way, which adds a turn about n. Where all couplings
+// V_kl are weak against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with
+// S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
 
@@ -16,8 +17,14 @@ namespace rabiline::RABILINE_ISA {
 class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
-  /// Of what a step's fifth polynomial turns by.
+  /// Of the angle that P_4 turns by: about what Gauss' two points would differ from four by.
   static constexpr double unseen_share = 0.025;
+  /// What is extrapolated is off by (share x difference)^(3/2): fifth order against seventh, on the safe
+  /// side.
+  static constexpr double extrapolated_share = 21.5;
+  /// Within a step levels that are coupled turn by less against one another, and all of them in an
+  /// exponential.
+  static constexpr double most_turning = 8, most_phase = 44;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
   static constexpr double most_steps = 1e8;
 
@@ -138,7 +145,8 @@ class LevelFlight {
     turn(half_steps, state);
     // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
     const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
-    error = min(off, 100.0 * off * sqrt(off));
+    const real share = extrapolated_share * off;
+    error = min(off, share * sqrt(share));
     extrapolate(f.levels, whole, state);
     axes = moved_to(there.n, axes);
     return good;
@@ -250,8 +258,8 @@ class LevelFlight {
         skip = select(skips, select(accepted, min(longest, 4.0 * leap), 0.3 * leap), skip);
       }
       if (any(resolves)) {
-        const real free = min(min(h, longest), min(8.0 / max(calm.swift, broadcast(tiny)),
-                                                   44.0 / max(spread, broadcast(tiny)))),
+        const real free = min(min(h, longest), min(most_turning / max(calm.swift, broadcast(tiny)),
+                                                   most_phase / max(spread, broadcast(tiny)))),
                    trial = select(resolves, min(free, left), broadcast(0));
         Amplitudes there = before;
         LevelAxes turned = axes;
