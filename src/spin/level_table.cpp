@@ -287,7 +287,10 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, 
                                          : off / (coupling_error * std::max(1.0, std::abs(between[f](i)))));
         }
         for (Eigen::Index p = 0; p < level_powers; ++p)
-          for (Eigen::Index i = 0; i < fitted.cols(); ++i) manifolds_[f].rows.push_back(fitted(p, i));
+          for (Eigen::Index i = 0; i < fitted.cols(); i += 8) {
+            Eight& eight = manifolds_[f].rows.emplace_back();
+            for (Eigen::Index k = 0; k < 8; ++k) eight.number[k] = fitted(p, i + k);
+          }
       }
     }
     // Half a turn about the first axis takes the product of m_J, m_I to that of -m_J, -m_I.
@@ -313,7 +316,7 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, 
     view.m = f.m.data();
     view.to = f.to.data();
     view.from = f.from.data();
-    view.rows = f.rows.data();
+    view.rows = f.rows.front().number;
     view.cells = cells_;
     view.scale = scale_;
     view.pairs = static_cast<int>(f.low.size());

@@ -24,7 +24,7 @@ struct LevelManifold {
   const int* mirror = nullptr;                 // [level] which it is, of the atom's, with b < 0
   const double* m = nullptr;                   // [level]
   const int *to = nullptr, *from = nullptr;    // [coupling] places in the manifold
-  const double* rows = nullptr;                // [cell][power][width]
+  const double* rows = nullptr;                // [cell][power][width], aligned to 64 bytes
   int cells = 0;                               // equal ones, theta from -pi/2 to pi/2
   double scale = 1;                            // [T]
   int pairs = 0;  // that a drive couples; m of `high` is that of `low` or one more
@@ -58,9 +58,13 @@ class LevelTable {
   LevelTable& operator=(const LevelTable&) = delete;
 
  private:
+  struct alignas(64) Eight {
+    double number[8];
+  };
   struct Manifold {
     std::vector<int> number, mirror, to, from, low, high;
-    std::vector<double> m, rows, taken_off, mirror_sign;
+    std::vector<double> m, taken_off, mirror_sign;
+    std::vector<Eight> rows;
     int ladders = 0;
     std::size_t numbers() const { return 3 * number.size() + to.size() + low.size(); }
   };

@@ -1,6 +1,6 @@
 #pragma once
 // What becomes of amplitudes where the field is another one at once and the state stays, for kernels only.
-#include "transport/level_matrix_lanes.hpp"
+#include "transport/level_exponential_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
@@ -20,8 +20,7 @@ namespace rabiline::RABILINE_ISA {
     still.turn_2 = select(turns, by * dot(across, axes.second()), broadcast(0)) * (1.0 / parts);
     still.turn_3 = broadcast(0);
     LevelMatrix h;
-    clear(f, h);
-    add_matrix(f, still, broadcast(1), h);
+    set_matrix(f, still, h);
     for (int k = 0; k < f.levels; ++k) h.diagonal[k] = broadcast(0);
     for (int i = 0; i < parts; ++i) {
       Amplitudes turned = a;
@@ -42,17 +41,16 @@ namespace rabiline::RABILINE_ISA {
   for (int i = 0; i < parts; ++i) {
     const auto at = [&](double share, LevelMatrix& h) {
       const real b = fma(broadcast(i + share), each, from), zero = broadcast(0);
-      clear(f, h);
-      add_matrix(f, {axes.third, axes.first, abs(b), b, each, zero, zero, zero, broadcast(1)}, broadcast(1),
-                 h);
+      set_matrix(f, {axes.third, axes.first, abs(b), b, each, zero, zero, zero, broadcast(1)}, h);
       for (int k = 0; k < f.levels; ++k) h.diagonal[k] = zero;
     };
-    LevelMatrix one, two;
-    at(gauss_first, one);
-    at(gauss_second, two);
-    mix(f, one, two);
-    exponentiate(f, one, resized);
-    exponentiate(f, two, resized);
+    LevelMatrix points[5], h;
+    for (int p = 0; p < 5; ++p) at(0.5 + 0.5 * lobatto_point[p], points[p]);
+    to_legendre(f, broadcast(1), points);
+    for (const auto& share : whole_step) {
+      sum_up(f, points, share, h);
+      exponentiate(f, h, resized);
+    }
   }
   choose(f.levels, counted, resized, a);
 }

@@ -2,11 +2,12 @@
 // Amplitudes of an atom's levels along a straight path through fields of any direction, for kernels only.
 //
 // In a frame whose third axis n follows +-B, from step to step without turning about n, H is that of
-// LevelManifold. A step is of fourth order: two exponentials of H at the Gauss points (the commutator-free
-// Magnus method: S. Blanes and P. Moan, Appl. Numer. Math. 56, 1519 (2006)); inside of it the frame turns
-// from n at the begin by the shortest way, which adds a turn about n. Where all couplings V_kl are weak
-// against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with S_kl =
-// V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
+// LevelManifold. A step takes it at Lobatto's five points; of the polynomial through them the whole and both
+// halves are two exponentials each, of fourth order (the commutator-free Magnus method: S. Blanes and P.
+// Moan, Appl. Numer. Math. 56, 1519 (2006)), and tell the error and what they extrapolate to. Inside of it
+// the frame turns from n at the begin by the shortest way, which adds a turn about n. Where all couplings
+// V_kl are weak against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with
+// S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
 
@@ -16,6 +17,14 @@ namespace rabiline::RABILINE_ISA {
 class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
+  /// Of the angle that P_4 turns by: about what Gauss' two points would differ from four by.
+  static constexpr double unseen_share = 0.025;
+  /// What is extrapolated is off by (share x difference)^(3/2): fifth order against seventh, on the safe
+  /// side.
+  static constexpr double extrapolated_share = 21.5;
+  /// Within a step levels that are coupled turn by less against one another, and all of them in an
+  /// exponential.
+  static constexpr double most_turning = 8, most_phase = 44;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
   static constexpr double most_steps = 1e8;
 
@@ -60,11 +69,12 @@ class LevelFlight {
 
  private:
   /// Axes in no field are free: they turn to where the field that comes points, at the time s.
-  [[gnu::noinline]] inline void face_what_comes(const CourseSection& section, const FollowedField& here,
-                                                real s, mask lanes) {
+  inline void face_what_comes(const CourseSection& section, const FieldAtTime& field, real s, mask lanes,
+                              FollowedField& here) {
     const mask nothing = lanes & (here.size < broadcast(tiny));
-    if (any(nothing))
-      turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
+    if (!any(nothing)) return;
+    turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
+    here = followed(field, axes_);
   }
   /// Fields are switched or jump at s, and the state stays; until when they do not again.
   [[gnu::noinline]] inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
@@ -91,61 +101,55 @@ class LevelFlight {
   inline const LevelManifold& coupled(const CourseSection& section) const {
     return section.wave < 0 ? f_ : course_.waves[section.wave].standing;
   }
-  inline void add_to(const CourseSection& section, real s, const FollowedField& f, real weight,
-                     LevelMatrix& h) const {
-    if (section.wave < 0) return add_matrix(f_, f, weight, h);
+  inline void matrix_of(const CourseSection& section, real s, const FollowedField& f, LevelMatrix& h) const {
+    if (section.wave < 0) return set_matrix(f_, f, h);
     const LevelWave& wave = course_.waves[section.wave];
-    add_matrix(f_, wave, f, path_.wave_at(wave, s), weight, h);
+    set_matrix(f_, wave, f, path_.wave_at(wave, s), h);
   }
   [[gnu::noinline]] inline void matrix_at(const CourseSection& section, real s, const LevelAxes& from,
                                           LevelMatrix& h, FollowedField& f) const {
     f = followed(path_.field_at(section, s), from);
-    clear(coupled(section), h);
-    add_to(section, s, f, broadcast(1), h);
+    matrix_of(section, s, f, h);
   }
 
-  /// One step of the length h from s; false where it turns by too much.
-  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, Amplitudes& state,
-                                     LevelAxes& axes) const {
+  /// One step of the length h from s, where the matrix is `now`, to `state` and what it may be off by; false
+  /// where it turns by too much.
+  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, const LevelMatrix& now,
+                                     Amplitudes& state, LevelAxes& axes, real& error) const {
     const LevelManifold& f = coupled(section);
-    const real early = s + gauss_first * h, late = s + gauss_second * h;
-    const FollowedField first = followed(path_.field_at(section, early), axes),
-                        second = followed(path_.field_at(section, late), axes),
-                        end = followed(path_.field_at(section, s + h), axes);
-    LevelMatrix one, two;
-    clear(f, one);
-    clear(f, two);
-    mask good =
-        (first.cosine > broadcast(0.5)) & (second.cosine > broadcast(0.5)) & (end.cosine > broadcast(0.5));
-    add_to(section, early, first, h, one);
-    add_to(section, late, second, h, two);
-    mix(f, one, two);
-    good = good & (max(radius_of(f, one), radius_of(f, two)) < broadcast(largest_radius));
-    exponentiate(f, one, state);
-    exponentiate(f, two, state);
-    axes = moved_to(end.n, axes);
-    return good;
-  }
-  /// The same state with another first axis.
-  inline void turn_about_third(const LevelAxes& from, const LevelAxes& to, Amplitudes& state) const {
-    const Phasor by{dot(from.first, to.first), dot(to.first, from.second())};
-    // exp(i m angle), up to a phase of all.
-    Phasor powers[most_levels];
-    powers[0] = {broadcast(1), broadcast(0)};
-    int known = 0;
-    for (int k = 0; k < f_.levels; ++k) {
-      const int down = static_cast<int>(top() - f_.m[k] + 0.5);
-      for (; known < down; ++known) powers[known + 1] = powers[known] * Phasor{by.c, -by.s};
-      const Phasor p = powers[down];
-      const real re = fnma(state.im[k], p.s, state.re[k] * p.c);
-      state.im[k] = fma(state.re[k], p.s, state.im[k] * p.c);
-      state.re[k] = re;
+    LevelMatrix at[5];
+    copy_matrix(f, now, at[0]);
+    FollowedField there;
+    mask good = ~mask{};
+    for (int i = 1; i < 5; ++i) {
+      const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
+      matrix_at(section, then, axes, at[i], there);
+      good = good & (there.cosine > broadcast(0.5));
     }
-  }
-  double top() const {
-    double most = f_.m[0];
-    for (int k = 1; k < f_.levels; ++k) most = f_.m[k] > most ? f_.m[k] : most;
-    return most;
+    to_legendre(f, h, at);
+    real radius[5];
+    for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
+    Amplitudes whole = state;
+    const auto turn = [&](const auto& shares, Amplitudes& turned) {
+      real bound = broadcast(0);
+      for (int i = 0; i < 4; ++i) bound = fma(broadcast(largest_share(shares, i)), radius[i], bound);
+      good = good & (bound < broadcast(largest_radius));
+      const ChebyshevSeries series(bound);
+      for (const auto& share : shares) {
+        LevelMatrix exponent;
+        sum_up(f, at, share, exponent);
+        exponentiate(f, exponent, series, turned);
+      }
+    };
+    turn(whole_step, whole);
+    turn(half_steps, state);
+    // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
+    const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
+    const real share = extrapolated_share * off;
+    error = min(off, share * sqrt(share));
+    extrapolate(f.levels, whole, state);
+    axes = moved_to(there.n, axes);
+    return good;
   }
 
   /// Lanes get dressed, or bare again. `near` [s] is a short time for the field there, `begin` and `end`
@@ -220,9 +224,10 @@ class LevelFlight {
       const real left = until - s;
       LevelMatrix now;
       const FieldAtTime field = path_.field_at(section, s);
-      const FollowedField here = followed(field, axes_);
-      clear(f, now);
-      add_to(section, s, here, broadcast(1), now);
+      FollowedField here = followed(field, axes_);
+      if (section.wave < 0)
+        face_what_comes(section, field, fma(min(h, left), broadcast(gauss_first), s), going, here);
+      matrix_of(section, s, here, now);
       const Calm calm = calm_of(f, now);
       const real spread = radius_of(f, now);
       const real changes = length_of(field.rate) / max(here.size * calm.gap, broadcast(tiny));
@@ -236,8 +241,6 @@ class LevelFlight {
       dress(section, s, near, from, until, 1, skips & ~dressed);
       dress(section, s, near, from, until, -1, resolves & dressed);
       dressed = (dressed & ~going) | skips;
-      if (section.wave < 0)
-        face_what_comes(section, here, fma(min(h, left), broadcast(gauss_first), s), resolves);
       mask arrives{}, stuck = going & (tries >= broadcast(most_steps));
       const Amplitudes before = a;
       const LevelAxes axes = axes_;
@@ -255,36 +258,23 @@ class LevelFlight {
         skip = select(skips, select(accepted, min(longest, 4.0 * leap), 0.3 * leap), skip);
       }
       if (any(resolves)) {
-        const real free = min(min(h, longest), 4.0 / max(spread, broadcast(tiny))),
+        const real free = min(min(h, longest), min(most_turning / max(calm.swift, broadcast(tiny)),
+                                                   most_phase / max(spread, broadcast(tiny)))),
                    trial = select(resolves, min(free, left), broadcast(0));
-        Amplitudes whole = before, halves = before;
-        LevelAxes whole_axes = axes, half_axes = axes;
-        mask good = step(section, s, trial, whole, whole_axes);
-        good = good & step(section, s, 0.5 * trial, halves, half_axes);
-        good = good & step(section, s + 0.5 * trial, 0.5 * trial, halves, half_axes);
-        turn_about_third(whole_axes, half_axes, whole);
-        const real allowed = tolerance * (0.25 * (trial / stay) + 1e-2);
-        const real error = difference(f_.levels, whole, halves) * (1.0 / 15) / allowed;
+        Amplitudes there = before;
+        LevelAxes turned = axes;
+        real error;
+        const mask good = step(section, s, trial, now, there, turned, error);
+        error = error / (tolerance * (0.25 * (trial / stay) + 1e-2));
         const mask accepted = resolves & good & (error <= broadcast(1));
-        real size2 = broadcast(0);
-        for (int k = 0; k < f_.levels; ++k) {
-          halves.re[k] = fma(halves.re[k] - whole.re[k], broadcast(1.0 / 15), halves.re[k]);
-          halves.im[k] = fma(halves.im[k] - whole.im[k], broadcast(1.0 / 15), halves.im[k]);
-          size2 = fma(halves.re[k], halves.re[k], fma(halves.im[k], halves.im[k], size2));
-        }
-        const real unit = 1.0 / sqrt(size2);
-        for (int k = 0; k < f_.levels; ++k) {
-          halves.re[k] = halves.re[k] * unit;
-          halves.im[k] = halves.im[k] * unit;
-        }
-        choose(f_.levels, accepted, halves, a);
-        axes_ = {select(accepted, half_axes.third, axes_.third),
-                 select(accepted, half_axes.first, axes_.first)};
+        choose(f_.levels, accepted, there, a);
+        axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};
         s = select(accepted, s + trial, s);
         arrives = arrives | (accepted & (trial >= left));
         stuck = stuck | (resolves & ~accepted & ~(trial > 1e-15 * (abs(s) + stay)));
         const mask known = good & (error < broadcast(1e300));
-        const real root = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-4))));
+        const real fourth = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-5)))),
+                   root = select(fourth < broadcast(1), sqrt(fourth), fourth);
         const real wanted = max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root));
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);

@@ -36,11 +36,10 @@ RABILINE_LANES real shift_by(real square, real apart) {
   return square * apart / max(fma(apart, apart, square), broadcast(tiny));
 }
 
-/// H in the frame that moves with the field and turns with the wave, in rad/s times `weight`, added to what
-/// is there; its couplings are those of wave.standing.
-[[gnu::noinline]] inline void add_matrix(const LevelManifold& f, const LevelWave& wave,
-                                         const FollowedField& at, const Wave& c, real weight,
-                                         LevelMatrix& h) {
+/// H in the frame that moves with the field and turns with the wave, in rad/s; its couplings are those of
+/// wave.standing.
+[[gnu::noinline]] inline void set_matrix(const LevelManifold& f, const LevelWave& wave,
+                                         const FollowedField& at, const Wave& c, LevelMatrix& h) {
   real values[most_row];
   const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1)),
              root = sqrt(fma(ratio, ratio, broadcast(1)));
@@ -97,12 +96,12 @@ RABILINE_LANES real shift_by(real square, real apart) {
       const ComplexReal& side = sides[photons > 0 ? 0 : 1];
       v = {pair[number] * side.re, pair[number] * side.im};
     }
-    h.re[j] = fma(weight, v.re, h.re[j]);
-    h.im[j] = fma(weight, v.im, h.im[j]);
+    h.re[j] = v.re;
+    h.im[j] = v.im;
   }
   for (int k = 0; k < f.levels; ++k) {
     const real own = fma(root, values[k], shift[k] + (f.taken_off[k] - wave.rate[k]));
-    h.diagonal[k] = fma(weight, fnma(at.turn_3, broadcast(f.m[k]), own), h.diagonal[k]);
+    h.diagonal[k] = fnma(at.turn_3, broadcast(f.m[k]), own);
   }
 }
 

@@ -1,0 +1,226 @@
+#pragma once
+// What a Hamiltonian of levels does to amplitudes, exponentials one after the other, for kernels only.
+#include "transport/level_matrix_lanes.hpp"
+
+namespace rabiline::RABILINE_ISA {
+
+constexpr double largest_radius = 24;
+/// exp(-i H) = J_0(R) + 2 sum over k of J_k(R) (-i)^k T_k(H/R), which holds and converges where no eigenvalue
+/// is beyond R (H. Tal-Ezer and R. Kosloff, J. Chem. Phys. 81, 3967 (1984)).
+class ChebyshevSeries {
+  static constexpr int most_terms = 56;
+
+ public:
+  int terms = 1;
+  real weight[most_terms];
+  real twice;  // 2/R
+  inline explicit ChebyshevSeries(real bound) {
+    const real radius = max(broadcast(0.1), min(bound, broadcast(largest_radius)));
+    last = floor(min(min(fma(radius, broadcast(6), broadcast(8)), fma(radius, broadcast(2.6), broadcast(12))),
+                     fma(radius, broadcast(1.4), broadcast(21))));
+    twice = 2.0 / radius;
+    // Downwards by J_k-1 = (2k/R) J_k - J_k+1 from some number, then J_0 + 2 J_2 + 2 J_4 + ... = 1.
+    real above = broadcast(0), here = broadcast(0), even = broadcast(0);
+    while (needs(terms)) ++terms;
+    weight[terms] = broadcast(0);
+    for (int k = terms - 1; k > 0; --k) {
+      here = select(last == broadcast(k), broadcast(1), here);
+      weight[k] = 2.0 * here;
+      if (k % 2 == 0) even = even + weight[k];
+      const real below = fnma(broadcast(1), above, (k * twice) * here);
+      above = here;
+      here = below;
+    }
+    const real over = 1.0 / (here + even);
+    weight[0] = here * over;
+    for (int k = 1; k < terms; ++k) weight[k] = weight[k] * over;
+  }
+
+ private:
+  bool needs(int k) const { return any(last >= broadcast(k)); }
+  real last;  // of each lane, to 1e-12; its other weights are 0
+};
+
+/// exp(-i H) a of levels in a chain.
+template <int levels>
+[[gnu::noinline]] void exponentiate_chain(const LevelMatrix& h, const ChebyshevSeries& series,
+                                          Amplitudes& a) {
+  struct Term {
+    real re[levels], im[levels];
+  } one, other;
+  for (int k = 0; k < levels; ++k) {
+    one.re[k] = a.re[k];
+    one.im[k] = a.im[k];
+    other.re[k] = other.im[k] = broadcast(0);
+    a.re[k] = series.weight[0] * a.re[k];
+    a.im[k] = series.weight[0] * a.im[k];
+  }
+  // (-i)^k+1 T_k+1 = -2i (H/R) (-i)^k T_k + (-i)^k-1 T_k-1, the first without 2: in place of the one before.
+  const auto go_on = [&](real by, real weight, const Term& term, Term& next) {
+    real above_re = broadcast(0), above_im = broadcast(0);  // from the level before
+#pragma GCC unroll 16
+    for (int k = 0; k < levels; ++k) {
+      real h_re = fma(h.diagonal[k], term.re[k], above_re), h_im = fma(h.diagonal[k], term.im[k], above_im);
+      if (k + 1 < levels) {
+        const real c_re = h.re[k], c_im = h.im[k];
+        h_re = fma(c_re, term.re[k + 1], fma(c_im, term.im[k + 1], h_re));
+        h_im = fma(c_re, term.im[k + 1], fnma(c_im, term.re[k + 1], h_im));
+        above_re = fnma(c_im, term.im[k], c_re * term.re[k]);
+        above_im = fma(c_im, term.re[k], c_re * term.im[k]);
+      }
+      next.re[k] = fma(by, h_im, next.re[k]);
+      next.im[k] = fnma(by, h_re, next.im[k]);
+      a.re[k] = fma(weight, next.re[k], a.re[k]);
+      a.im[k] = fma(weight, next.im[k], a.im[k]);
+    }
+  };
+  go_on(0.5 * series.twice, series.weight[1], one, other);
+  for (int k = 2; k < series.terms; k += 2) {
+    go_on(series.twice, series.weight[k], other, one);
+    go_on(series.twice, series.weight[k + 1], one, other);
+  }
+}
+[[gnu::noinline]] inline void exponentiate_any(const LevelManifold& f, const LevelMatrix& h,
+                                               const ChebyshevSeries& series, Amplitudes& a) {
+  Amplitudes term = a, last;
+  for (int k = 0; k < f.levels; ++k) {
+    last.re[k] = last.im[k] = broadcast(0);
+    a.re[k] = series.weight[0] * a.re[k];
+    a.im[k] = series.weight[0] * a.im[k];
+  }
+  for (int j = 1; j < series.terms; ++j) {
+    const real by = j == 1 ? 0.5 * series.twice : series.twice;
+    real re[most_levels], im[most_levels];
+    for (int k = 0; k < f.levels; ++k) {
+      re[k] = h.diagonal[k] * term.re[k];
+      im[k] = h.diagonal[k] * term.im[k];
+    }
+    for (int c = 0; c < f.couplings; ++c) {
+      const int to = f.to[c], from = f.from[c];
+      re[to] = fma(h.re[c], term.re[from], fnma(h.im[c], term.im[from], re[to]));
+      im[to] = fma(h.re[c], term.im[from], fma(h.im[c], term.re[from], im[to]));
+      re[from] = fma(h.re[c], term.re[to], fma(h.im[c], term.im[to], re[from]));
+      im[from] = fma(h.re[c], term.im[to], fnma(h.im[c], term.re[to], im[from]));
+    }
+    for (int k = 0; k < f.levels; ++k) {
+      const real next_re = fma(by, im[k], last.re[k]), next_im = fnma(by, re[k], last.im[k]);
+      last.re[k] = term.re[k];
+      last.im[k] = term.im[k];
+      term.re[k] = next_re;
+      term.im[k] = next_im;
+      a.re[k] = fma(series.weight[j], next_re, a.re[k]);
+      a.im[k] = fma(series.weight[j], next_im, a.im[k]);
+    }
+  }
+}
+/// exp(-i H) a, right where no eigenvalue is beyond the series' radius.
+inline void exponentiate(const LevelManifold& f, const LevelMatrix& h, const ChebyshevSeries& series,
+                         Amplitudes& a) {
+  switch (f.is_chain ? f.levels : 0) {
+    case 2:
+      return exponentiate_chain<2>(h, series, a);
+    case 3:
+      return exponentiate_chain<3>(h, series, a);
+    case 4:
+      return exponentiate_chain<4>(h, series, a);
+    case 5:
+      return exponentiate_chain<5>(h, series, a);
+    case 6:
+      return exponentiate_chain<6>(h, series, a);
+    case 7:
+      return exponentiate_chain<7>(h, series, a);
+    case 8:
+      return exponentiate_chain<8>(h, series, a);
+    case 9:
+      return exponentiate_chain<9>(h, series, a);
+    default:
+      return exponentiate_any(f, h, series, a);
+  }
+}
+inline void exponentiate(const LevelManifold& f, const LevelMatrix& h, Amplitudes& a) {
+  exponentiate(f, h, ChebyshevSeries(radius_of(f, h)), a);
+}
+RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes& a) {
+  for (int k = 0; k < levels; ++k) {
+    a.re[k] = select(m, yes.re[k], a.re[k]);
+    a.im[k] = select(m, yes.im[k], a.im[k]);
+  }
+}
+
+/// Calls act(number) where number(matrix) is one of the real numbers of a matrix, for all of them.
+template <typename Act>
+RABILINE_LANES void for_each_number(const LevelManifold& f, const Act& act) {
+  for (int k = 0; k < f.levels; ++k) act([=](auto& h) -> auto& { return h.diagonal[k]; });
+  for (int j = 0; j < f.couplings; ++j) {
+    act([=](auto& h) -> auto& { return h.re[j]; });
+    act([=](auto& h) -> auto& { return h.im[j]; });
+  }
+}
+inline void copy_matrix(const LevelManifold& f, const LevelMatrix& from, LevelMatrix& to) {
+  for_each_number(f, [&](auto&& number) { number(to) = number(from); });
+}
+constexpr double lobatto_inner = 0.65465367070797714380;  // sqrt(3/7)
+constexpr double lobatto_point[5] = {-1, -lobatto_inner, 0, lobatto_inner, 1};
+/// From the values at Lobatto's five points to the factors of P_0 to P_4, times h.
+inline void to_legendre(const LevelManifold& f, real h, LevelMatrix* at) {
+  for_each_number(f, [&](auto&& number) {
+    const real outer = h * (number(at[0]) + number(at[4])), inner = h * (number(at[1]) + number(at[3])),
+               middle = h * number(at[2]), out = h * (number(at[4]) - number(at[0])),
+               in = h * (number(at[3]) - number(at[1]));
+    number(at[0]) = (1.0 / 20) * outer + (49.0 / 180) * inner + (16.0 / 45) * middle;
+    number(at[1]) = (3.0 / 20) * out + (49.0 / 60 * lobatto_inner) * in;
+    number(at[2]) = (1.0 / 4) * outer + (7.0 / 36) * inner - (8.0 / 9) * middle;
+    number(at[3]) = 0.5 * out - number(at[1]);
+    number(at[4]) = (1.0 / 5) * outer - (7.0 / 15) * inner + (8.0 / 15) * middle;
+  });
+}
+/// What a step of a time-dependent H exponentiates one after the other: shares of the factors of P_0 to P_3,
+/// those of two steps of half the length by what the polynomials are there.
+constexpr double whole_step[2][4] = {{1.0 / 2, -1.0 / 3, 0, 0}, {1.0 / 2, 1.0 / 3, 0, 0}};
+constexpr double half_steps[4][4] = {{1.0 / 4, -5.0 / 24, 1.0 / 8, -1.0 / 32},
+                                     {1.0 / 4, -1.0 / 24, -1.0 / 8, 3.0 / 32},
+                                     {1.0 / 4, 1.0 / 24, -1.0 / 8, -3.0 / 32},
+                                     {1.0 / 4, 5.0 / 24, 1.0 / 8, 1.0 / 32}};
+template <int count>
+constexpr double largest_share(const double (&shares)[count][4], int power) {
+  double most = 0;
+  for (const auto& share : shares) {
+    const double size = share[power] < 0 ? -share[power] : share[power];
+    most = size > most ? size : most;
+  }
+  return most;
+}
+inline void sum_up(const LevelManifold& f, const LevelMatrix* at, const double (&share)[4], LevelMatrix& h) {
+  for_each_number(f, [&](auto&& number) {
+    real sum = share[0] * number(at[0]);
+    for (int i = 1; i < 4; ++i) sum = fma(broadcast(share[i]), number(at[i]), sum);
+    number(h) = sum;
+  });
+}
+/// By how much two states differ, but for a common phase.
+inline real difference(int levels, const Amplitudes& one, const Amplitudes& other) {
+  real square = broadcast(0), phase = broadcast(0);
+  for (int k = 0; k < levels; ++k) {
+    const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
+    square = fma(re, re, fma(im, im, square));
+    phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
+  }
+  return sqrt(max(broadcast(0), fnma(phase, phase, square)));
+}
+
+/// What whole steps of fourth order and halves of them would come to with ever shorter ones.
+inline void extrapolate(int levels, const Amplitudes& whole, Amplitudes& halves) {
+  real size2 = broadcast(0);
+  for (int k = 0; k < levels; ++k) {
+    halves.re[k] = fma(halves.re[k] - whole.re[k], broadcast(1.0 / 15), halves.re[k]);
+    halves.im[k] = fma(halves.im[k] - whole.im[k], broadcast(1.0 / 15), halves.im[k]);
+    size2 = fma(halves.re[k], halves.re[k], fma(halves.im[k], halves.im[k], size2));
+  }
+  const real unit = 1.0 / sqrt(size2);
+  for (int k = 0; k < levels; ++k) {
+    halves.re[k] = halves.re[k] * unit;
+    halves.im[k] = halves.im[k] * unit;
+  }
+}
+
+}  // namespace rabiline::RABILINE_ISA
