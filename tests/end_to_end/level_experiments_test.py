@@ -134,6 +134,12 @@ def test_a_weak_field_unit_turns_every_level_of_deuterium_round(run):
         assert states[1, level, 3 - level] > 0.99 * states[1, level].sum()
 
 
+def test_molecules_in_a_weak_solenoid_leave_it_as_an_independent_integration_says(run):
+    # Energies commute with one another: steps that only compare themselves with their halves miss their error.
+    check = run("ortho-hydrogen-solenoid", "--no-scan", "--set", "solenoid.current=25 mA", "--particles", "40")["entry/field_check"]
+    assert check["particles"][()] == 16 and check["levels"][()] < 1e-6
+
+
 def told_of_steps(run, name, *arguments):
     """The line on steps of `rabiline summary`."""
     told = subprocess.run([RABILINE, "summary", run(name, *arguments).filename], capture_output=True, text=True, check=True)
