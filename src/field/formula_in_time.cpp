@@ -65,8 +65,7 @@ class InTime {
           out.push_back(duration_ * static_cast<double>(extreme - seen.begin()) / scouted);
       }
     std::ranges::sort(out);
-    const auto same = std::ranges::unique(out);
-    out.erase(same.begin(), same.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
   }
 
