@@ -19,6 +19,13 @@ def same_levels(one: Path, other: Path, within: float = 2e-6) -> None:
     assert np.abs(levels[0] - levels[1]).max() < within
 
 
+def assert_refused(path: Path, message: str, help_: str) -> None:
+    """By a message at the formula's own line."""
+    out = run("check", path)
+    assert out.returncode == 2
+    assert message in out.stderr and help_ in out.stderr and ":9:" in out.stderr, out.stderr
+
+
 @pytest.mark.parametrize("phase", ["locked", "70 deg", "random"])
 def test_a_formula_with_t_turns_as_the_rotating_field_that_it_states(tmp_path: Path, phase: str) -> None:
     formula = of_formula(tmp_path, f"Bx: A*cos(2*pi*f*t), By: A*sin(2*pi*f*t), constants: {{A: 40 uT, f: -29.2 kHz}}, frequency: 29.2 kHz, phase: {phase}")
@@ -97,9 +104,7 @@ def test_an_electric_formula_is_the_electric_field_that_it_states(tmp_path: Path
     ("Ez: 1e3", ", oscillates: {frequency: 10 kHz, phase: locked}", "is an electric field, and these stand still", "omit `oscillates`"),
 ])
 def test_what_is_wrong_with_a_formula_in_time_has_its_place(tmp_path: Path, formula: str, rest: str, message: str, help_: str) -> None:
-    out = run("check", of_formula(tmp_path, formula, rest=rest))
-    assert out.returncode == 2
-    assert message in out.stderr and help_ in out.stderr and ":9:" in out.stderr, out.stderr
+    assert_refused(of_formula(tmp_path, formula, rest=rest), message, help_)
 
 
 LEVELS = "\n  spin: {kind: levels, levels: [F=1 m=1]}"
