@@ -86,7 +86,7 @@ def draw_apparatus(experiment: Experiment, paths: int | None = None, title: str 
 @style.in_proportion
 def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, title: str) -> Figure:
     end = max(piece.begin + piece.length for piece in pieces) * 1.02
-    fields = fields_along(experiment, pieces, end)
+    fields = fields_along(experiment, pieces, end, tracks)
     drawn = [draw for draw, there in ((_draw_fields, fields and fields.is_magnetic), (_draw_electric, fields and fields.electric.any()))
              if there]
     figure, panels = plt.subplots(3 + len(drawn), 1, figsize=(9.0, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained",
@@ -144,14 +144,19 @@ class FieldsAlong:
         return bool(self.static.any() or self.drives.any())
 
 
-def fields_along(experiment: Experiment, pieces: list[Piece], end: float) -> FieldsAlong | None:
-    """Where it changes most it is probed most; None where there is none."""
+def fields_along(experiment: Experiment, pieces: list[Piece], end: float, tracks: Tracks | None) -> FieldsAlong | None:
+    """Where it changes most it is probed most; None where there is none. Formulas, which may have t, as the first path meets them."""
     edges = [place for piece in pieces for at in (piece.begin, piece.begin + piece.length) for place in (at - 1e-6, at + 1e-6)]
     y = np.unique(np.clip([*np.linspace(0, end, PLACES), *edges], 0, end))
     places = [(0.0, float(place), 0.0) for place in y]
     drives = {name for name, *_, drives in experiment._setup.parts if drives}
     fields, electric = experiment.field(places), experiment.electric_field(places)
     nothing = np.zeros((y.size, 3))
+    in_time = [piece.part for piece in pieces if piece.kind == "formula_field"]
+    if in_time and tracks and tracks.tracks:
+        first = tracks.tracks[0]
+        met = experiment.field(places, np.interp(y, first.position[:, 1], first.time))
+        fields |= {name: met[name] for name in in_time if name in met}
     static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), nothing) for wanted in (False, True))
     found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1),
                         np.linalg.norm(sum(electric.values(), nothing), axis=1),

@@ -134,17 +134,20 @@ class Experiment:
         from .flown import Flown
         return Flown(_fly(self._setup, threads, "", "none", "", False))
 
-    def field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
+    def field(self, places: Sequence[Sequence[float]], times: Sequence[float] | None = None) -> dict[str, np.ndarray]:
         """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,
-        without the scan; fields with a clock at time 0."""
-        return {part: B for part, B, E in self._probed(places) if B.any() or not E.any()}
+        and `times` [n] in s, all 0 where they are missing; without the scan."""
+        return {part: B for part, B, E in self._probed(places, times) if B.any() or not E.any()}
 
     def electric_field(self, places: Sequence[Sequence[float]]) -> dict[str, np.ndarray]:
         """The electric field [n, 3] in V/m of each part that has one there, as `field`."""
-        return {part: E for part, _, E in self._probed(places) if E.any()}
+        return {part: E for part, _, E in self._probed(places, None) if E.any()}
 
-    def _probed(self, places: Sequence[Sequence[float]]) -> list[tuple[str, np.ndarray, np.ndarray]]:
-        return _core.probe(self._setup, [tuple(map(float, place)) for place in places])
+    def _probed(self, places: Sequence[Sequence[float]], times: Sequence[float] | None) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        if times is not None and len(times) != len(places):
+            raise ValueError(f"{len(times)} times for {len(places)} places")
+        return _core.probe(self._setup, [tuple(map(float, place)) for place in places],
+                           [0.0] * len(places) if times is None else [float(time) for time in times])
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times

@@ -111,7 +111,9 @@ void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<dou
   print_line(table, setup, a, place, time);
   std::rewind(table);
   dup2(fileno(table), STDIN_FILENO);
-  start_package({"plot-field", "/dev/stdin", "--title", setup.title(), "-o", a.picture});
+  start_package({"plot-field", "/dev/stdin", "--title",
+                 setup.title().empty() ? a.experiment.file.filename().string() : setup.title(), "-o",
+                 a.picture});
 }
 
 void probe_command(const ProbeArguments& a) {

@@ -54,9 +54,7 @@ inline constexpr auto parameters<FormulaBox> = std::tuple{
     param("phase", &FormulaBox::phase, "of their period at emission: locked (t = 0), random, or an angle",
           Phase{}),
     param("duration", &FormulaBox::duration, Dimension::time, range::positive,
-          "for which formulas that have t [s] but do not repeat are worked out, from t = 0 on; behind it the "
-          "field "
-          "stays"),
+          "of formulas with t [s] that do not repeat: the time from t = 0 on; then the field stays"),
 };
 /// What of a formula stands, swings with a multiple of its frequency, or follows a course in time.
 struct FormulaMap {

@@ -62,6 +62,15 @@ double jump_of(const DriveTerm& drive, double stay) {
                   std::abs(share_of(e, e.begin + (1 - inside) * e.length)));
 }
 
+/// [1/s] No less than what a course changes by: the slope of a B-spline is a mean of the differences of its
+/// coefficients.
+double fastest_rate(const TimeCourse& course) {
+  double most = 0;
+  for (int i = 0; course.nodes > 0 && i <= course.nodes; ++i)
+    most = std::max(most, std::abs(course.coefficients[i + 1] - course.coefficients[i]));
+  return most * course.per_second;
+}
+
 /// What a particle passes on the axis at one place.
 struct Passing {
   double rate = 0;                            // [T/s] of the static field
@@ -79,9 +88,8 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
     add_field<HostMaths>(term, 0.0, y, 0.0, peak);
     const double size = portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
     if (term.drive < 0) {
-      add_field_at<HostMaths>(term, 0.0, y, 0.0, y / speed, still);
-      if (term.course.nodes > 0)
-        out.rate += size * std::abs(course_at<HostMaths>(term.course, y / speed).rate);
+      add_field<HostMaths>(term, 0.0, y, 0.0, still);
+      out.rate += size * fastest_rate(term.course);
       continue;
     }
     out.peak += size;

@@ -25,6 +25,7 @@ constexpr double beyond = 2;
 
 constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
                            turns_too_fast = "spins turn faster than the moments that were kept resolve",
+                           mixed_by_particle = "levels of atoms are mixed for each particle",
                            shorter_by_particle = "that is shorter here";
 
 /// A field across z that turns about it by one clock, with the same size and rate for every particle at a
@@ -125,7 +126,9 @@ class TransitMaker {
       const auto turning = angle_along(one);
       const auto cells = turning ? cells_for(*turning) : std::nullopt;
       if (!cells) {
-        nodes[group.front()].why_one_by_one = turning ? turns_too_fast : no_closed_form;
+        nodes[group.front()].why_one_by_one = turning                                      ? turns_too_fast
+                                              : path_of(one.stage)->transitions != nullptr ? mixed_by_particle
+                                                                                           : no_closed_form;
         continue;
       }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
@@ -156,7 +159,7 @@ class TransitMaker {
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
     if (const SpinPath& path = *path_of(node.ways.front().stage);
         path.transitions != nullptr || path.way != nullptr)
-      return by_particle(node, "levels of atoms are mixed for each particle");
+      return by_particle(node, mixed_by_particle);
     // Their covariance would need products of the weights before and behind.
     if (!full && weights_differ_)
       return by_particle(node, "the weights of an aimed source are changed on the way");

@@ -90,15 +90,16 @@ std::vector<std::string> names_of_detectors(const Result& result) {
   return names;
 }
 
-/// [(part, B [n][3], E [n][3])]
-py::list probed(const Setup& setup, const std::vector<std::array<double, 3>>& places) {
+/// [(part, B [n][3], E [n][3])], each place at a time of its own [s].
+py::list probed(const Setup& setup, const std::vector<std::array<double, 3>>& places,
+                const std::vector<double>& times) {
   struct Along {
     std::string part;
     std::vector<double> magnetic, electric;
   };
   std::vector<Along> fields;
   for (std::size_t i = 0; i < places.size(); ++i)
-    for (const Probed::Contribution& own : probe(setup, places[i]).contributions) {
+    for (const Probed::Contribution& own : probe(setup, places[i], times.at(i)).contributions) {
       auto found = std::ranges::find(fields, own.part, &Along::part);
       if (found == fields.end())
         found = fields.insert(fields.end(), {own.part, std::vector<double>(3 * places.size()),
@@ -165,10 +166,9 @@ void add_flights(py::module_& module) {
   });
   module.def(
       "probe",
-      [](const Setup& setup, const std::vector<std::array<double, 3>>& places) {
-        return probed(setup, places);
-      },
-      "[(part, B [n, 3], E [n, 3])] of every part with a field, clocks at time 0");
+      [](const Setup& setup, const std::vector<std::array<double, 3>>& places,
+         const std::vector<double>& times) { return probed(setup, places, times); },
+      "[(part, B [n, 3], E [n, 3])] of every part with a field, at places [n, 3] and times [n]");
 }
 
 }  // namespace rabiline

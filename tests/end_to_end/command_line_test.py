@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 import pytest
 from runs import (
-    BAD_INPUT, CROWDED, DONE, EDGES, EXPERIMENT, LAWS, NOT_WRITTEN, PROGRAM, QUANTA, assert_same_bits, crowded,
+    BAD_INPUT, CROWDED, DONE, EDGES, EXPERIMENT, LAWS, NOT_WRITTEN, PROGRAM, QUANTA, ROOT, assert_same_bits, crowded,
     crowded_reference, folder, provenance, rabiline, read, reference, run,
 )
 
@@ -264,6 +264,11 @@ def test_check_tells_the_plan_and_the_derived_numbers() -> None:
         assert words in done.stdout
     for part in ("B_prime", "screen"):
         assert f"{part}:" in done.stdout
+
+
+def test_check_tells_why_scan_points_are_read_one_by_one() -> None:
+    told = rabiline("check", ROOT / "beamline" / "bloch-siegert.yaml").stdout
+    assert "scan points are read one by one: the fields before it are no closed form of the slowness alone" in told
 
 
 def test_check_tells_the_resonance_between_two_magnets_and_the_tube_of_an_oven(tmp_path: Path) -> None:
