@@ -144,7 +144,7 @@ class FieldsAlong:
         return bool(self.static.any() or self.drives.any())
 
 
-def fields_along(experiment: Experiment, pieces: list[Piece], end: float, tracks: Tracks | None) -> FieldsAlong | None:
+def fields_along(experiment: Experiment, pieces: list[Piece], end: float, tracks: Tracks | None = None) -> FieldsAlong | None:
     """Where it changes most it is probed most; None where there is none. Formulas, which may have t, as the first path meets them."""
     edges = [place for piece in pieces for at in (piece.begin, piece.begin + piece.length) for place in (at - 1e-6, at + 1e-6)]
     y = np.unique(np.clip([*np.linspace(0, end, PLACES), *edges], 0, end))
