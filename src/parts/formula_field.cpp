@@ -56,6 +56,7 @@ std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
 
 void contribute(const FormulaField& part, const Placement& place, SectionBuilder& builder) {
   const FormulaBox& box = part.formula.box;
+  builder.keep(part.formula.maps);
   for (const FormulaMap& own : *part.formula.maps) {
     MapMotion motion{clock_of(part.oscillates)};
     if (own.number > 0)

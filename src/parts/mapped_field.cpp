@@ -47,6 +47,7 @@ void contribute_map(const FieldMap& map, double scale, MapOutside outside, const
 
 void contribute(const MappedField& part, const Placement& place, SectionBuilder& builder) {
   const FieldMap& map = *part.map.map;
+  builder.keep(part.map.map);
   contribute_map(map, part.scale, part.outside, {clock_of(part.oscillates)},
                  map.is_round() ? frame_along(part.direction, part.tilt) : turned_frame(part.tilt),
                  part.offset, place, builder);

@@ -13,7 +13,6 @@
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
-#include "section/section_builder.hpp"
 
 namespace rabiline {
 namespace {
@@ -42,6 +41,7 @@ class Compiler {
         questions_(beamline, species, sections_, spins_, straight_, tables),
         may_reach_chamber_(beamline.gravity || !stays_where_it_starts(beamline.source)) {
     if (spins_along_z(beamline.source.spin, quantum_)) outlook_.tip = 0;
+    tables.of_parts.insert(tables.of_parts.end(), sections_.tables.begin(), sections_.tables.end());
   }
 
   std::vector<Stage> compile() {
@@ -366,23 +366,6 @@ class Compiler {
 };
 
 }  // namespace
-
-Sections sections_of(const Beamline& beamline) {
-  Wall chamber;
-  if (beamline.chamber) chamber.radius = beamline.chamber->radius;
-  SectionBuilder builder(chamber);
-  for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
-    builder.begin_part(static_cast<int>(i));
-    std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
-               beamline.parts[i].part);
-  }
-  if (beamline.gravity && beamline.gravity->direction.y != 0) {
-    double end = 0;
-    for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
-    builder.fall_along(end);
-  }
-  return builder.build(law_traits(beamline.law).has_forces ? Magnets::deflect : Magnets::uniform);
-}
 
 std::vector<Stage> compile(const Beamline& beamline, const Component& component, const ScreenGrids& grids,
                            SampledTables& tables) {

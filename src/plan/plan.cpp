@@ -133,7 +133,7 @@ double cost_of_branch(const PlanNode& node, double speed) {
 double cost_of_tree(const PlanTree& tree) {
   double cost = cost::emission;
   for (const PlanNode& node : tree.next) cost += cost_of_branch(node, tree.source.speed.mean);
-  return cost;
+  return std::isfinite(cost) ? cost : 1.0;  // [s] particles are dealt out by cost
 }
 
 /// First particle of each species: fractions of the whole, rounded so that all particles are shared out.

@@ -18,7 +18,8 @@ namespace rabiline {
 /// Each table once, at an address that stays.
 class SampledTables {
  public:
-  LawTables laws;  // of the source
+  LawTables laws;                                     // of the source
+  std::vector<std::shared_ptr<const void>> of_parts;  // keeps alive the maps that stages point into
 
   /// Transitions along driven zones up to a slowness [s/m], filled in by work_out_transitions().
   const DrivenLevels& transitions(const Structure&, const std::vector<LevelZone>&, double largest_slowness);

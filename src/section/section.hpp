@@ -1,6 +1,7 @@
 #pragma once
 // The beam cut at every edge of a field: what acts in each stretch, and the planes across the beam.
 #include <limits>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -136,6 +137,7 @@ struct Plane {
 struct Sections {
   std::vector<Section> sections;
   std::vector<Plane> planes;
+  std::vector<std::shared_ptr<const void>> tables{};  // keeps alive what terms point into
 };
 
 }  // namespace rabiline

@@ -125,6 +125,7 @@ Sections SectionBuilder::cut() const {
     return next != edges.end() && *next <= y + same_place ? *next : y;
   };
   Sections result;
+  result.tables = tables_;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     Section section{edges[i], edges[i + 1], {}, {}, {}, {}, {}, {}, {}, chamber_};
     const auto covers = [&](const Extent& e) {

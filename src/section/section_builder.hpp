@@ -1,6 +1,7 @@
 #pragma once
 // Collects what parts contribute and cuts the beam at every edge.
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,8 @@ class SectionBuilder {
   /// Where a field jumps or bends sharply inside of its stretch: a step could pass such a place between those
   /// where it asks for the field.
   void kink(double y) { kinks_.push_back(y); }
+  /// What terms point into: it must live as long as they, also where the beamline does not.
+  void keep(std::shared_ptr<const void> table) { tables_.push_back(std::move(table)); }
   /// A static electric field, in V/m; it ends where its stretch ends.
   void electric(double begin, double end, ShapedTerm);
   /// Gravity acts along the beam from its source to there.
@@ -77,6 +80,7 @@ class SectionBuilder {
   std::vector<std::pair<Extent, Wall>> bores_;
   std::vector<Plane> planes_;
   std::vector<double> kinks_;
+  std::vector<std::shared_ptr<const void>> tables_;
   double fall_end_ = 0;  // [m]
 };
 

@@ -56,6 +56,20 @@ def test_a_sum_of_courses_drives_the_levels_of_an_atom_as_the_point_spin_that_it
             assert file["entry/field_check/particles"][()] == 16 and file[f"entry/field_check/{what}"][()] < 1e-6
 
 
+@pytest.mark.parametrize("formula", ["Bz: 'B0*exp(-t/tau)', constants: {B0: 100 uT, tau: 0.3 ms}, duration: 2 ms", "Bz: B0*(1 + y/L), constants: {B0: 100 uT, L: 0.5 m}"], ids=["course", "map"])
+def test_scan_points_that_change_a_formula_have_each_its_own_field(tmp_path: Path, formula: str) -> None:
+    """Each point's maps must outlive the beamline that they were made for."""
+    path = of_formula(tmp_path, formula)
+    scanned = run("run", path, "--scan", "F.formula.constants.B0=100 uT:320 uT:12", "-o", tmp_path / "scan.h5", "--progress", "none", "--max-time", "20 s")
+    assert scanned.returncode == 0, scanned.stderr
+    with h5py.File(tmp_path / "scan.h5") as file:
+        levels = file["entry/D_levels/levels"][:].reshape(12, -1)
+    for i in (0, 4, 11):
+        alone = path.with_name(f"{i}.yaml")
+        alone.write_text(path.read_text().replace("B0: 100 uT", f"B0: {100 + 20 * i} uT"))
+        assert np.abs(levels[i] - levels_of(alone)).max() < 1e-9
+
+
 def test_a_drawing_shows_a_course_as_a_path_meets_it(tmp_path: Path) -> None:
     pytest.importorskip("rabiline._core", reason="built without pybind11")
     import rabiline

@@ -1,0 +1,27 @@
+// From parts to sections: each part contributes its terms.
+#include <algorithm>
+#include <variant>
+
+#include "plan/plan.hpp"
+#include "section/section_builder.hpp"
+
+namespace rabiline {
+
+Sections sections_of(const Beamline& beamline) {
+  Wall chamber;
+  if (beamline.chamber) chamber.radius = beamline.chamber->radius;
+  SectionBuilder builder(chamber);
+  for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
+    builder.begin_part(static_cast<int>(i));
+    std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },
+               beamline.parts[i].part);
+  }
+  if (beamline.gravity && beamline.gravity->direction.y != 0) {
+    double end = 0;
+    for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
+    builder.fall_along(end);
+  }
+  return builder.build(law_traits(beamline.law).has_forces ? Magnets::deflect : Magnets::uniform);
+}
+
+}  // namespace rabiline
