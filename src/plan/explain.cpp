@@ -135,7 +135,7 @@ class Explainer {
     for (const PlanNode& node : nodes)
       if (serves_first_point(node.points)) {
         report_.reuse = reuse(node.points.size());
-        report_.reweightings = flies_for_all_ ? experiment_.points.size() : node.ways.size();
+        report_.reweightings = flies_for_all_ ? experiment_.points.size() : node.reweightings.size();
         report_.levels_found = levels_found(node);
         report_.slowness_cells = node.transit ? node.transit->cells().count : 0;
         report_.why_one_by_one = node.why_one_by_one;
@@ -145,7 +145,7 @@ class Explainer {
   }
   static int levels_found(const PlanNode& node) {
     std::uint64_t levels = 0;
-    for (const std::uint64_t mask : node.reach) levels |= mask;
+    for (const std::uint64_t mask : node.reachable_levels) levels |= mask;
     return std::popcount(levels);
   }
   /// What drives an atom's levels before a part asks for them, once for each.

@@ -167,7 +167,8 @@ DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
 void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
   for (const PlanNode& node : nodes) {
     collect(component, node.stage, node.points);
-    for (const PlanNode::Way& way : node.ways) collect(component, way.stage, way.points);
+    for (const PlanNode::Reweighting& reweighting : node.reweightings)
+      collect(component, reweighting.stage, reweighting.points);
     collect(component, node.next);
   }
 }

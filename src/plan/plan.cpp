@@ -32,7 +32,7 @@ class TreeMaker {
   std::size_t end_of_sums() const { return sums_; }
 
   /// Points that share their weights over the levels in different ways, and then go on alike, are one node.
-  std::vector<PlanNode> merge_ways(const std::vector<const Chain*>& chains, std::size_t depth) {
+  std::vector<PlanNode> merge_reweightings(const std::vector<const Chain*>& chains, std::size_t depth) {
     const auto behind = static_cast<std::ptrdiff_t>(depth) + 1;
     const auto go_on_alike = [&](const Chain& a, const Chain& b) {
       return std::equal(a.stages.begin() + behind, a.stages.end(), b.stages.begin() + behind, b.stages.end());
@@ -47,11 +47,11 @@ class TreeMaker {
       const auto share_alike = [&](const Chain& a, const Chain& b) {
         return a.stages[depth] == b.stages[depth];
       };
-      for (const std::vector<const Chain*>& way : grouped(group, share_alike)) {
-        node.ways.push_back({way.front()->stages[depth], {}, node.ways.size() * size});
-        for (const Chain* chain : way) node.ways.back().points.push_back(chain->point);
+      for (const std::vector<const Chain*>& alike : grouped(group, share_alike)) {
+        node.reweightings.push_back({alike.front()->stages[depth], {}, node.reweightings.size() * size});
+        for (const Chain* chain : alike) node.reweightings.back().points.push_back(chain->point);
       }
-      sums_ = begin + node.ways.size() * size;
+      sums_ = begin + node.reweightings.size() * size;
       nodes.push_back(std::move(node));
     }
     return nodes;
@@ -60,7 +60,7 @@ class TreeMaker {
   /// Groups chains by their stage at `depth` and goes on behind it.
   std::vector<PlanNode> merge(const std::vector<const Chain*>& chains, std::size_t depth) {
     if (std::all_of(chains.begin(), chains.end(), [&](const Chain* c) { return splits_at(*c, depth); }))
-      return merge_ways(chains, depth);
+      return merge_reweightings(chains, depth);
     std::vector<const Chain*> going_on;
     for (const Chain* chain : chains)
       if (chain->stages.size() > depth) going_on.push_back(chain);
@@ -74,7 +74,7 @@ class TreeMaker {
     std::vector<PlanNode> nodes;
     for (const auto& group : groups) {
       if (splits_at(*group.front(), depth)) {
-        for (PlanNode& node : merge_ways(group, depth)) nodes.push_back(std::move(node));
+        for (PlanNode& node : merge_reweightings(group, depth)) nodes.push_back(std::move(node));
         continue;
       }
       PlanNode node{group.front()->stages[depth], {}, sums_, {}};
@@ -123,11 +123,11 @@ double cost_of_branch(const PlanNode& node, double speed) {
   const double sum = cost_of(node.stage, speed);
   double behind = 0;
   for (const PlanNode& next : node.next) behind += cost_of_branch(next, speed);
-  if (node.ways.empty()) return sum + behind;
+  if (node.reweightings.empty()) return sum + behind;
   const double levels = path_of(node.stage)->outcomes();
   if (node.transit) return levels * (behind + levels * cost::moment);
-  return levels * (behind + cost::share * static_cast<double>(node.ways.size())) +
-         sum * static_cast<double>(node.ways.size());
+  return levels * (behind + cost::share * static_cast<double>(node.reweightings.size())) +
+         sum * static_cast<double>(node.reweightings.size());
 }
 
 double cost_of_tree(const PlanTree& tree) {
@@ -207,24 +207,25 @@ std::size_t ledger_levels_of(const Root& root, const std::vector<const Chain*>& 
   return separated || of_atom ? static_cast<std::size_t>(root.source.spin.levels) : 0;
 }
 
-void add_reach(const SpinPath& projection, std::vector<std::uint64_t>& reach) {
-  reach.resize(static_cast<std::size_t>(projection.levels));
-  for (std::size_t from = 0; from < reach.size(); ++from) {
+void add_reachable(const SpinPath& projection, std::vector<std::uint64_t>& levels) {
+  levels.resize(static_cast<std::size_t>(projection.levels));
+  for (std::size_t from = 0; from < levels.size(); ++from) {
     if (projection.way != nullptr) {
-      reach[from] |= projection.way->reach(static_cast<int>(from));
+      levels[from] |= projection.way->reachable_from(static_cast<int>(from));
       continue;
     }
     if (projection.transitions == nullptr) {
-      reach[from] = (std::uint64_t{1} << projection.outcomes()) - 1;
+      levels[from] = (std::uint64_t{1} << projection.outcomes()) - 1;
       continue;
     }
-    reach[from] |= projection.transitions->reach(static_cast<int>(from));
+    levels[from] |= projection.transitions->reachable_from(static_cast<int>(from));
   }
 }
 
-void find_reach(PlanNode& node) {
-  for (const PlanNode::Way& way : node.ways) add_reach(*path_of(way.stage), node.reach);
-  for (PlanNode& next : node.next) find_reach(next);
+void find_reachable_levels(PlanNode& node) {
+  for (const PlanNode::Reweighting& one : node.reweightings)
+    add_reachable(*path_of(one.stage), node.reachable_levels);
+  for (PlanNode& next : node.next) find_reachable_levels(next);
 }
 
 PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, Neighbours& neighbours,
@@ -244,7 +245,7 @@ PlanTree make_tree(const Root& root, const std::vector<const Chain*>& chains, Ne
   TreeMaker maker(sums, tree.ledger_levels, neighbours);
   tree.next = maker.merge(chains, 0);
   sums = maker.end_of_sums();
-  for (PlanNode& node : tree.next) find_reach(node);
+  for (PlanNode& node : tree.next) find_reachable_levels(node);
   return tree;
 }
 
@@ -253,7 +254,7 @@ template <class F>
 void each_filter(std::vector<PlanNode>& nodes, F f) {
   for (PlanNode& node : nodes)
     if (std::holds_alternative<Filter>(node.stage) ||
-        (!node.ways.empty() && !path_of(node.stage)->filters.empty()))
+        (!node.reweightings.empty() && !path_of(node.stage)->filters.empty()))
       f(node);
     else
       each_filter(node.next, f);

@@ -22,18 +22,19 @@ struct PlanNode {
   std::vector<PlanNode> next;
   std::size_t ledger =
       0;  // where the ledger by prepared level begins; 0: the stage ends nobody, or there is none
-  /// Of a stage that splits weights: paths behind it are flown once in each level, and each way shares the
-  /// weights over them. `next` is one chain, its sums those of the first way. Of a stage that only reads: the
-  /// points that it serves by moments.
-  struct Way {
+  /// Of a stage that splits weights: paths behind it are flown once in each level, and reweighted for each
+  /// setting of scan points. `next` is one chain, its sums those of the first reweighting. Of a stage that
+  /// only reads: the points that it serves by moments.
+  struct Reweighting {
     Stage stage;
     std::vector<int> points;
-    std::size_t shift = 0;  // of its sums behind those of the first way
+    std::size_t shift = 0;  // of its sums behind those of the first
   };
-  std::vector<Way> ways{};
-  std::vector<std::uint64_t>
-      reach{};  // levels that any of the ways can find, as a mask for each level before
-  /// Where all ways follow from moments of the slowness: how these are laid out, and where they begin.
+  std::vector<Reweighting> reweightings{};
+  /// That any reweighting can find, as a mask for each level before.
+  std::vector<std::uint64_t> reachable_levels{};
+  /// Where all reweightings follow from moments of the slowness: how these are laid out, and where they
+  /// begin.
   std::shared_ptr<const TransitLayout> transit{};
   std::size_t moments = 0;
   std::string_view why_one_by_one{};  // why they do not

@@ -91,7 +91,7 @@ class TransitMaker {
   void visit(std::vector<PlanNode>& nodes, bool as_emitted, bool full) {
     gather_readers(nodes);
     for (PlanNode& node : nodes)
-      if (node.ways.empty())
+      if (node.reweightings.empty())
         visit(node.next, as_emitted && (!has_ledger_ || traits_of(node.stage).spins != SpinEffect::set),
               full && (follows_paths(node.stage) || traits_of(node.stage).only_reads));
       else if (as_emitted && !node.transit)
@@ -120,7 +120,7 @@ class TransitMaker {
       PlanNode one = nodes[group.front()];
       one.points.clear();
       for (const std::size_t i : group) {
-        one.ways.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
+        one.reweightings.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
       const auto turning = angle_along(one);
@@ -157,7 +157,7 @@ class TransitMaker {
   void lay_out(PlanNode& node, bool full) {
     // Their covariance with the other points would be missing.
     if (node.points.size() != points_) return by_particle(node, "other scan points fly apart from these");
-    if (const SpinPath& path = *path_of(node.ways.front().stage);
+    if (const SpinPath& path = *path_of(node.reweightings.front().stage);
         path.transitions != nullptr || path.way != nullptr)
       return by_particle(node, mixed_by_particle);
     // Their covariance would need products of the weights before and behind.
@@ -170,7 +170,8 @@ class TransitMaker {
     if (!turning) return by_particle(node, no_closed_form);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
-    const auto layout = std::make_shared<TransitLayout>(*cells, node.reach, *links, full && !weights_differ_);
+    const auto layout =
+        std::make_shared<TransitLayout>(*cells, node.reachable_levels, *links, full && !weights_differ_);
     if (layout->size() > most_moments) return by_particle(node, "their moments would need much memory");
     const double levels = static_cast<double>(layout->levels());
     double shared = cost::share * levels, entries = levels * (levels + 1);
@@ -179,8 +180,8 @@ class TransitMaker {
       shared += cost::tally * levels;
       entries += levels * (levels + 2 + 2 * static_cast<double>(link.axes));
     }
-    if (!is_shorter(*layout, node.ways.size(),
-                    shared + cost_of_steps(node.ways.front().stage) + cost_behind_filters(node),
+    if (!is_shorter(*layout, node.reweightings.size(),
+                    shared + cost_of_steps(node.reweightings.front().stage) + cost_behind_filters(node),
                     particles_ * entries))
       return by_particle(node, shorter_by_particle);
     keep(node, layout);
@@ -197,8 +198,8 @@ class TransitMaker {
   /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
   static std::optional<double> angle_along(const PlanNode& node) {
     double angle = 0;
-    for (const PlanNode::Way& way : node.ways) {
-      const SpinPath& path = *path_of(way.stage);
+    for (const PlanNode::Reweighting& reweighting : node.reweightings) {
+      const SpinPath& path = *path_of(reweighting.stage);
       const std::optional<double> turning = turning_along(path);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
@@ -261,7 +262,7 @@ class TransitMaker {
 bool is_one_flight(const std::vector<PlanNode>& nodes, std::size_t points, std::string_view& why) {
   for (const PlanNode& node : nodes) {
     if (node.points.size() == points && !node.why_one_by_one.empty()) why = node.why_one_by_one;
-    if (node.points.size() != points || (!node.ways.empty() && !node.transit)) return false;
+    if (node.points.size() != points || (!node.reweightings.empty() && !node.transit)) return false;
     if (!node.transit && traits_of(node.stage).counts_levels && path_of(node.stage) != nullptr) return false;
     if (!node.transit && !is_one_flight(node.next, points, why)) return false;
   }

@@ -77,13 +77,13 @@ class Contraction {
   }
 
   void run(int threads, std::vector<CountCovariance>& covariances) {
-    in_parallel(node_.ways.size(), threads, [&](std::size_t i) {
-      const PlanNode::Way& way = node_.ways[i];
-      put_decided(way.shift);
+    in_parallel(node_.reweightings.size(), threads, [&](std::size_t i) {
+      const PlanNode::Reweighting& reweighting = node_.reweightings[i];
+      put_decided(reweighting.shift);
       Shares shares;
       for (std::size_t from = 0; from < layout_.levels(); ++from)
-        shares.push_back(nodes_.shares(*path_of(way.stage), tree_.source.key, from));
-      put(shares, way.shift);
+        shares.push_back(nodes_.shares(*path_of(reweighting.stage), tree_.source.key, from));
+      put(shares, reweighting.shift);
     });
     for (std::size_t k = 0; k < links_.size(); ++k)
       if (layout_.link(k).groups)
@@ -264,25 +264,28 @@ class Contraction {
     }
   }
 
-  /// [particles] that a link counted, of each way.
+  /// [particles] that a link counted, of each reweighting.
   Eigen::VectorXd counted(std::size_t k) const {
-    Eigen::VectorXd out(static_cast<Eigen::Index>(node_.ways.size()));
-    for (std::size_t way = 0; way < node_.ways.size(); ++way)
-      out[static_cast<Eigen::Index>(way)] =
-          static_cast<double>(sums_[links_[k].sums + node_.ways[way].shift + layout_.link(k).whole_sum()]) /
+    Eigen::VectorXd out(static_cast<Eigen::Index>(node_.reweightings.size()));
+    for (std::size_t one = 0; one < node_.reweightings.size(); ++one)
+      out[static_cast<Eigen::Index>(one)] =
+          static_cast<double>(
+              sums_[links_[k].sums + node_.reweightings[one].shift + layout_.link(k).whole_sum()]) /
           quanta;
     return out;
   }
 
-  /// [particles] of them that it counted from outside the cells, for each way in each group of particles.
+  /// [particles] of them that it counted from outside the cells, for each reweighting in each group of
+  /// particles.
   Eigen::MatrixXd stragglers(std::size_t k) const {
-    Eigen::MatrixXd out(static_cast<Eigen::Index>(node_.ways.size()), static_cast<Eigen::Index>(group_count));
-    for (Eigen::Index way = 0; way < out.rows(); ++way)
+    Eigen::MatrixXd out(static_cast<Eigen::Index>(node_.reweightings.size()),
+                        static_cast<Eigen::Index>(group_count));
+    for (Eigen::Index one = 0; one < out.rows(); ++one)
       for (Eigen::Index group = 0; group < out.cols(); ++group)
-        out(way, group) =
-            static_cast<double>(sums_[links_[k].sums + node_.ways[static_cast<std::size_t>(way)].shift +
-                                      *layout_.link(k).groups + static_cast<std::size_t>(group)]) /
-            quanta;
+        out(one, group) = static_cast<double>(
+                              sums_[links_[k].sums + node_.reweightings[static_cast<std::size_t>(one)].shift +
+                                    *layout_.link(k).groups + static_cast<std::size_t>(group)]) /
+                          quanta;
     return out;
   }
 
@@ -302,12 +305,12 @@ void contract_levels(const PlanTree& tree, const PlanNode& node, int threads, Su
   const TransitNodes::WholeLink whole = nodes.whole_link(0);
   std::vector<int> all(layout.levels());
   std::iota(all.begin(), all.end(), 0);
-  in_parallel(node.ways.size(), threads, [&](std::size_t i) {
-    const PlanNode::Way& way = node.ways[i];
+  in_parallel(node.reweightings.size(), threads, [&](std::size_t i) {
+    const PlanNode::Reweighting& reweighting = node.reweightings[i];
     Shares shares;
     for (std::size_t from = 0; from < layout.levels(); ++from)
-      shares.push_back(nodes.shares(*path_of(way.stage), tree.source.key, from, all));
-    put_levels(whole, shares, {layout.levels(), all}, 1, sums.data() + node.sums + way.shift);
+      shares.push_back(nodes.shares(*path_of(reweighting.stage), tree.source.key, from, all));
+    put_levels(whole, shares, {layout.levels(), all}, 1, sums.data() + node.sums + reweighting.shift);
   });
 }
 

@@ -101,30 +101,32 @@ class CovarianceMaker {
         emitted_(static_cast<double>(sums[tree.sums + EmissionSums::q()]) / one_particle),
         emitted2_(static_cast<double>(sums[tree.sums + EmissionSums::q2()]) / one_particle / one_particle) {}
 
-  /// Of all ways, which are filled up to eights.
+  /// Of all reweightings, which are filled up to eights.
   Eigen::MatrixXd between_all() const {
-    const auto all = static_cast<Eigen::Index>(projection_.ways.size()), ways = (all + 7) / 8 * 8;
-    std::vector<Eigen::MatrixXd> term(products_.size(), Eigen::MatrixXd::Zero(ways, nodes_.size()));
-    for (Eigen::Index way = 0; way < all; ++way) {
-      const std::vector<Eigen::VectorXd> of_way = terms_of_way(way);
-      for (std::size_t i = 1; i < term.size(); ++i) term[i].row(way) = of_way[i];
+    const auto all = static_cast<Eigen::Index>(projection_.reweightings.size()),
+               reweightings = (all + 7) / 8 * 8;
+    std::vector<Eigen::MatrixXd> term(products_.size(), Eigen::MatrixXd::Zero(reweightings, nodes_.size()));
+    for (Eigen::Index one = 0; one < all; ++one) {
+      const std::vector<Eigen::VectorXd> terms_of_one = terms_of(one);
+      for (std::size_t i = 1; i < term.size(); ++i) term[i].row(one) = terms_of_one[i];
     }
 
-    Eigen::MatrixXd together = Eigen::MatrixXd::Constant(ways, ways, products_[0][0].sum());
+    Eigen::MatrixXd together = Eigen::MatrixXd::Constant(reweightings, reweightings, products_[0][0].sum());
     for (std::size_t i = 1; i < term.size(); ++i) {
       const Eigen::VectorXd with_one = term[i] * products_[i][0];
       together.colwise() += with_one;
       together.rowwise() += with_one.transpose();
-      Eigen::MatrixXd others = Eigen::MatrixXd::Zero(ways, nodes_.size());
+      Eigen::MatrixXd others = Eigen::MatrixXd::Zero(reweightings, nodes_.size());
       for (std::size_t j = 1; j < term.size(); ++j) others += term[j] * products_[i][j].asDiagonal();
-      kernel::add_products(best_isa())(term[i].data(), others.data(), ways, nodes_.size(), together.data());
+      kernel::add_products(best_isa())(term[i].data(), others.data(), reweightings, nodes_.size(),
+                                       together.data());
     }
     together.triangularView<Eigen::StrictlyUpper>() = together.transpose();
     together *= share_ * share_ / one_particle;
     if (some_strayed_) add_stragglers(together);
 
     Eigen::VectorXd counted = counted_;
-    counted.conservativeResizeLike(Eigen::VectorXd::Zero(ways));
+    counted.conservativeResizeLike(Eigen::VectorXd::Zero(reweightings));
     Eigen::VectorXd weighted = counted;
     if (weights_differ_) {
       weighted.setConstant(singles_[0].sum());
@@ -140,9 +142,9 @@ class CovarianceMaker {
     return covariance;
   }
 
-  /// The same of one way with itself: sums in one order, whatever other ways there are.
-  double variance_of(Eigen::Index way) const {
-    const std::vector<Eigen::VectorXd> term = terms_of_way(way);
+  /// The same of one reweighting with itself: sums in one order, whatever others there are.
+  double variance_of(Eigen::Index one) const {
+    const std::vector<Eigen::VectorXd> term = terms_of(one);
     const bool are_powers = path_of(projection_.stage)->filters.empty();
     double together = 0, weighted = 0;
     for (Eigen::Index node = 0; node < nodes_.size(); ++node)
@@ -157,27 +159,27 @@ class CovarianceMaker {
     if (some_strayed_) {
       const auto groups = static_cast<double>(stragglers_.cols());
       double strayed = 0, scatter = 0;
-      for (Eigen::Index group = 0; group < stragglers_.cols(); ++group) strayed += stragglers_(way, group);
+      for (Eigen::Index group = 0; group < stragglers_.cols(); ++group) strayed += stragglers_(one, group);
       for (Eigen::Index group = 0; group < stragglers_.cols(); ++group)
-        scatter += portable::pow(stragglers_(way, group) - strayed / groups, 2);
+        scatter += portable::pow(stragglers_(one, group) - strayed / groups, 2);
       together += scatter * groups / (groups - 1);
       weighted += strayed * (emitted2_ / emitted_);
     }
-    if (!weights_differ_) weighted = counted_[way];
-    const double rate = counted_[way] / emitted_;
+    if (!weights_differ_) weighted = counted_[one];
+    const double rate = counted_[one] / emitted_;
     return std::max(0.0, together - 2 * weighted * rate + emitted2_ * rate * rate);
   }
 
  private:
-  std::vector<Eigen::VectorXd> terms_of_way(Eigen::Index way) const {
-    return terms_at(nodes_, *path_of(projection_.ways[static_cast<std::size_t>(way)].stage), outcomes_,
-                    tree_.source.key);
+  std::vector<Eigen::VectorXd> terms_of(Eigen::Index one) const {
+    return terms_at(nodes_, *path_of(projection_.reweightings[static_cast<std::size_t>(one)].stage),
+                    outcomes_, tree_.source.key);
   }
   void add_stragglers(Eigen::MatrixXd& together) const {
-    const Eigen::Index ways = stragglers_.rows();
+    const Eigen::Index reweightings = stragglers_.rows();
     const auto groups = static_cast<double>(stragglers_.cols());
     const Eigen::MatrixXd off = stragglers_.colwise() - stragglers_.rowwise().mean();
-    together.topLeftCorner(ways, ways) += off * off.transpose() * (groups / (groups - 1));
+    together.topLeftCorner(reweightings, reweightings) += off * off.transpose() * (groups / (groups - 1));
   }
 
   const PlanTree& tree_;
@@ -201,20 +203,20 @@ CountCovariance covariance_of(const PlanTree& tree, const PlanNode& projection, 
                               const Sums& sums, int threads) {
   const CovarianceMaker maker(tree, projection, nodes, link, whole, counted, stragglers, sums);
   CountCovariance out{projection.transit->link(link).part, projection.transit->link(link).plane};
-  for (std::size_t way = 0; way < projection.ways.size(); ++way)
-    for (const int point : projection.ways[way].points) {
-      out.way_of.resize(std::max(out.way_of.size(), static_cast<std::size_t>(point) + 1));
-      out.way_of[static_cast<std::size_t>(point)] = static_cast<Eigen::Index>(way);
+  for (std::size_t one = 0; one < projection.reweightings.size(); ++one)
+    for (const int point : projection.reweightings[one].points) {
+      out.reweighting_of.resize(std::max(out.reweighting_of.size(), static_cast<std::size_t>(point) + 1));
+      out.reweighting_of[static_cast<std::size_t>(point)] = static_cast<Eigen::Index>(one);
     }
-  if (out.way_of.size() <= most_points_of_covariance) {
-    out.between_ways = maker.between_all();
-    out.of_ways = out.between_ways.diagonal();
+  if (out.reweighting_of.size() <= most_points_of_covariance) {
+    out.between_reweightings = maker.between_all();
+    out.of_reweightings = out.between_reweightings.diagonal();
     return out;
   }
-  out.of_ways.resize(counted.size());
-  in_parallel(projection.ways.size(), threads, [&](std::size_t way) {
-    const auto at = static_cast<Eigen::Index>(way);
-    out.of_ways[at] = maker.variance_of(at);
+  out.of_reweightings.resize(counted.size());
+  in_parallel(projection.reweightings.size(), threads, [&](std::size_t one) {
+    const auto at = static_cast<Eigen::Index>(one);
+    out.of_reweightings[at] = maker.variance_of(at);
   });
   return out;
 }

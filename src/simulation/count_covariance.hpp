@@ -9,15 +9,17 @@ namespace rabiline {
 struct CountCovariance {
   int part = 0;  // whose it is, at the first point
   int plane = 0;
-  std::vector<Eigen::Index> way_of{};  // [points]
-  Eigen::VectorXd of_ways{};           // particles^2
-  Eigen::MatrixXd between_ways{};      // the same; empty where there are more than anybody asks for
+  std::vector<Eigen::Index> reweighting_of{};  // [points]
+  Eigen::VectorXd of_reweightings{};           // particles^2
+  Eigen::MatrixXd between_reweightings{};      // the same; empty where there are more than anybody asks for
   double between(std::size_t a, std::size_t b) const {
-    return way_of[a] == way_of[b] ? of_ways(way_of[a]) : between_ways(way_of[a], way_of[b]);
+    return reweighting_of[a] == reweighting_of[b]
+               ? of_reweightings(reweighting_of[a])
+               : between_reweightings(reweighting_of[a], reweighting_of[b]);
   }
 };
 
-/// Of a link behind the projection. `counted`: particles, of each way; `stragglers`: those among them that
+/// Of a link behind the projection. `counted`: particles, of each one; `stragglers`: those among them that
 /// are in no cell, in each group of particles.
 CountCovariance covariance_of(const PlanTree&, const PlanNode& projection, const TransitNodes&,
                               std::size_t link, const TransitNodes::WholeLink&,

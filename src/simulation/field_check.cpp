@@ -157,21 +157,21 @@ class Checker {
     batch.view().count = static_cast<int>(std::min<std::uint64_t>(particles_checked, tree.last - tree.first));
     batch.view().padded = (batch.view().count + 7) / 8 * 8;
     kernel::emit(isa_)(tree.source, tree.first, batch.view());
-    walk(tree.next, batch);
+    propagate(tree.next, batch);
   }
   std::optional<FieldCheck> found() const {
     return regions_ > 0 || found_.particles > 0 || too_long_ ? std::optional(found_) : std::nullopt;
   }
 
  private:
-  void walk(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
+  void propagate(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
     for (const PlanNode& node : nodes) {
       if (regions_ >= most_regions) return;
       if (const SpinPath* path = path_of(node.stage); path != nullptr && path->way != nullptr)
         compare(*path, at_begin.view());
-      if (!node.ways
+      if (!node.reweightings
                .empty()) {  // behind a projection that splits, particles stay in the levels that they had
-        walk(node.next, at_begin);
+        propagate(node.next, at_begin);
         continue;
       }
       Batch batch;
@@ -183,7 +183,7 @@ class Checker {
         compare(*region, at_begin.view(), batch.view());
       if (const auto* sorting = std::get_if<SortingField>(&node.stage))
         compare(sorting->region, at_begin.view(), batch.view());
-      walk(node.next, batch);
+      propagate(node.next, batch);
     }
   }
 

@@ -12,7 +12,7 @@
 #include "simulation/precision.hpp"
 #include "simulation/run.hpp"
 #include "simulation/sums_copy.hpp"
-#include "simulation/walk.hpp"
+#include "simulation/tree_runner.hpp"
 #include "simulation/work.hpp"
 
 namespace rabiline {
@@ -45,13 +45,13 @@ Experiment behind(const Experiment& flown, const Experiment& slab) {
   return both;
 }
 
-/// The fields that each way to share weights keeps [bytes].
-std::size_t bytes_of_ways(const std::vector<PlanNode>& nodes) {
+/// The fields that each reweighting keeps [bytes].
+std::size_t bytes_of_reweightings(const std::vector<PlanNode>& nodes) {
   std::size_t bytes = 0;
   for (const PlanNode& node : nodes) {
-    for (const PlanNode::Way& way : node.ways)
-      path_of(way.stage)->each_zone([&](const SpinZone& zone) { bytes += sizeof zone; });
-    bytes += bytes_of_ways(node.next);
+    for (const PlanNode::Reweighting& reweighting : node.reweightings)
+      path_of(reweighting.stage)->each_zone([&](const SpinZone& zone) { bytes += sizeof zone; });
+    bytes += bytes_of_reweightings(node.next);
   }
   return bytes;
 }
@@ -60,7 +60,7 @@ std::size_t bytes_of_ways(const std::vector<PlanNode>& nodes) {
 double bytes_of_point(const Plan& plan) {
   constexpr double stages_and_result = 8192;
   std::size_t bytes = 4 * plan.sums * sizeof(Sum);
-  for (const PlanTree& tree : plan.trees) bytes += 3 * bytes_of_ways(tree.next);
+  for (const PlanTree& tree : plan.trees) bytes += 3 * bytes_of_reweightings(tree.next);
   return stages_and_result + static_cast<double>(bytes) / plan.points;
 }
 
@@ -69,11 +69,11 @@ std::vector<std::pair<std::size_t, std::size_t>> counted_behind(const PlanTree& 
   std::vector<std::pair<std::size_t, std::size_t>> ranges;
   const auto add = [&](std::size_t begin, std::size_t size) { ranges.emplace_back(begin, begin + size); };
   each_transit(tree.next, [&](const PlanNode& first) {
-    for (const PlanNode::Way& way : first.ways)
+    for (const PlanNode::Reweighting& reweighting : first.reweightings)
       for (const PlanNode* node = &first; node != nullptr;
            node = node->next.empty() ? nullptr : &node->next.front()) {
-        add(node->sums + way.shift, sums_needed(node->stage));
-        if (node->ledger != 0) add(node->ledger + way.shift, LedgerSums{tree.ledger_levels}.size());
+        add(node->sums + reweighting.shift, sums_needed(node->stage));
+        if (node->ledger != 0) add(node->ledger + reweighting.shift, LedgerSums{tree.ledger_levels}.size());
       }
   });
   return ranges;
@@ -82,11 +82,11 @@ std::vector<std::pair<std::size_t, std::size_t>> counted_behind(const PlanTree& 
 /// What stragglers come to behind the moments.
 void add_stragglers(const Plan& plan, const std::vector<Straggler>& stragglers, Isa isa, Sums& sums) {
   if (stragglers.empty()) return;
-  Walker walker(isa, Batch::capacity);
+  TreeRunner runner(isa, Batch::capacity);
   Sums flown(plan.sums);
   for (const Straggler& s : stragglers) {
     if (!is_of(s, plan)) throw std::invalid_argument("what was kept is of another beam");
-    walker.fly(plan.trees[s.tree], s.particle, s.particle + 1, flown);
+    runner.fly(plan.trees[s.tree], s.particle, s.particle + 1, flown);
   }
   for (const PlanTree& tree : plan.trees)
     for (const auto& [begin, end] : counted_behind(tree))

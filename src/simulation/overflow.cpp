@@ -7,7 +7,7 @@
 
 #include "particle/fate.hpp"
 #include "simulation/finish.hpp"
-#include "simulation/walk.hpp"
+#include "simulation/tree_runner.hpp"
 
 namespace rabiline {
 namespace {
@@ -23,7 +23,7 @@ double overflowed_at(const Result& result, std::size_t point) {
 class Search {
  public:
   Search(const Experiment& experiment, const Plan& plan, std::size_t point, Isa isa)
-      : experiment_(experiment), plan_(plan), point_(point), walker_(isa, Batch::capacity) {}
+      : experiment_(experiment), plan_(plan), point_(point), runner_(isa, Batch::capacity) {}
 
   std::optional<std::uint64_t> first_in(const PlanTree& tree) {
     constexpr std::uint64_t most = 1 << 20, at_once = 1 << 14;
@@ -43,14 +43,14 @@ class Search {
  private:
   bool some_in(const PlanTree& tree, std::uint64_t first, std::uint64_t last) {
     Sums sums(plan_.sums);
-    walker_.fly(tree, first, last, sums);
+    runner_.fly(tree, first, last, sums);
     return overflowed_at(finish(experiment_, plan_, std::move(sums)), point_) > 0;
   }
 
   const Experiment& experiment_;
   const Plan& plan_;
   std::size_t point_;
-  Walker walker_;
+  TreeRunner runner_;
 };
 
 }  // namespace

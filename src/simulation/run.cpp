@@ -16,7 +16,7 @@
 
 #include "simulation/dealer.hpp"
 #include "simulation/flown.hpp"
-#include "simulation/walk.hpp"
+#include "simulation/tree_runner.hpp"
 #include "simulation/work.hpp"
 
 namespace rabiline {
@@ -257,7 +257,7 @@ class Runner {
   /// One thread's loop. No exception leaves it.
   void work(ThreadSums& share) {
     try {
-      Walker walker(options_.isa, options_.batch);
+      TreeRunner runner(options_.isa, options_.batch);
       Pace pace(options_.grain);
       for (;;) {
         const Stretch stretch = next_stretch(pace);
@@ -269,9 +269,9 @@ class Runner {
           const std::lock_guard guard(share.lock);
           share.sums.resize(plan_.sums);
           share.torn = true;
-          walker.fly(tree, stretch.first, stretch.last, share.sums);
+          runner.fly(tree, stretch.first, stretch.last, share.sums);
           share.finished.insert(stretch.place, stretch.place + particles);
-          for (const std::uint64_t particle : walker.stragglers())
+          for (const std::uint64_t particle : runner.stragglers())
             share.stragglers.push_back({stretch.tree, particle});
           share.torn = false;
         }

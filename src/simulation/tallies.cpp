@@ -10,22 +10,25 @@ Tallies::Tallies(const Plan& plan) {
 }
 
 void Tallies::visit(const PlanNode& node) {
-  if (!node.ways.empty() && node.next.empty()) {
-    for (const PlanNode::Way& way : node.ways) list(node.stage, node.sums + way.shift, 0, way.points);
+  if (!node.reweightings.empty() && node.next.empty()) {
+    for (const PlanNode::Reweighting& reweighting : node.reweightings)
+      list(node.stage, node.sums + reweighting.shift, 0, reweighting.points);
     return;
   }
   list(node.stage, node.sums, node.ledger, node.points);
   by_moments_ = node.transit != nullptr;
-  for (const PlanNode::Way& way : node.ways) visit_way(node.next.front(), way);
+  for (const PlanNode::Reweighting& reweighting : node.reweightings)
+    visit_reweighted(node.next.front(), reweighting);
   by_moments_ = false;
-  if (!node.ways.empty()) return;
+  if (!node.reweightings.empty()) return;
   for (const PlanNode& next : node.next) visit(next);
 }
 
-/// What stands behind a projection, for one way to share the weights there.
-void Tallies::visit_way(const PlanNode& node, const PlanNode::Way& way) {
-  list(node.stage, node.sums + way.shift, node.ledger == 0 ? 0 : node.ledger + way.shift, way.points);
-  for (const PlanNode& next : node.next) visit_way(next, way);
+/// What stands behind a projection, for one reweighting there.
+void Tallies::visit_reweighted(const PlanNode& node, const PlanNode::Reweighting& reweighting) {
+  list(node.stage, node.sums + reweighting.shift, node.ledger == 0 ? 0 : node.ledger + reweighting.shift,
+       reweighting.points);
+  for (const PlanNode& next : node.next) visit_reweighted(next, reweighting);
 }
 
 void Tallies::list(const Stage& stage, std::size_t sums, std::size_t ledger, const std::vector<int>& points) {

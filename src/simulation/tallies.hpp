@@ -55,7 +55,7 @@ class Tallies : private SumSink {
 
  private:
   void visit(const PlanNode&);
-  void visit_way(const PlanNode&, const PlanNode::Way&);
+  void visit_reweighted(const PlanNode&, const PlanNode::Reweighting&);
   void list(const Stage&, std::size_t sums, std::size_t ledger, const std::vector<int>& points);
   TallyPlace place(std::size_t at) const { return {tree_, sums_ + at, points_, by_moments_}; }
 

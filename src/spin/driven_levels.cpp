@@ -300,7 +300,7 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
   }
 }
 
-std::uint64_t DrivenLevels::reach(int level) const {
+std::uint64_t DrivenLevels::reachable_from(int level) const {
   const int block = block_of_[static_cast<std::size_t>(level)];
   if (block < 0) return std::uint64_t{1} << level;
   std::uint64_t bits = 0;

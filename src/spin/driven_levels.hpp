@@ -35,7 +35,7 @@ class DrivenLevels {
   /// By level: its block, or -1 where it stays what it is.
   const std::vector<int>& block_of() const { return block_of_; }
   /// Bits of the levels that one can go to.
-  std::uint64_t reach(int level) const;
+  std::uint64_t reachable_from(int level) const;
   /// Largest amplitude |V_ij| / |detuning| of the couplings that the rotating-wave approximation leaves out;
   /// 0 for rotating fields.
   double neglected() const { return neglected_; }

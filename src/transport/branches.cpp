@@ -23,7 +23,7 @@ void gather_particles(const BatchView& from, const std::uint16_t* numbers, int c
 // ---- paths ----
 
 void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
-                   const std::vector<std::uint64_t>& reach, Isa isa, const RandomKey& key,
+                   const std::vector<std::uint64_t>& reachable, Isa isa, const RandomKey& key,
                    const TransitLayout* layout) {
   chain_ = chain;
   isa_ = isa;
@@ -32,7 +32,7 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
   std::uint64_t levels = 0;
   for (const ChainLink& link : chain) most = std::max(most, sums_needed(*link.stage));
   unused_.assign(most, 0);
-  for (const std::uint64_t mask : reach) levels |= mask;
+  for (const std::uint64_t mask : reachable) levels |= mask;
   paths_.levels.clear();
   for (int level = 0; level < most_levels; ++level)
     if ((levels >> level & 1) != 0) paths_.levels.push_back(level);
@@ -46,7 +46,7 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
     sees_all_ = sees_all_ || (traits.only_reads && reads_catch_of(*link.stage) == no_part);
     paths_.levels_stay = paths_.levels_stay && traits.spins != SpinEffect::set;
   }
-  for (std::size_t path = 0; path < paths_.levels.size(); ++path) fly_on(path, batch, reach);
+  for (std::size_t path = 0; path < paths_.levels.size(); ++path) fly_on(path, batch, reachable);
   keep_undecided(batch, layout);
   find_stops();
   for (std::size_t link = 0; link < chain.size(); ++link)
@@ -54,14 +54,14 @@ void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
 }
 
 /// Particles that may be found in a level, one after the other, in that level.
-void Branches::gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reach) {
+void Branches::gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reachable) {
   const BatchView& from = batch.view();
   BatchView& to = flown_.view();
   to.y = from.y;
   to.fall = from.fall;
   int count = 0;
   for (int i = 0; i < from.count; ++i) {
-    if (from.flying[i] == 0 || (reach[from.level[i]] >> level & 1) == 0) continue;
+    if (from.flying[i] == 0 || (reachable[from.level[i]] >> level & 1) == 0) continue;
     flown_number_[number(count++)] = static_cast<std::uint16_t>(i);
   }
   gather_particles(from, flown_number_.data(), count, to);
@@ -77,10 +77,10 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   std::fill_n(to.sz, to.padded, 1.0);
 }
 
-void Branches::fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach) {
+void Branches::fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reachable) {
   PathEnds& ends = paths_.ends[path];
   ends.link.fill(PathEnds::not_flown);
-  gather(batch, paths_.levels[path], reach);
+  gather(batch, paths_.levels[path], reachable);
   const BatchView& b = flown_.view();
   std::array<std::uint64_t, capacity> flying;
   StageContext context{isa_, key_, flown_, unused_.data()};

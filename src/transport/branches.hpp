@@ -20,12 +20,13 @@ struct ChainLink {
 
 class Branches {
  public:
-  /// Flies what flies of the batch, once in each level that it can be found in, through the chain. `reach`:
-  /// these levels as a mask, for each level that a particle is in. With a layout of moments, particles whose
-  /// slowness is in its cells are left to book_moments().
-  void fly(const Batch& batch, const std::vector<ChainLink>& chain, const std::vector<std::uint64_t>& reach,
-           Isa isa, const RandomKey& key, const TransitLayout* layout = nullptr);
-  /// Books them for all ways to share their weights at once, and what ends alike in every level, in the sums
+  /// Flies what flies of the batch, once in each level that it can be found in, through the chain.
+  /// `reachable`: these levels as a mask, for each level that a particle is in. With a layout of moments,
+  /// particles whose slowness is in its cells are left to book_moments().
+  void fly(const Batch& batch, const std::vector<ChainLink>& chain,
+           const std::vector<std::uint64_t>& reachable, Isa isa, const RandomKey& key,
+           const TransitLayout* layout = nullptr);
+  /// Books them for all reweightings at once, and what ends alike in every level, in the sums
   /// of the layout. Whether all were booked.
   bool book_moments(const TransitLayout& layout, const Batch& batch, MomentBuffer&, Sum* sums);
   /// Shares the weights by a projection, and adds what each share comes to, to the sums of the chain; those
@@ -42,8 +43,8 @@ class Branches {
     std::vector<PreparedGroup> groups{};  // that have any
   };
 
-  void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reach);
-  void gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reach);
+  void fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reachable);
+  void gather(const Batch& batch, int level, const std::vector<std::uint64_t>& reachable);
   void keep_undecided(const Batch& batch, const TransitLayout*);
   void find_stops();
   void book_stops(Sum* sums) const;

@@ -94,7 +94,7 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
   course_.tolerance = 0.1 * fields_.tolerance;  // errors of steps add up
 }
 
-std::uint64_t LevelWay::reach(int level) const {
+std::uint64_t LevelWay::reachable_from(int level) const {
   const std::vector<int>& manifold = table_->manifold_of();
   std::uint64_t bits = 0;
   for (std::size_t to = 0; to < manifold.size(); ++to)

@@ -41,7 +41,7 @@ class LevelWay {
   const LevelTable& table() const { return *table_; }
   const LevelCourse& course() const { return course_; }
   /// Bits of the levels that one can go to.
-  std::uint64_t reach(int level) const;
+  std::uint64_t reachable_from(int level) const;
   /// Time for one particle [s].
   double cost() const;
 

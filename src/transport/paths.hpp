@@ -1,6 +1,6 @@
 #pragma once
-// Behind a projection that splits weights: particles are flown once in each level, and what each way to share
-// the weights comes to is tallied from these paths.
+// Behind a projection that splits weights: particles are flown once in each level, and what each reweighting
+// comes to is tallied from these paths.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -79,7 +79,7 @@ class PathMasks {
   std::vector<Line> lines_;
 };
 
-/// What one stage keeps of the paths, and adds to its sums for each way to share the weights.
+/// What one stage keeps of the paths, and adds to its sums for each reweighting.
 class PathTally {
  public:
   virtual ~PathTally() = default;

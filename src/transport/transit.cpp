@@ -7,19 +7,19 @@
 
 namespace rabiline {
 
-TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reach,
+TransitLayout::TransitLayout(const SlownessCells& cells, const std::vector<std::uint64_t>& reachable,
                              const std::vector<TransitLink>& links, bool weights_alike)
-    : cells_(cells), weights_alike_(weights_alike), outcomes_(reach.size()), links_(links) {
-  for (std::size_t from = 0; from < reach.size(); ++from)
+    : cells_(cells), weights_alike_(weights_alike), outcomes_(reachable.size()), links_(links) {
+  for (std::size_t from = 0; from < reachable.size(); ++from)
     for (int to = 0; to < most_levels; ++to)
-      if ((reach[from] >> to & 1) != 0) outcomes_[from].push_back(to);
-  for (std::size_t link = 0; link < links.size(); ++link) add_link(link, reach);
+      if ((reachable[from] >> to & 1) != 0) outcomes_[from].push_back(to);
+  for (std::size_t link = 0; link < links.size(); ++link) add_link(link, reachable);
 }
 
-void TransitLayout::add_link(std::size_t number, const std::vector<std::uint64_t>& reach) {
+void TransitLayout::add_link(std::size_t number, const std::vector<std::uint64_t>& reachable) {
   const TransitLink& link = links_[number];
   RowsOfLink& rows = rows_of_.emplace_back();
-  for (const std::uint64_t found : reach) {
+  for (const std::uint64_t found : reachable) {
     const auto n = static_cast<std::size_t>(std::popcount(found & ((std::uint64_t{1} << link.outcomes) - 1)));
     rows.paths_before.push_back(rows.paths_before.back() + n);
     rows.pairs_before.push_back(rows.pairs_before.back() + n * (n - 1) / 2);

@@ -1,6 +1,6 @@
 #pragma once
 // What particles come to whose weight is shared between levels, by their slowness: moments from which every
-// way to share the weights follows without another flight.
+// reweighting follows without another flight.
 //
 // Behind a projection a particle flies one path in each level `to` that it may be found in, and ends at one
 // place on each. Its share of a path is w P(from -> to; s), and P depends on nothing but its slowness
@@ -57,9 +57,9 @@ inline constexpr int transit_powers = 8;
 /// Outcomes behind the levels are those of filters, which stop them, those of the last filter first.
 class TransitLayout {
  public:
-  /// `reach`: the outcomes that can be found, as a mask for each level before. `weights_alike`: each weight
-  /// is that of a whole particle, and w^2 = w of a path needs no rows of its own.
-  TransitLayout(const SlownessCells&, const std::vector<std::uint64_t>& reach,
+  /// `reachable`: the outcomes that can be found, as a mask for each level before. `weights_alike`: each
+  /// weight is that of a whole particle, and w^2 = w of a path needs no rows of its own.
+  TransitLayout(const SlownessCells&, const std::vector<std::uint64_t>& reachable,
                 const std::vector<TransitLink>&, bool weights_alike);
 
   const SlownessCells& cells() const { return cells_; }
@@ -137,7 +137,7 @@ class TransitLayout {
   std::size_t pairs(std::size_t link, bool with_itself) const {
     return pairs_before(link, levels(), with_itself);
   }
-  void add_link(std::size_t link, const std::vector<std::uint64_t>& reach);
+  void add_link(std::size_t link, const std::vector<std::uint64_t>& reachable);
 
   SlownessCells cells_;
   bool weights_alike_;

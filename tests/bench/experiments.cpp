@@ -19,8 +19,8 @@ const double larmor = std::abs(test::neutron().gyromagnetic_ratio) * field / (2 
 /// All stages of a plan, depth first.
 void list_stages(const std::vector<PlanNode>& nodes, std::vector<const Stage*>& stages) {
   for (const PlanNode& node : nodes) {
-    if (node.ways.empty()) stages.push_back(&node.stage);
-    for (const PlanNode::Way& way : node.ways) stages.push_back(&way.stage);
+    if (node.reweightings.empty()) stages.push_back(&node.stage);
+    for (const PlanNode::Reweighting& one : node.reweightings) stages.push_back(&one.stage);
     list_stages(node.next, stages);
   }
 }

@@ -162,7 +162,7 @@ def test_a_scan_in_slabs_has_the_bits_of_one_in_one_piece(folder: Path) -> None:
     scan = ("--no-scan", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:4200", "--particles", 2000)
     checked = rabiline("check", "rabi.yaml", *scan, "--max-memory", "20MiB", cwd=folder)
     assert "scan points follow from one flight in 2 slabs" in checked.stdout, checked.stdout + checked.stderr
-    assert "4200 ways to share the weights follow from moments" in checked.stdout
+    assert "reweighted for 4200 settings by moments" in checked.stdout
     for name, *more in (("whole.h5",), ("slabs.h5", "--max-memory", "20MiB")):
         done = rabiline("run", "rabi.yaml", *scan, "--transit", "totals", "-o", name, *more, cwd=folder)
         assert done.returncode == 0, done.stderr

@@ -23,11 +23,11 @@ void LevelProjection::explain(PlanReport& report) const {
     next.filter.explain(report);
   }
   if (report.reweightings > 1)
-    report.line("{:>16}its paths in {} {} are flown once; {} ways to share the weights {}", "",
+    report.line("{:>16}its paths in {} {} are flown once and reweighted for {} settings {}", "",
                 report.levels_found, spins.filters.empty() ? "levels" : "outcomes", report.reweightings,
                 report.slowness_cells > 0
-                    ? fmt::format("follow from moments of the slowness in {} cells", report.slowness_cells)
-                    : fmt::format("are booked one by one: {}", report.why_one_by_one));
+                    ? fmt::format("by moments of the slowness in {} cells", report.slowness_cells)
+                    : fmt::format("one by one: {}", report.why_one_by_one));
   if (report.of_atom && !report.on_axis.empty()) {
     report.on_axis.resize(static_cast<std::size_t>(spins.levels));
     std::iota(report.on_axis.begin(), report.on_axis.end(), 0);

@@ -125,7 +125,7 @@ TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
   EXPECT_THAT(told, HasSubstr("B: each particle is in one level from here on, all are followed"));
   EXPECT_THAT(
       told,
-      HasSubstr("its paths in 16 levels are flown once; 5 ways to share the weights are booked one by one"));
+      HasSubstr("its paths in 16 levels are flown once and reweighted for 5 settings one by one"));
   EXPECT_THAT(told, HasSubstr("scan point 3: 9192.63 MHz"));
 }
 

@@ -173,8 +173,8 @@ TEST(Evolution, OfLevelsThatNothingMixesIsNone) {
   // F=4 m=+4 and m=-4 have no partner in F=3.
   EXPECT_EQ(driven.block_of()[0], -1);
   EXPECT_EQ(driven.block_of()[8], -1);
-  EXPECT_EQ(driven.reach(0), 1U);
-  EXPECT_EQ(driven.reach(4), 1U << 4 | 1U << 12);
+  EXPECT_EQ(driven.reachable_from(0), 1U);
+  EXPECT_EQ(driven.reachable_from(4), 1U << 4 | 1U << 12);
   EXPECT_EQ(driven.blocks().size(), 7U);
   EXPECT_EQ(test::probabilities(driven, 3e-3)(0, 0), 1);
   EXPECT_TRUE(DrivenLevels(spins, clock_zones(0, 0), 0.04).blocks().empty());

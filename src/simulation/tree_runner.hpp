@@ -8,9 +8,9 @@
 namespace rabiline {
 
 /// Batches for the depth of a tree: a fork flies each branch but the last with a copy.
-class Walker {
+class TreeRunner {
  public:
-  Walker(Isa isa, int batch_size) : isa_(isa), batch_size_(batch_size) {}
+  TreeRunner(Isa isa, int batch_size) : isa_(isa), batch_size_(batch_size) {}
 
   /// Particles [first, last) of the tree, summed into `sums` (the plan's).
   void fly(const PlanTree&, std::uint64_t first, std::uint64_t last, Sums& sums);
@@ -18,7 +18,7 @@ class Walker {
   const std::vector<std::uint64_t>& stragglers() const { return stragglers_; }
 
  private:
-  void walk(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
+  void propagate(const std::vector<PlanNode>&, std::size_t depth, const RandomKey&, Sums&);
   void pass(const PlanNode&, Batch&, const RandomKey&, Sums&);
   /// Adds what was booked as moments to the sums, before it can overflow.
   void flush_moments(Sums&);

@@ -1,4 +1,4 @@
-#include "simulation/walk.hpp"
+#include "simulation/tree_runner.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -60,12 +60,12 @@ bool reads_earlier_catch(const ChainLink& link, const std::vector<ChainLink>& ch
 
 }  // namespace
 
-Batch& Walker::batch(std::size_t depth) {
+Batch& TreeRunner::batch(std::size_t depth) {
   while (batches_.size() <= depth) batches_.push_back(std::make_unique<Batch>());
   return *batches_[depth];
 }
 
-void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, Sums& sums) {
+void TreeRunner::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, Sums& sums) {
   stragglers_.clear();
   for (std::uint64_t begin = first; begin < last; begin += static_cast<std::uint64_t>(batch_size_)) {
     Batch& start = batch(0);
@@ -74,12 +74,12 @@ void Walker::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t last, 
     start.view().padded = (start.view().count + 7) / 8 * 8;
     kernel::emit(isa_)(tree.source, begin, start.view());
     count_emitted(tree, start.view(), sums.data());
-    walk(tree.next, 0, tree.source.key, sums);
+    propagate(tree.next, 0, tree.source.key, sums);
   }
   flush_moments(sums);
 }
 
-void Walker::flush_moments(Sums& sums) {
+void TreeRunner::flush_moments(Sums& sums) {
   for (auto& [node, buffer] : moments_) {
     for (const std::uint64_t cell : buffer.touched) {
       Sum* to = sums.data() + node->moments + cell * transit_powers;
@@ -89,13 +89,13 @@ void Walker::flush_moments(Sums& sums) {
   }
 }
 
-void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
+void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
   std::vector<ChainLink> chain;
   for (const PlanNode* next = &node; !next->next.empty();) {
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_.fly(batch, chain, node.reach, isa_, key, node.transit.get());
+  branches_.fly(batch, chain, node.reachable_levels, isa_, key, node.transit.get());
   if (node.transit) {
     if (branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
     const BatchView& b = batch.view();
@@ -103,11 +103,11 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
       if (b.flying[i] != 0 && !node.transit->cells().contains(1 / b.vy[i]))
         stragglers_.push_back(b.particle[i]);
   }
-  for (const PlanNode::Way& way : node.ways) {
-    branches_.book(*path_of(way.stage), sums.data(), way.shift);
+  for (const PlanNode::Reweighting& reweighting : node.reweightings) {
+    branches_.book(*path_of(reweighting.stage), sums.data(), reweighting.shift);
     for (const ChainLink& link : chain) {
       if (!reads_earlier_catch(link, chain)) continue;
-      StageContext context{isa_, key, batch, sums.data() + link.sums + way.shift};
+      StageContext context{isa_, key, batch, sums.data() + link.sums + reweighting.shift};
       advance(*link.stage, context);
     }
   }
@@ -115,7 +115,7 @@ void Walker::follow_branches(const PlanNode& node, Batch& batch, const RandomKey
 
 /// Levels at a screen, of all points by moments; what flew too slowly or too fast for their cells is read for
 /// each point.
-void Walker::read_levels(const PlanNode& node, const Batch& batch, const RandomKey& key, Sums& sums) {
+void TreeRunner::read_levels(const PlanNode& node, const Batch& batch, const RandomKey& key, Sums& sums) {
   const int part = reads_catch_of(node.stage);
   if (transits_.add_catch(*node.transit, batch.view(), part, isa_, moments_[&node])) return;
   outside_.copy_from(batch);
@@ -125,13 +125,13 @@ void Walker::read_levels(const PlanNode& node, const Batch& batch, const RandomK
       outside.caught_by[i] = 0;
     else if (outside.caught_by[i] == static_cast<std::uint64_t>(part) + 1)
       stragglers_.push_back(outside.particle[i]);
-  for (const PlanNode::Way& way : node.ways) {
-    StageContext context{isa_, key, outside_, sums.data() + node.sums + way.shift};
-    advance(way.stage, context);
+  for (const PlanNode::Reweighting& reweighting : node.reweightings) {
+    StageContext context{isa_, key, outside_, sums.data() + node.sums + reweighting.shift};
+    advance(reweighting.stage, context);
   }
 }
 
-void Walker::pass(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
+void TreeRunner::pass(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
   StageContext context{isa_, key, batch, sums.data() + node.sums};
   if (node.ledger == 0) return advance(node.stage, context);
   const LedgerBook book(batch.view());
@@ -139,7 +139,8 @@ void Walker::pass(const PlanNode& node, Batch& batch, const RandomKey& key, Sums
   book.book(sums.data() + node.ledger);
 }
 
-void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const RandomKey& key, Sums& sums) {
+void TreeRunner::propagate(const std::vector<PlanNode>& nodes, std::size_t depth, const RandomKey& key,
+                           Sums& sums) {
   // All branches but the last are flown to their ends; the last one is followed by the loop, as a beamline of
   // a thousand planes is a chain of as many stages.
   for (const std::vector<PlanNode>* here = &nodes; !here->empty();) {
@@ -159,7 +160,7 @@ void Walker::walk(const std::vector<PlanNode>& nodes, std::size_t depth, const R
         continue;
       }
       pass(node, batch(own), key, sums);
-      walk(node.next, own, key, sums);
+      propagate(node.next, own, key, sums);
     }
     const PlanNode& last = here->back();
     if (splits(last.stage)) return follow_branches(last, batch(depth), key, sums);
