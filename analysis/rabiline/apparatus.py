@@ -133,10 +133,11 @@ class FieldsAlong:
     """B and E on the axis of the beam, SI."""
 
     y: np.ndarray  # [n]
-    static: np.ndarray  # [n] its size
+    static: np.ndarray  # [n] its size, of what has no clock
     drives: np.ndarray  # [n] the size of what has a clock, at time 0
     electric: np.ndarray  # [n] its size
     parts: dict[str, np.ndarray]  # [n] the size of B of each
+    changes: bool = False  # what should be static has formulas in time, as the first path meets them
 
     @property
     def is_magnetic(self) -> bool:
@@ -152,15 +153,17 @@ def fields_along(experiment: Experiment, pieces: list[Piece], end: float, tracks
     drives = {name for name, *_, drives in experiment._setup.parts if drives}
     fields, electric = experiment.field(places), experiment.electric_field(places)
     nothing = np.zeros((y.size, 3))
+    changes = False
     in_time = [piece.part for piece in pieces if piece.kind == "formula_field"]
     if in_time and tracks and tracks.tracks:
         first = tracks.tracks[0]
         met = experiment.field(places, np.interp(y, first.position[:, 1], first.time))
+        changes = any(not np.allclose(met[name], fields.get(name, nothing), rtol=1e-9, atol=0) for name in in_time if name in met)
         fields |= {name: met[name] for name in in_time if name in met}
     static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), nothing) for wanted in (False, True))
     found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1),
                         np.linalg.norm(sum(electric.values(), nothing), axis=1),
-                        {name: np.linalg.norm(B, axis=1) for name, B in fields.items()})
+                        {name: np.linalg.norm(B, axis=1) for name, B in fields.items()}, changes)
     return found if found.is_magnetic or found.electric.any() else None
 
 
@@ -180,7 +183,7 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     far = sizes.max() > FAR * min(np.median(values) for values in plateaus) or \
         fields.static.any() and fields.static.max() > FAR * np.median(fields.static[fields.static > 0])
     scale = Scale("T") if far else fitting_scale(sizes, "T")
-    for values, colour, label in ((fields.static, INK, "|B|, static"), (fields.drives, LAWS["dorado"][0], "|B|, oscillating")):
+    for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"), (fields.drives, LAWS["dorado"][0], "|B|, oscillating")):
         if values.any():
             shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
             axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)

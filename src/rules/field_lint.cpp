@@ -1,7 +1,9 @@
 #include "rules/field_lint.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -24,14 +26,20 @@ struct AxisField {
   }
 };
 
-Vector3 field_at(const Section& section, double y) {
-  FieldHere<double> sum{};
+Vector3 field_at(const Section& section, double y, double t) {
+  FieldHere<double> sum{}, peak{};
   sum.field[0] = section.field.x, sum.field[1] = section.field.y, sum.field[2] = section.field.z;
-  for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
-  for (const SwingingTerm& term : section.swinging) add_field<HostMaths>(term.field, 0.0, y, 0.0, sum);
+  for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, sum);
+  for (const SwingingTerm& term : section.swinging) {
+    peak = {};
+    add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
+    const double share =
+        std::cos(2 * std::numbers::pi * term.oscillator.frequency * t + term.oscillator.phase);
+    for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
+  }
   return {sum.field[0], sum.field[1], sum.field[2]};
 }
-Vector3 electric_field_at(const Section& section, double y) {
+Vector3 electric_field_at(const Section& section, double y, double /*it stands*/) {
   FieldHere<double> sum{};
   for (const ShapedTerm& term : section.electric) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
   return {sum.field[0], sum.field[1], sum.field[2]};
@@ -47,27 +55,47 @@ Vector3 field_of_others(const Beamline& beamline, const PlacedPart& part, double
     SectionBuilder builder(Wall{});
     std::visit([&](const auto& any) { contribute(any, other.placement, builder); }, other.part);
     for (const Section& section : builder.build().sections)
-      if (section.begin <= y && y <= section.end) field = field + field_at(section, y);
+      if (section.begin <= y && y <= section.end) field = field + field_at(section, y, 0);
   }
   return field;
 }
 
-/// Nothing where all of a part's field is uniform, or follows a clock.
+/// [s] when a formula that has t is looked at: over its course, or one period. 0 for what stands.
+std::vector<double> moments_of(const Part& part) {
+  constexpr int moments = 64;
+  const auto* formula = std::get_if<FormulaField>(&part);
+  if (!formula || !formula->formula.box.moves()) return {0};
+  const FormulaBox& box = formula->formula.box;
+  const double last = box.duration ? *box.duration : 1 / *box.frequency;
+  std::vector<double> out;
+  for (int i = 0; i <= moments; ++i) out.push_back(last * i / moments);
+  return out;
+}
+
+void take_longer(Vector3& longest, const Vector3& other) {
+  if (length_of(other) > length_of(longest)) longest = other;
+}
+
+/// Nothing where all of a part's field is uniform, or follows a clock. Of a formula that has t, the largest.
 std::optional<AxisField> axis_field_of(const PlacedPart& part) {
   if (!traits_of(part.part).field || clock_of(part.part)) return std::nullopt;
   SectionBuilder builder(Wall{});
   std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
   const auto field = is_electric(part.part) ? electric_field_at : field_at;
+  const std::vector<double> moments = moments_of(part.part);
   std::optional<AxisField> out;
   for (const Section& section : builder.build().sections) {
     if (!section.needs_steps()) continue;
     constexpr int places = 256;
     const double inside = hair * (section.end - section.begin);
-    AxisField here{section.begin, section.end, 0, field(section, section.begin + inside),
-                   field(section, section.end - inside)};
-    for (int i = 0; i <= places; ++i)
-      here.largest = std::max(here.largest,
-                              length_of(field(section, here.begin + (here.end - here.begin) * i / places)));
+    AxisField here{section.begin, section.end, 0, {}, {}};
+    for (const double t : moments) {
+      take_longer(here.first, field(section, section.begin + inside, t));
+      take_longer(here.last, field(section, section.end - inside, t));
+      for (int i = 0; i <= places; ++i)
+        here.largest = std::max(
+            here.largest, length_of(field(section, here.begin + (here.end - here.begin) * i / places, t)));
+    }
     if (!out) {
       out = here;
       continue;
@@ -95,16 +123,53 @@ bool has_hard_edges(const Part& part) {
       part);
 }
 
-/// The table that a field is from, and the key that it stands under.
-struct Table {
-  const FieldMap* map = nullptr;
-  std::string_view key, step_key;
+/// The tables that a field is the sum of, the largest share of each, and the key that they stand under.
+struct Tables {
+  std::vector<std::pair<const FieldMap*, double>> maps{};
+  std::string_view key{}, step_key{};
+  std::string in_time{};  // how their shares change
 };
-Table table_of(const Part& part) {
-  if (const auto* mapped = std::get_if<MappedField>(&part)) return {mapped->map.map.get(), "map", "map"};
-  if (const auto* formula = std::get_if<FormulaField>(&part))
-    return {&formula->formula.maps->front().map, "formula", "formula.step"};
-  return {};
+Tables tables_of(const Part& part) {
+  if (const auto* mapped = std::get_if<MappedField>(&part))
+    return {{{mapped->map.map.get(), 1.0}}, "map", "map"};
+  const auto* formula = std::get_if<FormulaField>(&part);
+  if (!formula) return {};
+  Tables out{{}, "formula", "formula.step"};
+  for (const FormulaMap& one : *formula->formula.maps) {
+    double share = one.course.empty() ? 1 : 0;
+    for (const double node : one.course) share = std::max(share, std::abs(node));
+    out.maps.emplace_back(&one.map, share);
+  }
+  const FormulaBox& box = formula->formula.box;
+  if (box.duration)
+    out.in_time = fmt::format(", followed for {}", pretty_quantity(*box.duration, Dimension::time));
+  if (box.frequency)
+    out.in_time = fmt::format(", repeated with {}", pretty_quantity(*box.frequency, Dimension::frequency));
+  return out;
+}
+
+/// The worst of the tables, in terms of the largest field that any of them comes to.
+MapQuality quality_of(const Tables& tables) {
+  std::vector<MapQuality> each;
+  double largest = 0;
+  for (const auto& [map, share] : tables.maps) {
+    each.push_back(quality_of(*map));
+    largest = std::max(largest, each.back().largest_field *= share);
+  }
+  MapQuality worst{largest, true, {}, false, {}, {}};
+  const auto take = [](Spread& worse, const Spread& other, double weight) {
+    worse.largest = std::max(worse.largest, weight * other.largest);
+    worse.rms = std::max(worse.rms, weight * other.rms);
+  };
+  for (const MapQuality& one : each) {
+    const double weight = largest > 0 ? one.largest_field / largest : 0;
+    take(worst.error, one.error, weight);
+    take(worst.divergence, one.divergence, weight);
+    take(worst.curl, one.curl, weight);
+    worst.halved = worst.halved && one.halved;
+    worst.noisy = worst.noisy || one.noisy;
+  }
+  return worst;
 }
 
 /// Whether the field that ends there is gone, or does not turn the field that the others leave: by less than
@@ -150,12 +215,16 @@ std::string report_of_fields(const Beamline& beamline) {
     if (!has_hard_edges(part.part))
       out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), dimension));
     out += '\n';
-    if (const FieldMap* map = table_of(part.part).map) {
+    if (const Tables tables = tables_of(part.part); !tables.maps.empty()) {
+      const FieldMap& first = *tables.maps.front().first;
       std::string nodes;
-      for (const MapAxis& axis : map->axes())
+      for (const MapAxis& axis : first.axes())
         nodes += fmt::format("{}{}", nodes.empty() ? "" : " x ", axis.nodes);
-      out += fmt::format("    {}: {} nodes, {:.1f} MiB; of its largest field: {}\n", map->path(), nodes,
-                         static_cast<double>(map->bytes()) / 1048576, text_of(quality_of(*map)));
+      const std::string count =
+          tables.maps.size() == 1 ? "" : fmt::format("{} tables of ", tables.maps.size());
+      const double bytes = static_cast<double>(tables.maps.size() * first.bytes());
+      out += fmt::format("    {}: {}{} nodes{}, {:.1f} MiB; of its largest field: {}\n", first.path(), count,
+                         nodes, tables.in_time, bytes / 1048576, text_of(quality_of(tables)));
     }
   }
   return out.empty() ? out : "fields that are followed along each path\n" + out;
@@ -169,7 +238,8 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
     const std::string& name = part.placement.name;
     const std::optional<AxisField> field = axis_field_of(part);
     if (!field) continue;
-    const auto [map, key, step_key] = table_of(part.part);
+    const Tables tables = tables_of(part.part);
+    const std::string_view key = tables.key;
     if (!has_hard_edges(part.part) && !ends_quietly(*field, beamline, part, end))
       out.push_back(warning(
           name, "at",
@@ -178,8 +248,8 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
           key == "map"       ? "supply a map that goes on until the field is gone"
           : key == "formula" ? "make `length` larger, or multiply by what lets the field fade at its ends"
                              : "make `reach` larger"));
-    if (!map) continue;
-    const MapQuality quality = quality_of(*map);
+    if (tables.maps.empty()) continue;
+    const MapQuality quality = quality_of(tables);
     if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
       out.push_back(warning(
           name, std::string(key),
@@ -198,7 +268,7 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
                   "smooth it as a field without divergence and curl, or use a coarser grid"));
     else if (quality.halved && quality.error.largest > poor_map)
       out.push_back(warning(
-          name, std::string(step_key),
+          name, std::string(tables.step_key),
           fmt::format(
               "the {} of `{}` is coarse: it misses up to {:.1g} of its largest field between its nodes", key,
               name, quality.error.largest),

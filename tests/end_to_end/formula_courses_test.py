@@ -1,4 +1,5 @@
 """Fields as formulas in place and time whose t does not repeat."""
+import re
 from pathlib import Path
 
 import h5py
@@ -68,6 +69,15 @@ def test_scan_points_that_change_a_formula_have_each_its_own_field(tmp_path: Pat
         alone = path.with_name(f"{i}.yaml")
         alone.write_text(path.read_text().replace("B0: 100 uT", f"B0: {100 + 20 * i} uT"))
         assert np.abs(levels[i] - levels_of(alone)).max() < 1e-9
+
+
+def test_check_looks_at_a_formula_at_all_times(tmp_path: Path) -> None:
+    """Its field is largest, and has currents, when its first table has none of that."""
+    turning = of_formula(tmp_path, "Bx: A*cos(2*pi*f*t), Bz: 'B0*exp(-t/tau)', constants: {A: 10 uT, B0: 100 uT, tau: 0.3 ms, f: 3 kHz}, duration: 2 ms")
+    assert "up to 100.5 uT on the axis" in run("check", turning).stdout
+    assert re.search(r"formula: [2-8] tables of 5 x \d+ x 5 nodes, followed for 2 ms", run("check", turning).stdout)
+    late = of_formula(tmp_path, "Bz: 'B0*exp(-t/tau) + G*y*min(t/1e-3, 1)', constants: {B0: 10 mT, tau: 0.1 ms, G: 0.03 T/m}, duration: 2 ms")
+    assert "is no field without currents" in run("check", late).stdout
 
 
 def test_a_drawing_shows_a_course_as_a_path_meets_it(tmp_path: Path) -> None:
