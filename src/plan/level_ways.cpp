@@ -100,10 +100,33 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   return out;
 }
 
-/// By which energies F must differ to exchange nothing (level_fields).
-double far_apart(const Species& species, const LevelFields& fields, double speed) {
+/// [T] What stands at a place of a section, on the axis.
+Vector3 standing_field(const Section& section, double y) {
+  FieldHere<double> sum{};
+  for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
+  return section.field + Vector3{sum.field[0], sum.field[1], sum.field[2]};
+}
+
+/// [T] The most by which a static field turns at once where two sections that have one touch: the weaker of
+/// them (LevelCourse).
+double largest_turn(const std::vector<Section>& sections, double from, double to) {
+  double most = 0;
+  for (std::size_t i = 0; i + 1 < sections.size(); ++i) {
+    const double edge = sections[i].end;
+    if (edge <= from || edge >= to || sections[i + 1].begin > edge + no_length) continue;
+    const Vector3 before = standing_field(sections[i], edge), behind = standing_field(sections[i + 1], edge);
+    const double b = length_of(before), c = length_of(behind);
+    if (b > 0 && c > 0)
+      most = std::max(most, std::min(b, c) * length_of((1 / b) * before - (1 / c) * behind));
+  }
+  return most;
+}
+
+/// By which energies F must differ to exchange nothing (level_fields), where static fields turn at once by
+/// `turned` [T] at most.
+double far_apart(const Species& species, const LevelFields& fields, double speed, double turned) {
   constexpr int places = 256;
-  double passing = 0, driving = 0, switching = 0, frequency = 0;  // [T/s], [T/s], [T], [Hz]
+  double passing = 0, driving = 0, switching = turned, frequency = 0;  // [T/s], [T/s], [T], [Hz]
   for (const CourseSection& section : fields.sections) {
     double drives = 0, jumps = 0, swings = 0, leaps = 0;
     for (int i = 0; i < section.field.drives; ++i) {
@@ -192,7 +215,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     }
     out.sections.push_back(part);
   }
-  out.apart = far_apart(species, out, speed);
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to));
   const std::vector<int> manifolds = manifolds_of(coupled_spins(*species.structure), out.apart);
   for (const Section& section : driven) {
     Section alone = section;

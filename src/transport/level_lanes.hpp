@@ -191,21 +191,23 @@ class LevelFlight {
     path_.enter(section);
     real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
     const FollowedField entry = followed(path_.field_at(section, begin), axes_);
+    const bool touches = last != nullptr && last->field.end == section.field.begin;
     if (last == nullptr && course_.begins_in_field) {
       // Levels are those along the field itself.
       const mask back = entry.signed_size < broadcast(0);
       axes_ = moved_to(entry.n, axes_);
       axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
-    } else if (last != nullptr && last->field.end == section.field.begin &&
-               (last->moment > 0 || section.moment > 0)) {
+    } else if (touches && (last->moment > 0 || section.moment > 0)) {
       // A drive is switched on or off.
       turn_to(f_, entry.n, size_, counted, axes_, a);
       resize(f_, axes_, size_, entry.signed_size, counted, a);
     } else {
-      const real least = select(abs(size_) < entry.size, abs(size_), entry.size);
-      const mask alike = (size_ < broadcast(0)) == (entry.signed_size < broadcast(0));
-      turn_to(f_, entry.n, select(alike, select(size_ < broadcast(0), -least, least), broadcast(0)), counted,
-              axes_, a);
+      // The weaker of both turns; none, where there is a gap.
+      const real weaker = touches ? min(abs(size_), entry.size) : broadcast(0);
+      const real before = select(size_ < broadcast(0), -weaker, weaker),
+                 behind = select(entry.signed_size < broadcast(0), -weaker, weaker);
+      turn_to(f_, entry.n, before, counted, axes_, a);
+      resize(f_, axes_, before, behind, counted & ((before < broadcast(0)) != (behind < broadcast(0))), a);
     }
     if (section.wave >= 0) {
       const mask back = dot(path_.field_at(section, begin).b, axes_.third) < broadcast(0);
