@@ -59,6 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options.output = Path(f"{first.stem}{PICTURES[VERBS[verb][0]] or verb.removeprefix('plot')}.png")
         options.told = True
     try:
+        _keep_inputs(options)
         if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
             from . import style
             with style.here(getattr(options, "size", None)):
@@ -87,6 +88,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
         return 1
     return 0
+
+
+def _keep_inputs(options: argparse.Namespace) -> None:
+    """Raises InputError where the output is a file that is read."""
+    output = getattr(options, "output", None)
+    if not output or not output.exists():
+        return
+    given = [value for name, value in vars(options).items() if name != "output"]
+    paths = [path for value in given for path in (value if isinstance(value, list) else [value]) if isinstance(path, Path)]
+    if any(path.exists() and path.samefile(output) for path in paths):
+        from .errors import InputError
+        raise InputError(f"--output: {output} is what is read; name another file")
 
 
 def program() -> int:

@@ -75,6 +75,6 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
-    if not (np.isfinite(values).all() and (values >= least).all()):
+    if not (np.isfinite(values).all() and (values >= least).all() and (values <= 2**53).all()):
         raise FileError(table.path, f"`{name}` is out of range in a line")
     return values

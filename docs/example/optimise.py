@@ -11,10 +11,10 @@ start = [source.value(name) for name in names]
 
 
 def lost(places):
-    try:
-        return 1 - source.set(dict(zip(names, places))).fly().detected
-    except rabiline.InputError:  # magnets that overlap
+    magnets = source.set(dict(zip(names, places)))
+    if any("one inside the other" in warning for warning in magnets.check().warnings):
         return 1.0
+    return 1 - magnets.fly().detected
 
 
 best = minimize(lost, start, method="Nelder-Mead", options={"maxfev": int((sys.argv[1:] or [200])[0]), "initial_simplex": [

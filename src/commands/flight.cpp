@@ -99,7 +99,7 @@ RunSettings FlightOptions::settings() const {
   if (!max_time.empty()) read_time_argument("--max-time", max_time, positive);
   if (batch.empty()) return out;
   out.batch =
-      static_cast<int>(read_argument("--batch", batch, {8, Batch::capacity, true, true, "a multiple of 8"}));
+      static_cast<int>(read_argument("--batch", batch, {8, Batch::capacity, true, true, "a multiple of 8 from 8 to 512"}));
   if (out.batch % 8 != 0)
     throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
   return out;

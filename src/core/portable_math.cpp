@@ -76,6 +76,7 @@ double atan2(double y, double x) {
 // The lanes' exponential ends at +-700.
 double exp(double x) {
   if (std::abs(x) <= 700) return of_one_lane<isa_scalar::exp>(x);
+  if (std::isnan(x)) return x;
   if (std::abs(x) > 1400) return x > 0 ? infinity : 0;
   const double half = exp(x / 2);
   return half * half;

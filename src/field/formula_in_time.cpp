@@ -32,6 +32,7 @@ class InTime {
       throw fault_in_time("no component has t: the field stands",
                           "omit `duration`, or write `t` [s] where it acts");
     interpolate();
+    look_everywhere();
     hold_against_other_times();
     return with_courses();
   }
@@ -85,6 +86,58 @@ class InTime {
       fields_.push_back(field);
     }
   }
+  /// What acts for a short time at few places may have been missed: many places are looked at at many times,
+  /// and the time at which one of them has more than the sum so far is added to it.
+  void look_everywhere() {
+    constexpr int moments = 1 << 11;
+    std::vector<std::vector<double>> share;  // [time][field], as far as it is known
+    for (int i = 0; i <= moments; ++i) share.push_back(shares(duration_ * i / moments));
+    for (const Eigen::Index row : rows_to_look_at()) {
+      double most = 0;
+      int when = 0;
+      for (int i = 0; i <= moments; ++i) {
+        double left = value(row, duration_ * i / moments);
+        for (std::size_t k = 0; k < share[i].size(); ++k) left -= share[i][k] * fields_[k][row];
+        if (std::abs(left) > most) most = std::abs(left), when = i;
+      }
+      if (!(most > told * largest_)) continue;
+      take(duration_ * when / moments);
+      for (int i = 0; i <= moments; ++i) share[i] = shares(duration_ * i / moments);
+    }
+  }
+  /// Of the components that have t: along the axis of the box, and fewer half-way to its sides.
+  std::vector<Eigen::Index> rows_to_look_at() const {
+    constexpr int most_on_axis = 64, most_beside = 8;
+    std::vector<Eigen::Index> out;
+    const auto look_along = [&](int x, int z, int most) {
+      const int nodes = axes_[1].nodes, count = std::min(most, nodes);
+      for (int i = 0; i < count; ++i) {
+        const Eigen::Index y = count == nodes ? i : static_cast<Eigen::Index>(i) * (nodes - 1) / (count - 1);
+        for (Eigen::Index component = 0; component < 3; ++component)
+          if (formulas_[static_cast<std::size_t>(component)].moves())
+            out.push_back(3 * ((x * axes_[1].nodes + y) * axes_[2].nodes + z) + component);
+      }
+    };
+    look_along(axes_[0].nodes / 2, axes_[2].nodes / 2, most_on_axis);
+    for (const int x : {axes_[0].nodes / 4, axes_[0].nodes - 1 - axes_[0].nodes / 4})
+      for (const int z : {axes_[2].nodes / 4, axes_[2].nodes - 1 - axes_[2].nodes / 4})
+        look_along(x, z, most_beside);
+    return out;
+  }
+  /// Adds what is left of the field at a time.
+  void take(double t) {
+    if (pivots_.size() == most_field_courses) throw too_many();
+    Eigen::VectorXd left = whole_field(t);
+    largest_ = std::max(largest_, left.cwiseAbs().maxCoeff());
+    const std::vector<double> share = shares(t);
+    for (std::size_t k = 0; k < share.size(); ++k) left -= share[k] * fields_[k];
+    Eigen::Index row = 0;
+    left.cwiseAbs().maxCoeff(&row);
+    const double pivot = left[row];
+    pivots_.push_back(row);
+    fields_.push_back(left / pivot);
+  }
+
   /// f_k at a time, from the field at the pivots.
   std::vector<double> shares(double t) {
     std::vector<double> out;

@@ -115,8 +115,10 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
                     "state how often the formulas repeat in time, `frequency: 10 kHz`, or how long they "
                     "are worked out, `duration: 5 ms`")
           : closest(word, words_of(parser)).empty()
-              ? fmt::format("places are x, y and z [m]; state it as a constant: `constants: {{{}: 1 mT}}`",
-                            word)
+              ? word == "*" ? std::string("a power is written `^`: `t^2`")
+                            : fmt::format("places are x, y and z [m]; state it as a constant, with the unit "
+                                          "that it has: `constants: {{{}: 1 mT}}`",
+                                          word)
               : fmt::format("did you mean `{}`?", closest(word, words_of(parser))));
       fault.from = from;
       fault.length = word.size();

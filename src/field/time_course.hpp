@@ -40,6 +40,8 @@ template <class Maths, class Number>
 [[gnu::always_inline]] inline Number next_stop(const TimeCourse& course, const Number& t, Number latest) {
   constexpr int lanes = Maths::lanes;
   const Number first = spline_cell<Maths>(t, 0.0, course.per_second, course.nodes).first;
+  constexpr double before = -1e-12;  // [s] from emission ahead of t = 0, where a course begins
+  latest = Maths::select((t < before) & (latest > 0.0), Number(0.0 * t), latest);
   alignas(64) double cell[lanes], stop[2][lanes];
   Maths::store(cell, first);
   // Where rounding has t in the span before its own, the next one's counts.

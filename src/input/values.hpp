@@ -176,7 +176,7 @@ struct ValueType<SampledFormula> {
       example =
           "{Bz: B0 + G*z, Bx: -G*x, constants: {B0: 1 mT, G: 2 T/m}, width: 1 cm, height: 1 cm, "
           "length: 10 cm, step: 1 mm}",
-      what = "{Bx, By, Bz | Ex, Ey, Ez, constants, width, height, length, step, frequency, phase}",
+      what = "{Bx, By, Bz | Ex, Ey, Ez, constants, width, height, length, step, frequency, phase, duration}",
       schema =
           R"({"type": "object", "required": ["width", "height", "length", "step"], "properties": {"Bx": {"type": ["string", "number"]}, "By": {"type": ["string", "number"]}, "Bz": {"type": ["string", "number"]}, "Ex": {"type": ["string", "number"]}, "Ey": {"type": ["string", "number"]}, "Ez": {"type": ["string", "number"]}, "constants": {"type": "object", "additionalProperties": {"type": ["string", "number"]}}, "width": @length, "height": @length, "length": @length, "step": @length, "frequency": @frequency, "phase": {"anyOf": [{"enum": ["random", "locked"]}, @angle]}}, "additionalProperties": false})";
   static bool read(const Node&, const Row&, Reading&, SampledFormula& out);

@@ -174,14 +174,16 @@ void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
 }
 
 const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Beamline& beamline,
-                                                  const Structure& structure) {
+                                                  const Species& atom) {
+  const Structure& structure = *atom.structure;
   const void* of = path.way != nullptr ? static_cast<const void*>(path.way) : path.transitions;
   const auto known = std::ranges::find(driven_, of, &Driven::of);
   if (known != driven_.end()) return &*known;
   Driven& made = driven_.emplace_back(Driven{of, structure});
   if (path.way != nullptr) {
     made.on_way = true;
-    made.zones = zones_near_lines(path.way->fields(), structure);
+    made.zones =
+        zones_near_lines(path.way->fields(), structure, mean_speed(beamline.source.speed, atom.mass));
     for (const WaveFields& wave : path.way->fields().waves)
       made.neglected = std::max(made.neglected, wave.frame.neglected);
   } else {
@@ -204,7 +206,7 @@ void DrivenParts::collect(int component, const Stage& stage, const std::vector<i
       parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
   at.resize(experiment_.points.size());
   const Driven* driven =
-      driven_of(*path, beamline, *beamline.species[static_cast<std::size_t>(component)].species.structure);
+      driven_of(*path, beamline, beamline.species[static_cast<std::size_t>(component)].species);
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
 }
 

@@ -37,7 +37,7 @@ class DrivenParts {
     double neglected = 0, largest_slowness = 0;
     bool on_way = false;
   };
-  const Driven* driven_of(const SpinPath&, const Beamline&, const Structure&);
+  const Driven* driven_of(const SpinPath&, const Beamline&, const Species& atom);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
   void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,

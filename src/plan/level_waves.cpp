@@ -161,8 +161,7 @@ WaveFields wave_fields(const SpinZone& drives, const Section& section, const Spe
   return out;
 }
 
-std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structure& structure) {
-  constexpr double at_the_end = std::numeric_limits<double>::max();
+std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structure& structure, double speed) {
   const CoupledSpins spins = coupled_spins(structure);
   std::vector<LevelZone> out;
   for (const CourseSection& section : fields.sections) {
@@ -184,7 +183,7 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
         const double y = place_in(zone.begin, zone.end, i);
-        const Vector3 b = static_field_on_axis(uniform, shaped, y, at_the_end).here;
+        const Vector3 b = static_field_on_axis(uniform, shaped, y, y / speed).here;
         FieldHere<double> peak{};
         for (const ShapedTerm& term : shaped)
           if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);
@@ -199,7 +198,8 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
         best.drive = term;
         nearest = distance;
       }
-      out.push_back(best);
+      const bool is_off_axis = best.drive && best.drive->amplitude == 0 && best.part >= 0;
+      if (!is_off_axis) out.push_back(best);
     }
   }
   return out;

@@ -26,6 +26,6 @@ WaveFields wave_fields(const SpinZone& drives, const Section&, const Species& at
                        const std::vector<int>& manifold_of, double speed);
 
 /// What drives on a way, in axes along the static field at the place of its section where a line is nearest.
-std::vector<LevelZone> zones_near_lines(const LevelFields&, const Structure&);
+std::vector<LevelZone> zones_near_lines(const LevelFields&, const Structure&, double speed);
 
 }  // namespace rabiline

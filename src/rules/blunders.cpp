@@ -245,6 +245,24 @@ void find_overlapping_zones(const Beamline& beamline, Faults& out) {
     }
 }
 
+/// Poles do not fit into poles.
+void find_overlapping_magnets(const Beamline& beamline, Faults& out) {
+  const auto& parts = beamline.parts;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!is_magnet(parts[i].part) || !is_magnet(parts[k].part)) continue;
+      const double begin = std::max(parts[i].placement.at, parts[k].placement.at),
+                   end = std::min(end_of(parts[i]), end_of(parts[k]));
+      if (begin + 1e-12 >= end) continue;
+      out.push_back(
+          warning(parts[i].placement.name, "at",
+                  fmt::format("the magnets `{}` and `{}` stand one inside the other from {} to {}; their "
+                              "fields are added",
+                              parts[k].placement.name, parts[i].placement.name, metres(begin), metres(end)),
+                  "place them one behind the other"));
+    }
+}
+
 /// A polariser sets spins anew, and an analyser is for somebody who counts.
 void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   std::vector<const PlacedPart*> order;
@@ -318,6 +336,7 @@ Faults blunders_of(const Beamline& beamline) {
   if (out.size() == before) find_useless_polarisers(beamline, out);
   find_screens_in_fields(beamline, out);
   find_overlapping_zones(beamline, out);
+  find_overlapping_magnets(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

@@ -138,10 +138,14 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
               : part(section.swinging.front().field.part).placement.name;
       out.push_back(
           {drive, "at",
-           fmt::format("`{}` acts where the field of `{}` sorts the levels by its gradient, and they "
-                       "cannot be driven at the same time",
-                       drive, *field),
-           "move it out of that field"});
+           field == nullptr
+               ? fmt::format("`{}` acts where paths are followed level by level, as gravity acts along the "
+                             "beam and a magnet sorts them, and they cannot be driven at the same time",
+                             drive)
+               : fmt::format("`{}` acts where the field of `{}` sorts the levels by its gradient, and they "
+                             "cannot be driven at the same time",
+                             drive, *field),
+           field == nullptr ? "let gravity act across the beam" : "move it out of that field"});
       return;
     }
     for (const Plane& plane : sections.planes) {

@@ -117,7 +117,8 @@ class FollowedAtom {
       if (before == nullptr && fields.begins_in_field)
         state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
       else if (!switched)
-        state = renamed(state, last, direction, entry, axis_of(entry, direction));
+        state = renamed(state, last, direction, entry, axis_of(entry, direction),
+                        before != nullptr && before->field.end == section.field.begin);
       double s = begin;
       for (const double edge : edges) {
         moment_ = flight_.t + (s + edge) / 2;
@@ -132,7 +133,7 @@ class FollowedAtom {
     }
     if (!fields.ends_in_field) {
       constexpr Vector3 along_z{0, 0, 1};
-      state = renamed(state, last, direction, {}, along_z);
+      state = renamed(state, last, direction, {}, along_z, false);
       last = {};
       direction = along_z;
     }
@@ -227,10 +228,10 @@ class FollowedAtom {
     return std::min({6 / spins_.radius(most), drives, stay(section) / 100});
   }
   /// Where static fields meet, levels keep their names while the size changes, and the direction changes at
-  /// once in the smaller of both fields, or in none where it turns by more than a right angle.
+  /// once in the smaller of both fields; in none where there is a gap between them.
   State renamed(const State& state, const Vector3& from, const Vector3& old, const Vector3& to,
-                const Vector3& next) const {
-    const double size = length_of(from), least = dot(from, to) > 0 ? std::min(size, length_of(to)) : 0;
+                const Vector3& next, bool touches) const {
+    const double size = length_of(from), least = touches ? std::min(size, length_of(to)) : 0;
     const State named = spins_.states(old, size, size).adjoint() * state,
                 turned =
                     spins_.states(next, least, least).adjoint() * (spins_.states(old, size, least) * named);

@@ -15,7 +15,7 @@ class Adiabaticity {
   /// Over one step, along which the field is the cubic through its values and slopes at both ends: the
   /// smallest |w| |B|^2/|B x dB/dt|, w = -gamma B, at some of its points.
   void watch(const State& from, const State& to, mask chosen) {
-    constexpr int points = 8;
+    constexpr int points = 64;
     const Turning a = at(from), b = at(to);
     const real h = to.t - from.t, per_h = 1.0 / select(h != broadcast(0), h, broadcast(1));
     real least = load(least_), place = load(place_);
@@ -46,10 +46,16 @@ class Adiabaticity {
   inline Turning at(const State& s) const {
     FieldHere<real> here{};
     Vector change{broadcast(0), broadcast(0), broadcast(0)};
+    // Rounding would find the field absent where its map ends.
+    const double hair = 1e-9 * (zone_.field.end - zone_.field.begin);
+    const Vector inside{
+        s.place.x,
+        max(broadcast(zone_.field.begin + hair), min(broadcast(zone_.field.end - hair), s.place.y)),
+        s.place.z};
     for (int i = zone_.shaped_begin; i < zone_.shaped_end; ++i)
       if (region_.shaped[i].drive < 0)
         change = add(change, broadcast(1),
-                     add_field_at(region_.shaped[i], zone_.field, nullptr, s.t, s.place, here));
+                     add_field_at(region_.shaped[i], zone_.field, nullptr, s.t, inside, here));
     const real *b = here.field, *g = here.slope;
     const double* uniform = zone_.uniform;
     const Vector& v = s.velocity;

@@ -98,13 +98,16 @@ inline Vector through_profiled(const SpinZone& zone, real phase, real t, real st
     omega = omega + fma(broadcast(drive.slopes.phase_x), way.vx, drive.slopes.phase_z * way.vz);
   const real detuned = zone.spin_rate - omega, zero = broadcast(0);
   const bool sweeps = drive.sweep.rate != 0;
+  // Of a fall across the beam, along which its phase differs.
+  const double chirp = drive.slopes.phase_x * way.ax + drive.slopes.phase_z * way.az;  // [rad/s^2]
   const Phasor in = phasor(angle_at(drive, phase, t, way.place(zero)));
   const auto rates = [&](real dt) {
-    const real off = sweeps ? detuned - swept_rate(drive.sweep, t + dt) : detuned;
+    const real fallen = fma(broadcast(-chirp), dt, detuned);
+    const real off = sweeps ? fallen - swept_rate(drive.sweep, t + dt) : fallen;
     return Vector{drive.spin_rate * share_of(drive, t + dt, way.place(dt)), zero, off};
   };
   const Vector start = turn_back_about_z(in, s);
-  const Vector r = is_half_sine(zone)
+  const Vector r = is_half_sine(zone) && chirp == 0
                        ? in_even_steps(zone, zero, stay, start,
                                        [&](real h) {
                                          return [&, h, sine = HalfSineSteps(drive.envelope, way, h)](
@@ -122,7 +125,7 @@ inline Vector through_profiled(const SpinZone& zone, real phase, real t, real st
                                            now);
                            };
                          });
-  real turn = stay * omega;
+  real turn = stay * fma(broadcast(0.5 * chirp), stay, omega);
   if (sweeps) turn = turn + (swept_angle(drive.sweep, t + stay) - swept_angle(drive.sweep, t));
   return turn_about_z(phasor(turn), turn_about_z(in, r));
 }
@@ -175,17 +178,18 @@ RABILINE_LANES bool differs_across(const SpinZone& zone) {
   return false;
 }
 
-/// The straight way of particles i... through a zone; across the beam only where something depends on it. A
-/// fall is the chord of its parabola.
+/// The way of particles i... through a zone; across the beam only where something depends on it.
 RABILINE_LANES Way way_through(const SpinZone& zone, const BatchView& batch, int i, real slowness) {
   Way way{broadcast(zone.begin), 1.0 / slowness, broadcast(0), broadcast(0)};
   if (!differs_across(zone)) return way;
-  const real from = (zone.begin - batch.y) * slowness, to = (zone.end - batch.y) * slowness;
+  const real from = (zone.begin - batch.y) * slowness;
   const real vx = load(batch.vx + i), vz = load(batch.vz + i);
-  way.vx = fma(broadcast(0.5 * batch.fall.x), from + to, vx);
-  way.vz = fma(broadcast(0.5 * batch.fall.z), from + to, vz);
-  way.x = fma(fma(broadcast(0.5 * batch.fall.x), from, vx), from, load(batch.x + i));
-  way.z = fma(fma(broadcast(0.5 * batch.fall.z), from, vz), from, load(batch.z + i));
+  way.ax = batch.fall.x;
+  way.az = batch.fall.z;
+  way.x = Way::across(load(batch.x + i), vx, way.ax, from);
+  way.z = Way::across(load(batch.z + i), vz, way.az, from);
+  way.vx = fma(broadcast(way.ax), from, vx);
+  way.vz = fma(broadcast(way.az), from, vz);
   return way;
 }
 

@@ -250,13 +250,19 @@ RABILINE_LANES Vector magnus(const Vector& w1, const Vector& w2, real h) {
   return {fma(k, c.x, half * (w1.x + w2.x)), fma(k, c.y, half * (w1.y + w2.y)),
           fma(k, c.z, half * (w1.z + w2.z))};
 }
-/// Where a particle is dt after a moment: along the beam y + v dt + a dt^2/2 + ..., across it on a straight
-/// line.
+/// Where a particle is dt after a moment: along the beam y + v dt + a dt^2/2 + ..., across it on a
+/// parabola.
 struct Way {
   real y, v, half_a, sixth_jerk;
   real x{}, z{}, vx{}, vz{};
+  double ax = 0, az = 0;  // [m/s^2]
   RABILINE_LANES real at(real dt) const { return fma(fma(fma(sixth_jerk, dt, half_a), dt, v), dt, y); }
-  RABILINE_LANES Vector place(real dt) const { return {fma(vx, dt, x), at(dt), fma(vz, dt, z)}; }
+  RABILINE_LANES Vector place(real dt) const {
+    return {across(x, vx, ax, dt), at(dt), across(z, vz, az, dt)};
+  }
+  RABILINE_LANES static real across(real x, real v, double a, real dt) {
+    return fma(fma(broadcast(0.5 * a), dt, v), dt, x);
+  }
 };
 /// The spin one Magnus step later, for any sum of fields; the step begins `from` after the time t0 of the
 /// way.

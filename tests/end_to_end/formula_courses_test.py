@@ -95,3 +95,33 @@ def test_probe_tells_a_course_at_a_time(tmp_path: Path) -> None:
     path = of_formula(tmp_path, "Bx: 'G*z*min(t/1e-3, 1)', Bz: 'G*x*min(t/1e-3, 1)', constants: {G: 1 T/m}, duration: 2 ms", beside="")
     for time, size in (("0.1 ms", "200 uT"), ("0.25 ms", "500 uT"), ("1.5 ms", "2 mT"), ("1 s", "2 mT")):
         assert f"B = ({size}" in run("probe", path, "--at", "0 m,1.1 m,2 mm", "--time", time).stdout, time
+
+
+PULSE = "Bx: 'A*max(0, 1 - abs(y - 0.03)/0.01)*max(0, 1 - abs(t - 1.03e-3)/10e-6)', constants: {A: 1 mT}"
+
+
+def test_a_pulse_at_one_place_is_found_however_long_the_duration_is(tmp_path: Path) -> None:
+    same_levels(of_formula(tmp_path, f"{PULSE}, duration: 1.05 ms", beside=""), of_formula(tmp_path, f"{PULSE}, duration: 9 ms", "long.yaml", beside=""))
+
+
+def test_check_tells_the_field_that_a_particle_meets(tmp_path: Path) -> None:
+    """Not that of t = 0 or of a course that is always 1."""
+    path = of_formula(tmp_path, "Bz: 'B*exp(-t/0.1e-3)', constants: {B: 20 uT}, duration: 5 ms", beside="}\n  - {name: C, kind: uniform_field, at: 1 m, length: 20 cm, field: 20 uT}\n  - "
+                      "{name: R, kind: rotating_field, at: 1 m, length: 20 cm, amplitude: 1 uT, frequency: 583.29 Hz, sense: co")
+    assert "Larmor 583.3 Hz" in run("check", path).stdout
+    checked = run("check", of_atom(path))
+    assert "nan" not in checked.stdout and "drives no transition" not in checked.stdout
+
+
+def test_a_course_begins_to_change_at_t_0_for_particles_emitted_before(tmp_path: Path) -> None:
+    path = of_formula(tmp_path, "Bx: 'B*t/1e-3', constants: {B: 10 uT}, duration: 4 ms", beside="")
+    path.write_text(path.read_text().replace("direction: parallel", "direction: parallel\n  pulse: {shape: gaussian, sigma: 1 ms}"))
+    levels_of(path)
+    with h5py.File(path.with_suffix(".h5")) as file:
+        assert file["entry/field_check/particles"][()] > 0 and file["entry/field_check/spin"][()] < 1e-6
+
+
+def test_a_formula_without_a_value_is_refused_where_it_is_an_exponential(tmp_path: Path) -> None:
+    for formula in ("exp(x/w)", "tanh(0/w)", "2^(0/w)", "erf(0/w)"):
+        out = run("check", of_formula(tmp_path, f"Bz: '1e-5*{formula}', constants: {{w: 0 mm}}"))
+        assert out.returncode == 2 and "no finite value" in out.stdout + out.stderr

@@ -4,10 +4,14 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from fields_test import BOX, experiment, levels_of
+from fields_test import BOX, experiment, levels_of, run
 
 FREE_SPIN = ("species: {name: spin, mass: 1.00866491595 u, charge: 0 e, structure: {I: 0, J: 1/2, g_J: 0.0020837513, g_I: 0}, "
              "source: the moment of a neutron}")
+
+RAISES = np.diag(np.sqrt([3, 4, 3]), 1)
+SPIN_32 = (RAISES + RAISES.T) / 2, (RAISES - RAISES.T) / 2j, np.diag([1.5, 0.5, -0.5, -1.5])
+SPIN_12 = np.array([[0, 1], [1, 0]]) / 2, np.array([[0, -1j], [1j, 0]]) / 2, np.diag([0.5, -0.5])
 
 
 def of_atom(path: Path) -> Path:
@@ -100,3 +104,26 @@ def test_an_atom_is_driven_by_a_field_that_swings_as_a_point_spin_is(tmp_path: P
     with h5py.File(atom.with_suffix(".h5")) as file:
         check = file["entry/field_check"]
         assert check["particles"][()] == 16 and check["levels"][()] < 3e-7
+
+
+@pytest.mark.parametrize("turn", [60, 89.99, 90.01, 120, 180])
+def test_levels_that_a_field_turns_at_once_are_those_of_the_state_that_stays(tmp_path: Path, turn: float) -> None:
+    """Where hyperfine structure and field are alike: |<level along the new field|level along the old one>|^2."""
+    def levels(angle: float) -> np.ndarray:
+        energies, states = np.linalg.eigh(1e6 * sum(np.kron(i, j) for i, j in zip(SPIN_32, SPIN_12)) + 2.0023 * 1.39962449e10 * 20e-6 *
+                                          np.kron(np.eye(4), np.sin(angle) * SPIN_12[0] + np.cos(angle) * SPIN_12[2]))
+        return states[:, ::-1]  # F = 2 first, from m = 2 on; then F = 1, from m = -1 on
+
+    path = experiment(tmp_path, "kind: uniform_field, length: 10 cm, field: 20 uT}\n  - {name: G, kind: uniform_field, at: 1.1 m, length: 1.1 m, field: 20 uT, "
+                      f"direction: [{np.sin(np.radians(turn))}, 0, {np.cos(np.radians(turn))}]")
+    path.write_text(path.read_text().replace("species: neutron", "species: {name: alkali, mass: 23 u, charge: 0 e, structure: {I: 3/2, J: 1/2, coupling: 1 MHz, g_J: 2.0023, g_I: 0}}")
+                    .replace("direction: parallel", "direction: parallel\n  spin: {kind: levels, levels: [F=2 m=+1]}"))
+    found = levels_of(path)
+    wanted = np.abs(levels(np.radians(turn)).conj().T @ levels(0)[:, 1])**2
+    assert np.abs(found - wanted[[0, 1, 2, 3, 4, 7, 6, 5]]).max() < 1e-6
+
+
+def test_a_swinging_field_that_vanishes_on_the_axis_drives_the_atoms_beside_it(tmp_path: Path) -> None:
+    path = of_atom(experiment(tmp_path, "kind: uniform_field, length: 20 cm, field: 1 mT}\n  - {name: Q, kind: multipole_field, at: 1.05 m, length: 10 cm, poles: 4, radius: 1 cm, "
+                              "pole_field: 0.5 mT, oscillates: {frequency: 29.16 kHz}"))
+    assert "drives no transition" not in run("check", path).stdout

@@ -113,19 +113,19 @@ void tally(const TurningRegion& region, std::vector<Batch>& seen, StageContext& 
   }
 }
 
-/// The field of one term, or its share of the mean peak of one that swings.
-void add_on_axis(const TurningRegion& region, const ShapedTerm& term, double y, FieldHere<double>& here,
-                 double share, SpinZone& zone) {
-  if (term.drive < 0) return add_field<HostMaths>(term, 0.0, y, 0.0, here);
+/// The field of one term at the time t, or its share of the mean peak of one that swings.
+void add_on_axis(const TurningRegion& region, const ShapedTerm& term, double y, double t,
+                 FieldHere<double>& here, double share, SpinZone& zone) {
+  if (term.drive < 0) return add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
   FieldHere<double> peak{};
   add_field<HostMaths>(term, 0.0, y, 0.0, peak);
   zone.drive[term.drive].spin_rate +=
       share * region.feels.spin_per_tesla * portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
 }
 
-/// The fields of a zone as they are on the axis on average: along what drives turn about, else along
-/// themselves.
-SpinZone on_axis(const TurningRegion& region, const RegionZone& zone) {
+/// The fields of a zone as a particle of that speed meets them on the axis, on average: along what drives
+/// turn about, else along themselves.
+SpinZone on_axis(const TurningRegion& region, const RegionZone& zone, double speed) {
   constexpr int places = 64;
   SpinZone out = zone.field;
   if (zone.shaped_begin == zone.shaped_end) return out;
@@ -135,7 +135,7 @@ SpinZone on_axis(const TurningRegion& region, const RegionZone& zone) {
     FieldHere<double> here{};
     for (int k = 0; k < 3; ++k) here.field[k] = zone.uniform[k];
     for (int k = zone.shaped_begin; k < zone.shaped_end; ++k)
-      add_on_axis(region, region.shaped[static_cast<std::size_t>(k)], y, here, 1.0 / places, out);
+      add_on_axis(region, region.shaped[static_cast<std::size_t>(k)], y, y / speed, here, 1.0 / places, out);
     const double* b = here.field;
     along += (b[0] * out.frame[6] + b[1] * out.frame[7] + b[2] * out.frame[8]) / places;
     size += portable::hypot(b[0], b[1], b[2]) / places;
@@ -335,7 +335,7 @@ double cost_through_field(const TurningRegion& region, const RegionZone& zone, d
     each += linear ? cost::linear_field : cost::shaped_field;
   }
   if (region.feels.follows_level) return steps * asked * each;
-  steps += per_precession * std::abs(on_axis(region, zone).spin_rate) * stay / (2 * std::numbers::pi);
+  steps += per_precession * std::abs(on_axis(region, zone, speed).spin_rate) * stay / (2 * std::numbers::pi);
   for (int i = 0; i < zone.field.drives; ++i)
     steps += per_turn * std::abs(zone.field.drive[i].omega) * stay / (2 * std::numbers::pi);
   return steps * asked * each;
@@ -360,7 +360,7 @@ void TurningRegion::explain(PlanReport& report) const {
               shaped.empty() ? "region that turns the velocity" : "flown through fields in steps",
               PlanReport::metres(zones.back().field.end), report.reuse);
   for (const RegionZone& zone : zones) {
-    explain_zone(on_axis(*this, zone), report);
+    explain_zone(on_axis(*this, zone, report.speed), report);
     explain_course(zone, report);
     explain_electric(*this, zone, report);
   }
