@@ -7,14 +7,14 @@ from scipy.optimize import minimize
 
 source = rabiline.load(Path(__file__).with_name("sextupole-source.yaml"))
 names = [f"S{i}.at" for i in range(1, 7)]
-start = [source.value(name) for name in names]
+start, lengths = ([source.value(f"S{i}.{key}") for i in range(1, 7)] for key in ("at", "length"))
 
 
 def lost(places):
-    magnets = source.set(dict(zip(names, places)))
-    if any("one inside the other" in warning for warning in magnets.check().warnings):
+    ends = [0.021, *(at + length for at, length in zip(places, lengths))]  # of the skimmer and the magnets [m]
+    if any(at < end for at, end in zip([*places, 1.30], ends)):  # one would stand inside the other
         return 1.0
-    return 1 - magnets.fly().detected
+    return 1 - source.set(dict(zip(names, places))).fly().detected
 
 
 best = minimize(lost, start, method="Nelder-Mead", options={"maxfev": int((sys.argv[1:] or [200])[0]), "initial_simplex": [

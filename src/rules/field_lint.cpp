@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "rules/warning_room.hpp"
@@ -34,7 +35,7 @@ Vector3 field_at(const Section& section, double y, double t) {
     peak = {};
     add_field<HostMaths>(term.field, 0.0, y, 0.0, peak);
     const double share =
-        std::cos(2 * std::numbers::pi * term.oscillator.frequency * t + term.oscillator.phase);
+        portable::cos(2 * std::numbers::pi * term.oscillator.frequency * t + term.oscillator.phase);
     for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];
   }
   return {sum.field[0], sum.field[1], sum.field[2]};

@@ -341,3 +341,17 @@ def test_a_run_ends_when_the_centre_of_its_line_is_known_and_says_so_where_there
                       "--particles", 2000)
     assert missed.returncode == DONE
     assert "there is no line in `detected` that chance could not have made" in missed.stderr
+
+
+def test_no_command_writes_over_what_it_reads(reference: Path, tmp_path: Path) -> None:
+    result = tmp_path / "a.h5"
+    result.write_bytes(reference.read_bytes())
+    link = tmp_path / "a.csv"
+    link.symlink_to(result)
+    for output in (result, link, tmp_path / "other.h5"):
+        tried = rabiline("export", result, "-o", output)
+        assert tried.returncode == BAD_INPUT and "--output" in tried.stderr
+    drawn = tmp_path / "drawn.png"
+    drawn.write_text(EXPERIMENT.read_text())
+    assert rabiline("draw", drawn, "-o", drawn).returncode == BAD_INPUT
+    assert result.read_bytes() == reference.read_bytes() and drawn.read_text() == EXPERIMENT.read_text()

@@ -330,3 +330,42 @@ def test_tallies_know_how_adiabatic_a_path_was_and_where(tmp_path: Path) -> None
     expected = 2 * np.pi * 29.16469e6 * 3 * (1e-3) ** 2 / (4 * 1000)  # gamma (G r/2)^2 over v G
     assert abs((least + 0.5) * 1e-3 - expected) < 1e-3
     assert abs(1 + (place + 0.5) * 1e-4 - 1.05) < 2e-3
+
+
+def test_the_last_face_of_a_formula_is_not_seen_by_the_adiabaticity(tmp_path: Path) -> None:
+    path = experiment(tmp_path, f"kind: formula_field, formula: {{Bx: 2e-4, Bz: 1e-4*(y - 0.017), width: 2 cm, height: 2 cm, length: 0.4 m, step: 2 mm}}")
+    path.write_text(path.read_text().replace("bins: [10, 10]", "bins: [1, 1], tallies: [{name: a, axes: [{quantity: adiabaticity, from: 0, to: 1000, bins: 1}]}]"))
+    levels_of(path)
+    with h5py.File(path.with_suffix(".h5")) as file:
+        expected = 2 * np.pi * 29.16469e6 * 2e-4**2 / (1e-4 * 1000)  # gamma B_x^2 over v G
+        assert file["entry/D_a/adiabaticity_mean"][()].item() == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("approximation", ["none", "rotating_wave"])
+def test_a_falling_spin_reads_the_slopes_of_a_drive_where_it_is(tmp_path: Path, approximation: str) -> None:
+    """On its parabola; the steps that a gradient of next to nothing asks for do so without that."""
+    field = f"kind: uniform_field, length: 0.4 m, field: 20 uT}}\n  - {{name: R, kind: oscillating_field, at: 1.1 m, length: 0.2 m, amplitude: 2 uT, frequency: 583.3 Hz, " \
+            f"approximation: {approximation}, phase: 0.2 rad, phase_gradient: {{z: 3 deg/mm}}, amplitude_gradient: {{z: 2 1/m}}"
+    paths = [experiment(tmp_path, field + more, name) for name, more in (
+        ("closed.yaml", ""), ("stepped.yaml", "}\n  - {name: G, kind: uniform_field, at: 1 m, length: 0.4 m, field: 0 T, gradient: {transverse: 1e-9 uT/m}"))]
+    for path in paths:
+        path.write_text(path.read_text().replace("1000 m/s", "40 m/s").replace("parallel", "parallel\n  spin: {kind: polarised, axis: [1, 0, 1], degree: 1}")
+                        .replace("width: 1 cm, height: 1 cm, bins", "radius: 1 m, bins").replace("seed: 1", "seed: 1\ngravity: 9.81 m/s^2"))
+    levels = [levels_of(path) for path in paths]
+    assert np.abs(levels[0] - levels[1]).max() < 1e-5
+
+
+def test_magnets_that_stand_one_inside_the_other_are_told_of(tmp_path: Path) -> None:
+    magnet = "kind: multipole_magnet, length: 10 cm, poles: 6, radius: 1 cm, pole_field: 1 T"
+    path = experiment(tmp_path, f"{magnet}}}\n  - {{name: S, at: 1.05 m, {magnet}")
+    assert "the magnets `F` and `S` stand one inside the other from 1.05 m to 1.1 m" in run("check", path).stdout
+    path.write_text(path.read_text().replace("1.05 m", "1.1 m"))
+    assert "one inside" not in run("check", path).stdout
+
+
+def test_a_drive_before_a_magnet_is_refused_where_gravity_acts_along_the_beam(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: rotating_field, length: 5 cm, amplitude: 0.2 mT, frequency: 30 kHz, sense: co, phase: locked}\n  - {name: M, kind: gradient_magnet, "
+                      "at: 1.5 m, length: 0.05 m, field: 1 T, gradient: 1000 T/m")
+    path.write_text(path.read_text() + "gravity: {acceleration: 9.81 m/s^2, direction: y}\n")
+    out = run("run", path, "-o", tmp_path / "out.h5")
+    assert out.returncode == 2 and "gravity acts along the beam" in out.stderr

@@ -124,6 +124,7 @@ def test_levels_that_a_field_turns_at_once_are_those_of_the_state_that_stays(tmp
 
 
 def test_a_swinging_field_that_vanishes_on_the_axis_drives_the_atoms_beside_it(tmp_path: Path) -> None:
-    path = of_atom(experiment(tmp_path, "kind: uniform_field, length: 20 cm, field: 1 mT}\n  - {name: Q, kind: multipole_field, at: 1.05 m, length: 10 cm, poles: 4, radius: 1 cm, "
-                              "pole_field: 0.5 mT, oscillates: {frequency: 29.16 kHz}"))
+    path = experiment(tmp_path, "kind: uniform_field, length: 20 cm, field: 20 uT}\n  - {name: Q, kind: multipole_field, at: 1.05 m, length: 10 cm, poles: 4, radius: 1 cm, "
+                      "field: 5 uT, oscillates: {frequency: 280 kHz, phase: locked}")
+    path.write_text(path.read_text().replace("species: neutron", "species: H atom").replace("direction: parallel", "direction: parallel\n  offset: {x: 3 mm}"))
     assert "drives no transition" not in run("check", path).stdout
