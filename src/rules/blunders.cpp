@@ -222,45 +222,65 @@ void find_screens_in_fields(const Beamline& beamline, Faults& out) {
   }
 }
 
-/// Two fields of one clock at one place are one field.
-void find_overlapping_zones(const Beamline& beamline, Faults& out) {
+/// Calls tell(first, second, where) for each two parts that share a stretch of the beam.
+template <class Tell>
+void each_overlap(const Beamline& beamline, Tell tell) {
+  const auto& parts = beamline.parts;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const double begin = std::max(parts[i].placement.at, parts[k].placement.at),
+                   end = std::min(end_of(parts[i]), end_of(parts[k]));
+      if (begin + 1e-12 < end)
+        tell(parts[k], parts[i], fmt::format("from {} to {}", metres(begin), metres(end)));
+    }
+}
+
+/// Two fields of one clock at one place are one field, and poles do not fit into poles.
+void find_overlaps(const Beamline& beamline, Faults& out) {
   const auto clock = [](const PlacedPart& part) -> const std::string& {
     const std::string* followed = clock_of(part.part);
     return followed ? *followed : part.placement.name;
   };
-  const auto& parts = beamline.parts;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      if (!traits_of(parts[i].part).drives || !traits_of(parts[k].part).drives) continue;
-      if (clock(parts[i]) != clock(parts[k])) continue;
-      const double begin = std::max(parts[i].placement.at, parts[k].placement.at),
-                   end = std::min(end_of(parts[i]), end_of(parts[k]));
-      if (begin + 1e-12 >= end) continue;
-      out.push_back(
-          warning(parts[i].placement.name, "at",
-                  fmt::format("`{}` and `{}` follow one clock and overlap from {} to {}, where they "
-                              "are one field of the sum of their amplitudes",
-                              parts[k].placement.name, parts[i].placement.name, metres(begin), metres(end)),
-                  "place them one behind the other"));
-    }
+  each_overlap(beamline, [&](const PlacedPart& one, const PlacedPart& other, const std::string& where) {
+    const std::string &name = other.placement.name, help = "place them one behind the other";
+    if (traits_of(one.part).drives && traits_of(other.part).drives && clock(one) == clock(other))
+      out.push_back(warning(name, "at",
+                            fmt::format("`{}` and `{}` follow one clock and overlap {}, where they are one "
+                                        "field of the sum of their amplitudes",
+                                        one.placement.name, name, where),
+                            help));
+    if (is_magnet(one.part) && is_magnet(other.part))
+      out.push_back(warning(name, "at",
+                            fmt::format("the magnets `{}` and `{}` stand one inside the other {}; their "
+                                        "fields are added",
+                                        one.placement.name, name, where),
+                            help));
+  });
 }
 
-/// Poles do not fit into poles.
-void find_overlapping_magnets(const Beamline& beamline, Faults& out) {
-  const auto& parts = beamline.parts;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (std::size_t k = 0; k < i; ++k) {
-      if (!is_magnet(parts[i].part) || !is_magnet(parts[k].part)) continue;
-      const double begin = std::max(parts[i].placement.at, parts[k].placement.at),
-                   end = std::min(end_of(parts[i]), end_of(parts[k]));
-      if (begin + 1e-12 >= end) continue;
-      out.push_back(
-          warning(parts[i].placement.name, "at",
-                  fmt::format("the magnets `{}` and `{}` stand one inside the other from {} to {}; their "
-                              "fields are added",
-                              parts[k].placement.name, parts[i].placement.name, metres(begin), metres(end)),
-                  "place them one behind the other"));
-    }
+/// The force on an atom's level turns over where the field of its magnet vanishes.
+void find_zeros_in_magnets(const Beamline& beamline, Faults& out) {
+  const bool of_atoms = std::ranges::any_of(
+      beamline.species, [](const Component& component) { return component.species.structure.has_value(); });
+  if (!of_atoms || !law_traits(beamline.law).has_forces) return;
+  for (const PlacedPart& placed : beamline.parts) {
+    const auto* magnet = std::get_if<GradientMagnet>(&placed.part);
+    if (!magnet || !magnet->gap || magnet->field == 0) continue;
+    const double zero = -magnet->field / magnet->gradient,  // [m] along the gradient
+        reach = (std::abs(magnet->along.x) * magnet->gap->width +
+                 std::abs(magnet->along.z) * magnet->gap->height) /
+                2,
+                 centre = magnet->along.x * magnet->offset.x + magnet->along.z * magnet->offset.z;
+    if (!(std::abs(zero - centre) < reach)) continue;
+    const std::string& name = placed.placement.name;
+    out.push_back(warning(
+        name, "field",
+        fmt::format("the field of `{}` vanishes {} from the axis, inside of its gap: the force on a level "
+                    "turns over there, and what crosses that place is off by up to some percent of its "
+                    "deflection",
+                    name, metres(std::abs(zero))),
+        "make `field` larger or `gap` smaller"));
+  }
 }
 
 /// A polariser sets spins anew, and an analyser is for somebody who counts.
@@ -335,8 +355,8 @@ Faults blunders_of(const Beamline& beamline) {
   find_screens_in_front(beamline, out);
   if (out.size() == before) find_useless_polarisers(beamline, out);
   find_screens_in_fields(beamline, out);
-  find_overlapping_zones(beamline, out);
-  find_overlapping_magnets(beamline, out);
+  find_overlaps(beamline, out);
+  find_zeros_in_magnets(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

@@ -369,3 +369,11 @@ def test_a_drive_before_a_magnet_is_refused_where_gravity_acts_along_the_beam(tm
     path.write_text(path.read_text() + "gravity: {acceleration: 9.81 m/s^2, direction: y}\n")
     out = run("run", path, "-o", tmp_path / "out.h5")
     assert out.returncode == 2 and "gravity acts along the beam" in out.stderr
+
+
+def test_a_magnet_whose_field_vanishes_in_its_gap_is_told_of(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: gradient_magnet, length: 10 cm, field: 30 mT, gradient: 100 T/m, gap: {width: 2 mm, height: 1 mm}")
+    path.write_text(path.read_text().replace("species: neutron", "species: K-39 atom"))
+    assert "vanishes 300 um from the axis" in run("check", path).stdout
+    path.write_text(path.read_text().replace("height: 1 mm", "height: 0.5 mm"))
+    assert "vanishes" not in run("check", path).stdout
