@@ -115,7 +115,7 @@ class InTime {
         const Eigen::Index y = count == nodes ? i : static_cast<Eigen::Index>(i) * (nodes - 1) / (count - 1);
         for (Eigen::Index component = 0; component < 3; ++component)
           if (formulas_[static_cast<std::size_t>(component)].moves())
-            out.push_back(3 * ((x * axes_[1].nodes + y) * axes_[2].nodes + z) + component);
+            out.push_back(3 * ((Eigen::Index{x} * axes_[1].nodes + y) * axes_[2].nodes + z) + component);
       }
     };
     look_along(axes_[0].nodes / 2, axes_[2].nodes / 2, most_on_axis);

@@ -123,9 +123,8 @@ TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
   std::ofstream(path_) << text;
   const std::string told = check({}, {"R.frequency=9192.6 MHz:9192.66 MHz:5"});
   EXPECT_THAT(told, HasSubstr("B: each particle is in one level from here on, all are followed"));
-  EXPECT_THAT(
-      told,
-      HasSubstr("its paths in 16 levels are flown once and reweighted for 5 settings one by one"));
+  EXPECT_THAT(told,
+              HasSubstr("its paths in 16 levels are flown once and reweighted for 5 settings one by one"));
   EXPECT_THAT(told, HasSubstr("scan point 3: 9192.63 MHz"));
 }
 
