@@ -121,10 +121,9 @@ def open_entry(source: Path | str | bytes) -> Iterator[Group]:
     path = IN_MEMORY if isinstance(source, bytes) else Path(source)
     file, sealed = _opened(source, path)
     with file:
-        if "entry" not in file and "sums_low" in file:
-            raise FileError(path, "a shard or a checkpoint: `rabiline merge` joins shards, `rabiline resume` goes on from a checkpoint")
         if "entry" not in file:
-            raise FileError(path, "not written by rabiline (it has no group /entry)")
+            raise FileError(path, "a shard or a checkpoint: `rabiline merge` joins shards, `rabiline resume` goes on from a checkpoint"
+                            if "sums_low" in file else "not written by rabiline (it has no group /entry)")
         version = file.attrs.get("format_version", 1)
         if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
             raise FileError(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")

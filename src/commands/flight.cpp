@@ -98,10 +98,9 @@ RunSettings FlightOptions::settings() const {
     out.snapshot_seconds = read_time_argument("--checkpoint-every", checkpoint_every, positive);
   if (!max_time.empty()) read_time_argument("--max-time", max_time, positive);
   if (batch.empty()) return out;
-  out.batch = static_cast<int>(
-      read_argument("--batch", batch, {8, Batch::capacity, true, true, "a multiple of 8 from 8 to 512"}));
-  if (out.batch % 8 != 0)
-    throw ArgumentError(fmt::format("--batch must be a multiple of 8 from 8 to {}", Batch::capacity));
+  const std::string sizes = fmt::format("a multiple of 8 from 8 to {}", Batch::capacity);
+  out.batch = static_cast<int>(read_argument("--batch", batch, {8, Batch::capacity, true, true, sizes}));
+  if (out.batch % 8 != 0) throw ArgumentError("--batch must be " + sizes);
   return out;
 }
 

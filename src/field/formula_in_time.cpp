@@ -79,30 +79,44 @@ class InTime {
     largest_ = left.cwiseAbs().maxCoeff();
     Eigen::Index row = 0, column = 0;
     while (left.cwiseAbs().maxCoeff(&row, &column) > interpolated * largest_) {
-      if (pivots_.size() == most_field_courses) throw too_many();
-      const Eigen::VectorXd field = left.col(column) / left(row, column);
-      left -= (field * left.row(row)).eval();
-      pivots_.push_back(row);
-      fields_.push_back(field);
+      add(left.col(column));
+      left -= (fields_.back() * left.row(row)).eval();
     }
   }
+  /// One more field, which is 1 where it is largest.
+  void add(const Eigen::VectorXd& field) {
+    if (pivots_.size() == most_field_courses) throw too_many();
+    Eigen::Index row = 0;
+    field.cwiseAbs().maxCoeff(&row);
+    pivots_.push_back(row);
+    fields_.push_back(field / field[row]);
+  }
   /// What acts for a short time at few places may have been missed: many places are looked at at many times,
-  /// and the time at which one of them has more than the sum so far is added to it.
+  /// and the field of a time at which one of them has more than the sum so far is added to it.
   void look_everywhere() {
     constexpr int moments = 1 << 11;
-    std::vector<std::vector<double>> share;  // [time][field], as far as it is known
-    for (int i = 0; i <= moments; ++i) share.push_back(shares(duration_ * i / moments));
+    const auto time = [&](int i) { return duration_ * i / moments; };
+    std::vector<std::vector<double>> share(moments + 1);  // of each field so far
+    const auto know_shares = [&] {
+      for (int i = 0; i <= moments; ++i) share[i] = shares(time(i));
+    };
+    know_shares();
     for (const Eigen::Index row : rows_to_look_at()) {
-      double most = 0;
-      int when = 0;
-      for (int i = 0; i <= moments; ++i) {
-        double left = value(row, duration_ * i / moments);
-        for (std::size_t k = 0; k < share[i].size(); ++k) left -= share[i][k] * fields_[k][row];
-        if (std::abs(left) > most) most = std::abs(left), when = i;
+      std::vector<double> seen;
+      for (int i = 0; i <= moments; ++i) seen.push_back(value(row, time(i)));
+      for (;;) {
+        double most = 0;
+        int when = 0;
+        for (int i = 0; i <= moments; ++i) {
+          double left = seen[i];
+          for (std::size_t k = 0; k < share[i].size(); ++k) left -= share[i][k] * fields_[k][row];
+          if (std::abs(left) > most) most = std::abs(left), when = i;
+        }
+        if (!(most > told * largest_)) break;
+        largest_ = std::max(largest_, whole_field(time(when)).cwiseAbs().maxCoeff());
+        add(left_at(time(when)));
+        know_shares();
       }
-      if (!(most > told * largest_)) continue;
-      take(duration_ * when / moments);
-      for (int i = 0; i <= moments; ++i) share[i] = shares(duration_ * i / moments);
     }
   }
   /// Of the components that have t: along the axis of the box, and fewer half-way to its sides.
@@ -124,20 +138,6 @@ class InTime {
         look_along(x, z, most_beside);
     return out;
   }
-  /// Adds what is left of the field at a time.
-  void take(double t) {
-    if (pivots_.size() == most_field_courses) throw too_many();
-    Eigen::VectorXd left = whole_field(t);
-    largest_ = std::max(largest_, left.cwiseAbs().maxCoeff());
-    const std::vector<double> share = shares(t);
-    for (std::size_t k = 0; k < share.size(); ++k) left -= share[k] * fields_[k];
-    Eigen::Index row = 0;
-    left.cwiseAbs().maxCoeff(&row);
-    const double pivot = left[row];
-    pivots_.push_back(row);
-    fields_.push_back(left / pivot);
-  }
-
   /// f_k at a time, from the field at the pivots.
   std::vector<double> shares(double t) {
     std::vector<double> out;
@@ -148,13 +148,16 @@ class InTime {
     }
     return out;
   }
+  /// Of the field at a time, what the sum so far does not have.
+  Eigen::VectorXd left_at(double t) {
+    Eigen::VectorXd left = whole_field(t);
+    const std::vector<double> share = shares(t);
+    for (std::size_t k = 0; k < share.size(); ++k) left -= share[k] * fields_[k];
+    return left;
+  }
   void hold_against_other_times() {
-    for (const double part : {0.0137, 0.1731, 0.3937, 0.6183, 0.7719, 0.9281}) {
-      Eigen::VectorXd left = whole_field(part * duration_);
-      const std::vector<double> share = shares(part * duration_);
-      for (std::size_t k = 0; k < share.size(); ++k) left -= share[k] * fields_[k];
-      if (!(left.cwiseAbs().maxCoeff() <= told * largest_)) throw too_many();
-    }
+    for (const double part : {0.0137, 0.1731, 0.3937, 0.6183, 0.7719, 0.9281})
+      if (!(left_at(part * duration_).cwiseAbs().maxCoeff() <= told * largest_)) throw too_many();
   }
   static FormulaFault too_many() {
     return fault_in_time("the formulas are no sum of up to eight fields with a course in time each",

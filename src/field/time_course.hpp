@@ -41,7 +41,7 @@ template <class Maths, class Number>
   constexpr int lanes = Maths::lanes;
   const Number first = spline_cell<Maths>(t, 0.0, course.per_second, course.nodes).first;
   constexpr double before = -1e-12;  // [s] from emission ahead of t = 0, where a course begins
-  latest = Maths::select((t < before) & (latest > 0.0), Number(0.0 * t), latest);
+  latest = Maths::select((t < before) & (latest > 0.0), t - t, latest);
   alignas(64) double cell[lanes], stop[2][lanes];
   Maths::store(cell, first);
   // Where rounding has t in the span before its own, the next one's counts.

@@ -5,7 +5,6 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
-#include <span>
 
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
@@ -22,24 +21,12 @@ using constants::two_pi;
 /// Along a section: a resonance between two of them is still within the coupling of what would matter.
 constexpr int places_of_frame = 129;
 
-struct StaticField {
-  Vector3 here, slope;  // [T], and [T/m] along the beam
-};
-/// `t`: the time [s] at which fields with a course are taken.
-StaticField static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
-                                 double t) {
-  FieldHere<double> here{};
-  for (const ShapedTerm& term : shaped)
-    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
-  return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
-          {here.slope[1], here.slope[4], here.slope[7]}};
-}
 double place_in(double begin, double end, int number) {
   return begin + (number + 0.5) / places_of_frame * (end - begin);
 }
 
 /// What drives, in axes along a static field.
-WavePlace place_of(const SpinZone& drives, const StaticField& there, double speed) {
+WavePlace place_of(const SpinZone& drives, const FieldOnAxis& there, double speed) {
   WavePlace out;
   const Vector3& field = there.here;
   out.field = length_of(field);
@@ -94,6 +81,15 @@ double nearest_line(const CoupledSpins& spins, double field, const RotatingTerm&
 }
 
 }  // namespace
+
+FieldOnAxis static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
+                                 double t) {
+  FieldHere<double> here{};
+  for (const ShapedTerm& term : shaped)
+    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
+  return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
+          {here.slope[1], here.slope[4], here.slope[7]}};
+}
 
 double angular_frequency(const DriveTerm& drive, double speed) {
   double rate = std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive))) +
@@ -198,8 +194,8 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
         best.drive = term;
         nearest = distance;
       }
-      const bool is_off_axis = best.drive && best.drive->amplitude == 0 && best.part >= 0;
-      if (!is_off_axis) out.push_back(best);
+      const bool vanishes_on_axis = best.drive && best.drive->amplitude == 0 && best.part >= 0;
+      if (!vanishes_on_axis) out.push_back(best);
     }
   }
   return out;

@@ -100,21 +100,18 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   return out;
 }
 
-/// [T] What stands at a place of a section, on the axis.
-Vector3 standing_field(const Section& section, double y) {
-  FieldHere<double> sum{};
-  for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
-  return section.field + Vector3{sum.field[0], sum.field[1], sum.field[2]};
-}
-
 /// [T] The most by which a static field turns at once where two sections that have one touch: the weaker of
 /// them (LevelCourse).
-double largest_turn(const std::vector<Section>& sections, double from, double to) {
+double largest_turn(const std::vector<Section>& sections, double from, double to, double speed) {
+  const auto field = [&](const Section& section, double y) {
+    return static_field_on_axis(section.field, section.shaped, y, y / speed).here;
+  };
   double most = 0;
   for (std::size_t i = 0; i + 1 < sections.size(); ++i) {
     const double edge = sections[i].end;
     if (edge <= from || edge >= to || sections[i + 1].begin > edge + no_length) continue;
-    const Vector3 before = standing_field(sections[i], edge), behind = standing_field(sections[i + 1], edge);
+    constexpr double hair = 1e-9;  // [m] rounding would find a map's field absent at its face
+    const Vector3 before = field(sections[i], edge - hair), behind = field(sections[i + 1], edge + hair);
     const double b = length_of(before), c = length_of(behind);
     if (b > 0 && c > 0)
       most = std::max(most, std::min(b, c) * length_of((1 / b) * before - (1 / c) * behind));
@@ -215,7 +212,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     }
     out.sections.push_back(part);
   }
-  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to));
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, speed));
   const std::vector<int> manifolds = manifolds_of(coupled_spins(*species.structure), out.apart);
   for (const Section& section : driven) {
     Section alone = section;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -96,18 +97,26 @@ inline double fraction_error(const Moments& counted, double variance, const Mome
 /// Of more points nobody reads a matrix.
 inline constexpr std::size_t most_points_of_covariance = 2048;
 
-/// Between points that fly the same particles: from how far each group is from what its size lets expect, and
-/// what is known otherwise; nothing where there is no such thing. `deviations`: [points][groups].
+/// Between points that fly the same particles: how they vary together is told by how far each group is from
+/// what its size lets expect, and by what is `known` otherwise; how much each varies, by its own error, which
+/// the scatter of the groups knows to 9 % only. Nothing where there is no such thing. `deviations`:
+/// [points][groups], `errors`: [points].
 template <class Known>
-std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations, ScanParticles mode,
-                                  Known known) {
+std::vector<double> covariance_of(const std::vector<std::vector<double>>& deviations,
+                                  std::span<const double> errors, ScanParticles mode, Known known) {
   const std::size_t points = deviations.size();
   if (points < 2 || points > most_points_of_covariance || mode != ScanParticles::shared) return {};
-  std::vector<double> covariance(points * points);
-  for (std::size_t a = 0; a < points; ++a)
-    for (std::size_t b = 0; b <= a; ++b)
-      covariance[a * points + b] = covariance[b * points + a] =
-          covariance_of(deviations[a], deviations[b]) + known(a, b);
+  const auto scatter = [&](std::size_t a, std::size_t b) {
+    return covariance_of(deviations[a], deviations[b]) + known(a, b);
+  };
+  std::vector<double> covariance(points * points), scale(points);
+  for (std::size_t a = 0; a < points; ++a) {
+    const double own = scatter(a, a);
+    scale[a] = own > 0 ? errors[a] / std::sqrt(own) : 0;
+    covariance[a * points + a] = errors[a] * errors[a];
+    for (std::size_t b = 0; b < a; ++b)
+      covariance[a * points + b] = covariance[b * points + a] = scale[a] * scale[b] * scatter(a, b);
+  }
   return covariance;
 }
 

@@ -39,7 +39,7 @@ class DetectorFinisher {
       detector.counts_errors.reserve(points_ * bins);
       for (std::size_t p = 0; p < points_; ++p) add_counts(p, grid, detector);
       detector.detected_covariance = covariance_of(
-          deviations_[detector.name], run_.experiment.particles,
+          deviations_[detector.name], detector.detected_errors, run_.experiment.particles,
           [&](std::size_t a, std::size_t b) { return run_.covariance_by_moments(detector.name, 0, a, b); });
       add_detected_of_all(detector);
       add_count_rate(detector);

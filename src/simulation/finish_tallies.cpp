@@ -58,6 +58,7 @@ class TallyFinisher {
     const auto by_moments = [&](std::size_t a, std::size_t b) {
       return run_.covariance_by_moments(monitor.name, static_cast<int>(plane), a, b);
     };
+    std::vector<double> errors(points_);
     for (std::size_t p = 0; p < points_; ++p) {
       const int number = number_of(beamline(p), monitor.name);
       const Moments& emitted = run_.emitted[p];
@@ -76,10 +77,11 @@ class TallyFinisher {
       }
       for (double& d : deviations[p]) d /= particles(emitted.q);
       monitor.passed[p * planes + plane] = particles(all.q) / particles(emitted.q);
-      monitor.passed_errors[p * planes + plane] = fraction_error(
+      monitor.passed_errors[p * planes + plane] = errors[p] = fraction_error(
           all, total.variances[0], emitted, covariance_of(deviations[p], deviations[p]) + by_moments(p, p));
     }
-    const std::vector<double> covariance = covariance_of(deviations, run_.experiment.particles, by_moments);
+    const std::vector<double> covariance =
+        covariance_of(deviations, errors, run_.experiment.particles, by_moments);
     monitor.passed_covariance.insert(monitor.passed_covariance.end(), covariance.begin(), covariance.end());
   }
 
