@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, Sequence
@@ -44,7 +45,9 @@ class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"rabiline: {message} (see --help)\n")
+        unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
+        near = get_close_matches(unknown.partition("=")[0], self._option_string_actions, 1)
+        self.exit(2, f"rabiline: {message} " + (f"(did you mean {near[0]}?)\n" if near else "(see --help)\n"))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -62,11 +62,14 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
             raise FileError(table.path, f"there is {', '.join(dict.fromkeys(named))}: choose one with --detector")
     x = np.array(table.numbers(parameter))[kept]
     counts = _column(table, "counts", kept, 0.0)
-    if (counts != np.rint(counts)).any():
-        raise FileError(table.path, "counts must be whole numbers, as they were counted, background included")
+    _require(table, kept, counts == np.rint(counts), "counts must be whole numbers, as they were counted, background included")
+    if not counts.any():
+        raise FileError(table.path, "nothing was counted at any point")
     columns = [np.array(table.numbers(name))[kept] for name, _ in others]
-    if x.size < 2 or len(set(zip(*(column.tolist() for column in columns)))) < x.size:
-        raise FileError(table.path, "a scan has two points or more, each once")
+    if x.size < 2:
+        raise FileError(table.path, "a scan has two points or more")
+    places = list(zip(*(column.tolist() for column in columns)))
+    _require(table, kept, np.array([places.index(place) == i for i, place in enumerate(places)]), "a point that has been counted before")
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
     across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
@@ -75,6 +78,12 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
-    if not (np.isfinite(values).all() and (values >= least).all() and (values <= 2**53).all()):
-        raise FileError(table.path, f"`{name}` is out of range in a line")
+    _require(table, kept, np.isfinite(values) & (values >= least) & (values <= 2**53), f"`{name}` is out of range")
     return values
+
+
+def _require(table: Table, kept: np.ndarray, good: np.ndarray, wrong: str) -> None:
+    """Raises FileError with the line of the first row, of those that are kept, that is not good."""
+    if not good.all():
+        line = table.rows[int(np.flatnonzero(kept)[np.argmin(good)])][0]
+        raise FileError(table.path, f"line {line}: {wrong}")

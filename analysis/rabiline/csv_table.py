@@ -66,7 +66,7 @@ def read_table(path: Path | str) -> Table:
     columns = tuple(_column(text) for text in names)
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
-            raise FileError(path, f"line {line}: {len(cells)} values in {len(columns)} columns")
+            raise FileError(path, f"line {line}: {len(cells)} value{'' if len(cells) == 1 else 's'} in {len(columns)} columns")
     return Table(path, header, columns, tuple(rows[1:]))
 
 

@@ -75,6 +75,9 @@ class CurveModel:
         self.detector = self.detector or detectors[0]
         if self.detector not in detectors:
             raise NoFit(f"{self.experiment.path}: no detector `{self.detector}` (there is {', '.join(detectors)})")
+        each = [one for name in self.names for one in name.split("+")]
+        if twice := [name for name in each if each.count(name) > 1]:
+            raise NoFit(f"`{twice[0]}` is free twice")
         for name in self.names:
             if {self.parameter, self.across and self.across[0]} & set(name.split("+")):
                 raise NoFit(f"`{name}` is scanned, so it is not free")

@@ -11,7 +11,7 @@ from .results import Axis, Results
 from .units import law_name
 
 
-WITHOUT_RESONANCE = {"m", "m/s", "s", "K"}  # units of what places or speeds are
+RESONANT = {"Hz", "T", "A"}  # units of what brings a frequency and a field together
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
 
 
@@ -227,8 +227,8 @@ def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
     """d(baseline)/dy [n], and +1 for peaks, -1 for dips: where the curve goes farther from the baseline. The baseline
     is the mean of the outer tenths of the scan where these agree with each other; else, with a dip near an end, the
     mean of the points near the median of all, which must be many. Refused where neither shows a baseline."""
-    if curve.axis.units in WITHOUT_RESONANCE:
-        raise NoResonance(f"a scan over {curve.axis.parameter} is a profile")
+    if not curve.axis.labels and (curve.axis.units not in RESONANT or curve.axis.parameter.endswith(".amplitude")):
+        raise NoResonance(f"{curve.axis.parameter} tunes neither a frequency nor a static field")
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):

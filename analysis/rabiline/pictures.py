@@ -88,7 +88,10 @@ def plot(options: argparse.Namespace) -> Figure:
     """The picture that fits a file: its scan, else its image; its tracks; the motions of a model."""
     opened = _read(options.file)
     kind = _fitting_kind(opened)
-    return plot_of(opened, kind, {"title": options.title} if options.title else {})
+    chosen: dict[str, object] = {"title": options.title} if options.title else {}
+    if kind == "scan" and len(opened.scan.detectors) > 1 and len(curves(opened)) > MOST_CURVES:
+        chosen["detector"] = opened.scan.detectors[0]
+    return plot_of(opened, kind, chosen)
 
 
 def plot_scan(options: argparse.Namespace) -> Figure:
@@ -116,8 +119,9 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
-    elif across and len(files) == len({curve.detector for curve in lines}) == 1:
-        figure = scan_plots.draw_map(lines, across[0], title, marks)
+    elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across[0].values.size:
+        figure = scan_plots.draw_maps(_grids(lines, [axis for axis in files[0].scan.axes if axis is not first], across[0]), across[0],
+                                      title, marks)
     else:
         several = any(len(file.scan.detectors) > 1 for file in files) and options.detector is None
         choose = "; choose one detector with --detector" if several else ""
@@ -138,6 +142,13 @@ def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
     expected = np.interp(x, curve.x[order], curve.y[order])
     factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
     return scan_plots.Measured(x, factor * counts.counts, factor * np.sqrt(np.maximum(counts.counts, 1.0)))
+
+
+def _grids(lines: Sequence[Curve], others: Sequence[results.Axis], across: results.Axis) -> list[list[Curve]]:
+    """The curves of a scan over more than two axes, those that differ along `across` together."""
+    number = next(i for i, axis in enumerate(others) if axis is across)
+    order = np.moveaxis(np.arange(len(lines)).reshape([axis.values.size for axis in others]), number, -1)
+    return [[lines[i] for i in row] for row in order.reshape(-1, across.values.size)]
 
 
 def _panel(file: results.Results, title: str, lines: list[Curve]) -> scan_plots.Panel:

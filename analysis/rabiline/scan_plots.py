@@ -21,6 +21,7 @@ SYMBOL = 3.4  # points
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 GAP = 8.0  # usual steps of a scan, from which on it has a gap
 MOST_PIECES = 4
+MOST_COLUMNS = 3  # of maps
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
 LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
@@ -185,22 +186,37 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     axes.grid(axis="y")
 
 
-def draw_map(curves: Sequence[Curve], across: Axis, title: str, marks: dict[str, float]) -> Figure:
-    """The detected fraction over both axes of a grid; `across` tells the curves apart."""
-    along = curves[0].axis
+def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks: dict[str, float]) -> Figure:
+    """The detected fraction over both axes of each grid; `across` tells the curves of one apart."""
+    along = grids[0][0].axis
     scale, scale_across = along.scale, across.scale
-    figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
-    mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
-                           np.stack([curve.y for curve in curves]), shading="flat", cmap=COUNTS, rasterized=True)
+    rows = -(-len(grids) // MOST_COLUMNS)
+    columns = -(-len(grids) // rows)
+    figure, panels = plt.subplots(rows, columns, figsize=style.size(7.2, 4.8 if rows == 1 else 2.9 * rows), squeeze=False, sharex=True,
+                                  sharey=True, layout="constrained")
+    most = max(curve.y.max() for grid in grids for curve in grid)
+    least = min(curve.y.min() for grid in grids for curve in grid)
+    for axes, grid in zip(panels.flat, grids):
+        mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
+                               np.stack([curve.y for curve in grid]), shading="flat", cmap=COUNTS, rasterized=True, vmin=least, vmax=most)
+        draw_marks(axes, marks, scale)
+        if len(grids) > 1:
+            name = grid[0].label.partition(f", {across.parameter} = ")[0]
+            axes.set_title(style.in_lines(name, figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small")
+    for axes in panels.flat[len(grids):]:
+        axes.remove()
     if is_logarithmic(along.values):
-        axes.set_xscale("log")
+        panels[0, 0].set_xscale("log")
     if is_logarithmic(across.values):
-        axes.set_yscale("log")
-    figure.colorbar(mesh, ax=axes, label=_measure(curves))
-    draw_marks(axes, marks, scale)
-    axes.set_xlabel(scale.label(along.parameter))
-    axes.set_ylabel(scale_across.label(across.parameter))
-    style.write_title(figure, f"{title}\n{law_name(curves[0].law)}")
+        panels[0, 0].set_yscale("log")
+    curves = [curve for grid in grids for curve in grid]
+    figure.colorbar(mesh, ax=list(panels.flat[:len(grids)]), label=_measure(curves))
+    for axes in panels.flat[max(0, len(grids) - columns):len(grids)]:
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel(scale.label(along.parameter))
+    for axes in panels[:, 0]:
+        axes.set_ylabel(scale_across.label(across.parameter))
+    style.write_title(figure, title if len(grids) > 1 else f"{title}\n{law_name(curves[0].law)}")
     return figure
 
 

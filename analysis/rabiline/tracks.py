@@ -13,6 +13,7 @@ from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+SAME_PLACE = 1e-9  # m
 FASTER_THAN_FIELDS = 100  # times the usual rate at which a track's polar angle changes
 
 
@@ -29,6 +30,7 @@ class Track:
     position: np.ndarray  # [n, 3] m, y along the beam
     velocity: np.ndarray  # [n, 3] m/s
     spin: np.ndarray  # [n, 3] unit vector; NaN where it is not followed
+    polarizers: tuple[float, ...] | None = None  # [m] where spins are aligned; None where the file does not say
 
     @property
     def has_spin(self) -> bool:
@@ -39,7 +41,8 @@ class Track:
     def stretches(self) -> list[slice]:
         """The records between alignments, in which only fields turn the spin; what is before the first one is chance where no
         field turns it. An alignment changes the spin in no time, or in the midst of a field's steps faster by
-        far than the field tips spins; along z, about which a static field turns them fast, a field changes them slowly."""
+        far than the field tips spins; along z, about which a static field turns them fast, a field changes them slowly.
+        That is a guess, which is made at polarizers only where it is known where they are."""
         polar = np.arctan2(np.hypot(self.spin[:, 0], self.spin[:, 1]), self.spin[:, 2])
         moved, taken = np.abs(np.diff(polar)), np.diff(self.time)
         turned = np.linalg.norm(np.diff(self.spin, axis=0), axis=1)
@@ -47,10 +50,18 @@ class Track:
         rate = moved / np.where(taken > 0, taken, np.inf)
         by_fields = rate[rate > 0]
         usual = np.median(by_fields) if by_fields.size > 2 else np.inf
-        jumps = np.flatnonzero(at_once | (moved > 1e-3) & (rate > FASTER_THAN_FIELDS * usual))
+        jumps = np.flatnonzero(at_once | (moved > 1e-3) & (rate > FASTER_THAN_FIELDS * usual) & self._passes_polarizer)
         first = jumps.size > 0 and turned[:jumps[0]].max(initial=0.0) < 1e-9  # nothing turned it
         edges = [*([] if first else [0]), *(jumps + 1).tolist(), self.time.size]
         return [slice(*pair) for pair in zip(edges, edges[1:]) if pair[1] > pair[0]]
+
+    @property
+    def _passes_polarizer(self) -> np.ndarray:
+        """[n - 1] Whether one may stand between a record and the next."""
+        if self.polarizers is None:
+            return np.ones(self.time.size - 1, bool)
+        low, high = np.sort((self.position[:-1, 1], self.position[1:, 1]), axis=0)
+        return np.any([(low <= at + SAME_PLACE) & (at - SAME_PLACE <= high) for at in self.polarizers] or [low > high], axis=0)
 
     @cached_property
     def tilt(self) -> np.ndarray:
@@ -102,9 +113,11 @@ def read(source: Path | str | bytes) -> Tracks:
         names = [name for name in entry.names() if name.startswith("particle_")]
         if not names:
             raise FileError(path, "no tracks in it: not a file of `rabiline trace`")
-        tracks = (_read_track(entry.group(name), name) for name in names)
+        parts = _read_parts(entry)
+        polarizers = tuple(part.begin for part in parts if part.kind == "polarizer") if parts else None
+        tracks = (_read_track(entry.group(name), name, polarizers) for name in names)
         ordered = tuple(sorted(tracks, key=lambda track: track.particle))
-        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered, _read_parts(entry))
+        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered, parts)
 
 
 def _read_parts(entry: Group) -> tuple[Part, ...]:
@@ -116,7 +129,7 @@ def _read_parts(entry: Group) -> tuple[Part, ...]:
                  zip(*(group.texts(name) for name in ("name", "kind", "label")), *numbers))
 
 
-def _read_track(group: Group, name: str) -> Track:
+def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -> Track:
     time = group.numbers("t").ravel()
     if time.size == 0:
         raise group.error("the track is empty")
@@ -131,4 +144,4 @@ def _read_track(group: Group, name: str) -> Track:
     if not number.isdigit():
         raise group.error("the particle has no number")
     return Track(int(number), attribute("law"), attribute("species"), attribute("fate"), attribute("where"), time,
-                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz"))
+                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz"), polarizers)

@@ -34,6 +34,25 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
                                                : fmt::format("did you mean `{}`?", near)));
 }
 
+/// Of an option that its command does not have, the one that may be meant.
+void require_known_options(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  const CLI::App* verb = app.get_subcommand(arguments.front());
+  std::vector<std::string> known;
+  for (const CLI::Option* option : verb->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name == "--") return;
+    if (!name.starts_with("--") || std::ranges::find(known, name) != known.end()) continue;
+    const std::string near = closest(name, known);
+    throw ArgumentError(fmt::format("`rabiline {}` has no option `{}`\n  help: {}", arguments.front(), name,
+                                    near.empty()
+                                        ? fmt::format("`rabiline {} --help` lists them", arguments.front())
+                                        : fmt::format("did you mean `{}`?", near)));
+  }
+}
+
 /// Calls it; what went wrong is told, and its exit code returned.
 int explained(const std::function<int()>& call) {
   try {
@@ -211,6 +230,7 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   add_package_verbs(app);
   require_known_verb(app, arguments);
   if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
+  require_known_options(app, arguments);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     app.parse(reversed);

@@ -50,10 +50,11 @@ std::string field_text(const std::array<double, 3>& b, char name, Dimension dime
 }
 bool is_none(const std::array<double, 3>& field) { return field == std::array<double, 3>{}; }
 
-void print_place(const Probed& p) {
+void print_place(const Probed& p, double time) {
   const auto metres = [](double x) { return pretty_quantity(x, Dimension::length); };
   const auto& g = p.slope;
-  fmt::print("at ({}, {}, {})\n", metres(p.place[0]), metres(p.place[1]), metres(p.place[2]));
+  fmt::print("at ({}, {}, {}), t = {}\n", metres(p.place[0]), metres(p.place[1]), metres(p.place[2]),
+             pretty_quantity(time, Dimension::time));
   fmt::print("  B = {}\n", field_text(p.field, 'B', Dimension::magnetic_field));
   for (const Probed::Contribution& from : p.contributions)
     if (is_none(from.electric))
@@ -121,7 +122,7 @@ void probe_command(const ProbeArguments& a) {
   const double time = read_quantity("--time", a.time, Dimension::time);
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   if (a.along.empty())
-    print_place(probe(setup, place, time));
+    print_place(probe(setup, place, time), time);
   else if (a.picture.empty())
     print_line(stdout, setup, a, place, time);
   else

@@ -56,12 +56,14 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
   SectionBuilder builder(Wall{});
   for (const PlacedPart* part : parts)
     std::visit([&](const auto& any) { contribute(any, part->placement, builder); }, part->part);
-  const double gamma = beamline.species.empty() ? 0 : beamline.species.front().species.gyromagnetic_ratio;
+  const Species first = beamline.species.empty() ? Species{} : beamline.species.front().species;
   Here sum{};
   for (const Section& section : builder.build(Magnets::fields).sections) {
     if (place.y < section.begin || place.y >= section.end) continue;
     add_uniform(section.field, sum);
-    for (const RotatingTerm& term : section.rotating) add_rotating(term, gamma, place, time, sum);
+    for (const CoilTerm& coil : section.coils) add_uniform(coil.field(first), sum);
+    for (const RotatingTerm& term : section.rotating)
+      add_rotating(term, first.gyromagnetic_ratio, place, time, sum);
     for (const ShapedTerm& term : section.shaped)
       add_field_at<HostMaths>(term, place.x, place.y, place.z, time, sum);
     for (const SwingingTerm& term : section.swinging) add_swinging(term, place, time, sum);

@@ -19,6 +19,8 @@ struct MagnetShape {
   double height = 0;                // [m] h
   int power = 1;                    // p
   double radius = 1;                // [m] R
+  /// Whether grad |B| jumps where B is zero.
+  bool jumps() const { return kind == MagnetKind::gradient || (kind == MagnetKind::multipole && power == 1); }
   bool operator==(const MagnetShape&) const = default;
 };
 

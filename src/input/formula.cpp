@@ -1,6 +1,9 @@
 // Fields as formulas, which are worked out while they are read.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "field/field_formula.hpp"
 #include "input/reader.hpp"
 
@@ -46,10 +49,38 @@ bool ValueType<NamedValues>::read(const Node& node, const Row& row, Reading& rea
       reading.error(
           entry.value.place, fmt::format("{} {}", quote(entry.value), value.error),
           value.suggestion.empty() ? fmt::format("write it like `{}: 1 mT`", entry.key) : value.suggestion);
+    else
+      reading.saw_number(entry.value, value.dimension, value.value);
     out[entry.key] = value.value;
   }
   return reading.errors.size() == errors;
 }
+
+namespace {
+
+bool has_word(std::string_view text, std::string_view word) {
+  const auto is_letter = [&](std::size_t at) {
+    return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) != 0 || text[at] == '_');
+  };
+  for (std::size_t at = text.find(word); at < text.size(); at = text.find(word, at + 1))
+    if ((at == 0 || !is_letter(at - 1)) && !is_letter(at + word.size())) return true;
+  return false;
+}
+
+/// A constant that no component has is a slip of the pen, or of a name that is set from outside.
+void refuse_idle_constants(const Node& node, const auto& components, Reading& reading) {
+  const Entry* constants = node.find("constants");
+  if (!constants) return;
+  for (const Entry& constant : constants->value.entries)
+    if (std::ranges::none_of(components, [&](std::string_view key) {
+          const Entry* component = node.find(key);
+          return component && has_word(component->value.scalar, constant.key);
+        }))
+      reading.error(constant.key_place, fmt::format("no formula has the constant `{}`", constant.key),
+                    "omit it, or write its name as the formulas do");
+}
+
+}  // namespace
 
 bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& reading,
                                      SampledFormula& out) {
@@ -86,6 +117,7 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
                   "state `frequency`, or omit `phase`");
     return false;
   }
+  refuse_idle_constants(node, keys, reading);
   if (reading.errors.size() > errors) return false;
   if (const double places = places_of(out.box); places > most_formula_places) {
     reading.error(

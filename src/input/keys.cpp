@@ -64,6 +64,13 @@ void Keys::missing(std::string_view key, std::string_view meaning, std::string_v
                        example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example)}});
 }
 
+std::optional<std::string_view> Keys::word_elsewhere(std::span<const Word> words) const {
+  for (const Entry& entry : node_->entries)
+    for (const Word& word : words)
+      if (entry.key != "name" && entry.value.is_scalar() && entry.value.scalar == word.word) return word.word;
+  return std::nullopt;
+}
+
 void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
   const Entry* before = nullptr;
   bool in_bracket = false;  // that a comma has cut

@@ -1,6 +1,8 @@
 #pragma once
 // One mapping of the file while it is read: which keys were asked for, and so which ones nobody knows.
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +22,8 @@ class Keys {
   const Entry* take_value(std::string_view key, bool& given);
   /// Notes a key that must be given and is not.
   void missing(std::string_view key, std::string_view meaning, std::string_view example);
+  /// One of the words that stands under another key: `type: coil` for `kind: coil`.
+  std::optional<std::string_view> word_elsewhere(std::span<const Word> words) const;
   /// Reports every key that nobody asked for, and those that are missing: a misspelt one once only.
   /// `owner_of` names what has such a key instead, or is empty.
   void finish(const std::function<std::string(std::string_view key)>& owner_of = {});

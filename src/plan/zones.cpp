@@ -72,13 +72,7 @@ Turning turning_of(const Law& law, const Species& species) {
 
 Vector3 ZoneMaker::static_field(const Section& section) const {
   Vector3 field = section.field;
-  for (const CoilTerm& coil : section.coils) {
-    if (coil.angle == 0) continue;
-    // The spin turns with -gamma B.
-    const double rate = coil.angle * speed_of(coil.speed, coil_species_.mass) / coil.length;
-    assert(coil_species_.gyromagnetic_ratio != 0);
-    field = field + (-rate / coil_species_.gyromagnetic_ratio) * coil.axis;
-  }
+  for (const CoilTerm& coil : section.coils) field = field + coil.field(coil_species_);
   return field;
 }
 

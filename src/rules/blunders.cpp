@@ -258,32 +258,21 @@ void find_overlaps(const Beamline& beamline, Faults& out) {
   });
 }
 
-/// The force on an atom's level turns over where the field of its magnet vanishes.
-void find_zeros_in_magnets(const Beamline& beamline, Faults& out) {
-  const bool of_atoms = std::ranges::any_of(
-      beamline.species, [](const Component& component) { return component.species.structure.has_value(); });
-  if (!of_atoms || !law_traits(beamline.law).has_forces) return;
-  for (const PlacedPart& placed : beamline.parts) {
-    const auto* magnet = std::get_if<GradientMagnet>(&placed.part);
-    if (!magnet || !magnet->gap || magnet->field == 0) continue;
-    const double zero = -magnet->field / magnet->gradient,  // [m] along the gradient
-        reach = (std::abs(magnet->along.x) * magnet->gap->width +
-                 std::abs(magnet->along.z) * magnet->gap->height) /
-                2,
-                 centre = magnet->along.x * magnet->offset.x + magnet->along.z * magnet->offset.z;
-    if (!(std::abs(zero - centre) < reach)) continue;
-    const std::string& name = placed.placement.name;
-    out.push_back(warning(
-        name, "field",
-        fmt::format("the field of `{}` vanishes {} from the axis, inside of its gap: the force on a level "
-                    "turns over there, and what crosses that place is off by up to some percent of its "
-                    "deflection",
-                    name, metres(std::abs(zero))),
-        "make `field` larger or `gap` smaller"));
-  }
+/// Nobody sees what becomes of particles there.
+void find_parts_behind_counters(const Beamline& beamline, Faults& out) {
+  double last = -HUGE_VAL;
+  for (const PlacedPart& part : beamline.parts)
+    if (tallies_of(part.part)) last = std::max(last, end_of(part));
+  for (const PlacedPart& part : beamline.parts)
+    if (!tallies_of(part.part) && part.placement.at > last)
+      out.push_back(warning(
+          part.placement.name, "at",
+          fmt::format("`{}` stands behind everything that counts: no detector or monitor sees what it does",
+                      part.placement.name),
+          "place it in front of the detector"));
 }
 
-/// A polariser sets spins anew, and an analyser is for somebody who counts.
+/// A polariser sets spins anew.
 void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   std::vector<const PlacedPart*> order;
   for (const PlacedPart& part : beamline.parts) order.push_back(&part);
@@ -293,18 +282,12 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   const PlacedPart* worked = nullptr;  // on spins that nobody has asked for since
   for (const PlacedPart* part : order) {
     const std::string& name = part->placement.name;
-    const bool is_polariser = aligns(part->part) || filters(part->part);
     if (aligns(part->part) && worked && !turns_paths(beamline))
       out.push_back(warning(name, "at",
                             fmt::format("`{}` aligns the moments anew behind `{}`: nothing is left of what "
                                         "that has done to them, and nobody has asked",
                                         name, worked->placement.name),
                             "polarise in front of what turns spins; a `spin_filter` analyses them"));
-    if (is_polariser && std::none_of(order.begin(), order.end(), [&](const PlacedPart* other) {
-          return tallies_of(other->part) && other->placement.at >= part->placement.at;
-        }))
-      out.push_back(warning(name, "at", fmt::format("`{}` stands behind everything that counts", name),
-                            "place it in front of the detector"));
     if (works_on_spins(part->part))
       worked = part;
     else if (aligns(part->part) || asks_for_spins(part->part, beamline.law))
@@ -356,7 +339,7 @@ Faults blunders_of(const Beamline& beamline) {
   if (out.size() == before) find_useless_polarisers(beamline, out);
   find_screens_in_fields(beamline, out);
   find_overlaps(beamline, out);
-  find_zeros_in_magnets(beamline, out);
+  find_parts_behind_counters(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

@@ -1,5 +1,6 @@
 #pragma once
 // The beam cut at every edge of a field: what acts in each stretch, and the planes across the beam.
+#include <cassert>
 #include <limits>
 #include <memory>
 #include <variant>
@@ -9,6 +10,7 @@
 #include "field/shaped_term.hpp"
 #include "field/terms.hpp"
 #include "particle/opening.hpp"
+#include "particle/species.hpp"
 #include "particle/speed.hpp"
 #include "tally/tally.hpp"
 
@@ -33,6 +35,13 @@ struct CoilTerm {
   double length = 0;  // [m]
   SpeedQuantity speed;
   bool operator==(const CoilTerm&) const = default;
+  /// [T] for that species, whose spins turn with -gamma B.
+  Vector3 field(const Species& species) const {
+    if (angle == 0) return {};
+    assert(species.gyromagnetic_ratio != 0);
+    const double rate = angle * speed_of(speed, species.mass) / length;
+    return (-rate / species.gyromagnetic_ratio) * axis;
+  }
 };
 
 /// A field that swings in time with cos(omega t + phase), and differs from place to place.

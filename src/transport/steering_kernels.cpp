@@ -57,12 +57,46 @@ RABILINE_LANES void step(const Steering& s, const Fall& fall, words level, real 
   kick(xi);
 }
 
+/// [s] until a lane comes to where |B| is zero and its gradient jumps, on a line or an axis |B|/|grad |B||
+/// away (MagnetShape::jumps), and how fast it is there; never: infinite.
+struct Jump {
+  real time, speed;
+};
+RABILINE_LANES Jump next_jump(const Steering& s, const Force& force, const Across& at) {
+  const auto field = field_size(s.shape, at.x, at.z, [](real q) { return sqrt(q); });
+  const real slope = sqrt(fma(field.along_x, field.along_x, field.along_z * field.along_z));
+  const real over = 1.0 / max(slope, broadcast(0x1p-500)), out_x = field.along_x * over,
+             out_z = field.along_z * over, away = field.size * over;
+  const real outwards = fma(at.vx, out_x, at.vz * out_z), aside = fma(at.vx, out_z, -(at.vz * out_x));
+  const bool on_axis = s.shape.kind == MagnetKind::multipole;
+  const real centrifugal = aside * aside / max(away, broadcast(0x1p-500));
+  const real pull = fma(force.ax, out_x, force.az * out_z) + (on_axis ? centrifugal : broadcast(0));
+  const real square = fma(outwards, outwards, -2.0 * pull * away), speed = sqrt(max(square, broadcast(0)));
+  const mask comes = (square >= broadcast(0)) & (outwards < broadcast(0)), returns = pull < broadcast(0);
+  const real never = broadcast(__builtin_inf());
+  const real back = select(returns, (outwards + speed) / -select(returns, pull, broadcast(-1)), never);
+  const mask turns = ~comes & ~returns & (outwards < broadcast(0));
+  return {select(comes, 2.0 * away / (speed - outwards),
+                 select(turns, -outwards / select(turns, pull, broadcast(1)), back)),
+          select(turns, never, speed)};
+}
+
 /// [s] of the next step: what is left in equal steps, none longer than the force allows, none shorter than
-/// `least`.
-RABILINE_LANES real next_step(const Force& force, const Across& at, real left, real least) {
+/// `least`. Where the force jumps ahead of a lane that comes back there seldom, steps end just short of it
+/// and a last, tiny one crosses it.
+RABILINE_LANES real next_step(const Steering& s, const Force& force, const Across& at, real left,
+                              real least) {
   const real rate = sqrt(fma(fma(at.vx, at.vx, at.vz * at.vz), force.sharpness, force.rate));
-  const real steps = min(left * rate * (1 / steering::step_angle), left / least);
-  return left / max(broadcast(1), -floor(-steps));
+  real finest = least, until = left;
+  if (s.shape.jumps()) {
+    const Jump jump = next_jump(s, force, at);
+    const mask seldom =
+        jump.speed > steering::seldom * least * sqrt(fma(force.ax, force.ax, force.az * force.az));
+    finest = select(seldom, least * steering::hair, least);
+    until = select(seldom, max(finest, jump.time * (1 - 1.0 / 64)), left);
+  }
+  const real steps = min(left * rate * (1 / steering::step_angle), left / finest);
+  return min(left / max(broadcast(1), -floor(-steps)), until);
 }
 
 /// Flies lanes through the magnet; returns which of them came through.
@@ -75,7 +109,7 @@ RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, re
   Force force = force_at(s, fall, level, part, at);
   while (any(left > broadcast(0))) {
     const mask goes = left > broadcast(0);
-    const real h = select(goes, next_step(force, at, left, least), broadcast(0));
+    const real h = select(goes, next_step(s, force, at, left, least), broadcast(0));
     step(s, fall, level, part, h, at, force);
     flying = flying & (outside_walls() | ~goes);
     left = select(goes & flying & (h < left), left - h, broadcast(0));

@@ -371,9 +371,36 @@ def test_a_drive_before_a_magnet_is_refused_where_gravity_acts_along_the_beam(tm
     assert out.returncode == 2 and "gravity acts along the beam" in out.stderr
 
 
-def test_a_magnet_whose_field_vanishes_in_its_gap_is_told_of(tmp_path: Path) -> None:
-    path = experiment(tmp_path, "kind: gradient_magnet, length: 10 cm, field: 30 mT, gradient: 100 T/m, gap: {width: 2 mm, height: 1 mm}")
-    path.write_text(path.read_text().replace("species: neutron", "species: K-39 atom"))
-    assert "vanishes 300 um from the axis" in run("check", path).stdout
-    path.write_text(path.read_text().replace("height: 1 mm", "height: 0.5 mm"))
-    assert "vanishes" not in run("check", path).stdout
+CROSSING = """rabiline: 1
+species: K-39 atom
+law: quantum
+source:
+  speed: {{kind: single, value: {speed} m/s}}
+  opening: {{width: 0 mm, height: 0 mm}}
+  direction: parallel
+  spin: {{kind: levels, levels: ["F=2 m=+2"]}}
+parts:
+  - {{name: A, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: {field}, gradient: 100 T/m}}
+  - {{name: D, kind: detector, at: 0.6 m, radius: 1 m, bins: [1, 1], tallies: [{{name: place, axes: [{{quantity: z, from: -0.1 m, to: 0.1 m, bins: 1}}]}}]}}
+particles: 2
+seed: 1
+"""
+
+
+@pytest.mark.parametrize("speed", [400, 200, 100])
+def test_the_force_on_a_level_turns_over_where_the_field_of_its_magnet_vanishes(tmp_path: Path, speed: float) -> None:
+    def lands(field: str) -> float:
+        (tmp_path / "a.yaml").write_text(CROSSING.format(speed=speed, field=field))
+        done = run("run", tmp_path / "a.yaml", "-o", tmp_path / "a.h5")
+        assert done.returncode == 0, done.stderr
+        with h5py.File(tmp_path / "a.h5") as file:
+            return file["entry/D_place/z_mean"][...].item()
+
+    stay, behind = 0.1 / speed, 0.4 / speed
+    pull = abs(lands("3 T")) / (stay**2 / 2 + stay * behind)  # towards weaker fields, of constant size
+    z, v, left = 0.3e-3, 0.0, stay  # from where the field of 30 mT vanishes
+    while left > 0:
+        side = np.sign(z or v)
+        until = min(left, (side * v + np.sqrt(v * v + 2 * pull * abs(z))) / pull)
+        z, v, left = (z + v * until - side * pull * until**2 / 2 if until == left else 0.0), v - side * pull * until, left - until
+    assert lands("30 mT") == pytest.approx(z - 0.3e-3 + v * behind, abs=1e-8)

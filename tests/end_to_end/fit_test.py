@@ -204,6 +204,8 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
         fit_counts(ramsey, fringes, ["law"])
     with pytest.raises(NoFit, match=r"`guide` is a part\n  help: name one of its numbers, such as `guide.field`"):
         fit_counts(ramsey, fringes, ["guide"])
+    with pytest.raises(NoFit, match="`guide.field` is free twice"):
+        fit_counts(ramsey, fringes, ["guide.field", "guide.field"])
     with pytest.raises(NoFit, match="names have commas between"):
         fit_counts(ramsey, fringes, ["guide.field C1.amplitude"])
 
@@ -222,8 +224,10 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
 
 @pytest.mark.parametrize(("table", "reason"), [
     ("", "an empty table"), ("C1.frequency [kHz]\n29\n", "no column `counts`"), ("counts\n1\n", "no column of the scanned"),
-    ("C1.frequency [kHz],counts\n29,1.5\n29.1,2\n", "whole numbers"), ("C1.frequency [kHz],counts\n29,1\n29,2\n", "each once"),
-    ("C1.frequency [kHz],counts\n29,1\n29.1\n", "line 3: 1 values in 2 columns"),
+    ("C1.frequency [kHz],counts\n29,1.5\n29.1,2\n", "line 2: counts must be whole numbers"),
+    ("C1.frequency [kHz],counts\n29,1\n29,2\n", "line 3: a point that has been counted before"),
+    ("C1.frequency [kHz],counts\n29,0\n30,0\n", "nothing was counted at any point"),
+    ("C1.frequency [kHz],counts\n29,1\n29.1\n", "line 3: 1 value in 2 columns"),
     ("C1.frequency [kHz],counts\n29,x\n", "line 2: `x` is no number"),
     ("frequency [kHz],counts\n29,1\n30,1\n", "column `frequency \\[kHz\\]`: nothing in the file is called `frequency`\n  help: did you mean"),
     ("C1.frequency,counts\n29,1\n30,1\n", "it has no unit\n  help: write `C1.frequency \\[Hz\\]`"),

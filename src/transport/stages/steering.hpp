@@ -42,12 +42,13 @@ static_assert(StageKind<Steering>);
 /// |grad B|^2/(B + scale), e = |grad B|/(B + scale) and |mu| the largest, else d = e = 0. What is left of the
 /// magnet is shared out in equal steps. For particles a few mm from the beam the exit was then measured to be
 /// off by less than 1e-9 m + 1e-6 of the deflection (tests/unit/transport/steering_test.cpp). No flight takes
-/// more than most_steps, so that close to the axis of a quadrupole, where the force jumps, a step may be too
-/// long.
+/// more than most_steps but for those that end where the force jumps: at the zero of a constant gradient, and
+/// close to the axis of a quadrupole. What comes there again within `seldom` of the shortest steps is not
+/// followed that finely; what comes seldom crosses it in `hair` of one.
 /// Walls are asked about at the begin and behind every step: between them a path may cut a convex wall by
 /// (v h)^2/8R, less than step_angle^2/8 of its radius R.
 namespace steering {
-inline constexpr double step_angle = 0.06, most_steps = 4096;
+inline constexpr double step_angle = 0.06, most_steps = 4096, seldom = 32, hair = 1.0 / 1024;
 }  // namespace steering
 
 /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].

@@ -35,6 +35,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_results(folder / "grid.h5", [amplitudes, axis], np.tile(y, 9), law=[DORADO], bins=4)
     write_results(folder / "grid_of_two.h5", [amplitudes, axis], np.tile([np.tile(y, 9)], (2, 1)) / 2, law=[DORADO],
                   detectors=("near", "far"), bins=4)
+    write_results(folder / "cube.h5", [laws("quantum", DORADO), amplitudes, axis], np.tile(y, 18), law=["quantum"] * 9 * axis.values.size
+                  + [DORADO] * 9 * axis.values.size, bins=4)
     write_results(folder / "other_seed.h5", [axis], y, law=[DORADO], bins=16, seed=7)
     write_results(folder / "shifted.h5", [axis], dip(axis.values, 292e3, steepness=4), law=[DORADO], bins=16, seed=7)
     write_tracks(folder / "straight.h5", [fly("quantum", 291.65e3)], law="quantum")
@@ -55,6 +57,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     "plot-scan two.h5",
     "plot-scan two.h5 --detector far",
     "plot-scan grid.h5 --mark Larmor=291.65e3",
+    "plot-scan cube.h5",
+    "plot cube.h5",
+    "plot grid_of_two.h5",
     "plot-scan only_laws.h5",
     "plot-scan mixture.h5",
     "plot-levels dorado.h5 --mark Larmor=291.65e3",

@@ -49,6 +49,20 @@ def test_two_dips_have_both_their_numbers_in_the_legend(tmp_path: Path) -> None:
     assert first.startswith("centre 291.") and second.startswith("centre 350.")
 
 
+def test_a_grid_of_three_axes_has_a_map_for_each_value_of_the_third(tmp_path: Path) -> None:
+    axis, amplitudes = frequencies(21), Axis("H0.amplitude", np.linspace(1e-7, 9e-7, 9), "T")
+    shifted = np.stack([dip(axis.values, 285e3 + 1e3 * i) for i in range(9)])
+    for order in ((0, 1), (1, 0)):  # of the law and the amplitude
+        axes = [[laws("quantum", DORADO), amplitudes][i] for i in order]
+        y = np.stack([np.ones_like(shifted), shifted]).transpose(*order, 2)
+        named = np.moveaxis(np.full((2, 9, 21), [[["quantum"]], [[DORADO]]]), (0, 1), order)
+        file = results.read(write_results(tmp_path / "a.h5", [*axes, axis], y.ravel(), law=named.ravel().tolist(), bins=4))
+        first, second, _ = plot_of(file, "scan").axes
+        assert [one.get_title().replace("\n", " ") for one in (first, second)] == ["quantum", "dorado (hypothesis), torque, κ = 1"]
+        np.testing.assert_allclose(second.collections[0].get_array().reshape(9, 21), shifted)
+        assert np.ptp(first.collections[0].get_array()) == 0
+
+
 def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
     axis = frequencies(41)
     y = np.concatenate([np.ones(82), dip(axis.values)])

@@ -246,8 +246,11 @@ def test_of_fringes_only_the_central_one_is_measured() -> None:
         fit(curve)
 
 
-def test_a_profile_over_a_length_has_no_resonance() -> None:
+@pytest.mark.parametrize("parameter, units", [
+    ("wire.offset.z", "m"), ("second.phase", "rad"), ("law.kappa", ""), ("H0.amplitude", "T"), ("magnet.gradient", "T/m")])
+def test_only_a_frequency_or_a_static_field_is_tuned_through_a_resonance(parameter: str, units: str) -> None:
     x = np.linspace(-1e-3, 1e-3, 101)
     curve = curve_of(np.exp(-(x / 2e-4) ** 2), np.diag(np.full(x.size, 1e-8)), x)
-    with pytest.raises(NoResonance, match="is a profile"):
-        half_maxima(replace(curve, axis=replace(curve.axis, parameter="wire.offset.z", units="m")))
+    with pytest.raises(NoResonance, match="tunes neither"):
+        half_maxima(replace(curve, axis=replace(curve.axis, parameter=parameter, units=units)))
+    assert half_maxima(replace(curve, axis=replace(curve.axis, parameter="C.field", units="T")))

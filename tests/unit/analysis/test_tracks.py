@@ -66,6 +66,14 @@ def test_an_alignment_in_the_midst_of_a_field_is_told_from_the_field(tmp_path: P
     assert track.tilt[-1] == pytest.approx(119e-4)
 
 
+def test_what_turns_a_spin_fast_where_no_polarizer_stands_is_a_field(tmp_path: Path) -> None:
+    polar = np.where(np.arange(200) < 80, 0.2, 1.8 + 1e-5 * np.arange(200))  # a coil, between two records
+    track = read_one(tmp_path, spinning(polar, np.linspace(0, 300, 200)))
+    assert len(track.stretches) == 2
+    assert replace(track, polarizers=(0.1, 0.9)).stretches == replace(track, polarizers=()).stretches == [slice(0, 200)]
+    assert len(replace(track, polarizers=(80 / 199,)).stretches) == 2
+
+
 def test_a_spin_is_shown_between_its_alignments(tmp_path: Path) -> None:
     flight = align(align(spinning(np.linspace(0, 0.01, 20)), 12, BEFORE), 4, (0, 1, 0))
     track = read_one(tmp_path, flight)

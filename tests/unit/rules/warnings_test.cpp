@@ -64,6 +64,10 @@ const std::vector<Blunder> blunders{
      }},
     {"ADriveOfUnpolarisedSpins", "H0", "at", [](Beamline& b) { b.parts.erase(b.parts.begin()); }},
     {"APolarizerBehindTheCoil", "B_prime", "at", [](Beamline& b) { b.parts[0].placement.at = 0.7; }},
+    {"ASlitBehindTheDetector", "S", "at",
+     [](Beamline& b) {
+       b.parts.push_back(place("S", 5, Slit{Rectangle{1e-3, 1e-3}, {}}));
+     }},
     {"AFieldThatTurnsAgainstThePrecession", "H0", "sense",
      [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).sense = Sense::counter; }},
 };

@@ -75,8 +75,8 @@ TEST(Finish, GivesPointsThatShareParticlesTheirCovariance) {
   const Result r = run_points({near, far, near});
   const DetectorResult& d = r.detectors.at(0);
   const double variance = d.detected_covariance.at(0);
-  EXPECT_NEAR(std::sqrt(variance) / d.detected_errors[0], 1, 4 / std::sqrt(2 * 255.0));
-  EXPECT_EQ(d.detected_covariance.at(2), variance);  // the same point twice
+  EXPECT_DOUBLE_EQ(std::sqrt(variance), d.detected_errors[0]);
+  EXPECT_DOUBLE_EQ(d.detected_covariance.at(2), variance);  // the same point twice
   // Everything that the narrow screen catches, the wide one does: cov = p_narrow (1 - p_wide)/N.
   const double expected = d.detected[1] * (1 - d.detected[0]) / 3001;
   EXPECT_NEAR(d.detected_covariance.at(1), expected, 4 * variance / std::sqrt(255.0));
@@ -93,7 +93,8 @@ TEST(Finish, KnowsThatTheSharesOfAMixtureAreNotRandom) {
   const DetectorResult d = run_points({b, b}).detectors[0];
   EXPECT_EQ(d.detected[0], 0.6);
   EXPECT_LT(d.detected_errors[0], 2 * wilson_error(0, 400));
-  EXPECT_NEAR(d.detected_covariance[0], 0, 1e-20);
+  EXPECT_DOUBLE_EQ(d.detected_covariance[0], d.detected_errors[0] * d.detected_errors[0]);
+  EXPECT_EQ(d.detected_covariance[1], 0);
 }
 
 /// Fields of every kind behind a polarizer, then a screen that catches a part of the beam.

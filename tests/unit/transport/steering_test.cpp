@@ -275,6 +275,47 @@ TEST(Steering, OfAQuadrupoleIsRightAwayFromItsAxis) {
   EXPECT_LT(worst_exit(s, 2), 1);
 }
 
+/// Along x, of one that is pulled by `a` [m/s^2] towards x = 0, or pushed away where it is negative.
+std::array<double, 2> there_and_back(double x, double v, double a, double stay) {
+  for (;;) {
+    const double side = x != 0 ? std::copysign(1, x) : std::copysign(1, v);
+    const double u = side * v, away = std::abs(x), square = u * u + 2 * a * away;
+    double next = stay;  // until |x| + u t - a t^2/2 = 0
+    if (a > 0) next = (u + std::sqrt(square)) / a;
+    if (a < 0 && u < 0 && square > 0) next = 2 * away / (std::sqrt(square) - u);
+    next = std::min(next, stay);
+    const bool meets = next < stay;
+    x = meets ? 0 : x + v * next - side * a * next * next / 2;
+    v -= side * a * next;
+    stay -= next;
+    if (!meets) return {x, v};
+  }
+}
+
+TEST(Steering, TurnsOverWhereTheFieldVanishes) {
+  for (const MagnetKind kind : {MagnetKind::gradient, MagnetKind::multipole}) {
+    MagnetShape shape = multipole(1, 0.5);
+    shape.kind = kind;
+    if (kind == MagnetKind::gradient)
+      shape.field = 0, shape.gradient = 100, shape.along_x = 1, shape.along_z = 0;
+    const Steering s = magnet(shape);
+    Batch before, after;
+    fill(before, 2);
+    for (int i = 0; i < before.view().count; ++i) before.view().z[i] = before.view().vz[i] = 0;
+    after.copy_from(before);
+    kernel::steer(best_isa())(s, after.view());
+    const BatchView &b = before.view(), &a = after.view();
+    for (int i = 0; i < b.count; ++i) {
+      const double stay = (s.end - s.begin) / b.vy[i];
+      const double pull = (b.level[i] == 0 ? 1 : -1) * bohr_magneton * 100 / s.mass;
+      const auto [x, v] = there_and_back(b.x[i], b.vx[i], pull, stay);
+      const double bent = std::abs(pull) * stay * stay / 2;
+      EXPECT_NEAR(a.x[i], x, 1e-9 + 1e-6 * bent) << i << ' ' << b.level[i];
+      EXPECT_NEAR(a.vx[i], v, (1e-8 + 1e-5 * bent) / stay) << i;
+    }
+  }
+}
+
 TEST(Steering, LetsWhatWasCaughtBeforeFlyStraightOn) {
   const Steering s = magnet(multipole(2));
   Batch batch, before;
