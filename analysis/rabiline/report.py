@@ -54,7 +54,7 @@ def _run(results: Results) -> Iterable[str]:
     yield f"  written by   {results.program}"
     yield f"  law          {'; '.join(map(law_name, dict.fromkeys(results.laws)))}"
     yield f"  species      {'; '.join(dict.fromkeys(results.species))}"
-    yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} points"
+    yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} point{'s' if len(results.laws) > 1 else ''}"
     if results.solid_angle is not None:
         yield f"  solid angle  {results.solid_angle:.6g} sr"
     if results.aimed_fraction is not None:
@@ -164,6 +164,9 @@ def _tallies(results: Results) -> Iterable[str]:
             if planes:
                 ends = " to ".join(format_value(axis.mean[0, k], axis.units, axis.mean_errors[0, k]) for k in (0, -1))
                 yield f"  {axis.name:<16} {axis.edges.size - 1} bins, mean {ends} from the first plane to the last"
+                continue
+            if not inside:
+                yield f"  {axis.name:<16} {axis.edges.size - 1} bins, no mean of no particles"
                 continue
             mean = format_value(axis.mean[0], axis.units, axis.mean_errors[0])
             deviation = format_value(axis.deviation[0], axis.units, axis.deviation_errors[0])

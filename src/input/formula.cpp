@@ -117,7 +117,6 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
                   "state `frequency`, or omit `phase`");
     return false;
   }
-  refuse_idle_constants(node, keys, reading);
   if (reading.errors.size() > errors) return false;
   if (const double places = places_of(out.box); places > most_formula_places) {
     reading.error(
@@ -125,17 +124,17 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
         fmt::format("make `step` longer, or the box smaller: {:.0g} are the most", most_formula_places));
     return false;
   }
-  if ((out.maps = reading.formulas->find(out.box))) return true;
+  out.maps = reading.formulas->find(out.box);
   try {
-    out.maps = maps_of(out.box);
-    reading.formulas->add(out.box, out.maps);
+    if (!out.maps) reading.formulas->add(out.box, out.maps = maps_of(out.box));
+    refuse_idle_constants(node, keys, reading);
   } catch (const FormulaFault& fault) {
     const Place place = fault.component < std::size(keys)
                             ? place_within(node.find(keys[fault.component])->value, fault.from, fault.length)
                             : place_of(node, out.box.duration ? "duration" : "frequency");
     reading.error(place, fault.what(), fault.help);
   }
-  return out.maps != nullptr;
+  return reading.errors.size() == errors;
 }
 
 }  // namespace rabiline

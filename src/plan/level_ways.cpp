@@ -17,8 +17,6 @@ namespace {
 
 /// [m] Where parts touch, rounding may leave a section of this length between them.
 constexpr double no_length = 1e-12;
-/// Of the shortest time in which anything drives: B's rate is taken from neighbours that far away.
-constexpr double short_time = 1e-3;
 
 double speed_of(const Beamline& beamline, const Species& species) {
   return mean_speed(beamline.source.speed, species.mass);
@@ -196,14 +194,12 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.shaped_begin = static_cast<int>(out.shaped.size());
     add_shaped_fields(section, part.field, out.shaped);
     part.shaped_end = static_cast<int>(out.shaped.size());
-    double fastest = 0;
     for (int i = 0; i < part.field.drives; ++i)
-      fastest = std::max(fastest, angular_frequency(part.field.drive[i], speed));
+      part.fastest = std::max(part.fastest, angular_frequency(part.field.drive[i], speed));
     part.is_pulsed = std::ranges::any_of(section.rotating, [](const RotatingTerm& term) {
       return term.amplitude != 0 && term.gate != Gate{};
     });
-    if (part.field.drives > 0 && part.is_pulsed) fastest = std::max(fastest, speed / (end - begin));
-    if (fastest > 0) part.moment = short_time / fastest;
+    if (part.field.drives > 0 && part.is_pulsed) part.fastest = std::max(part.fastest, speed / (end - begin));
     if (Section wave = whole_fields(section, waves, true); !wave.rotating.empty()) {
       wave.begin = begin;
       wave.end = end;
@@ -225,9 +221,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
 }
 
 double cycles_in(const CourseSection& section, double speed) {
-  if (section.moment == 0) return 0;
-  return short_time / section.moment / (2 * std::numbers::pi) * (section.field.end - section.field.begin) /
-         speed;
+  return section.fastest / (2 * std::numbers::pi) * (section.field.end - section.field.begin) / speed;
 }
 
 }  // namespace rabiline

@@ -336,10 +336,12 @@ Faults blunders_of(const Beamline& beamline) {
   if (out.empty()) find_holes_out_of_reach(beamline, out);
   const std::size_t before = out.size();
   find_screens_in_front(beamline, out);
-  if (out.size() == before) find_useless_polarisers(beamline, out);
+  if (out.size() == before) {
+    find_useless_polarisers(beamline, out);
+    find_parts_behind_counters(beamline, out);
+  }
   find_screens_in_fields(beamline, out);
   find_overlaps(beamline, out);
-  find_parts_behind_counters(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

@@ -203,8 +203,7 @@ Fault fault_of_cycles(const Beamline& beamline, const Species& atom, const Level
                              name, cycles, atom.name, most_cycles),
                  std::move(help)};
   };
-  const CourseSection& section = *std::ranges::max_element(
-      fields.sections, {}, [](const CourseSection& s) { return s.moment > 0 ? 1 / s.moment : 0; });
+  const CourseSection& section = *std::ranges::max_element(fields.sections, {}, &CourseSection::fastest);
   const std::span drives(section.field.drive, static_cast<std::size_t>(section.field.drives));
   const auto fastest =
       std::ranges::max_element(drives, {}, [](const DriveTerm& drive) { return std::abs(drive.omega); });

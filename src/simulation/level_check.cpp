@@ -113,7 +113,7 @@ class FollowedAtom {
       moment_ = flight_.t + (begin + edges.front()) / 2;
       const Vector3 entry = field_at(section, begin);
       const bool switched = before != nullptr && before->field.end == section.field.begin &&
-                            (before->moment > 0 || section.moment > 0);
+                            (before->fastest > 0 || section.fastest > 0);
       if (before == nullptr && fields.begins_in_field)
         state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
       else if (!switched)
@@ -224,7 +224,7 @@ class FollowedAtom {
       most = std::max(most, length_of(field_at(section, s)) + peaks_at(section, s));
     }
     for (int i = 0; i < section.field.drives; ++i) most += std::abs(section.field.drive[i].spin_rate);
-    const double drives = section.moment > 0 ? 300 * section.moment : stay(section);
+    const double drives = section.fastest > 0 ? 0.3 / section.fastest : stay(section);
     return std::min({6 / spins_.radius(most), drives, stay(section) / 100});
   }
   /// Where static fields meet, levels keep their names while the size changes, and the direction changes at

@@ -14,7 +14,8 @@
 namespace rabiline {
 namespace {
 
-constexpr double points_per_turn = 16, most_points = 2000;  // recorded where a straight flight passes a field
+constexpr double points_per_turn = 16, fewest_points = 8,
+                 most_points = 2000;  // recorded where a straight flight passes a field
 
 /// Which fate a stage has counted: of one particle it is one.
 class CountedFate : public SumSink {
@@ -138,8 +139,8 @@ class Tracer {
       double rate = std::abs(zone.spin_rate);
       for (int i = 0; i < zone.drives; ++i) rate += std::abs(zone.drive[i].spin_rate);
       const double turns = rate * (end - begin) / batch_.view().vy[0] / (2 * std::numbers::pi);
-      const double points = std::clamp(std::ceil(points_per_turn * turns), 1.0, most_points);
-      for (double i = 0; i < points; ++i) record_at(std::lerp(begin, end, i / points));
+      const double points = std::clamp(std::ceil(points_per_turn * turns), fewest_points, most_points);
+      for (double i = 0; i <= points; ++i) record_at(std::lerp(begin, end, i / points));
     }
     record_at(y);
   }

@@ -12,11 +12,13 @@ struct CourseSection {
   SpinZone field;                        // all that does not differ across the beam: its rates are fields [T]
   int shaped_begin = 0, shaped_end = 0;  // of the course's terms
   double longest = 0;                    // [m] way in one step
-  double moment = 0;                     // [s] short against whatever drives there; 0: nothing does
+  double fastest = 0;                    // [rad/s] of what drives there as a whole field; 0: nothing does
   int wave = -1;           // of the course's: what drives there in the rotating-wave approximation
   bool is_pulsed = false;  // by any of its drives, at times of the clock
   bool operator==(const CourseSection&) const = default;
 
+  /// [s] Short against whatever drives there: B's rate is taken from neighbours that far away.
+  double moment() const { return 1e-3 / fastest; }
   /// [m] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
   double hair() const { return 1e-9 * (field.end - field.begin); }
 };

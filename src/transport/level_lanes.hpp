@@ -25,6 +25,8 @@ class LevelFlight {
   /// Within a step levels that are coupled turn by less against one another, and all of them in an
   /// exponential.
   static constexpr double most_turning = 8, most_phase = 44;
+  /// A field that swings in this many times what coupled levels take to turn does not drive them.
+  static constexpr double slow = 30;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
   static constexpr double most_steps = 1e8;
 
@@ -197,7 +199,7 @@ class LevelFlight {
       const mask back = entry.signed_size < broadcast(0);
       axes_ = moved_to(entry.n, axes_);
       axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
-    } else if (touches && (last->moment > 0 || section.moment > 0)) {
+    } else if (touches && (last->fastest > 0 || section.fastest > 0)) {
       // A drive is switched on or off.
       turn_to(f_, entry.n, size_, counted, axes_, a);
       resize(f_, axes_, size_, entry.signed_size, counted, a);
@@ -218,8 +220,8 @@ class LevelFlight {
     const LevelManifold& f = coupled(section);
     real s = begin, h = longest, skip = longest;
     mask going = counted, dressed = mask{};
-    const bool driven = section.moment > 0 || section.wave >= 0;
-    const bool rests = section.is_pulsed && section.wave < 0;  // between pulses
+    const bool driven = section.fastest > 0 || section.wave >= 0;
+    const bool pulses = section.is_pulsed && section.wave < 0;
     const double tolerance = course_.tolerance;
     real tries = broadcast(0);
     while (any(going)) {
@@ -235,9 +237,15 @@ class LevelFlight {
       const real changes = length_of(field.rate) / max(here.size * calm.gap, broadcast(tiny));
       const mask is_calm =
           (calm.left_out(changes) < broadcast(calm_share * tolerance)) & (calm.gap > broadcast(0));
-      const real leap = min(min(skip, left), 0.5 / max(changes * calm.gap, broadcast(tiny)));
-      const mask free_of_drives = !driven ? ~mask{} : rests ? ~path_.is_driven(section) : mask{};
-      const mask skips = going & is_calm & (leap * spread > broadcast(10)) & free_of_drives;
+      const mask rests = pulses ? ~path_.is_driven(section) : mask{};
+      // What drives slowly is followed like any other field.
+      const mask adiabatic = !driven            ? ~mask{}
+                             : section.wave < 0 ? rests | (calm.gap > broadcast(slow * section.fastest))
+                                                : mask{};
+      const real swings = select(rests, broadcast(0), broadcast(section.fastest)),
+                 leap = min(min(skip, left),
+                            1.0 / max(max(2.0 * (changes * calm.gap), swings), broadcast(tiny)));
+      const mask skips = going & is_calm & (leap * spread > broadcast(10)) & adiabatic;
       const mask resolves = going & ~skips;
       const real near = min(longest, 0.01 / max(changes * calm.gap, broadcast(tiny)));
       dress(section, s, near, from, until, 1, skips & ~dressed);

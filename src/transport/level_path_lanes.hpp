@@ -56,14 +56,14 @@ class LevelPath {
     const Vector r = place_at(s), v = velocity_at(s);
     FieldAtTime at{rates_at(section.field, phases_, t_ + s, r, on_).spin,
                    {broadcast(0), broadcast(0), broadcast(0)}};
-    if (section.moment > 0) {
+    if (section.fastest > 0) {
       // Four neighbours: to (moment x rate)^4/30 of itself.
       const auto near = [&](double moments) {
-        const double ds = moments * section.moment;
+        const double ds = moments * section.moment();
         return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v), on_).spin;
       };
       const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
-      const double over = 1 / (12 * section.moment);
+      const double over = 1 / (12 * section.moment());
       const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
       at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
                  rate(earlier.z, before.z, after.z, later.z)};

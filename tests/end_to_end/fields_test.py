@@ -109,6 +109,12 @@ def test_probe_takes_a_clock_at_its_time(tmp_path: Path) -> None:
     assert "1 uT, 0 T), |B| = 1 uT" in later
 
 
+def test_probe_shows_the_field_of_a_coil_as_the_first_species_has_it(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: coil, length: 5 cm, axis: x, angle: 90 deg, speed: 800 m/s")
+    out = run("probe", path, "--at", "0,1.02 m,0").stdout
+    assert "t = 0 s" in out and "F                (137.2 uT, 0 T, 0 T)" in out  # 90 deg = 2 pi 29.165 MHz/T B 62.5 us
+
+
 @pytest.mark.parametrize("argument", ["1 m", "1 m,2 m", "1 m,2 s,0 m", "1 m,2 m,3 m,4 m"])
 def test_probe_refuses_what_is_no_place(tmp_path: Path, argument: str) -> None:
     out = run("probe", experiment(tmp_path, LOOP), "--at", argument)
@@ -353,54 +359,3 @@ def test_a_falling_spin_reads_the_slopes_of_a_drive_where_it_is(tmp_path: Path, 
                         .replace("width: 1 cm, height: 1 cm, bins", "radius: 1 m, bins").replace("seed: 1", "seed: 1\ngravity: 9.81 m/s^2"))
     levels = [levels_of(path) for path in paths]
     assert np.abs(levels[0] - levels[1]).max() < 1e-5
-
-
-def test_magnets_that_stand_one_inside_the_other_are_told_of(tmp_path: Path) -> None:
-    magnet = "kind: multipole_magnet, length: 10 cm, poles: 6, radius: 1 cm, pole_field: 1 T"
-    path = experiment(tmp_path, f"{magnet}}}\n  - {{name: S, at: 1.05 m, {magnet}")
-    assert "the magnets `F` and `S` stand one inside the other from 1.05 m to 1.1 m" in run("check", path).stdout
-    path.write_text(path.read_text().replace("1.05 m", "1.1 m"))
-    assert "one inside" not in run("check", path).stdout
-
-
-def test_a_drive_before_a_magnet_is_refused_where_gravity_acts_along_the_beam(tmp_path: Path) -> None:
-    path = experiment(tmp_path, "kind: rotating_field, length: 5 cm, amplitude: 0.2 mT, frequency: 30 kHz, sense: co, phase: locked}\n  - {name: M, kind: gradient_magnet, "
-                      "at: 1.5 m, length: 0.05 m, field: 1 T, gradient: 1000 T/m")
-    path.write_text(path.read_text() + "gravity: {acceleration: 9.81 m/s^2, direction: y}\n")
-    out = run("run", path, "-o", tmp_path / "out.h5")
-    assert out.returncode == 2 and "gravity acts along the beam" in out.stderr
-
-
-CROSSING = """rabiline: 1
-species: K-39 atom
-law: quantum
-source:
-  speed: {{kind: single, value: {speed} m/s}}
-  opening: {{width: 0 mm, height: 0 mm}}
-  direction: parallel
-  spin: {{kind: levels, levels: ["F=2 m=+2"]}}
-parts:
-  - {{name: A, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: {field}, gradient: 100 T/m}}
-  - {{name: D, kind: detector, at: 0.6 m, radius: 1 m, bins: [1, 1], tallies: [{{name: place, axes: [{{quantity: z, from: -0.1 m, to: 0.1 m, bins: 1}}]}}]}}
-particles: 2
-seed: 1
-"""
-
-
-@pytest.mark.parametrize("speed", [400, 200, 100])
-def test_the_force_on_a_level_turns_over_where_the_field_of_its_magnet_vanishes(tmp_path: Path, speed: float) -> None:
-    def lands(field: str) -> float:
-        (tmp_path / "a.yaml").write_text(CROSSING.format(speed=speed, field=field))
-        done = run("run", tmp_path / "a.yaml", "-o", tmp_path / "a.h5")
-        assert done.returncode == 0, done.stderr
-        with h5py.File(tmp_path / "a.h5") as file:
-            return file["entry/D_place/z_mean"][...].item()
-
-    stay, behind = 0.1 / speed, 0.4 / speed
-    pull = abs(lands("3 T")) / (stay**2 / 2 + stay * behind)  # towards weaker fields, of constant size
-    z, v, left = 0.3e-3, 0.0, stay  # from where the field of 30 mT vanishes
-    while left > 0:
-        side = np.sign(z or v)
-        until = min(left, (side * v + np.sqrt(v * v + 2 * pull * abs(z))) / pull)
-        z, v, left = (z + v * until - side * pull * until**2 / 2 if until == left else 0.0), v - side * pull * until, left - until
-    assert lands("30 mT") == pytest.approx(z - 0.3e-3 + v * behind, abs=1e-8)

@@ -143,6 +143,12 @@ def test_what_cannot_be_kept_is_told(folder: Path) -> None:
     assert done.returncode == 0 and "nothing is kept for `rabiline rescan`" in done.stderr
 
 
+@pytest.mark.parametrize("result", ["rabi.h5", "plain.h5", "drawn.h5"])
+def test_covariances_have_the_squares_of_the_errors_on_their_diagonal_in_every_form(folder: Path, result: str) -> None:
+    errors, covariance = numbers(folder / result, "entry/scan/detected_errors"), numbers(folder / result, "entry/scan/detected_covariance")
+    np.testing.assert_allclose(np.diag(covariance), errors**2, rtol=1e-12)
+
+
 def test_transits_are_drawn(folder: Path) -> None:
     transit = "entry/screen/transit"
     caught, edges = numbers(folder / "rabi.h5", f"{transit}/caught"), numbers(folder / "rabi.h5", f"{transit}/slowness_edges")

@@ -63,7 +63,7 @@ TEST(LevelReference, FollowsPulsesOfADrive) {
   drive.spin_rate = 12e-6;
   drive.omega = two_pi * 2e6;
   drive.gate = {2.1e-6, 3.7e-6, 4.3e-6, 3};
-  section.moment = 1e-3 / drive.omega;
+  section.fastest = drive.omega;
   section.is_pulsed = true;
   const std::vector<double> p = carried(f, 0);
   EXPECT_LT(worst_difference(p, referred(f, 0)), 1e-6);

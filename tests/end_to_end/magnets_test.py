@@ -1,0 +1,57 @@
+"""Deflecting magnets: where they stand, and forces that turn over."""
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from fields_test import experiment, run
+
+CROSSING = """rabiline: 1
+species: K-39 atom
+law: quantum
+source:
+  speed: {{kind: single, value: {speed} m/s}}
+  opening: {{width: 0 mm, height: 0 mm}}
+  direction: parallel
+  spin: {{kind: levels, levels: ["F=2 m=+2"]}}
+parts:
+  - {{name: A, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: {field}, gradient: 100 T/m}}
+  - {{name: D, kind: detector, at: 0.6 m, radius: 1 m, bins: [1, 1], tallies: [{{name: place, axes: [{{quantity: z, from: -0.1 m, to: 0.1 m, bins: 1}}]}}]}}
+particles: 2
+seed: 1
+"""
+
+
+def test_magnets_that_stand_one_inside_the_other_are_told_of(tmp_path: Path) -> None:
+    magnet = "kind: multipole_magnet, length: 10 cm, poles: 6, radius: 1 cm, pole_field: 1 T"
+    path = experiment(tmp_path, f"{magnet}}}\n  - {{name: S, at: 1.05 m, {magnet}")
+    assert "the magnets `F` and `S` stand one inside the other from 1.05 m to 1.1 m" in run("check", path).stdout
+    path.write_text(path.read_text().replace("1.05 m", "1.1 m"))
+    assert "one inside" not in run("check", path).stdout
+
+
+def test_a_drive_before_a_magnet_is_refused_where_gravity_acts_along_the_beam(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: rotating_field, length: 5 cm, amplitude: 0.2 mT, frequency: 30 kHz, sense: co, phase: locked}\n  - {name: M, kind: gradient_magnet, "
+                      "at: 1.5 m, length: 0.05 m, field: 1 T, gradient: 1000 T/m")
+    path.write_text(path.read_text() + "gravity: {acceleration: 9.81 m/s^2, direction: y}\n")
+    out = run("run", path, "-o", tmp_path / "out.h5")
+    assert out.returncode == 2 and "gravity acts along the beam" in out.stderr
+
+
+@pytest.mark.parametrize("speed", [400, 200, 100])
+def test_the_force_on_a_level_turns_over_where_the_field_of_its_magnet_vanishes(tmp_path: Path, speed: float) -> None:
+    def lands(field: str) -> float:
+        (tmp_path / "a.yaml").write_text(CROSSING.format(speed=speed, field=field))
+        done = run("run", tmp_path / "a.yaml", "-o", tmp_path / "a.h5")
+        assert done.returncode == 0, done.stderr
+        with h5py.File(tmp_path / "a.h5") as file:
+            return file["entry/D_place/z_mean"][...].item()
+
+    stay, behind = 0.1 / speed, 0.4 / speed
+    pull = abs(lands("3 T")) / (stay**2 / 2 + stay * behind)  # towards weaker fields, of constant size
+    z, v, left = 0.3e-3, 0.0, stay  # from where the field of 30 mT vanishes
+    while left > 0:
+        side = np.sign(z or v)
+        until = min(left, (side * v + np.sqrt(v * v + 2 * pull * abs(z))) / pull)
+        z, v, left = (z + v * until - side * pull * until**2 / 2 if until == left else 0.0), v - side * pull * until, left - until
+    assert lands("30 mT") == pytest.approx(z - 0.3e-3 + v * behind, rel=3e-6, abs=1e-9)
