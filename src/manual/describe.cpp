@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
+#include <typeindex>
 
 #include "input/beamline_reader.hpp"
 #include "input/species_names.hpp"
@@ -170,6 +172,51 @@ void add_alternatives(std::vector<Topic>& out, std::string_view key) {
   });
 }
 
+/// What a key of a part holds: a mapping of keys, or one of several kinds of them.
+template <class M>
+std::string describe_member(std::string_view key, std::string_view meaning) {
+  if constexpr (is_variant<M>) return describe_variant<M>(key, meaning);
+  Page page(fmt::format("{}: {}", key, meaning));
+  add_rows<M>(page);
+  std::string example = example_of_type<M>({});
+  if constexpr (requires { M::example; }) example = fmt::format("{{{}}}", M::example);
+  page.line(fmt::format("\nExample\n  {}: {}", key, example));
+  return page.finish();
+}
+/// Those of all parts that are no topics yet; of one key only once, where it holds the same.
+void add_members(std::vector<Topic>& out) {
+  std::set<std::string> known;
+  for (const Topic& topic : out) known.insert(topic.name);
+  std::set<std::pair<std::string, std::type_index>> added;
+  const auto add = [&]<class M>(std::type_identity<M>, const Row& row) {
+    if constexpr (has_table<M> || (is_variant<M> && !tag_key<M>.empty()))
+      if (!known.contains(std::string(row.key)) && added.emplace(row.key, typeid(M)).second)
+        out.push_back({std::string(row.key), std::string(row.meaning),
+                       [key = row.key, meaning = row.meaning] { return describe_member<M>(key, meaning); }});
+  };
+  for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
+    for_each_row<A>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+      if constexpr (is_optional<M>)
+        add(std::type_identity<typename M::value_type>{}, row_of(p));
+      else if constexpr (requires(M member) { member.box; })
+        add(std::type_identity<decltype(M::box)>{}, row_of(p));
+      else
+        add(std::type_identity<M>{}, row_of(p));
+    });
+  });
+}
+
+/// The first part that has such a key.
+std::string part_with(std::string_view key) {
+  std::string out;
+  for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
+    for_each_row<A>([&](const auto& p) {
+      if (out.empty() && p.key == key) out = A::kind;
+    });
+  });
+  return out;
+}
+
 const std::vector<Topic>& topics() {
   static const std::vector<Topic> all = [] {
     std::vector<Topic> out;
@@ -220,6 +267,7 @@ const std::vector<Topic>& topics() {
         add_alternatives<N>(out, row.key);
       });
     });
+    add_members(out);
     return out;
   }();
   return all;
@@ -274,10 +322,12 @@ std::string describe(std::string_view topic) {
     if (species.name == topic) out = describe_species_with_levels(species);
   }
   if (out.empty()) {
-    const std::string isotopes = species_of_element(topic), near = closest(topic, names);
+    const std::string isotopes = species_of_element(topic), near = closest(topic, names),
+                      part = part_with(topic);
     throw InputError(
         {{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
           !isotopes.empty() ? isotopes
+          : !part.empty()   ? fmt::format("it is a key of a part: `rabiline describe {}` explains it", part)
           : near.empty() ? "`rabiline describe` lists what there is, `rabiline describe species` what flies"
                          : fmt::format("did you mean `{}`?", near)}});
   }

@@ -109,7 +109,7 @@ std::string need_of(const Row& row, const D& fallback) {
     return "required";
   else if constexpr (std::is_same_v<D, UnitVector>)
     return fallback.x == 1 ? "default x" : fallback.y == 1 ? "default y" : "default z";
-  else if constexpr (requires { D::kind; })
+  else if constexpr (requires { std::string_view(D::kind); })
     return fmt::format("default {}", D::kind);
   else if constexpr (std::is_same_v<D, bool>)
     return fallback ? "default true" : "default false";

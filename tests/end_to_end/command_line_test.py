@@ -101,6 +101,7 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["probe", EXPERIMENT, "-o", "field.png"], "--along"),
     (["check", "bad.yaml"], "bad.yaml:3:18: error"),
     (["describe", "dorada"], "did you mean `dorado`"),
+    (["describe", "efficiency"], "`rabiline describe detector` explains it"),
     (["trace", EXPERIMENT], "--output"),
     (["trace", EXPERIMENT, "-n", "0", "-o", "t.h5"], "-n"),
     (["trace", EXPERIMENT, "--particle", "10000", "-o", "t.h5"], "no particle 10000"),
@@ -301,6 +302,13 @@ def test_describe_explains_everything_that_it_lists() -> None:
     for topic in listed + topics:
         done = rabiline("describe", topic)
         assert done.returncode == DONE and len(done.stdout) > 50 and done.stderr == ""
+
+
+@pytest.mark.parametrize(("key", "has"), [("fringe", "tanh"), ("sweep", "begin"), ("pulses", "period"), ("formula", "constants"),
+                                          ("gap", "width"), ("bore", "radius"), ("offset", "displacement")])
+def test_describe_explains_the_keys_that_hold_others(key: str, has: str) -> None:
+    done = rabiline("describe", key)
+    assert done.returncode == 0 and has in done.stdout and f"\n  {key}: " in done.stdout
 
 
 def test_the_examples_of_describe_are_read_as_they_stand(tmp_path: Path) -> None:
