@@ -207,8 +207,8 @@ void add_members(std::vector<Topic>& out) {
 }
 
 /// The first part that has such a key.
-std::string part_with(std::string_view key) {
-  std::string out;
+std::string_view part_with(std::string_view key) {
+  std::string_view out;
   for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
     for_each_row<A>([&](const auto& p) {
       if (out.empty() && p.key == key) out = A::kind;
@@ -322,8 +322,8 @@ std::string describe(std::string_view topic) {
     if (species.name == topic) out = describe_species_with_levels(species);
   }
   if (out.empty()) {
-    const std::string isotopes = species_of_element(topic), near = closest(topic, names),
-                      part = part_with(topic);
+    const std::string isotopes = species_of_element(topic), near = closest(topic, names);
+    const std::string_view part = part_with(topic);
     throw InputError(
         {{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
           !isotopes.empty() ? isotopes
