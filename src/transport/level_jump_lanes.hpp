@@ -31,17 +31,17 @@ namespace rabiline::RABILINE_ISA {
   axes = {select(counted, next.third, axes.third), select(counted, next.first, axes.first)};
 }
 
-/// The field along the third axis gets another size.
+/// The field along the third axis gets another size, in equal parts of theta.
 [[gnu::noinline]] inline void resize(const LevelManifold& f, const LevelAxes& axes, real from, real to,
-                                     mask counted, Amplitudes& a) {
-  if (f.couplings == f.ladders) return;
-  constexpr int parts = 8;
-  const real each = (to - from) * (1.0 / parts);
-  Amplitudes resized = a;
+                                     int parts, Amplitudes& a) {
+  const real begin = atan(from * (1 / f.scale)), each = (atan(to * (1 / f.scale)) - begin) * (1.0 / parts),
+             zero = broadcast(0);
   for (int i = 0; i < parts; ++i) {
     const auto at = [&](double share, LevelMatrix& h) {
-      const real b = fma(broadcast(i + share), each, from), zero = broadcast(0);
-      set_matrix(f, {axes.third, axes.first, abs(b), b, each, zero, zero, zero, broadcast(1)}, h);
+      real sine, cosine;
+      sincos(fma(broadcast(i + share), each, begin), sine, cosine);
+      const real b = f.scale * (sine / cosine), rate = f.scale * (each / (cosine * cosine));
+      set_matrix(f, {axes.third, axes.first, abs(b), b, rate, zero, zero, zero, broadcast(1)}, h);
       for (int k = 0; k < f.levels; ++k) h.diagonal[k] = zero;
     };
     LevelMatrix points[5], h;
@@ -49,8 +49,24 @@ namespace rabiline::RABILINE_ISA {
     to_legendre(f, broadcast(1), points);
     for (const auto& share : whole_step) {
       sum_up(f, points, share, h);
-      exponentiate(f, h, resized);
+      exponentiate(f, h, a);
     }
+  }
+}
+/// The same in as many parts as keep the tolerance: where levels come close to one another they are many.
+[[gnu::noinline]] inline void resize(const LevelManifold& f, const LevelAxes& axes, real from, real to,
+                                     double tolerance, mask counted, Amplitudes& a) {
+  if (f.couplings == f.ladders) return;
+  constexpr int most_parts = 1 << 12;
+  Amplitudes resized = a;
+  resize(f, axes, from, to, 4, resized);
+  mask open = counted;
+  for (int parts = 8; parts <= most_parts && any(open); parts *= 2) {
+    Amplitudes finer = a;
+    resize(f, axes, from, to, parts, finer);
+    const real off = difference(f.levels, resized, finer) * (1.0 / 15);
+    choose(f.levels, open, finer, resized);
+    open = open & (off > broadcast(0.1 * tolerance));
   }
   choose(f.levels, counted, resized, a);
 }

@@ -91,7 +91,7 @@ class LevelFlight {
     const FollowedField behind = followed(field, axes_);
     const real size = dot(before.b, axes_.third);
     turn_to(f_, behind.n, size, jumps, axes_, a);
-    resize(f_, axes_, size, behind.signed_size, jumps, a);
+    resize(f_, axes_, size, behind.signed_size, course_.tolerance, jumps, a);
     if (section.wave >= 0) {
       change_frame(f_, course_.waves[section.wave], path_.clock(s), 1, a);
       choose(f_.levels, ~jumps, in_wave, a);
@@ -202,14 +202,15 @@ class LevelFlight {
     } else if (touches && (last->fastest > 0 || section.fastest > 0)) {
       // A drive is switched on or off.
       turn_to(f_, entry.n, size_, counted, axes_, a);
-      resize(f_, axes_, size_, entry.signed_size, counted, a);
+      resize(f_, axes_, size_, entry.signed_size, course_.tolerance, counted, a);
     } else {
       // The weaker of both turns; none, where there is a gap.
       const real weaker = touches ? min(abs(size_), entry.size) : broadcast(0);
       const real before = select(size_ < broadcast(0), -weaker, weaker),
                  behind = select(entry.signed_size < broadcast(0), -weaker, weaker);
       turn_to(f_, entry.n, before, counted, axes_, a);
-      resize(f_, axes_, before, behind, counted & ((before < broadcast(0)) != (behind < broadcast(0))), a);
+      resize(f_, axes_, before, behind, course_.tolerance,
+             counted & ((before < broadcast(0)) != (behind < broadcast(0))), a);
     }
     if (section.wave >= 0) {
       const mask back = dot(path_.field_at(section, begin).b, axes_.third) < broadcast(0);

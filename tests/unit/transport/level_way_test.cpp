@@ -204,6 +204,19 @@ TEST(LevelWay, IsSchroedingersEquationOfAFieldAcrossThatIsThereForAMoment) {
   EXPECT_LT(worst_difference(p, Laboratory(f).carried(1)), 1e-6);
   EXPECT_LT(p[1], 0.9);
 }
+TEST(LevelWay, IsSchroedingersEquationWhereAFieldJumpsToOneThatUncouplesTheSpins) {
+  for (const double field : {0.2e-6, 20e-6, 83e-6}) {
+    Flight f = flight(structure(2, 2, 3e5, 1e5, 0.5, -0.3), 300, 0.02,
+                      linear(0.34 * field, 0.87 * field, 0.36 * field, 0, 0, 0), 0);
+    swing(f, 0.5e-3, 0);
+    f.fields.sections[0].is_pulsed = true;
+    f.fields.sections[0].fastest = 1e6;
+    f.fields.sections[0].field.drive[0].gate = {10e-6, 31e-6, 0, 1};
+    f.apart = 1e9;
+    for (const int level : {0, 4, 8})
+      EXPECT_LT(worst_difference(carried(f, level), Laboratory(f).carried(level)), 1e-6) << field;
+  }
+}
 TEST(LevelWay, SwitchesPulsesForEachParticleWhereItIsThen) {
   const Flight f = in_pulses();
   Flight faster = f;
