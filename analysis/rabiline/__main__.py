@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from difflib import get_close_matches
 from importlib import import_module
@@ -52,32 +53,26 @@ class Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; returns the exit code. What it draws is written to its --output."""
-    from .errors import BadInput, InputError
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = _with_negative_values(list(sys.argv[1:] if arguments is None else arguments))
     os.environ.setdefault("MPLBACKEND", "Agg")
-    verb, parser = _parser(words)
-    options = parser.parse_args(words[1:] if verb else words)
-    if verb and VERBS[verb][0] in PICTURES and options.output is None:
-        first = options.files[0] if hasattr(options, "files") else options.file
-        options.output = Path(f"{first.stem}{PICTURES[VERBS[verb][0]] or verb.removeprefix('plot')}.png")
-        options.told = True
+    _open_streams()
     try:
-        _keep_inputs(options)
-        if verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None):
-            from . import style
-            with style.here(getattr(options, "size", None)):
-                figure = options.command(options)
-                if VERBS[verb][0] == "pictures":
-                    figure = import_module(".pictures", __package__).limited(figure, options)
-                _save(figure, options.output, options.dpi)
-            if getattr(options, "told", False):
-                print(f"wrote {options.output}")
-        else:
-            options.command(options)
-        sys.stdout.flush()
+        return _explained(words)
+    except KeyboardInterrupt:
+        print("rabiline: stopped", file=sys.stderr)
+        return 130  # as shells have it
+
+
+def _explained(words: list[str]) -> int:
+    """Runs it; what went wrong is told in a line."""
+    from .errors import BadInput, InputError
+    try:
+        try:
+            _run(words)
+        finally:  # of --help too
+            sys.stdout.flush()
     except BrokenPipeError:  # `summary | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except (BadInput, InputError) as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 2
@@ -91,6 +86,48 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
         return 1
     return 0
+
+
+def _run(words: list[str]) -> None:
+    verb, parser = _parser(words)
+    options = parser.parse_args(words[1:] if verb else words)
+    if verb and VERBS[verb][0] in PICTURES and options.output is None:
+        first = options.files[0] if hasattr(options, "files") else options.file
+        options.output = Path(f"{first.stem}{PICTURES[VERBS[verb][0]] or verb.removeprefix('plot')}.png")
+        options.told = True
+    _keep_inputs(options)
+    if not (verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None)):
+        options.command(options)
+        return
+    from . import style
+    with style.here(getattr(options, "size", None)):
+        figure = options.command(options)
+        if VERBS[verb][0] == "pictures":
+            figure = import_module(".pictures", __package__).limited(figure, options)
+        _save(figure, options.output, options.dpi)
+    if getattr(options, "told", False):
+        print(f"wrote {options.output}")
+
+
+def _open_streams() -> None:
+    """Both write something, whatever they are: nowhere where they are closed, and what their encoding lacks as a question mark."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w"))
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+
+
+def _with_negative_values(words: list[str]) -> list[str]:
+    """argparse takes `-2:2` for an option: it is joined to the one in front."""
+    out: list[str] = []
+    for word in words:
+        if out and re.match(r"--[a-z-]+$", out[-1]) and re.match(r"-\.?\d", word):
+            out[-1] += f"={word}"
+        else:
+            out.append(word)
+    return out
 
 
 def _keep_inputs(options: argparse.Namespace) -> None:

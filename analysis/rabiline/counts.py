@@ -46,7 +46,8 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
     if "counts" not in table.names or len(others) not in (1, 2):
         near = difflib.get_close_matches("counts", [name.lower() for name in table.names], 1, 0.4)
-        wrong = f"no column `counts`{f', but `{near[0]}`' if near else ''}" if "counts" not in table.names else \
+        written = [name for name in table.names if name.lower() in near]
+        wrong = f"no column `counts`{f', but `{written[0]}`' if written else ''}" if "counts" not in table.names else \
             "no column of the scanned parameter" if not others else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")

@@ -53,16 +53,21 @@ def read_table(path: Path | str) -> Table:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise FileError(path, "neither a table of text nor an HDF5 file") from None
+        raise FileError(path, "neither an HDF5 file nor a table in UTF-8: save it as that") from None
     except OSError as problem:
         raise FileError(path, problem.strerror or str(problem)) from None
     rows = [(number, tuple(cell.strip() for cell in next(csv.reader([line])))) for number, line in enumerate(lines, 1)
-            if line.strip() and not line.lstrip().startswith("#")]
+            if line.strip(" \t,") and not line.lstrip().startswith("#")]
     if not rows:
         raise FileError(path, "an empty table")
     header, names = rows[0]
     if len(names) == 1 and ";" in names[0]:
         raise FileError(path, f"line {header}: a comma stands between columns, and a point in numbers, not `;` and `,`")
+    if len(names) == 1 and "\t" in lines[header - 1].strip():
+        raise FileError(path, f"line {header}: a comma stands between columns, not a tab")
+    if not names[-1]:  # a comma at the end of the lines
+        names = names[:-1]
+    rows = [(line, cells[:-1] if len(cells) == len(names) + 1 and not cells[-1] else cells) for line, cells in rows]
     columns = tuple(_column(text) for text in names)
     for line, cells in rows[1:]:
         if len(cells) != len(columns):

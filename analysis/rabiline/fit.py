@@ -58,6 +58,8 @@ def fit(curve: Curve) -> Fit:
     starts = half_maxima(curve)
     if are_fringes(curve):
         raise NoResonance("fringes are no dips or peaks: see fit-line --form ramsey")
+    if curve.x.size < SHARED + OWN * len(starts):
+        raise NoResonance(f"{curve.x.size} points are too few to fit {len(starts)} dip{'s' if len(starts) > 1 else ''} or peak{'s' if len(starts) > 1 else ''}")
     unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
     first = _least_squares(x, curve.y, np.eye(x.size), _start(starts, unit, origin))

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from .argument_types import not_negative, positive
+
 LONG = 5.0  # s
 
 ABOUT_FIT = """\
@@ -60,9 +62,9 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
                             help="particles that show how the curve changes with the parameters; by default a quarter of all and 5000 "
                                  "at most, or as many more as this needs. The curve itself is that of all --particles")
     else:
-        parser.add_argument("--rate", type=float, metavar="R", help="particles that leave the source per second (1/s)")
-        parser.add_argument("--seconds", type=float, default=1.0, metavar="T", help="at each scan point; 1 by default")
-        parser.add_argument("--background", type=float, metavar="B", help="counts per second without a beam")
+        parser.add_argument("--rate", type=positive, metavar="R", help="particles that leave the source per second (1/s)")
+        parser.add_argument("--seconds", type=positive, default=1.0, metavar="T", help="at each scan point; 1 by default")
+        parser.add_argument("--background", type=not_negative, metavar="B", help="counts per second without a beam")
         parser.add_argument("--known-rate", action="store_true", help="the rate is known exactly: no free factor")
         parser.add_argument("--no-scan", action="store_true", help="omit the file's scan")
         parser.add_argument("--scan", action="append", default=[], metavar="NAME=FROM:TO:POINTS")

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import observed, results
+from .argument_types import positive
 from .kappa import MOST_CELLS, bound, bound_report
 from .kappa_plots import draw_profile
 from .laws_plots import draw_laws
@@ -88,15 +89,15 @@ def arguments(verb: str, made: argparse.ArgumentParser) -> None:
                            "the detector caught; with a table as data, what it lists")
     made.add_argument("--data", type=Path, metavar="DATA",
                       help="measured counts: a table (CSV), or a result (HDF5) that stands in for data")
-    made.add_argument("--emitted", type=_positive, metavar="N",
+    made.add_argument("--emitted", type=positive, metavar="N",
                       help="particles emitted at each scan point while the data were taken (of an aimed source, "
                            "those towards its target); where nothing tells, the flux is fitted")
-    made.add_argument("--rate", type=_positive, metavar="R",
+    made.add_argument("--rate", type=positive, metavar="R",
                       help="particles that leave the source per second (1/s)")
-    made.add_argument("--background", type=_positive, metavar="B",
+    made.add_argument("--background", type=positive, metavar="B",
                       help="counts per second without a beam (1/s), evenly over each detector; needs --rate, and "
                            "--seconds where there are data")
-    made.add_argument("--seconds", type=_positive, metavar="T",
+    made.add_argument("--seconds", type=positive, metavar="T",
                       help="time spent at each scan point of the data (s)")
     made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
     made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")
@@ -154,13 +155,3 @@ def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, obser
     for warning in warnings:
         print(f"rabiline: warning: {warning}", file=sys.stderr)
     return made, data, beam
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not (np.isfinite(value) and value > 0):
-        raise argparse.ArgumentTypeError(f"`{text}` is no number above 0")
-    return value

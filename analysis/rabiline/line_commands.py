@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import results
+from .argument_types import count
 from .counts import read_counts
 from .curves import Curve, curves
 from .errors import InputError
@@ -30,7 +31,7 @@ def arguments(parser: ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
     parser.add_argument("--form", choices=[*FORMS], default="rabi",
                         help="rabi by default; ramsey is averaged over the times of flight that a result keeps")
-    parser.add_argument("--lines", type=int, default=1, metavar="N", help="how many, alike but for centre and contrast")
+    parser.add_argument("--lines", type=count, default=1, metavar="N", help="how many, alike but for centre and contrast")
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help="where a parameter starts, in SI")
     known = parser.add_mutually_exclusive_group()
     known.add_argument("--per-field", metavar="RATE", help='turns the centres into fields: "29.1646935 MHz/T"')

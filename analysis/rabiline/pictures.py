@@ -106,9 +106,10 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
     chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
     title = options.title or _title(files, chosen)
-    marks = dict(_mark(text) for text in options.mark)
+    marks = dict(_mark(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
-    across = [axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels]
+    across = sorted((axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels),
+                    key=lambda axis: -axis.values.size)
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:
@@ -134,10 +135,16 @@ def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
     counts = read_counts(path)
     if counts.parameter != curve.axis.parameter:
         raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
+    if curve.axis.units and not counts.unit:
+        unit = curve.axis.written[0] if curve.axis.written else curve.axis.units
+        raise InputError(f"{path}: the column `{counts.parameter}` has no unit: write `{counts.parameter} [{unit}]`")
     try:
         x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
     except ValueError as problem:
         raise InputError(f"{path}: {problem}") from None
+    if x.min() > curve.x.max() or x.max() < curve.x.min():
+        raise InputError(f"{path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
+                         f"{curve.axis.text(curve.x.max())}: is the unit right?")
     order = np.argsort(curve.x)
     expected = np.interp(x, curve.x[order], curve.y[order])
     factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
@@ -162,7 +169,7 @@ def plot_levels(options: argparse.Namespace) -> Figure:
     if len(rows) > MOST_PANELS:
         raise InputError(f"{len(rows)} curves are too many for one picture")
     detector = file.detectors[_detector(file, options.detector)]
-    marks = dict(_mark(text) for text in options.mark)
+    marks = dict(_mark(text, rows[0].axis.units) for text in options.mark)
     return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks, _levels(detector, options.levels))
 
 
@@ -310,14 +317,16 @@ def _distinct(labels: list[str], stems: list[str]) -> list[str]:
             for label, stem in zip(labels, stems)]
 
 
-def _mark(text: str) -> tuple[str, float]:
+def _mark(text: str, units: str) -> tuple[str, float]:
+    """A label and a value in SI, on an axis in these units."""
     label, equals, value = text.rpartition("=")
     try:
         if not (equals and label):
             raise ValueError("no label")
-        return label, parse_quantity(value)
-    except ValueError:
-        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"') from None
+        return label, parse_quantity(value, units or None)
+    except ValueError as problem:
+        of_unit = f": {problem}" if "unit" in str(problem) else ""
+        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"{of_unit}') from None
 
 
 def _points(text: str, points: int) -> list[int]:

@@ -201,7 +201,7 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
                                np.stack([curve.y for curve in grid]), shading="flat", cmap=COUNTS, rasterized=True, vmin=least, vmax=most)
         draw_marks(axes, marks, scale)
         if len(grids) > 1:
-            name = grid[0].label.partition(f", {across.parameter} = ")[0]
+            name = ", ".join(part for part in grid[0].label.split(", ") if not part.startswith(f"{across.parameter} = "))
             axes.set_title(style.in_lines(name, figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small")
     for axes in panels.flat[len(grids):]:
         axes.remove()

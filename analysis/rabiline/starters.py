@@ -41,7 +41,12 @@ def new(options: argparse.Namespace) -> None:
         if path.exists():
             raise InputError(f"{path} is there already")
     for path, content in beside.items():
-        path.write_text(content, encoding="utf-8")
+        whole = path.with_name(f".{path.name}.new")
+        try:
+            whole.write_text(content, encoding="utf-8")
+            whole.replace(path)
+        finally:
+            whole.unlink(missing_ok=True)
         print(f"wrote {path}")
     print(f"next: rabiline check {target}; rabiline draw {target} -o apparatus.png; rabiline run {target}")
 

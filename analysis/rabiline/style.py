@@ -1,6 +1,7 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
+import os
 import textwrap
 import warnings
 from contextlib import contextmanager
@@ -41,7 +42,7 @@ RULES = {
 def write_title(figure: Figure, title: str) -> None:
     """Above the figure, in lines that fit its width."""
     size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
-    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=scaled(size))
+    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
 
 
 def scaled(points: float) -> float:
@@ -255,13 +256,20 @@ def looks(laws: Sequence[str]) -> list[Look]:
 def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     """Writes the figure, as what its ending says, and forgets it. Raises OSError, ValueError, and InputError where its size leaves
     no room between the letters."""
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise OSError(f"{path}: there is no folder {path.parent} (create it with: mkdir -p {path.parent})")
+    new = path.with_name(f".{path.name}.{os.getpid()}") if path.is_file() or not path.exists() else path
     try:
         with here(), warnings.catch_warnings():
             warnings.filterwarnings("error", "constrained_layout not applied")
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
-            figure.savefig(path, facecolor="white", dpi=dpi)
+            figure.savefig(new, format=path.suffix[1:].lower(), facecolor="white", dpi=dpi)
+        new.replace(path)  # which is whole, or as it was
     except UserWarning:
         width, height = 25.4 * figure.get_size_inches()
         raise InputError(f"--size: {width:.0f}x{height:.0f} leaves no room for curves between the letters; make it larger") from None
     finally:
+        if new != path:
+            new.unlink(missing_ok=True)
         plt.close(figure)

@@ -204,6 +204,11 @@ void require_place(const std::filesystem::path& output, const std::vector<InputT
   require_writable(output);
 }
 
+std::vector<InputText> with_file(std::vector<InputText> inputs, const std::filesystem::path& file) {
+  inputs.push_back({file.string(), {}});
+  return inputs;
+}
+
 namespace {
 
 int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {

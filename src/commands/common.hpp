@@ -66,6 +66,8 @@ void print_summary(const Result&, const std::filesystem::path& output);
 /// Before anything is computed: results never replace what they are computed from, and must find their place.
 /// Throws ArgumentError and StorageError.
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs);
+/// The inputs of an experiment and the file that it was loaded from, which may be a result.
+std::vector<InputText> with_file(std::vector<InputText> inputs, const std::filesystem::path& file);
 
 /// Each verb adds itself to the command line; `exit` gets its exit code when it has run. `ranks` fly along
 /// where there are any.

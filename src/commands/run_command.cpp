@@ -48,13 +48,15 @@ RunSettings settings_of(const RunArguments& a) {
 int run_command(RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
                 Ranks* ranks) {
   a.flight.strict = a.experiment.strict;
-  const std::filesystem::path output = verb.count("-o") == 0
-                                           ? std::filesystem::path(a.experiment.file.stem().string() + ".h5")
-                                           : std::filesystem::path(a.output);
+  const bool again = a.experiment.file.extension() == ".h5";  // the experiment of a result
+  const std::filesystem::path output =
+      verb.count("-o") == 0
+          ? std::filesystem::path(a.experiment.file.stem().string() + (again ? "-run.h5" : ".h5"))
+          : std::filesystem::path(a.output);
   const Setup setup = load(a.experiment.file, a.experiment.changes);
   if (setup.is_model()) refuse_for_a_model(verb);
   RunSettings settings = settings_of(a);
-  require_place(output, setup.inputs());
+  require_place(output, with_file(setup.inputs(), a.experiment.file));
   if (setup.is_model()) {
     run_model(setup, output, a.flight, arguments);
     return exit_code::done;
@@ -72,7 +74,8 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, Ranks* ra
   auto a = std::make_shared<RunArguments>();
   a->experiment.add_to(*verb);
   verb->add_option("-o,--output", a->output,
-                   "where the result goes; FILE's name with .h5 where it is missing")
+                   "where the result goes; FILE's name with .h5 where it is missing, or -run.h5 where FILE "
+                   "is a result")
       ->type_name("OUT.h5");
   a->flight.add_to(*verb);
   a->flight.machine.add_memory_to(*verb);

@@ -26,7 +26,7 @@ void trace_command(const TraceArguments& a) {
   };
   settings.stop = &stop_requested();
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
-  require_place(a.output, setup.inputs());
+  require_place(a.output, with_file(setup.inputs(), a.experiment.file));
   const Lock lock(a.output);
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });

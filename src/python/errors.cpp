@@ -8,13 +8,19 @@ namespace {
 
 namespace py = pybind11;
 
+/// What is quoted of a file need not be UTF-8.
+py::object text_of(const std::string& text) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
 py::dict as_dict(const Diagnostic& diagnostic) {
   py::dict out;
   out["file"] = diagnostic.place.text ? diagnostic.place.text->name : std::string();
   out["line"] = diagnostic.place.line;
   out["column"] = diagnostic.place.column;
-  out["message"] = diagnostic.message;
-  out["help"] = diagnostic.suggestion;
+  out["message"] = text_of(diagnostic.message);
+  out["help"] = text_of(diagnostic.suggestion);
   return out;
 }
 
@@ -31,7 +37,8 @@ void add_errors(py::module_& module) {
     } catch (const InputError& error) {
       py::list diagnostics;
       for (const Diagnostic& diagnostic : error.diagnostics()) diagnostics.append(as_dict(diagnostic));
-      py::object made = py::reinterpret_borrow<py::object>(input_error)("\n" + render(error.diagnostics()));
+      py::object made =
+          py::reinterpret_borrow<py::object>(input_error)(text_of("\n" + render(error.diagnostics())));
       made.attr("diagnostics") = diagnostics;
       PyErr_SetObject(input_error.ptr(), made.ptr());
     } catch (const StorageError& error) {

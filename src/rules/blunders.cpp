@@ -258,6 +258,19 @@ void find_overlaps(const Beamline& beamline, Faults& out) {
   });
 }
 
+/// A winding has many turns; where `turns` is missing it has one.
+void find_single_turns(const Beamline& beamline, Faults& out) {
+  for (const PlacedPart& part : beamline.parts) {
+    const auto* solenoid = std::get_if<Solenoid>(&part.part);
+    const auto* current = solenoid ? std::get_if<CoilCurrent>(&solenoid->strength) : nullptr;
+    if (current && current->turns == 1)
+      out.push_back(warning(part.placement.name, "current",
+                            fmt::format("the solenoid `{}` has one turn on a winding of {}",
+                                        part.placement.name, metres(solenoid->winding)),
+                            "add `turns`, or state `field` instead of the current"));
+  }
+}
+
 /// Nobody sees what becomes of particles there.
 void find_parts_behind_counters(const Beamline& beamline, Faults& out) {
   double last = -HUGE_VAL;
@@ -342,6 +355,7 @@ Faults blunders_of(const Beamline& beamline) {
   }
   find_screens_in_fields(beamline, out);
   find_overlaps(beamline, out);
+  find_single_turns(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

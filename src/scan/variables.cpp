@@ -23,6 +23,7 @@ class Variables {
   }
 
  private:
+  static constexpr std::size_t longest = 10000;  // text with its variables
   enum class State { unread, open, done };
   struct Variable {
     const Entry* entry;
@@ -60,6 +61,9 @@ class Variables {
         return reading_.error(
             place, fmt::format("`{}` is {}, which cannot stand inside of a text", name, quote(*value)),
             "use it as a whole value");
+      if (node.scalar.size() + value->scalar.size() > longest)
+        return reading_.error(place, fmt::format("the text becomes longer than {} letters", longest),
+                              "a variable stands for one value");
       node.scalar.replace(from, end + 1 - from, value->scalar);
       from += value->scalar.size();
     }

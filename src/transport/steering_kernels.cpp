@@ -58,7 +58,8 @@ RABILINE_LANES void step(const Steering& s, const Fall& fall, words level, real 
 }
 
 /// [s] until a lane comes to where |B| is zero and its gradient jumps, on a line or an axis |B|/|grad |B||
-/// away (MagnetShape::jumps), and how fast it is there; never: infinite.
+/// away (MagnetShape::jumps), or until it turns back before: the places within a step are closer than those
+/// of the path. And how fast it would be there, by its energy; infinite, where that does not suffice.
 struct Jump {
   real time, speed;
 };
@@ -69,16 +70,18 @@ RABILINE_LANES Jump next_jump(const Steering& s, const Force& force, const Acros
              out_z = field.along_z * over, away = field.size * over;
   const real outwards = fma(at.vx, out_x, at.vz * out_z), aside = fma(at.vx, out_z, -(at.vz * out_x));
   const bool on_axis = s.shape.kind == MagnetKind::multipole;
-  const real centrifugal = aside * aside / max(away, broadcast(0x1p-500));
-  const real pull = fma(force.ax, out_x, force.az * out_z) + (on_axis ? centrifugal : broadcast(0));
-  const real square = fma(outwards, outwards, -2.0 * pull * away), speed = sqrt(max(square, broadcast(0)));
-  const mask comes = (square >= broadcast(0)) & (outwards < broadcast(0)), returns = pull < broadcast(0);
+  const real inwards2 = outwards * outwards, centrifugal = aside * aside / max(away, broadcast(0x1p-500)),
+             attraction = fma(force.ax, out_x, force.az * out_z),
+             pull = on_axis ? attraction + centrifugal : attraction;
+  const real square = fma(-2.0 * pull, away, inwards2), root = sqrt(max(square, broadcast(0))),
+             speed2 = fma(-2.0 * attraction, away, on_axis ? fma(aside, aside, inwards2) : inwards2);
+  const mask comes = (square >= broadcast(0)) & (outwards < broadcast(0)), returns = pull < broadcast(0),
+             turns = ~comes & ~returns & (outwards < broadcast(0));
   const real never = broadcast(__builtin_inf());
-  const real back = select(returns, (outwards + speed) / -select(returns, pull, broadcast(-1)), never);
-  const mask turns = ~comes & ~returns & (outwards < broadcast(0));
-  return {select(comes, 2.0 * away / (speed - outwards),
+  const real back = select(returns, (outwards + root) / -select(returns, pull, broadcast(-1)), never);
+  return {select(comes, 2.0 * away / (root - outwards),
                  select(turns, -outwards / select(turns, pull, broadcast(1)), back)),
-          select(turns, never, speed)};
+          select(speed2 > broadcast(0), sqrt(max(speed2, broadcast(0))), never)};
 }
 
 /// [s] of the next step: what is left in equal steps, none longer than the force allows, none shorter than

@@ -293,6 +293,17 @@ def test_check_tells_every_error_at_once(tmp_path: Path) -> None:
     assert "did you mean" in done.stderr
 
 
+def test_a_result_that_is_read_is_never_written_over(tmp_path: Path) -> None:
+    assert rabiline("run", EXPERIMENT, "--particles", "10", *EDGES, "-o", "a.h5", cwd=tmp_path).returncode == DONE
+    (tmp_path / "link.h5").symlink_to("a.h5")
+    before = (tmp_path / "a.h5").read_bytes()
+    for arguments in (["run", "a.h5", "-o", "a.h5"], ["run", "a.h5", "-o", "link.h5"], ["trace", "a.h5", "-o", "a.h5"]):
+        done = rabiline(*arguments, cwd=tmp_path)
+        assert done.returncode == BAD_INPUT and "what the experiment is read from" in done.stderr
+    assert rabiline("run", "a.h5", "--particles", "5", cwd=tmp_path).returncode == DONE
+    assert (tmp_path / "a-run.h5").exists() and (tmp_path / "a.h5").read_bytes() == before
+
+
 def test_describe_explains_everything_that_it_lists() -> None:
     overview = rabiline("describe").stdout
     parts, laws = (overview.split(f"{heading}\n")[1].split("\n\n")[0] for heading in ("Parts", "Laws of motion"))

@@ -109,6 +109,13 @@ def test_probe_takes_a_clock_at_its_time(tmp_path: Path) -> None:
     assert "1 uT, 0 T), |B| = 1 uT" in later
 
 
+def test_a_solenoid_of_one_turn_is_told_of(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: solenoid, winding: 20 cm, radius: 2 cm, current: 1 A")
+    assert "the solenoid `F` has one turn on a winding of 200 mm" in run("check", path).stdout
+    path.write_text(path.read_text().replace("current: 1 A", "current: 1 A, turns: 400"))
+    assert "one turn" not in run("check", path).stdout
+
+
 def test_probe_shows_the_field_of_a_coil_as_the_first_species_has_it(tmp_path: Path) -> None:
     path = experiment(tmp_path, "kind: coil, length: 5 cm, axis: x, angle: 90 deg, speed: 800 m/s")
     out = run("probe", path, "--at", "0,1.02 m,0").stdout

@@ -48,7 +48,7 @@ static_assert(StageKind<Steering>);
 /// Walls are asked about at the begin and behind every step: between them a path may cut a convex wall by
 /// (v h)^2/8R, less than step_angle^2/8 of its radius R.
 namespace steering {
-inline constexpr double step_angle = 0.06, most_steps = 4096, seldom = 32, hair = 1.0 / 1024;
+inline constexpr double step_angle = 0.06, most_steps = 4096, seldom = 32, hair = 0x1p-16;
 }  // namespace steering
 
 /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].

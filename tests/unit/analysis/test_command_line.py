@@ -232,6 +232,47 @@ def test_a_size_or_a_range_that_is_none_is_told_how_to_be_written(folder: Path, 
     assert reason in capsys.readouterr().err
 
 
+def test_negative_values_are_no_options(folder: Path, tmp_path: Path) -> None:
+    assert main(["plot-image", str(folder / "dorado.h5"), "--x-range", "-1:1", "-o", str(tmp_path / "a.png")]) == 0
+
+
+def test_a_mark_has_the_unit_of_its_axis(folder: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["plot-scan", str(folder / "dorado.h5"), "--mark", "B=5 mT", "-o", "never.png"]) == 2
+    assert "mT is not a unit of the kind of Hz" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("table", "reason"), [("H0.frequency,counts\n290,3\n291,4\n", "has no unit: write `H0.frequency [Hz]`"),
+                                               ("H0.frequency [MHz],counts\n290,3\n291,4\n", "is the unit right?")])
+def test_counts_beside_a_scan_have_its_unit(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture, table: str, reason: str) -> None:
+    (tmp_path / "c.csv").write_text(table)
+    assert main(["plot-scan", str(folder / "dorado.h5"), "--data", str(tmp_path / "c.csv"), "-o", "never.png"]) == 2
+    assert reason in capsys.readouterr().err
+
+
+def test_a_picture_that_cannot_be_finished_leaves_the_old_one(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from matplotlib.figure import Figure
+
+    def full(_: Figure, path: Path, **__: object) -> None:
+        path.write_bytes(b"half")
+        raise OSError(28, "No space left on device")
+
+    (tmp_path / "a.png").write_bytes(b"precious")
+    monkeypatch.setattr(Figure, "savefig", full)
+    assert main(["plot", str(folder / "dorado.h5"), "-o", str(tmp_path / "a.png")]) == 3
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a.png", b"precious")]
+
+
+def test_a_command_that_is_stopped_says_so(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
+    from rabiline import reports
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reports.results, "read", stopped)
+    assert main(["summary", str(folder / "dorado.h5")]) == 130
+    assert capsys.readouterr().err == "rabiline: stopped\n"
+
+
 def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, capsys: pytest.CaptureFixture) -> None:
     assert main(["plot-scan", str(folder / "dorado.h5"), "-o", "picture.doc"]) == 2
     assert "picture.doc" in capsys.readouterr().err

@@ -63,6 +63,30 @@ def test_a_grid_of_three_axes_has_a_map_for_each_value_of_the_third(tmp_path: Pa
         assert np.ptp(first.collections[0].get_array()) == 0
 
 
+def test_maps_over_three_numbers_are_named_by_the_one_with_the_fewest_values(tmp_path: Path) -> None:
+    axis, sizes = frequencies(21), (Axis("B.field", np.array([9e-3, 10e-3]), "T"), Axis("H0.amplitude", np.linspace(1e-7, 9e-7, 9), "T"))
+    for order in ((0, 1), (1, 0)):
+        axes = [sizes[i] for i in order]
+        file = results.read(write_results(tmp_path / "a.h5", [*axes, axis], np.tile(dip(axis.values), 18), law=["quantum"], bins=4))
+        *panels, _ = plot_of(file, "scan").axes
+        assert [one.get_title().replace("\n", " ") for one in panels] == ["quantum, B.field = 9 mT", "quantum, B.field = 10 mT"]
+
+
+@pytest.mark.parametrize("points", [5, 6, 7, 8])
+def test_a_short_scan_of_two_lines_is_drawn_without_their_fit(tmp_path: Path, points: int) -> None:
+    y = np.ones(points)
+    y[[1, points - 2]] = 0.2
+    file = results.read(write_results(tmp_path / "a.h5", [frequencies(points)], y, law=["quantum"], bins=4))
+    plot_of(file, "scan")
+
+
+def test_a_title_is_written_as_it_stands(tmp_path: Path) -> None:
+    file = results.read(write_results(tmp_path / "a.h5", [frequencies(11)], dip(frequencies(11).values), law=["quantum"], bins=4))
+    figure = plot_of(file, "scan", {"title": "from $5 to $6_{a"})
+    figure.draw_without_rendering()
+    assert figure._suptitle.get_text() == "from $5 to $6_{a"
+
+
 def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
     axis = frequencies(41)
     y = np.concatenate([np.ones(82), dip(axis.values)])

@@ -9,29 +9,17 @@
 #include <memory>
 #include <random>
 
-#include "constants.hpp"
 #include "core/isa.hpp"
 #include "particle/species.hpp"
 #include "spin/levels.hpp"
 #include "spin/moment_table.hpp"
-#include "transport/stages/steering.hpp"
+#include "steering_samples.hpp"
 
 namespace rabiline::steering_test {
 namespace {
 
-using test::atomic_mass;
-using test::bohr_magneton;
-
 FieldSize<double> at(const MagnetShape& shape, double x, double z) {
   return field_size(shape, x, z, [](double q) { return std::sqrt(q); });
-}
-MagnetShape multipole(int power, double field = 1, double radius = 5e-3) {
-  MagnetShape shape;
-  shape.kind = MagnetKind::multipole;
-  shape.power = power;
-  shape.field = field;
-  shape.radius = radius;
-  return shape;
 }
 MagnetShape two_wires(double field = 0.5, double a = 2e-3) {
   MagnetShape shape;
@@ -82,41 +70,6 @@ TEST(MagnetShape, OfManyPolesIsThePowerOfTheRadius) {
 }
 
 // ---- paths ----
-
-Steering magnet(const MagnetShape& shape, double length = 0.2) {
-  Steering s;
-  s.begin = 0.1;
-  s.end = 0.1 + length;
-  s.shape = shape;
-  s.mass = 132.905 * atomic_mass;
-  s.moment = -bohr_magneton;
-  s.levels = 2;
-  return s;
-}
-
-/// Particles spread over a few mm and mm/m around the beam, of 150 to 1000 m/s, in both levels.
-void fill(Batch& batch, int levels, double spread = 2e-3) {
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> even(-1, 1);
-  BatchView& v = batch.view();
-  v.count = v.padded = Batch::capacity;
-  v.y = 0.1;
-  for (int i = 0; i < v.count; ++i) {
-    v.x[i] = spread * even(random);
-    v.z[i] = spread * even(random);
-    v.vy[i] = 575 + 425 * even(random);
-    v.vx[i] = 5 * even(random);
-    v.vz[i] = 5 * even(random);
-    v.t[i] = 1e-3;
-    v.sx[i] = v.sy[i] = 0;
-    v.sz[i] = even(random);
-    v.level[i] = static_cast<std::uint64_t>(i % levels);
-    v.weight[i] = 1;
-    v.particle[i] = static_cast<std::uint64_t>(i);
-    v.flying[i] = ~std::uint64_t{0};
-    v.caught_by[i] = 0;
-  }
-}
 
 /// Moments of levels by diagonalisation at fields that rise by half a percent, and splines between them: no
 /// table of the program.
@@ -273,47 +226,6 @@ TEST(Steering, OfAQuadrupoleIsRightAwayFromItsAxis) {
   Steering s = magnet(multipole(1));
   s.walls.circles[0] = {0, 0, 50e-6, 1};  // nothing closer is followed
   EXPECT_LT(worst_exit(s, 2), 1);
-}
-
-/// Along x, of one that is pulled by `a` [m/s^2] towards x = 0, or pushed away where it is negative.
-std::array<double, 2> there_and_back(double x, double v, double a, double stay) {
-  for (;;) {
-    const double side = x != 0 ? std::copysign(1, x) : std::copysign(1, v);
-    const double u = side * v, away = std::abs(x), square = u * u + 2 * a * away;
-    double next = stay;  // until |x| + u t - a t^2/2 = 0
-    if (a > 0) next = (u + std::sqrt(square)) / a;
-    if (a < 0 && u < 0 && square > 0) next = 2 * away / (std::sqrt(square) - u);
-    next = std::min(next, stay);
-    const bool meets = next < stay;
-    x = meets ? 0 : x + v * next - side * a * next * next / 2;
-    v -= side * a * next;
-    stay -= next;
-    if (!meets) return {x, v};
-  }
-}
-
-TEST(Steering, TurnsOverWhereTheFieldVanishes) {
-  for (const MagnetKind kind : {MagnetKind::gradient, MagnetKind::multipole}) {
-    MagnetShape shape = multipole(1, 0.5);
-    shape.kind = kind;
-    if (kind == MagnetKind::gradient)
-      shape.field = 0, shape.gradient = 100, shape.along_x = 1, shape.along_z = 0;
-    const Steering s = magnet(shape);
-    Batch before, after;
-    fill(before, 2);
-    for (int i = 0; i < before.view().count; ++i) before.view().z[i] = before.view().vz[i] = 0;
-    after.copy_from(before);
-    kernel::steer(best_isa())(s, after.view());
-    const BatchView &b = before.view(), &a = after.view();
-    for (int i = 0; i < b.count; ++i) {
-      const double stay = (s.end - s.begin) / b.vy[i];
-      const double pull = (b.level[i] == 0 ? 1 : -1) * bohr_magneton * 100 / s.mass;
-      const auto [x, v] = there_and_back(b.x[i], b.vx[i], pull, stay);
-      const double bent = std::abs(pull) * stay * stay / 2;
-      EXPECT_NEAR(a.x[i], x, 1e-9 + 1e-6 * bent) << i << ' ' << b.level[i];
-      EXPECT_NEAR(a.vx[i], v, (1e-8 + 1e-5 * bent) / stay) << i;
-    }
-  }
 }
 
 TEST(Steering, LetsWhatWasCaughtBeforeFlyStraightOn) {

@@ -1,0 +1,36 @@
+"""Numbers on the command line."""
+from __future__ import annotations
+
+from argparse import ArgumentTypeError
+from math import isfinite, nan
+
+
+def positive(text: str) -> float:
+    """A finite number above 0."""
+    value = _number(text)
+    if not value > 0:
+        raise ArgumentTypeError(f"`{text}` is no number above 0")
+    return value
+
+
+def not_negative(text: str) -> float:
+    """A finite number, 0 or above."""
+    value = _number(text)
+    if not value >= 0:
+        raise ArgumentTypeError(f"`{text}` is no number, 0 or above")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number, 1 or above."""
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise ArgumentTypeError(f"`{text}` is no whole number, 1 or above")
+    return int(text)
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        return nan
+    return value if isfinite(value) else nan
