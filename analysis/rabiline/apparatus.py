@@ -5,6 +5,7 @@ import argparse
 import time
 from argparse import ArgumentParser
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from . import style
+from .argument_types import count
 from .errors import InputError
 from .style import GREY, INK, LAWS, OTHERS
 from .units import Scale, fitting_scale, format_value
@@ -60,7 +62,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("file", metavar="FILE", type=Path)
     parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="PNG, PDF or SVG; FILE-apparatus.png where it is missing")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
-    parser.add_argument("-n", "--paths", type=int, metavar="N",
+    parser.add_argument("-n", "--paths", type=partial(count, least=0), metavar="N",
                         help=f"{PATHS} by default, or fewer where they take long to fly; 0 draws the apparatus alone")
     parser.add_argument("--title")
 

@@ -21,10 +21,10 @@ def not_negative(text: str) -> float:
     return value
 
 
-def count(text: str) -> int:
-    """A whole number, 1 or above."""
-    if not (text.isascii() and text.isdigit() and int(text) > 0):
-        raise ArgumentTypeError(f"`{text}` is no whole number, 1 or above")
+def count(text: str, least: int = 1) -> int:
+    """A whole number that is large enough."""
+    if not (text.isascii() and text.isdigit() and int(text) >= least):
+        raise ArgumentTypeError(f"`{text}` is no whole number, {least} or above")
     return int(text)
 
 

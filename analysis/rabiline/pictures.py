@@ -211,7 +211,8 @@ def plot_profiles(options: argparse.Namespace) -> Figure:
     labels = _distinct(labels, [file.path.stem for file, _ in shots])
     profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
                 for (file, point), label in zip(shots, labels)]
-    return profile_plots.draw_profiles(profiles, options.along, options.title or files[0].title, heading)
+    chosen = f": {_detector(files[0], options.detector)}" if len(files[0].scan.detectors) > 1 else ""
+    return profile_plots.draw_profiles(profiles, options.along, options.title or f"{files[0].title}{chosen}", heading)
 
 
 def plot_tally(options: argparse.Namespace) -> Figure:

@@ -31,7 +31,14 @@ class Axis:
 
     def text(self, value: float) -> str:
         """One of its values, "291.65 kHz"."""
-        return in_unit(value, *self.written) if self.written else format_value(value, self.units)
+        return in_unit(value, *self.written, self._digits) if self.written else format_value(value, self.units)
+
+    @property
+    def _digits(self) -> int:
+        """That tell its values apart, and two more."""
+        steps = np.diff(np.unique(self.values))
+        apart = np.abs(self.values).max() / steps.min() if steps.size else 1.0
+        return int(np.clip(np.ceil(np.log10(apart)) + 3, 6, 12))
 
 
 def read_axis(group: Group, name: str, texts: Sequence[str]) -> Axis:

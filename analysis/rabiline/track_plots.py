@@ -98,12 +98,13 @@ def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         if not named:
             continue
         left, right = axes.get_xlim()
+        begin, end = max(region.begin, left), min(region.end, right)
         half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
-        middle = min(max((region.begin + region.end) / 2, left + half), right - half)
-        row = next((i for i, end in enumerate(rows) if end <= min(region.begin, middle - half)), len(rows))
-        rows[row:row + 1] = [max(region.end, middle + half)]
+        middle = min(max((begin + end) / 2, left + half), right - half)
+        row = next((i for i, taken in enumerate(rows) if taken <= min(begin, middle - half)), len(rows))
+        rows[row:row + 1] = [max(end, middle + half)]
         height = 1.05 + 0.15 * row
-        axes.plot([region.begin, region.end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
+        axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
         axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
                       xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))

@@ -102,9 +102,9 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
     return f"{number} {unit_shown}".strip()
 
 
-def in_unit(value: float, unit: str, factor: float) -> str:
+def in_unit(value: float, unit: str, factor: float, digits: int = 10) -> str:
     """A value in SI in a unit that is so much in SI."""
-    return f"{_with_power(f'{value / factor:.10g}')} {unit}"
+    return f"{_with_power(f'{value / factor:.{digits}g}')} {unit}"
 
 
 def _with_power(number: str) -> str:

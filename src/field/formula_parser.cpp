@@ -11,6 +11,7 @@
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
 #include "core/portable_math.hpp"
+#include "core/units.hpp"
 
 namespace rabiline {
 namespace {
@@ -116,9 +117,14 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
                     "are worked out, `duration: 5 ms`")
           : closest(word, words_of(parser)).empty()
               ? word == "*" ? std::string("a power is written `^`: `t^2`")
-                            : fmt::format("places are x, y and z [m]; state it as a constant, with the unit "
-                                          "that it has: `constants: {{{}: 1 mT}}`",
-                                          word)
+                : parse_quantity("1 " + word).error.empty()
+                    ? fmt::format(
+                          "a unit stands with a constant: `constants: {{a: 1 {}}}`; formulas have numbers "
+                          "in m, s and T",
+                          word)
+                    : fmt::format("places are x, y and z [m]; state it as a constant, with the unit "
+                                  "that it has: `constants: {{{}: 1 mT}}`",
+                                  word)
               : fmt::format("did you mean `{}`?", closest(word, words_of(parser))));
       fault.from = from;
       fault.length = word.size();
