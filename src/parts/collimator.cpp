@@ -10,8 +10,10 @@ void contribute(const Collimator& part, const Placement& place, SectionBuilder& 
     builder.bore(place.at, end, disc->radius, part.offset);
     return;
   }
-  for (const double y : {place.at, end})
-    builder.plane(y, PlateTerm{opening_of(part.opening), part.offset, part.tilt});
+  PlateTerm plate{opening_of(part.opening), part.offset, part.tilt};
+  builder.plane(place.at, plate);
+  plate.length = part.length;
+  builder.plane(end, plate);
 }
 
 }  // namespace rabiline

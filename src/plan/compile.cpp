@@ -83,13 +83,19 @@ class Compiler {
     return screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term), grids_.at(name));
   }
 
-  /// Walls are asked about at planes: a straight flight that left the chamber never comes back into it.
-  void stop_at_wall(double y, const Wall& wall) {
+  /// Walls are asked about at planes, and between them as far back as the flight was free: a straight one
+  /// that left the chamber never comes back into it, a parabola may.
+  Passage passage_of(const Aperture& aperture, int part, double begin) const {
+    return {aperture, part, std::max(begin, free_since_)};
+  }
+  void stop_at_wall(double y, const Wall& wall, double begin) {
     if (std::isfinite(wall.radius))
-      chain_.push_back(Passage{aperture_of(y, Disc{wall.radius}, wall.offset), wall.part});
+      chain_.push_back(passage_of(aperture_of(y, Disc{wall.radius}, wall.offset), wall.part, begin));
   }
   void stop_at_chamber(double y) {
-    if (beamline_.chamber && may_reach_chamber_) stop_at_wall(y, {beamline_.chamber->radius, chamber_number});
+    if (beamline_.chamber && may_reach_chamber_)
+      stop_at_wall(y, {beamline_.chamber->radius, chamber_number}, chamber_asked_);
+    chamber_asked_ = y;
   }
   void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
     stop_at_chamber(plane.y);
@@ -98,6 +104,10 @@ class Compiler {
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
     add_deflection(plane, magnet, species_, levels(), tables_, chain_);
+    flies_free_from(magnet.end);
+  }
+  void flies_free_from(double y) {
+    free_since_ = y;
     may_reach_chamber_ = true;
   }
   void aligned_along(const Vector3& axis) {
@@ -148,7 +158,7 @@ class Compiler {
       return;
     }
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      chain_.push_back(Passage{aperture_of(plane.y, *plate), plane.part});
+      chain_.push_back(passage_of(aperture_of(plane.y, *plate), plane.part, plane.y - plate->length));
     else
       chain_.push_back(Score{screen_at(plane)});
   }
@@ -284,7 +294,7 @@ class Compiler {
     std::ranges::for_each(section.swinging, keep, &SwingingTerm::field);
   }
   void fly_straight_through(const Section& section) {
-    if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall);
+    if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall, section.begin);
     const double last = std::nextafter(section.end, section.begin);
     double from = section.begin;
     while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= last) {
@@ -294,7 +304,7 @@ class Compiler {
       add_plane(plane);
     }
     keep_inside(section, from, section.end);
-    if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall);
+    if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall, section.begin);
   }
 
   // ---- where fields turn the velocity ----
@@ -344,7 +354,7 @@ class Compiler {
     RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels);
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish(outlook));
-    may_reach_chamber_ = true;
+    flies_free_from(touching.back().end);
   }
 
   const Beamline& beamline_;
@@ -360,6 +370,8 @@ class Compiler {
   const bool straight_;  // nothing in the whole beam turns the velocity
   const LevelQuestions questions_;
   bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
+  double free_since_ = 0;   // [m] nothing but gravity has acted on paths since
+  double chamber_asked_ = 0;
   std::size_t next_plane_ = 0;
   SpinOutlook outlook_;
   std::vector<Stage> chain_;

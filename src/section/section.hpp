@@ -85,6 +85,7 @@ struct PlateTerm {
   Offset offset;
   Roll tilt{};
   bool stops_inside = false;
+  double length = 0;  // [m] of the channel that ends here
   bool operator==(const PlateTerm&) const = default;
 };
 /// Moments are aligned with a field: S gets a definite sign along it with the given probability.

@@ -363,8 +363,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
       lookout.look(now.place.y, steps_on, zone.sights_passed, [&](real y, mask crosses) {
         return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
       });
-    const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
-    const real from_axis2 = fma(from_x, from_x, from_z * from_z);
+    const real from_axis2 = farthest2(zone, old.place, old.velocity, now.place, now.velocity, trial);
     const mask in_gap = has_gaps ? stepper.in_gaps(now.place) : ~mask{};
     const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2) & in_gap;
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));

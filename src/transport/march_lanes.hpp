@@ -126,8 +126,8 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       on_way = on_way & ~through;
       if (!any(on_way)) break;
       const Motion to = curve.motion(next);
-      const real x = to.place.x - zone.wall_x, z = to.place.z - zone.wall_z;
-      const real from_axis2 = fma(x, x, z * z), t = now.t + next;
+      const real from_axis2 = farthest2(zone, at.place, at.velocity, to.place, to.velocity, next - tau),
+                 t = now.t + next;
       const mask goes_on = (to.place.y >= begin) & (from_axis2 <= wall2) & (t < deadline);
       const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
       const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;

@@ -52,6 +52,55 @@ RABILINE_LANES mask inside_shape(const Aperture& a, real x, real z) {
   return (abs(across) <= broadcast(a.half_x)) & (abs(up) <= broadcast(a.half_z));
 }
 
+/// How far from its centre a parabola comes between two planes: p + v tau + g tau^2/2 across the beam, from
+/// one plane (tau = 0) to the other (tau = 1).
+struct Parabola {
+  real px, pz, vx, vz, gx, gz;
+
+  /// The largest |coordinate| between the planes of p + v tau + g tau^2/2, or zero where it is at one of
+  /// them.
+  RABILINE_LANES static real farthest_along(real p, real v, real g) {
+    const real at_end = v + g;
+    const mask turns = v * at_end < broadcast(0);
+    return select(turns, abs(p - 0.5 * v * v / select(turns, g, broadcast(1))), broadcast(0));
+  }
+  /// The largest squared distance between the planes, or zero where it is at one of them: where the distance
+  /// stops growing, d = p.v + (v^2 + p.g) tau + 3/2 v.g tau^2 + g^2/2 tau^3 falls through zero, between the
+  /// two roots of d'. An error of the place counts by its square, so that halves do.
+  RABILINE_LANES real farthest2() const {
+    const real pv = fma(px, vx, pz * vz), pg = fma(px, gx, pz * gz), v2 = fma(vx, vx, vz * vz),
+               vg = fma(vx, gx, vz * gz), g2 = max(fma(gx, gx, gz * gz), broadcast(0x1p-500)),
+               linear = v2 + pg;
+    const auto grows = [&](real tau) { return fma(fma(fma(0.5 * g2, tau, 1.5 * vg), tau, linear), tau, pv); };
+    const real root = sqrt(max(fma(vg, vg, (-2.0 / 3) * g2 * linear), broadcast(0)));
+    real low = max((-vg - root) / g2, broadcast(0)), high = min((root - vg) / g2, broadcast(1));
+    const mask between = (grows(low) > broadcast(0)) & (grows(high) < broadcast(0));
+    if (!any(between)) return broadcast(0);
+    for (int halving = 0; halving < 26; ++halving) {
+      const real middle = 0.5 * (low + high);
+      const mask before = grows(middle) > broadcast(0);
+      low = select(before, middle, low);
+      high = select(before, high, middle);
+    }
+    const real x = fma(fma(0.5 * gx, low, vx), low, px), z = fma(fma(0.5 * gz, low, vz), low, pz);
+    return select(between, fma(x, x, z * z), broadcast(0));
+  }
+};
+
+/// Which lanes meet the wall of a channel that begins before an opening, other than in its two ends: gravity
+/// bends their paths out of it and back.
+RABILINE_LANES mask bulges_out(const Aperture& a, double begin, const BatchView& batch, int i) {
+  const OnPlane from = to_plane(begin, batch, i), to = to_plane(a.y, batch, i);
+  const real time = to.dt - from.dt, gx = time * time * batch.fall.x, gz = time * time * batch.fall.z;
+  const real px = from.x - a.x0, pz = from.z - a.z0, vx = fma(broadcast(-0.5), gx, to.x - from.x),
+             vz = fma(broadcast(-0.5), gz, to.z - from.z);
+  if (a.radius >= 0) return Parabola{px, pz, vx, vz, gx, gz}.farthest2() > broadcast(a.radius * a.radius);
+  const auto across = [&](real x, real z) { return fma(x, broadcast(a.cosine), -(z * a.sine)); };
+  const auto up = [&](real x, real z) { return fma(x, broadcast(a.sine), z * a.cosine); };
+  return (Parabola::farthest_along(across(px, pz), across(vx, vz), across(gx, gz)) > broadcast(a.half_x)) |
+         (Parabola::farthest_along(up(px, pz), up(vx, vz), up(gx, gz)) > broadcast(a.half_z));
+}
+
 /// Whether a particle at (x, z) touches no pole.
 RABILINE_LANES mask is_in(const RegionGap& gap, real x, real z) {
   const real dx = x - gap.x, dz = z - gap.z;

@@ -65,6 +65,28 @@ struct Lookout {
   }
 };
 
+/// The largest squared distance from the axis of a zone's wall within a step of the time h and at its end, by
+/// the cubic that has r^2 and its slope at both ends: between them a path may graze the wall.
+RABILINE_LANES real farthest2(const RegionZone& zone, const Vector& place, const Vector& velocity,
+                              const Vector& next_place, const Vector& next_velocity, real h) {
+  const auto size2 = [&](const Vector& r) {
+    const real x = r.x - zone.wall_x, z = r.z - zone.wall_z;
+    return fma(x, x, z * z);
+  };
+  const auto slope = [&](const Vector& r, const Vector& v) {
+    return 2.0 * h * fma(r.x - zone.wall_x, v.x, (r.z - zone.wall_z) * v.z);
+  };
+  const real from = size2(place), to = size2(next_place), rises = slope(place, velocity),
+             falls = slope(next_place, next_velocity);
+  const mask turns = (rises > broadcast(0)) & (falls < broadcast(0));
+  if (!any(turns)) return to;
+  const real grown = to - from, cubic = rises + falls - 2.0 * grown,
+             square = 3.0 * grown - 2.0 * rises - falls;
+  const real root = sqrt(max(fma(square, square, -3.0 * cubic * rises), broadcast(0)));
+  const real tau = rises / select(turns, root - square, broadcast(1));
+  return select(turns, max(to, fma(fma(fma(cubic, tau, square), tau, rises), tau, from)), to);
+}
+
 /// What becomes of lanes in a zone: their state at its edge or wall, and which of these they met.
 struct Visit {
   State state;
@@ -93,8 +115,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
       now.spin = of_unit_length(now.spin);
       if (stepper.in_frame()) now.frame = of_unit_length(now.frame);
     }
-    const real from_x = now.place.x - zone.wall_x, from_z = now.place.z - zone.wall_z;
-    const real from_axis2 = fma(from_x, from_x, from_z * from_z);
+    const real from_axis2 = farthest2(zone, old.place, old.velocity, now.place, now.velocity, h);
     const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
       if constexpr (looks) {

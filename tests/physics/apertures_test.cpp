@@ -94,6 +94,109 @@ TEST(Bore, OfAFieldThatTurnsThePathIsTheSameWall) {
   EXPECT_NEAR(detected(b), straight, 1e-4);
 }
 
+// ---- walls that parabolas meet between two planes ----
+
+/// Neutrons of 5 m/s from an opening of 4 x 4 mm, thrown up by 0.1 rad, through these parts. Their common way
+/// has its top at `top`; `reach` before and behind it they are lower by `sagitta`.
+struct Thrown {
+  static constexpr double speed = 5, angle = 0.1, g = 9.81, reach = 0.1;
+  double top = speed * speed * std::sin(angle) * std::cos(angle) / g;
+  double sagitta = 0.5 * g * std::pow(reach / (speed * std::cos(angle)), 2);
+  double height = 0.5 * std::pow(speed * std::sin(angle), 2) / g - sagitta;
+
+  Beamline beam(std::vector<PlacedPart> parts) const {
+    Beamline b = parallel(std::move(parts));
+    b.law = ClassicalLaw{};
+    b.source.speed = SingleSpeed{speed};
+    b.source.tilt.x = angle;
+    b.gravity = Gravity{g, {0, 0, -1}};
+    b.parts.back().placement.at = 0.4;
+    return b;
+  }
+  Beamline through(const Face& face) const {
+    return beam({place("C", top - reach, Collimator{2 * reach, face, {0, height}})});
+  }
+};
+/// Where two circles of one radius overlap.
+double lens(double radius, double distance) {
+  return 2 * radius * radius * std::acos(distance / (2 * radius)) -
+         0.5 * distance * std::sqrt(4 * radius * radius - distance * distance);
+}
+
+TEST(Channel, StopsParabolasThatRiseToItsWallAndFallBack) {
+  const Thrown thrown;
+  const auto expect_overlap = [&](const Face& face, const std::function<double(double sagitta)>& area) {
+    Beamline b = thrown.through(face);
+    b.particles = 4000000;
+    const double p = area(thrown.sagitta * 1e3) / 16;
+    expect_agreement(
+        detected(b), [&](double s) { return area(s * thrown.sagitta * 1e3) / 16; },
+        4 * std::sqrt(p * (1 - p) / 4e6), "sagitta");
+  };
+  expect_overlap(Rectangle{3e-3, 3e-3}, [](double sagitta) { return 3 * (3 - sagitta); });
+  expect_overlap(Disc{1.5e-3}, [](double sagitta) { return lens(1.5, sagitta); });
+}
+
+TEST(Channel, PassesWhatAHundredSlitsInItPass) {
+  const Thrown thrown;
+  Roll roll;
+  roll.y = 0.4;
+  for (const Face& face : {Face{Rectangle{2e-3, 5e-3}}, Face{Disc{2e-3}}}) {
+    for (const UnitVector& down : {UnitVector{0, 0, -1}, UnitVector{0.028, 0, -0.999608}}) {
+      const double begin = thrown.top - thrown.reach, length = 2 * thrown.reach;
+      const Offset offset{0, thrown.height};
+      Collimator channel{length, face, offset};
+      if (std::holds_alternative<Rectangle>(face)) channel.tilt = roll;
+      std::vector<PlacedPart> slits;
+      for (int i = 0; i <= 100; ++i)
+        slits.push_back(place("S" + std::to_string(i), begin + length * i / 100,
+                              Slit{opening_of(face), offset, channel.tilt}));
+      Beamline one = thrown.beam({place("C", begin, channel)}), many = thrown.beam(slits);
+      const std::vector<PlacedPart> ends{slits.front(), slits.back()};
+      Beamline two = thrown.beam(ends);
+      for (Beamline* b : {&one, &two, &many}) {
+        b->source.direction = GaussianDirection{10e-3, 5e-3};
+        b->gravity->direction = down;
+      }
+      // What comes out between two slits and back by the next is 1e-4 of the sagitta deep.
+      EXPECT_NEAR(detected(one), detected(many), 2e-4);
+      EXPECT_GT(detected(two), detected(many) + 0.01);
+      EXPECT_GT(detected(one), 0.01);
+    }
+  }
+}
+
+TEST(Chamber, StopsParabolasBetweenThePartsThatAskForIt) {
+  // Nothing stands between the source and the screen, and the common way has its top 12.7 mm above the axis.
+  const Thrown thrown;
+  Beamline b = thrown.beam({});
+  b.source.opening = Rectangle{0, 4e-3};
+  b.chamber = Chamber{thrown.height + thrown.sagitta + 0.5e-3};
+  const double top = (thrown.height + thrown.sagitta) * 1e3;
+  expect_agreement(
+      detected(b), [&](double s) { return (top + 0.5 - top * s + 2) / 4; },
+      4 * std::sqrt(0.625 * 0.375 / 2e5), "top");
+}
+
+TEST(Bore, StopsPathsThatGrazeItBetweenTwoSteps) {
+  // A neutron of 1000 m/s circles with R = 5.457 mm under closure larmor, towards -x: at an angle to the
+  // beam it comes farthest to +x inside the field.
+  const double radius = 1000 / (-gamma_n * 1e-3), angle = 0.6, way = 1e-3;
+  const double farthest = way * std::tan(angle) + radius * (1 - std::cos(angle));
+  for (const double gravity : {0.0, 1e-9})  // in closed form, and in steps
+    for (const double miss : {-1e-7, 1e-7}) {
+      Beamline b = parallel({place("B", way, UniformField{6e-3, 1e-3, Bore{farthest + miss}})});
+      b.law = DoradoLaw{Closure::larmor, 1};
+      b.source.speed = SingleSpeed{1000};
+      b.source.opening = Rectangle{0, 0};
+      b.source.tilt.z = -angle;
+      if (gravity > 0) b.gravity = Gravity{gravity, {0, 0, -1}};
+      b.parts.back() = place("screen", 20e-3, Detector{Rectangle{1, 1}, {1, 1}, {}});
+      b.particles = 16;
+      EXPECT_EQ(detected(b), miss > 0 ? 1 : 0) << gravity << " " << miss;
+    }
+}
+
 TEST(TwoSlits, CastATrapezoidOfUmbraAndPenumbra) {
   // B4: source w1, collimator w2, a = 0.5 m to the collimator, b = 1 m on: half-top |w2 (1 + r) - w1 r|/2,
   // half-base (w2 (1 + r) + w1 r)/2, r = b/a.

@@ -50,6 +50,26 @@ TEST(GasCell, CountsTheSlantPath) {
       1e-11, "length");
 }
 
+TEST(GasCell, CountsTheParabola) {
+  // Neutrons of 4 m/s thrown up by 0.6 rad: the way from vz to vz - g t is that of a parabola, in closed
+  // form.
+  const double speed = 4, tilt = 0.6, g = 9.81;
+  Beamline b = through(cell(), tilt);
+  b.source.speed = SingleSpeed{speed};
+  b.gravity = Gravity{g, {0, 0, -1}};
+  const double vy = speed * std::cos(tilt);
+  const auto way = [&](double vz) {  // of v ds = sqrt(vy^2 + vz^2) dvz/g
+    return (vz * std::hypot(vy, vz) + vy * vy * std::asinh(vz / vy)) / (2 * g);
+  };
+  const auto rise = [&](double y) { return speed * std::sin(tilt) - g * y / vy; };
+  expect_agreement(
+      detected(b),
+      [&](double scale) {
+        return std::exp(-density * cross_section * scale * (way(rise(0.2)) - way(rise(0.2 + length))));
+      },
+      1e-6, "path");
+}
+
 TEST(GasCell, TakesTheDensityOfAnIdealGas) {
   const double pressure = 0.2, temperature = 310;
   expect_agreement(

@@ -12,7 +12,7 @@
 namespace rabiline {
 
 Attenuation stage_of(const GasCell& cell, const StageSite& site) {
-  return {{site.part, site.y}, density_of(cell.gas) * cell.cross_section * cell.length};
+  return {{site.part, site.y}, density_of(cell.gas) * cell.cross_section * cell.length, cell.length};
 }
 
 void Attenuation::pass(StageContext& context) const {
@@ -34,13 +34,34 @@ bool Attenuation::follows_paths() const { return false; }
 
 namespace rabiline::RABILINE_ISA {
 
+namespace {
+
+/// The path over the length along the beam, for a flight whose velocity is that which it has at y.
+RABILINE_LANES real slant_at(double y, const BatchView& batch, int i) {
+  const real vy = load(batch.vy + i), dt = broadcast(y - batch.y) / vy;
+  const real vx = fma(broadcast(batch.fall.x), dt, load(batch.vx + i)),
+             vz = fma(broadcast(batch.fall.z), dt, load(batch.vz + i));
+  return sqrt(fma(vx, vx, fma(vy, vy, vz * vz))) / vy;
+}
+/// The mean over the cell: of a parabola by the rule of Gauss and Legendre with four places.
+RABILINE_LANES real mean_slant(const Attenuation& a, const BatchView& batch, int i) {
+  if (batch.fall == Fall{}) return slant_at(batch.y, batch, i);
+  constexpr double place[2] = {0.33998104358485626, 0.86113631159405258},
+                   weight[2] = {0.32607257743127307, 0.17392742256872693};
+  real mean = broadcast(0);
+  for (int k = 0; k < 2; ++k)
+    for (const double sign : {-1.0, 1.0})
+      mean =
+          fma(broadcast(weight[k]), slant_at(a.at + 0.5 * a.length * (1 + sign * place[k]), batch, i), mean);
+  return mean;
+}
+
+}  // namespace
+
 std::uint64_t attenuate(const Attenuation& a, BatchView& batch) {
   words scattered = words{};
-  for (int i = 0; i < batch.padded; i += lane_count) {
-    const real vx = load(batch.vx + i), vy = load(batch.vy + i), vz = load(batch.vz + i);
-    const real slant = sqrt(fma(vx, vx, fma(vy, vy, vz * vz))) / vy;
-    scattered = scattered + let_pass(batch, i, exp(slant * -a.depth));
-  }
+  for (int i = 0; i < batch.padded; i += lane_count)
+    scattered = scattered + let_pass(batch, i, exp(mean_slant(a, batch, i) * -a.depth));
   return sum_of_lanes(scattered);
 }
 

@@ -6,9 +6,10 @@
 
 namespace rabiline {
 
-/// exp(-depth l/length) of each weight goes on, l the straight path along the length.
+/// exp(-depth l/length) of each weight goes on, l the path along the length.
 struct Attenuation : PlaneStage {
-  double depth = 0;  // n sigma times the length along the beam
+  double depth = 0;   // n sigma times the length along the beam
+  double length = 0;  // [m] along the beam
   bool operator==(const Attenuation&) const = default;
 
   void pass(StageContext&) const;

@@ -11,7 +11,7 @@ namespace rabiline {
 
 std::size_t Passage::sums() const { return 1; }
 void Passage::pass(StageContext& context) const {
-  context.sums[0] += kernel::pass(context.isa)(aperture, context.batch.view());
+  context.sums[0] += kernel::pass(context.isa)(*this, context.batch.view());
 }
 void Passage::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
 double Passage::y() const { return aperture.y; }
@@ -33,11 +33,15 @@ bool Passage::follows_paths() const { return true; }
 
 namespace rabiline::RABILINE_ISA {
 
-std::uint64_t pass(const Aperture& aperture, BatchView& batch) {
+std::uint64_t pass(const Passage& passage, BatchView& batch) {
+  const Aperture& aperture = passage.aperture;
+  const bool has_walls = passage.begin < aperture.y && batch.fall != Fall{};
   words stopped = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const OnPlane there = to_plane(aperture.y, batch, i);
-    const words through = (words)inside(aperture, there.x, there.z), flying = load(batch.flying + i);
+    const mask misses_wall = has_walls ? ~bulges_out(aperture, passage.begin, batch, i) : ~mask{};
+    const words through = (words)(inside(aperture, there.x, there.z) & misses_wall),
+                flying = load(batch.flying + i);
     stopped = stopped + (load(batch.weight + i) & flying & ~through);
     store(batch.flying + i, flying & through);
   }

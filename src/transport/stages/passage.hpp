@@ -1,14 +1,19 @@
 #pragma once
-// An opening in a plate or a wall.
+// An opening in a plate, or the end of a channel.
+#include <limits>
+
 #include "transport/kernels.hpp"
 #include "transport/stage_concept.hpp"
 
 namespace rabiline {
 
-/// What misses the opening stops at that part.
+/// What misses the opening, or on its parabola met the wall of the channel that ends in it, stops at that
+/// part.
 struct Passage {
   Aperture aperture;
   int part = 0;
+  double begin =
+      std::numeric_limits<double>::infinity();  // [m] of the channel; an opening in a plate has none
   bool operator==(const Passage&) const = default;
 
   static constexpr StageTraits traits{.ends_particles = true};
@@ -23,6 +28,6 @@ struct Passage {
 static_assert(StageKind<Passage>);
 
 /// Returns the weight that stopped [quanta].
-RABILINE_KERNEL(pass, std::uint64_t(const Aperture&, BatchView&))
+RABILINE_KERNEL(pass, std::uint64_t(const Passage&, BatchView&))
 
 }  // namespace rabiline

@@ -56,7 +56,9 @@ std::vector<StageSample> samples_of<Passage>() {
   return {{"rectangle", Passage{rectangle(1e-3, 2e-3), part}},
           {"turned", Passage{rectangle(1e-3, 2e-3, 0.3), part}},
           {"ring", Passage{ring, part}},
-          {"stop", Passage{stop, part}}};
+          {"stop", Passage{stop, part}},
+          {"channel", Passage{rectangle(1e-3, 2e-3), part, 0.05}},
+          {"bore", Passage{disc(1e-3), part, 0.05}}};
 }
 
 template <>
@@ -339,7 +341,7 @@ std::vector<StageSample> samples_of<Histogram>() {
 
 template <>
 std::vector<StageSample> samples_of<Attenuation>() {
-  return {{"gas", Attenuation{{part, start}, 0.7}}};
+  return {{"gas", Attenuation{{part, start}, 0.7, 0.2}}};
 }
 
 template <>
