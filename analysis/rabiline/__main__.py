@@ -1,7 +1,7 @@
 """The command line: `rabiline plot | summary | compare | export | fit ...`, or `python3 -m rabiline` with these.
 
-Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the output could not be written; 1 a mistake
-of the program.
+Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 a file could not be written, or a result not read; 1 a
+mistake of the program.
 """
 from __future__ import annotations
 
@@ -42,8 +42,24 @@ DRAWING = {"pictures", "apparatus", "fit_commands", "laws_commands"}  # what the
 PICTURES = {"pictures": "", "apparatus": "-apparatus"}  # always drawn, and what is added to the file's name
 
 
+class Once(argparse._StoreAction):
+    """An option with one value: given twice, the second would undo the first."""
+
+    given = False
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
+        if self.given and self.option_strings:
+            parser.error(f"{self.option_strings[-1]} is given twice")
+        self.given = True
+        super().__call__(parser, *rest)
+
+
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated."""
+
+    def __init__(self, **about: object) -> None:
+        super().__init__(**about, allow_abbrev=False)
+        self.register("action", None, Once)
 
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
@@ -65,7 +81,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _explained(words: list[str]) -> int:
     """Runs it; what went wrong is told in a line."""
-    from .errors import BadInput, InputError
+    from .errors import BadInput
     try:
         try:
             _run(words)
@@ -73,9 +89,9 @@ def _explained(words: list[str]) -> int:
             sys.stdout.flush()
     except BrokenPipeError:  # `summary | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except (BadInput, InputError) as problem:
+    except BadInput as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
-        return 2
+        return problem.exit_code
     except OSError as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 3

@@ -49,6 +49,8 @@ def read_table(path: Path | str) -> Table:
     try:
         if not path.exists():
             raise FileError(path, "no such file")
+        if not path.is_file():
+            raise FileError(path, "is not a file")
         if path.stat().st_size > LARGEST_TABLE:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
         lines = path.read_text(encoding="utf-8-sig").splitlines()

@@ -134,8 +134,8 @@ def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -
     if time.size == 0:
         raise group.error("the track is empty")
 
-    def vectors(names: str) -> np.ndarray:
-        return np.stack([group.numbers(one, time.shape) for one in names.split()], axis=1)
+    def vectors(names: str, or_none: bool = False) -> np.ndarray:
+        return np.stack([group.numbers(one, time.shape, or_none=or_none) for one in names.split()], axis=1)
 
     def attribute(key: str) -> str:
         return "".join(group.attribute(key))
@@ -144,4 +144,4 @@ def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -
     if not number.isdigit():
         raise group.error("the particle has no number")
     return Track(int(number), attribute("law"), attribute("species"), attribute("fate"), attribute("where"), time,
-                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz"), polarizers)
+                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz", or_none=True), polarizers)

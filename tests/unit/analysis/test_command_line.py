@@ -1,6 +1,7 @@
 """The commands: pictures that are there, errors that are one line, exit codes."""
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -144,10 +145,8 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize(("command", "message"), [
-    ("plot-scan missing.h5", "rabiline: missing.h5: no such file"),
-    ("plot-scan text.h5", "rabiline: text.h5: not an HDF5 file"),
     ("plot-scan point.h5", "rabiline: point.h5: nothing is scanned in this file"),
-    ("plot-scan straight.h5", "rabiline: straight.h5: /entry: no `scan`: not a file of `rabiline run`, or one without "
+    ("plot-scan straight.h5", "rabiline: straight.h5: no `scan`: not a file of `rabiline run`, or one without "
                               "a detector"),
     ("plot-scan dorado.h5 only_laws.h5", "rabiline: only_laws.h5: its scan runs over law, the first one over "
                                          "H0.frequency"),
@@ -176,6 +175,71 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     assert main([*command.split(), "-o", "never.png"]) == 2
     assert capsys.readouterr().err == message + "\n"
     assert not Path("never.png").exists()
+
+
+def broken(folder: Path, *writes: tuple[str, int, float], of: str = "dorado.h5") -> str:
+    """The name of a copy in which some numbers are others."""
+    shutil.copy(folder / of, folder / "broken.h5")
+    with h5py.File(folder / "broken.h5", "a") as file:
+        for name, place, value in writes:
+            numbers = file[f"entry/{name}"][()]
+            numbers.flat[place] = value
+            file[f"entry/{name}"][...] = numbers
+    return "broken.h5"
+
+
+def test_a_result_that_cannot_be_read_is_one_line_and_exit_code_3(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(folder)
+    Path("cut.h5").write_bytes(Path("dorado.h5").read_bytes()[:3000])
+    for name, reason in (("missing.h5", "no such file"), ("text.h5", "not an HDF5 file"), ("cut.h5", "cannot be opened: damaged or unfinished"),
+                         (".", "is not a file")):
+        for command in ("summary", "plot", "plot-scan", "export", "plot-tracks", "plot-motion"):
+            assert main([command, name]) == 3, command
+            assert capsys.readouterr().err == f"rabiline: {name}: {reason}\n"
+
+
+@pytest.mark.parametrize(("name", "value"), [("scan/detected", np.nan), ("scan/detected_errors", np.inf), ("scan/H0_frequency", np.nan),
+                                             ("screen/counts", -np.inf), ("screen_levels/levels", np.inf), ("fates/emitted", np.nan)])
+def test_a_result_with_values_that_are_no_numbers_is_refused_in_one_line(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                          capsys: pytest.CaptureFixture, name: str, value: float) -> None:
+    monkeypatch.chdir(folder)
+    group, _, dataset = name.partition("/")
+    for command in ("summary", "plot"):
+        assert main([command, broken(folder, (name, 3, value))]) == 3
+        assert capsys.readouterr().err == f"rabiline: broken.h5: /entry/{group}: `{dataset}` has values that are infinite or no numbers\n"
+
+
+def test_levels_of_what_was_not_detected_need_no_fractions(folder: Path, tmp_path: Path) -> None:
+    name = broken(folder, ("screen_levels/levels", 3, np.nan))
+    assert main(["plot-levels", str(folder / name), "-o", str(tmp_path / "a.png")]) == 0
+
+
+@pytest.mark.parametrize(("command", "reason"), [
+    ("plot-scan dorado.h5 -o a.png -o b.png", "--output is given twice"), ("plot-scan dorado.h5 --output a.png -o b.png", "--output is given twice"),
+    ("plot-profiles dorado.h5 --along z --along z", "--along is given twice"), ("forecast a.yaml --free a --rate 1 --rate 1", "--rate is given twice"),
+    ("plot-scan dorado.h5 --titl a", "unrecognized arguments: --titl a (did you mean --title?)"),
+    ("fit a.yaml --dat c.csv --free a", "the following arguments are required: --data"),
+])
+def test_options_are_written_out_and_given_once(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, command: str,
+                                                reason: str) -> None:
+    monkeypatch.chdir(folder)
+    with pytest.raises(SystemExit, match="2"):
+        main(command.split())
+    assert reason in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["fit clock.yaml --free C.field --data {}", "fit-line {}", "compare-laws laws.h5 --data {}",
+                                     "plot-scan dorado.h5 --data {}", "plot-field {}", "summary {}", "plot {}"])
+def test_what_is_no_file_is_not_waited_for(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, command: str) -> None:
+    if command.startswith("fit "):
+        pytest.importorskip("rabiline._core", reason="built without pybind11")
+    monkeypatch.chdir(folder)
+    shutil.copy(Path(__file__).parents[3] / "beamline/caesium-clock.yaml", "clock.yaml")
+    if not Path("pipe").exists():
+        os.mkfifo("pipe")
+    for name in ("pipe", "/dev/zero", "."):
+        assert main(command.format(name).split()) in (2, 3)
+        assert capsys.readouterr().err == f"rabiline: {name}: is not a file\n"
 
 
 def test_a_picture_without_a_name_gets_one_from_its_file(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
@@ -209,7 +273,7 @@ def test_an_experiment_is_told_to_be_run_before_it_is_drawn(tmp_path: Path, monk
                                                             capsys: pytest.CaptureFixture) -> None:
     monkeypatch.chdir(tmp_path)
     Path("clock.yaml").write_text("rabiline: 1\n")
-    assert main(["plot", "clock.yaml"]) == 2
+    assert main(["plot", "clock.yaml"]) == 3
     assert capsys.readouterr().err == "rabiline: clock.yaml: not an HDF5 file; `rabiline run clock.yaml` makes one of an experiment\n"
 
 
