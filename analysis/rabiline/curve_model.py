@@ -25,6 +25,7 @@ NOISE = 0.01  # relative variance of a slope, at most, where it is the same nois
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
 HELPS = 1.5  # times less noise, for a wider step to be worth while
 MOST_UNUSED = 4  # times as many places in a grid as a table has
+FLAT = 0.01  # of a curve: so little is no line
 LARGEST_STEP = 0.1  # of the parameter's value
 LARGEST_FROM_ZERO = 1e3  # SI
 EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
@@ -166,7 +167,9 @@ class CurveModel:
             if step < largest and (noise > 1 or noise < before / HELPS):
                 step, before = min(step * (10 if noise > 1 else 2), largest), noise
             elif not change.any():
-                raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts")
+                y = self.at(values).y
+                raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts"
+                            + ("" if np.ptp(y) > FLAT * y.max() else f"\n  help: at these places `{self.parameter}` has none either: is its unit right?"))
             elif not self.explore_more():
                 break
         if step > wanted:

@@ -21,6 +21,7 @@ from .held import Held, held
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
+LEAST_P = 1e-3  # of counts that are taken for a constant rate
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 
 
@@ -72,6 +73,16 @@ class CountsFit:
     def p(self) -> float:
         """Of chi²."""
         return float(stats.chi2.sf(self.chi_squared, self.freedom))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the counts change over the places of the table by more than chance, and the fitted curve by less than a tenth of that."""
+        time = next((each for each in (self.counts.emitted, self.counts.seconds) if each is not None), np.ones(self.expected.size))
+        changes = []
+        for values in (self.counts.counts, self.expected):
+            level = time * values.sum() / time.sum()
+            changes.append(float(np.sum((values - level)**2 / level)))
+        return bool(stats.chi2.sf(changes[0], self.expected.size - 1) < LEAST_P and changes[1] < SLIGHT**2 * changes[0])
 
     def __getitem__(self, name: str) -> tuple[float, float]:
         """Value and error of a parameter."""

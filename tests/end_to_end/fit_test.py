@@ -210,6 +210,17 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
         fit_counts(ramsey, fringes, ["guide.field C1.amplitude"])
 
 
+def test_counts_far_from_the_line_are_asked_for_their_unit(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    places = tuple(place.replace("Hz", "kHz") for place in fringes.places)
+    lost = fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["guide.field"], intervals=False)
+    assert "28664.7 kHz to 29664.7 kHz, and the simulated curve does not: is the unit of the column `C1.frequency` right?" in str(lost)
+    assert "unit" not in str(fit_counts(ramsey, fringes, ["guide.field"], intervals=False))
+    chance = replace(fringes, places=places, counts=np.random.default_rng(1).poisson(np.full(fringes.x.size, 900.0)).astype(float))
+    assert "unit" not in str(fit_counts(ramsey, chance, ["guide.field"], intervals=False))
+    with pytest.raises(NoFit, match="`ana.at` has no effect .*\n  help: at these places `C1.frequency` has none either: is its unit right?"):
+        fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["ana.at"])
+
+
 def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) -> None:
     (tmp_path / "ramsey.yaml").write_text(RAMSEY)
     (tmp_path / "counts.csv").write_text("# measured\nC1.frequency [kHz], counts\n" + "".join(
