@@ -118,17 +118,26 @@ class CurveModel:
             self.flights += 1
             begun = time.monotonic()
             changed = self.changes(values)
-            if whole:
-                y, covariance = self._flown({**changed, "particles": particles})
-                groups = y[None]
-            else:
-                flown = [self._flown({**changed, "particles": max(particles // len(SEEDS), 1), "seed": seed}) for seed in SEEDS]
-                groups = np.array([y for y, _ in flown])
-                y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(SEEDS)**2
+            sizes = [{"particles": particles}] if whole else [{"particles": max(particles // len(SEEDS), 1), "seed": seed} for seed in SEEDS]
+            try:
+                flown = [self._flown({**changed, **size}) for size in sizes]
+            except InputError as problem:
+                raise NoFit(self._out_of_range(values, problem)) from None
+            groups = np.array([y for y, _ in flown])
+            y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(sizes)**2
             if self.told is not None:
                 self.told(self.flights, particles, time.monotonic() - begun)
             self._known[key] = Evaluated(y, covariance, groups)
         return self._known[key]
+
+    def _out_of_range(self, values: Sequence[float], problem: InputError) -> str:
+        """Which of the parameters [k] has no such value, and what it may have."""
+        tried = self.changes(values)
+        alone = ((name, words[0]) for name, text in tried.items() if (words := unknown(self.experiment, name, text)))
+        name, wrong = next(alone, (self.names[0], first_of(problem)[0]))
+        number, _, unit = tried[name.split("+")[0]].partition(" ")
+        why = wrong.partition("\n")[0].partition(", but is `")[0]
+        return f"the fit tries {f'{float(number):.4g} {unit}'.strip()} for `{name}`: {why}\n  help: start farther from there, or hold `{name}`"
 
     def _flown(self, changes: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
         """The curve [n] and its covariance [n, n]."""
@@ -193,8 +202,13 @@ def unknown(experiment: Experiment, name: str, value: str | float) -> list[str]:
     try:
         experiment.scan().set({name: value})
     except InputError as problem:
-        return [f"{one['message']}\n  help: {one['help']}" for one in problem.diagnostics[:1]]
+        return first_of(problem)
     return []
+
+
+def first_of(problem: InputError) -> list[str]:
+    """The first of what is wrong, with its help where there is any."""
+    return ["\n  help: ".join(filter(None, (one["message"], one["help"]))) for one in problem.diagnostics[:1]]
 
 
 def check_columns(experiment: Experiment, counts: Counts) -> None:
