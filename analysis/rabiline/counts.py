@@ -74,12 +74,14 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
     across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
+    if optional["emitted"] is not None and optional["seconds"] is None:  # over a time there may be a background
+        _require(table, kept, counts <= optional["emitted"], "more counts than particles were emitted")
     return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
 
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
-    _require(table, kept, np.isfinite(values) & (values >= least) & (values <= 2**53), f"`{name}` is out of range")
+    _require(table, kept, (values >= least) & (values <= 2**53), f"`{name}` is out of range")
     return values
 
 

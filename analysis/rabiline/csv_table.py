@@ -11,6 +11,7 @@ from pathlib import Path
 from .hdf5 import FileError
 
 LARGEST_TABLE = 10**7  # bytes
+LARGEST_NUMBER = 1e100
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,8 @@ class Table:
                 found.append(float(cell))
             except ValueError:
                 raise FileError(self.path, f"line {line}: `{cell}` is no number ({name})") from None
+            if not abs(found[-1]) <= LARGEST_NUMBER:
+                raise FileError(self.path, f"line {line}: `{cell}` is out of range ({name})")
         return found
 
 
@@ -71,6 +74,11 @@ def read_table(path: Path | str) -> Table:
         names = names[:-1]
     rows = [(line, cells[:-1] if len(cells) == len(names) + 1 and not cells[-1] else cells) for line, cells in rows]
     columns = tuple(_column(text) for text in names)
+    names = [name for name, _ in columns]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
+    if len(rows) == 1:
+        raise FileError(path, f"line {header}: nothing stands below the names of the columns")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
             raise FileError(path, f"line {line}: {len(cells)} value{'' if len(cells) == 1 else 's'} in {len(columns)} columns")

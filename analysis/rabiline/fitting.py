@@ -105,6 +105,7 @@ class CountsFit:
         return figure
 
 
+@np.errstate(all="ignore")  # of values that lead nowhere
 def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence[str], *, detector: str | None = None,
                threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:

@@ -145,6 +145,12 @@ def test_a_forecast_is_what_a_fit_of_enough_particles_finds(ramsey: rabiline.Exp
     assert twice.errors[0] == pytest.approx(expected.errors[0] / 2, rel=0.1)
 
 
+@pytest.mark.parametrize("option", [{"rate": np.nan}, {"rate": 1e308}, {"rate": 1e6, "seconds": np.inf}, {"rate": 1e6, "background": -1.0}])
+def test_a_forecast_of_a_rate_that_cannot_be_is_refused(ramsey: rabiline.Experiment, option: dict[str, float]) -> None:
+    with pytest.raises(NoFit, match="must be (above 0|0 or above), up to 1e\\+30"):
+        forecast(ramsey, ["guide.field"], **option)
+
+
 def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
     expected = forecast(ramsey, list(TRUTH), rate=40000)
     exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))

@@ -296,6 +296,14 @@ def test_a_size_or_a_range_that_is_none_is_told_how_to_be_written(folder: Path, 
     assert reason in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("option", ["--rate", "--seconds"])
+@pytest.mark.parametrize("value", ["nan", "inf", "1e308", "-1", "0"])
+def test_a_rate_or_a_time_that_cannot_be_is_refused(capsys: pytest.CaptureFixture, option: str, value: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["forecast", "a.yaml", "--free", "a", option, value])
+    assert capsys.readouterr().err == f"rabiline: argument {option}: `{value}` is no number above 0, up to 1e+30 (see --help)\n"
+
+
 def test_negative_values_are_no_options(folder: Path, tmp_path: Path) -> None:
     assert main(["plot-image", str(folder / "dorado.h5"), "--x-range", "-1:1", "-o", str(tmp_path / "a.png")]) == 0
 
