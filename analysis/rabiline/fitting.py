@@ -94,8 +94,8 @@ class CountsFit:
         return "\n".join(report(self))
 
     def plot(self, output: Path | str | None = None) -> object:
-        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and ValueError for an
-        ending that is no picture."""
+        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and
+        errors.InputError for an ending that is no picture's."""
         from . import style
         from .fit_plots import draw_fit
         with style.here():

@@ -202,7 +202,7 @@ class Results:
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
         detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
-        errors.InputError for what there is not, OSError, and ValueError for an ending that is no picture."""
+        errors.InputError for what there is not or an ending that is no picture's, and OSError."""
         from . import pictures, style
         figure = pictures.plot_of(self, kind, options)
         if output is not None:

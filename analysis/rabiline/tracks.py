@@ -98,7 +98,7 @@ class Tracks:
 
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
-        errors.InputError for an option that there is not, OSError, and ValueError for an ending that is no picture."""
+        errors.InputError for an option that there is not or an ending that is no picture's, and OSError."""
         from . import pictures, style
         figure = pictures.plot_of(self, "tracks", options)
         if output is not None:

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -345,9 +347,31 @@ def test_a_command_that_is_stopped_says_so(folder: Path, monkeypatch: pytest.Mon
     assert capsys.readouterr().err == "rabiline: stopped\n"
 
 
-def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, capsys: pytest.CaptureFixture) -> None:
-    assert main(["plot-scan", str(folder / "dorado.h5"), "-o", "picture.doc"]) == 2
-    assert "picture.doc" in capsys.readouterr().err
+@pytest.mark.parametrize("late", ["argparse", "h5py", "matplotlib.figure"])
+def test_ctrl_c_during_an_import_is_one_line(folder: Path, tmp_path: Path, late: str) -> None:
+    module = tmp_path / Path(*late.split(".")).with_suffix(".py")
+    module.parent.mkdir(exist_ok=True)
+    (module.parent / "__init__.py").touch()
+    module.write_text("import os, signal\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    sum(range(10**6))\nexcept BaseException:\n    raise ImportError")
+    paths = os.pathsep.join([str(tmp_path), str(Path(results.__file__).parents[1])])
+    done = subprocess.run([sys.executable, "-m", "rabiline", "plot", "dorado.h5"], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": paths})
+    assert (done.returncode, done.stderr) == (130, "rabiline: stopped\n")
+
+
+@pytest.mark.parametrize("name", ["picture.doc", "picture", "picture.jpg", "picture.h5"])
+@pytest.mark.parametrize("command", ["plot-scan missing.h5", "fit missing.yaml --data missing.csv --free a", "draw missing.yaml",
+                                     "compare-laws missing.h5"])
+def test_a_name_that_is_no_picture_is_refused_before_any_work(folder: Path, capsys: pytest.CaptureFixture, command: str, name: str) -> None:
+    assert main([*command.split(), "-o", name]) == 2
+    assert capsys.readouterr().err == f"rabiline: {name}: a picture's name ends in .png, .pdf or .svg\n"
+
+
+@pytest.mark.parametrize("dpi", ["9", "2401", "nan", "inf", "-1", "many"])
+def test_dots_per_inch_have_a_range(folder: Path, capsys: pytest.CaptureFixture, dpi: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["plot", str(folder / "dorado.h5"), "--dpi", dpi])
+    assert f"`{dpi}` is no number of dots per inch from 10 to 2400" in capsys.readouterr().err
 
 
 def test_a_picture_that_cannot_be_written_is_exit_code_3(folder: Path, tmp_path: Path) -> None:
