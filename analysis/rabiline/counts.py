@@ -4,11 +4,15 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .csv_table import Table, read_table
 from .hdf5 import FileError
+
+if TYPE_CHECKING:
+    import pandas
 
 COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
            "`detector`")
@@ -40,9 +44,10 @@ class Counts:
     across: Across | None = None  # a second scanned parameter
 
 
-def read_counts(path: Path | str, detector: str | None = None) -> Counts:
-    """From a table; raises FileError. Of several detectors in it, one is chosen."""
-    table = read_table(path)
+def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = None) -> Counts:
+    """From a table: a file, or a frame with the same columns. Of several detectors in it, one is chosen. Raises FileError, and TypeError
+    for what is no table."""
+    table = read_table(source)
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
     if "counts" not in table.names or len(others) not in (1, 2):
         near = difflib.get_close_matches("counts", [name.lower() for name in table.names], 1, 0.4)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import TYPE_CHECKING, Callable, Sequence
 
 import numpy as np
 from scipy import optimize, stats
@@ -17,6 +17,9 @@ from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
+
+if TYPE_CHECKING:
+    import pandas
 
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
@@ -106,7 +109,7 @@ class CountsFit:
 
 
 @np.errstate(all="ignore")  # of values that lead nowhere
-def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence[str], *, detector: str | None = None,
+def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFrame, free: Sequence[str], *, detector: str | None = None,
                threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
