@@ -1,14 +1,33 @@
 """The command line: `rabiline plot | summary | compare | export | fit ...`, or `python3 -m rabiline` with these.
 
-Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 the output could not be written; 1 a mistake
-of the program.
+Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 a file could not be written, or a result not read; 1 a
+mistake of the program.
 """
 from __future__ import annotations
 
-import argparse
 import os
-import re
+import signal
 import sys
+
+STOPPED = 130  # as shells have it
+
+
+def _leave(*_: object) -> None:
+    os.write(2, b"rabiline: stopped\n")
+    os._exit(STOPPED)
+
+
+def _leave_at_once() -> None:
+    """At Ctrl-C, until modules are imported: these would make errors of their own of it."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _leave)
+
+
+if __name__ == "__main__":
+    _leave_at_once()
+
+import argparse
+import re
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -42,8 +61,24 @@ DRAWING = {"pictures", "apparatus", "fit_commands", "laws_commands"}  # what the
 PICTURES = {"pictures": "", "apparatus": "-apparatus"}  # always drawn, and what is added to the file's name
 
 
+class Once(argparse._StoreAction):
+    """An option with one value: given twice, the second would undo the first."""
+
+    given = False
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
+        if self.given and self.option_strings:
+            parser.error(f"{self.option_strings[-1]} is given twice")
+        self.given = True
+        super().__call__(parser, *rest)
+
+
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated."""
+
+    def __init__(self, **about: object) -> None:
+        super().__init__(**about, allow_abbrev=False)
+        self.register("action", None, Once)
 
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
@@ -60,12 +95,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _explained(words)
     except KeyboardInterrupt:
         print("rabiline: stopped", file=sys.stderr)
-        return 130  # as shells have it
+        return STOPPED
 
 
 def _explained(words: list[str]) -> int:
     """Runs it; what went wrong is told in a line."""
-    from .errors import BadInput, InputError
+    from .errors import BadInput
     try:
         try:
             _run(words)
@@ -73,9 +108,9 @@ def _explained(words: list[str]) -> int:
             sys.stdout.flush()
     except BrokenPipeError:  # `summary | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except (BadInput, InputError) as problem:
+    except BadInput as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
-        return 2
+        return problem.exit_code
     except OSError as problem:
         print(f"rabiline: {problem}", file=sys.stderr)
         return 3
@@ -90,6 +125,8 @@ def _explained(words: list[str]) -> int:
 
 def _run(words: list[str]) -> None:
     verb, parser = _parser(words)
+    if signal.getsignal(signal.SIGINT) is _leave:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     options = parser.parse_args(words[1:] if verb else words)
     if verb and VERBS[verb][0] in PICTURES and options.output is None:
         first = options.files[0] if hasattr(options, "files") else options.file
@@ -100,6 +137,7 @@ def _run(words: list[str]) -> None:
         options.command(options)
         return
     from . import style
+    style.require_name(options.output)
     with style.here(getattr(options, "size", None)):
         figure = options.command(options)
         if VERBS[verb][0] == "pictures":
@@ -146,6 +184,7 @@ def program() -> int:
     """The command `rabiline` of an installation by pip: everything that is not of this package is the program's."""
     words = sys.argv[1:]
     if words and words[0] in VERBS:
+        _leave_at_once()
         return main(words)
     from . import _core
     return _core.main(words)
@@ -156,8 +195,9 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
         parser = Parser(prog=f"rabiline {words[0]}", formatter_class=argparse.RawDescriptionHelpFormatter)
         import_module(f".{VERBS[words[0]][0]}", __package__).arguments(words[0], parser)
         if VERBS[words[0]][0] in DRAWING:
-            parser.add_argument("--dpi", type=float, default=200, metavar="N", help="dots per inch of a PNG; 200 by default")
-            parser.add_argument("--size", metavar="WxH", type=import_module(".picture_options", __package__).size_of,
+            from .picture_options import dots, size_of
+            parser.add_argument("--dpi", type=dots, default=200, metavar="N", help="dots per inch of a PNG, 10 to 2400; 200 by default")
+            parser.add_argument("--size", metavar="WxH", type=size_of,
                                 help="of the picture in mm, such as 86x60; what has a shape of its own fills it one way")
         return words[0], parser
     listed = "\n".join(f"  {verb:<15} {about}" for verb, (_, about) in VERBS.items())
@@ -170,11 +210,9 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
 def _save(figure: object, path: Path, dpi: float) -> None:
     from . import style
     from .errors import InputError
-    if not path.suffix:  # else matplotlib would choose another name
-        raise InputError(f"-o {path}: a picture's name ends in .png, .pdf or .svg")
     try:
         style.save(figure, path, dpi)
-    except ValueError as problem:  # an ending that matplotlib does not know
+    except ValueError as problem:  # more pixels than matplotlib can draw
         raise InputError(f"{path}: {problem}") from None
 
 

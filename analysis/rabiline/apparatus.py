@@ -136,7 +136,7 @@ class FieldsAlong:
 
     y: np.ndarray  # [n]
     static: np.ndarray  # [n] its size, of what has no clock
-    drives: np.ndarray  # [n] the size of what has a clock, at time 0
+    drives: np.ndarray  # [n] the largest size of what has a clock, whatever its phase
     electric: np.ndarray  # [n] its size
     parts: dict[str, np.ndarray]  # [n] the size of B of each
     changes: bool = False  # what should be static has formulas in time, as the first path meets them
@@ -152,21 +152,38 @@ def fields_along(experiment: Experiment, pieces: list[Piece], end: float, tracks
     edges = [place for piece in pieces for at in (piece.begin, piece.begin + piece.length) for place in (at - 1e-6, at + 1e-6)]
     y = np.unique(np.clip([*np.linspace(0, end, PLACES), *edges], 0, end))
     places = [(0.0, float(place), 0.0) for place in y]
-    drives = {name for name, *_, drives in experiment._setup.parts if drives}
-    fields, electric = experiment.field(places), experiment.electric_field(places)
+    swinging = {clock.partition(".")[0] for clock in _clocks(experiment)}
+    drives = {name for name, *_, drives in experiment._setup.parts if drives} | swinging
+    fields, later = (_at_phase(experiment, phase).field(places) for phase in (0, 90))
+    electric = experiment.electric_field(places)
     nothing = np.zeros((y.size, 3))
     changes = False
-    in_time = [piece.part for piece in pieces if piece.kind == "formula_field"]
+    in_time = [piece.part for piece in pieces if piece.kind == "formula_field" and piece.part not in swinging]
     if in_time and tracks and tracks.tracks:
         first = tracks.tracks[0]
         met = experiment.field(places, np.interp(y, first.position[:, 1], first.time))
         changes = any(not np.allclose(met[name], fields.get(name, nothing), rtol=1e-9, atol=0) for name in in_time if name in met)
         fields |= {name: met[name] for name in in_time if name in met}
-    static, driven = (sum((B for name, B in fields.items() if (name in drives) == wanted), nothing) for wanted in (False, True))
-    found = FieldsAlong(y, np.linalg.norm(static, axis=1), np.linalg.norm(driven, axis=1),
+    static = sum((B for name, B in fields.items() if name not in drives), nothing)
+    driven = [sum((B for name, B in phase.items() if name in drives), nothing) for phase in (fields, later)]
+    amplitude = np.linalg.norm(driven, ord=2, axis=(0, 2))  # half the long axis of the ellipse on which it turns
+    found = FieldsAlong(y, np.linalg.norm(static, axis=1), amplitude,
                         np.linalg.norm(sum(electric.values(), nothing), axis=1),
                         {name: np.linalg.norm(B, axis=1) for name, B in fields.items()}, changes)
     return found if found.is_magnetic or found.electric.any() else None
+
+
+def _clocks(experiment: Experiment) -> list[str]:
+    """What has a frequency of its own: `first`, `coil.oscillates`."""
+    names = [name + inside for name, *_ in experiment._setup.parts for inside in ("", ".oscillates", ".formula")]
+    return [name for name in names if experiment._setup.value(f"{name}.frequency") is not None]
+
+
+def _at_phase(experiment: Experiment, degrees: float) -> Experiment:
+    """With all clocks at one phase at time 0, and what is pulsed switched on."""
+    pulsed = [name for name, *_ in experiment._setup.parts if experiment._setup.value(f"{name}.pulses.end") is not None]
+    return experiment.set({**{f"{name}.phase": f"{degrees} deg" for name in _clocks(experiment)},
+                           **{f"{name}.pulses.begin": "0 s" for name in pulsed}})
 
 
 def _where_it_acts(piece: Piece, fields: FieldsAlong) -> Piece:
@@ -185,7 +202,8 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     far = sizes.max() > FAR * min(np.median(values) for values in plateaus) or \
         fields.static.any() and fields.static.max() > FAR * np.median(fields.static[fields.static > 0])
     scale = Scale("T") if far else fitting_scale(sizes, "T")
-    for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"), (fields.drives, LAWS["dorado"][0], "|B|, oscillating")):
+    for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"),
+                                  (fields.drives, LAWS["dorado"][0], "|B|, oscillating: amplitude")):
         if values.any():
             shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
             axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)

@@ -2,22 +2,24 @@
 from __future__ import annotations
 
 from argparse import ArgumentTypeError
-from math import isfinite, nan
+from math import nan
+
+LARGEST = 1e30  # of what is counted, or passes
 
 
 def positive(text: str) -> float:
-    """A finite number above 0."""
+    """A number above 0, up to LARGEST."""
     value = _number(text)
     if not value > 0:
-        raise ArgumentTypeError(f"`{text}` is no number above 0")
+        raise ArgumentTypeError(f"`{text}` is no number above 0, up to {LARGEST:g}")
     return value
 
 
 def not_negative(text: str) -> float:
-    """A finite number, 0 or above."""
+    """A number, 0 or above, up to LARGEST."""
     value = _number(text)
     if not value >= 0:
-        raise ArgumentTypeError(f"`{text}` is no number, 0 or above")
+        raise ArgumentTypeError(f"`{text}` is no number, 0 or above, up to {LARGEST:g}")
     return value
 
 
@@ -33,4 +35,4 @@ def _number(text: str) -> float:
         value = float(text)
     except ValueError:
         return nan
-    return value if isfinite(value) else nan
+    return value if abs(value) <= LARGEST else nan

@@ -4,11 +4,15 @@ from __future__ import annotations
 import difflib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .csv_table import Table, read_table
 from .hdf5 import FileError
+
+if TYPE_CHECKING:
+    import pandas
 
 COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
            "`detector`")
@@ -40,9 +44,10 @@ class Counts:
     across: Across | None = None  # a second scanned parameter
 
 
-def read_counts(path: Path | str, detector: str | None = None) -> Counts:
-    """From a table; raises FileError. Of several detectors in it, one is chosen."""
-    table = read_table(path)
+def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = None) -> Counts:
+    """From a table: a file, or a frame with the same columns. Of several detectors in it, one is chosen. Raises FileError, and TypeError
+    for what is no table."""
+    table = read_table(source)
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
     if "counts" not in table.names or len(others) not in (1, 2):
         near = difflib.get_close_matches("counts", [name.lower() for name in table.names], 1, 0.4)
@@ -74,12 +79,14 @@ def read_counts(path: Path | str, detector: str | None = None) -> Counts:
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
     across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
+    if optional["emitted"] is not None and optional["seconds"] is None:  # over a time there may be a background
+        _require(table, kept, counts <= optional["emitted"], "more counts than particles were emitted")
     return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
 
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
-    _require(table, kept, np.isfinite(values) & (values >= least) & (values <= 2**53), f"`{name}` is out of range")
+    _require(table, kept, (values >= least) & (values <= 2**53), f"`{name}` is out of range")
     return values
 
 

@@ -5,12 +5,18 @@ from __future__ import annotations
 
 import csv
 import re
+import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .hdf5 import FileError
 
+if TYPE_CHECKING:
+    import pandas
+
 LARGEST_TABLE = 10**7  # bytes
+LARGEST_NUMBER = 1e100
 
 
 @dataclass(frozen=True)
@@ -40,22 +46,15 @@ class Table:
                 found.append(float(cell))
             except ValueError:
                 raise FileError(self.path, f"line {line}: `{cell}` is no number ({name})") from None
+            if not abs(found[-1]) <= LARGEST_NUMBER:
+                raise FileError(self.path, f"line {line}: `{cell}` is out of range ({name})")
         return found
 
 
-def read_table(path: Path | str) -> Table:
-    """Raises FileError."""
-    path = Path(path)
-    try:
-        if not path.exists():
-            raise FileError(path, "no such file")
-        if path.stat().st_size > LARGEST_TABLE:
-            raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise FileError(path, "neither an HDF5 file nor a table in UTF-8: save it as that") from None
-    except OSError as problem:
-        raise FileError(path, problem.strerror or str(problem)) from None
+def read_table(source: Path | str | pandas.DataFrame) -> Table:
+    """From a file, or from a frame whose columns are named as in one, or have their units in `attrs["units"]`. Raises FileError, and
+    TypeError for what is neither."""
+    path, lines = _lines_of(source)
     rows = [(number, tuple(cell.strip() for cell in next(csv.reader([line])))) for number, line in enumerate(lines, 1)
             if line.strip(" \t,") and not line.lstrip().startswith("#")]
     if not rows:
@@ -69,10 +68,38 @@ def read_table(path: Path | str) -> Table:
         names = names[:-1]
     rows = [(line, cells[:-1] if len(cells) == len(names) + 1 and not cells[-1] else cells) for line, cells in rows]
     columns = tuple(_column(text) for text in names)
+    names = [name for name, _ in columns]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
+    if len(rows) == 1:
+        raise FileError(path, f"line {header}: nothing stands below the names of the columns")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
             raise FileError(path, f"line {line}: {len(cells)} value{'' if len(cells) == 1 else 's'} in {len(columns)} columns")
     return Table(path, header, columns, tuple(rows[1:]))
+
+
+def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
+    """What messages call it, and what is written in it."""
+    if "pandas" in sys.modules and isinstance(source, sys.modules["pandas"].DataFrame):
+        units = source.attrs.get("units", {})
+        frame = source.rename(columns={name: f"{name} [{unit}]" for name, unit in units.items()})
+        return Path("DataFrame"), frame.to_csv(index=frame.index.name is not None, na_rep="nan").splitlines()
+    if not isinstance(source, (str, Path)):
+        raise TypeError(f"a table is the path of a file or a pandas.DataFrame, not {type(source).__name__}")
+    path = Path(source)
+    try:
+        if not path.exists():
+            raise FileError(path, "no such file")
+        if not path.is_file():
+            raise FileError(path, "is not a file")
+        if path.stat().st_size > LARGEST_TABLE:
+            raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
+        return path, path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError:
+        raise FileError(path, "neither an HDF5 file nor a table in UTF-8: save it as that") from None
+    except OSError as problem:
+        raise FileError(path, problem.strerror or str(problem)) from None
 
 
 def _column(text: str) -> tuple[str, str]:

@@ -25,6 +25,7 @@ NOISE = 0.01  # relative variance of a slope, at most, where it is the same nois
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
 HELPS = 1.5  # times less noise, for a wider step to be worth while
 MOST_UNUSED = 4  # times as many places in a grid as a table has
+FLAT = 0.01  # of a curve: so little is no line
 LARGEST_STEP = 0.1  # of the parameter's value
 LARGEST_FROM_ZERO = 1e3  # SI
 EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
@@ -117,17 +118,26 @@ class CurveModel:
             self.flights += 1
             begun = time.monotonic()
             changed = self.changes(values)
-            if whole:
-                y, covariance = self._flown({**changed, "particles": particles})
-                groups = y[None]
-            else:
-                flown = [self._flown({**changed, "particles": max(particles // len(SEEDS), 1), "seed": seed}) for seed in SEEDS]
-                groups = np.array([y for y, _ in flown])
-                y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(SEEDS)**2
+            sizes = [{"particles": particles}] if whole else [{"particles": max(particles // len(SEEDS), 1), "seed": seed} for seed in SEEDS]
+            try:
+                flown = [self._flown({**changed, **size}) for size in sizes]
+            except InputError as problem:
+                raise NoFit(self._out_of_range(values, problem)) from None
+            groups = np.array([y for y, _ in flown])
+            y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(sizes)**2
             if self.told is not None:
                 self.told(self.flights, particles, time.monotonic() - begun)
             self._known[key] = Evaluated(y, covariance, groups)
         return self._known[key]
+
+    def _out_of_range(self, values: Sequence[float], problem: InputError) -> str:
+        """Which of the parameters [k] has no such value, and what it may have."""
+        tried = self.changes(values)
+        alone = ((name, words[0]) for name, text in tried.items() if (words := unknown(self.experiment, name, text)))
+        name, wrong = next(alone, (self.names[0], first_of(problem)[0]))
+        number, _, unit = tried[name.split("+")[0]].partition(" ")
+        why = wrong.partition("\n")[0].partition(", but is `")[0]
+        return f"the fit tries {f'{float(number):.4g} {unit}'.strip()} for `{name}`: {why}\n  help: start farther from there, or hold `{name}`"
 
     def _flown(self, changes: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
         """The curve [n] and its covariance [n, n]."""
@@ -166,7 +176,9 @@ class CurveModel:
             if step < largest and (noise > 1 or noise < before / HELPS):
                 step, before = min(step * (10 if noise > 1 else 2), largest), noise
             elif not change.any():
-                raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts")
+                y = self.at(values).y
+                raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts"
+                            + ("" if np.ptp(y) > FLAT * y.max() else f"\n  help: at these places `{self.parameter}` has none either: is its unit right?"))
             elif not self.explore_more():
                 break
         if step > wanted:
@@ -190,8 +202,13 @@ def unknown(experiment: Experiment, name: str, value: str | float) -> list[str]:
     try:
         experiment.scan().set({name: value})
     except InputError as problem:
-        return [f"{one['message']}\n  help: {one['help']}" for one in problem.diagnostics[:1]]
+        return first_of(problem)
     return []
+
+
+def first_of(problem: InputError) -> list[str]:
+    """The first of what is wrong, with its help where there is any."""
+    return ["\n  help: ".join(filter(None, (one["message"], one["help"]))) for one in problem.diagnostics[:1]]
 
 
 def check_columns(experiment: Experiment, counts: Counts) -> None:

@@ -17,6 +17,7 @@ except ImportError as problem:  # a build without pybind11
 
 if TYPE_CHECKING:
     import numpy as np
+    import pandas
 
     from .fitting import CountsFit
     from .motions import Motions
@@ -155,8 +156,8 @@ class Experiment:
         from . import tracks
         return tracks.read(_core.trace(self._setup, first, count))
 
-    def fit(self, data: str | Path, free: Sequence[str], **options: object) -> CountsFit:
-        """Parameters from measured counts; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
+    def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
+        """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
         from .fitting import fit_counts
         return fit_counts(self, data, free, **options)
 

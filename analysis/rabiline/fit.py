@@ -37,6 +37,7 @@ class Fit:
     weighted: bool  # by the covariance; else equally
 
 
+@np.errstate(all="ignore")  # of values that lead nowhere
 def fit(curve: Curve) -> Fit:
     """Fits all dips or peaks of a curve at once, as `bells` on a common baseline: first with equal weights, and where
     chi² then says that the model may be right, by generalised least squares with `covariance.Weights`, for errors as

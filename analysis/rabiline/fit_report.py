@@ -30,6 +30,8 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
     for direction in fit.degenerate:
         yield f"  {direction}"
+    if fit.is_flat:
+        yield from (f"  help: {line}" for line in _about_unit(fit))
     correlation = fit.covariance / fit.errors[:, None] / fit.errors
     if not fit.degenerate:
         for i, name in enumerate(fit.names):
@@ -47,6 +49,12 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield from _about_held(fit, one)
     if fit.p < LEAST_P:
         yield "  the experiment does not describe these counts: errors mean little"
+
+
+def _about_unit(fit: CountsFit) -> Iterable[str]:
+    counts = fit.counts
+    extent = f"{counts.places[int(np.argmin(counts.x))]} to {counts.places[int(np.argmax(counts.x))]}"
+    yield f"the counts change from {extent}, and the simulated curve does not: is the unit of the column `{counts.parameter}` right?"
 
 
 def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:

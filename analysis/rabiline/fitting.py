@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import TYPE_CHECKING, Callable, Sequence
 
 import numpy as np
 from scipy import optimize, stats
@@ -18,9 +18,13 @@ from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
 
+if TYPE_CHECKING:
+    import pandas
+
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
+LEAST_P = 1e-3  # of counts that are taken for a constant rate
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 
 
@@ -73,6 +77,16 @@ class CountsFit:
         """Of chi²."""
         return float(stats.chi2.sf(self.chi_squared, self.freedom))
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether the counts change over the places of the table by more than chance, and the fitted curve by less than a tenth of that."""
+        time = next((each for each in (self.counts.emitted, self.counts.seconds) if each is not None), np.ones(self.expected.size))
+        changes = []
+        for values in (self.counts.counts, self.expected):
+            level = time * values.sum() / time.sum()
+            changes.append(float(np.sum((values - level)**2 / level)))
+        return bool(stats.chi2.sf(changes[0], self.expected.size - 1) < LEAST_P and changes[1] < SLIGHT**2 * changes[0])
+
     def __getitem__(self, name: str) -> tuple[float, float]:
         """Value and error of a parameter."""
         i = self.names.index(name)
@@ -83,8 +97,8 @@ class CountsFit:
         return "\n".join(report(self))
 
     def plot(self, output: Path | str | None = None) -> object:
-        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and ValueError for an
-        ending that is no picture."""
+        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and
+        errors.InputError for an ending that is no picture's."""
         from . import style
         from .fit_plots import draw_fit
         with style.here():
@@ -94,7 +108,8 @@ class CountsFit:
         return figure
 
 
-def fit_counts(experiment: Experiment, data: Counts | str | Path, free: Sequence[str], *, detector: str | None = None,
+@np.errstate(all="ignore")  # of values that lead nowhere
+def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFrame, free: Sequence[str], *, detector: str | None = None,
                threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and

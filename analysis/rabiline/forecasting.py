@@ -7,6 +7,7 @@ from typing import Sequence
 
 import numpy as np
 
+from .argument_types import LARGEST
 from .counts_problem import BACKGROUND, SCALE, Exposure, Problem
 from .curve_model import CurveModel, NoFit, Surface
 from .experiment import Experiment
@@ -43,12 +44,18 @@ class Forecast:
         return "\n".join([*lines, f"  condition number {self.condition:.3g}"])
 
 
+@np.errstate(all="ignore")  # of steps that lead nowhere
 def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None = None, seconds: float = 1.0,
              background: float | None = None, known_rate: bool = False, detector: str | None = None,
              threads: int = 0) -> Forecast:
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
     factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
+    for name, value in (("rate", rate), ("seconds", seconds)):
+        if value is not None and not 0 < value <= LARGEST:
+            raise NoFit(f"`{name}` is {value}, and must be above 0, up to {LARGEST:g}")
+    if background is not None and not 0 <= background <= LARGEST:
+        raise NoFit(f"`background` is {background}, and must be 0 or above, up to {LARGEST:g}")
     flown = experiment.set(particles=1000).fly()
     axes = flown.core.axes
     if len(axes) != 1 or axes[0][3]:

@@ -1,4 +1,4 @@
-"""HDF5 groups read with care: every problem is a FileError that names the file and the place in it.
+"""HDF5 groups read with care: every problem is an UnreadableFile that names the file and the place in it.
 
 A file may come from anybody, so nothing outside it is followed (external links, external storage, virtual
 datasets) and sizes are looked at before anything is read. Its last line is a digest of all before it: a file that was
@@ -34,15 +34,21 @@ class FileError(BadInput):
         super().__init__(f"{path}: {reason}")
 
 
+class UnreadableFile(FileError):
+    """A file that should be a result and cannot be read: missing, damaged, forged, or no HDF5."""
+
+    exit_code = 3
+
+
 class Group:
     """A group of an open file."""
 
     def __init__(self, group: h5py.Group, path: Path) -> None:
         self._group, self._path = group, path
 
-    def error(self, reason: str) -> FileError:
+    def error(self, reason: str) -> UnreadableFile:
         """The error to raise for something wrong with this group."""
-        return FileError(self._path, f"{self._group.name}: {reason}")
+        return UnreadableFile(self._path, f"{self._group.name}: {reason}")
 
     def __contains__(self, name: str) -> bool:
         return name in self._group
@@ -58,11 +64,14 @@ class Group:
             raise self.error(f"`{name}` is not a group")
         return Group(member, self._path)
 
-    def numbers(self, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
-        """[as in the file] The dataset `name` as doubles; its number of elements must be that of `shape`, which it is given."""
+    def numbers(self, name: str, shape: tuple[int, ...] | None = None, *, or_none: bool = False) -> np.ndarray:
+        """[as in the file] The dataset `name` as finite doubles, or with `or_none` NaN where there is none; its number of elements must be
+        that of `shape`, which it is given."""
         values = self._read(name)
         if values.dtype.kind not in "iuf":
             raise self.error(f"`{name}` holds no numbers")
+        if not (np.isfinite(values) | (or_none & np.isnan(values))).all():
+            raise self.error(f"`{name}` has values that are infinite or no numbers")
         if shape is None:
             return values.astype(float)
         if values.size != np.prod(shape, dtype=int):
@@ -126,13 +135,22 @@ def open_entry(source: Path | str | bytes) -> Iterator[Group]:
                             if "sums_low" in file else "not written by rabiline (it has no group /entry)")
         version = file.attrs.get("format_version", 1)
         if not isinstance(version, (int, np.integer)) or version > FORMAT_VERSION:
-            raise FileError(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
+            raise UnreadableFile(path, f"has format version {version}; this program reads versions up to {FORMAT_VERSION}")
         if version >= SEALED_SINCE and not sealed:
-            raise FileError(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
+            raise UnreadableFile(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
         try:
             yield Group(file, path).group("entry")
         except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError) as problem:
-            raise FileError(path, f"cannot be used: {problem}") from problem
+            raise UnreadableFile(path, f"cannot be used: {problem}") from problem
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a file is HDF5 and no table; raises FileError where there is no file."""
+    if not path.exists():
+        raise FileError(path, "no such file")
+    if not path.is_file():  # a pipe would be waited for
+        raise FileError(path, "is not a file")
+    return h5py.is_hdf5(path)
 
 
 def _has_seal(path: Path) -> bool:
@@ -154,7 +172,7 @@ def _has_seal(path: Path) -> bool:
             digest.update(block)
             size -= len(block)
     if seal != SEAL + digest.hexdigest().encode() + b"\n":
-        raise FileError(path, "is damaged, or was changed since rabiline wrote it")
+        raise UnreadableFile(path, "is damaged, or was changed since rabiline wrote it")
     return True
 
 
@@ -163,16 +181,16 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
     if isinstance(source, bytes):
         return h5py.File(h5py.h5f.open_file_image(source)), True
     if not path.exists():
-        raise FileError(path, "no such file")
+        raise UnreadableFile(path, "no such file")
     if not path.is_file():
-        raise FileError(path, "not a file")
+        raise UnreadableFile(path, "is not a file")
     sealed = _has_seal(path)
     try:
         return h5py.File(path, "r"), sealed
     except (OSError, RuntimeError):
         whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else \
             f"not an HDF5 file; `rabiline run {path.name}` makes one of an experiment" if path.suffix in (".yaml", ".yml") else "not an HDF5 file"
-        raise FileError(path, whole) from None
+        raise UnreadableFile(path, whole) from None
 
 
 def _decoded(value: object) -> str:

@@ -5,7 +5,6 @@ import argparse
 from argparse import ArgumentParser
 from pathlib import Path
 
-import h5py
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -14,6 +13,7 @@ from .argument_types import count
 from .counts import read_counts
 from .curves import Curve, curves
 from .errors import InputError
+from .hdf5 import is_hdf5
 from .lines import FORMS, LineFit, fit_line, ramsey_over
 from .units import base_of, format_value, parse_quantity
 
@@ -48,7 +48,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
     except ValueError:
         raise InputError("--start is NAME=VALUE, a number in SI") from None
     form: object = options.form
-    if h5py.is_hdf5(options.file):
+    if is_hdf5(options.file):
         file = results.read(options.file)
         found = curves(file, options.detector)
         if len(found) != 1:

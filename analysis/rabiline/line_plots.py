@@ -13,6 +13,8 @@ from .lines import LineFit
 from .style import INK
 from .units import fitting_scale
 
+PLACES = 1000  # of the form, at least
+
 
 def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit, name: str, unit: str, title: str,
               words: Sequence[str]) -> Figure:
@@ -20,9 +22,10 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     scale = fitting_scale(x, unit)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
+    fine = np.union1d(np.linspace(x.min(), x.max(), PLACES), x)
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.06 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
-    axes.plot(at, fitted.expected[order], color=MODEL, linewidth=1.3)
+    axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3)
     axes.set_xlabel(scale.label(name))
     axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
     axes.grid(axis="y")

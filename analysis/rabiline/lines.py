@@ -5,7 +5,7 @@ Ramsey's two.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
@@ -106,6 +106,7 @@ class LineFit:
     chi_squared: float
     freedom: int
     expected: np.ndarray  # [n]
+    curve: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # the fitted y [m] at any x [m]
     others: tuple[tuple[float, float], ...] = ()  # centres of other fringes, with a chi² that is less than `AS_GOOD` higher
 
     @property
@@ -119,14 +120,17 @@ class LineFit:
         return float(self.values[i]), float(self.errors[i])
 
 
+@np.errstate(all="ignore")  # of starts that lead nowhere
 def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
              lines: int = 1, start: Mapping[str, float] | None = None) -> LineFit:
     """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each and share the rest.
     A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of independent points with these
     variances, and errors come from the whole covariance. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
+    if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(covariance).all()):
+        raise NoLine("the curve has values that are infinite or no numbers")
     if callable(form) and not isinstance(form, Form):
-        return _refined("callable", tuple(start), lambda values: form(x, *values), np.array(list(start.values())), y, covariance)
+        return _refined("callable", tuple(start), lambda values, at: form(at, *values), np.array(list(start.values())), x, y, covariance)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
     chosen = form if isinstance(form, Form) else FORMS[form]
@@ -139,20 +143,20 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     unit, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
     own = len(chosen.parameters)
     sigma = np.sqrt(np.diag(covariance))
+    _check_start(chosen, lines, start, x)
     guesses = _first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
 
-    def model(values: np.ndarray) -> np.ndarray:
-        parts = [values[own + lines + i] * chosen.f(x - origin - values[i] * unit, *np.exp(values[lines:lines + own]))
+    def model(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+        parts = [values[own + lines + i] * chosen.f(at - origin - values[i] * unit, *np.exp(values[lines:lines + own]))
                  for i in range(lines)]
         return values[-1] + np.sum(parts, axis=0)
 
-    @np.errstate(all="ignore")  # of starts that lead nowhere
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
         return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
-            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), y, covariance)
+            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance)
 
     found = _best(refined, guesses)
     values, scale = found.values.copy(), np.ones(found.values.size)
@@ -160,7 +164,18 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
     covariance = found.covariance * scale[:, None] * scale
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance)), covariance, found.chi_squared, found.freedom,
-                   found.expected, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
+                   found.expected, found.curve, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
+
+
+def _check_start(form: Form, lines: int, start: Mapping[str, float], x: np.ndarray) -> None:
+    centres = ["centre"] if lines == 1 else [f"centre_{i + 1}" for i in range(lines)]
+    for name, value in start.items():
+        if name not in (*centres, *form.parameters):
+            raise NoLine(f"the form {form.name} has no start for `{name}` (it has {', '.join((*centres, *form.parameters))})")
+        if name in centres and not x.min() - np.ptp(x) <= value <= x.max() + np.ptp(x):
+            raise NoLine(f"`{name}` starts at {value:g}, far outside the scan from {x.min():g} to {x.max():g}")
+        if name not in centres and not 0 < value < np.inf:
+            raise NoLine(f"`{name}` starts at {value:g}, and must be above 0")
 
 
 def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres: Sequence[float],
@@ -211,10 +226,10 @@ def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, 
     return [(centres, shared) for _, centres, shared in sorted(of.values(), key=lambda row: row[0])[:STARTS]]
 
 
-def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray], np.ndarray], first: np.ndarray, y: np.ndarray,
-             covariance: np.ndarray) -> LineFit:
+def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.ndarray], np.ndarray], first: np.ndarray, x: np.ndarray,
+             y: np.ndarray, covariance: np.ndarray) -> LineFit:
     sigma = np.sqrt(np.diag(covariance))
-    found = optimize.least_squares(lambda values: (model(values) - y) / sigma, first, x_scale="jac", ftol=1e-6)  # weak fields have no strength
+    found = optimize.least_squares(lambda values: (model(values, x) - y) / sigma, first, x_scale="jac", ftol=1e-6)  # weak fields have no strength
     if not (found.success and np.isfinite(found.x).all()):
         raise NoLine(f"the fit of the form {name} does not converge")
     sizes = np.maximum(np.linalg.norm(found.jac, axis=0), 1e-300)
@@ -224,6 +239,7 @@ def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray], np
     spread = linear @ covariance @ linear.T
     unknown = (np.abs(rows[~kept]) > 0.1).any(axis=0)
     spread[unknown, unknown] = np.inf
-    left = (model(found.x) - y) / sigma
+    left = (model(found.x, x) - y) / sigma
     freedom = y.size - first.size
-    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), freedom, model(found.x))
+    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), freedom, model(found.x, x),
+                   lambda at: model(found.x, at))

@@ -114,7 +114,7 @@ def _read_findings(group: Group, points: int) -> list[Finding]:
     names, units, meanings = (group.texts(name) for name in ("name", "units", "meaning"))
     if not len(names) == len(units) == len(meanings):
         raise group.error(f"{len(names)} findings with {len(units)} units and {len(meanings)} meanings")
-    values, expected = (group.numbers(name, (len(names), points)) for name in ("value", "expected"))
+    values, expected = (group.numbers(name, (len(names), points), or_none=True) for name in ("value", "expected"))
     bases = group.texts("expectation") if "expectation" in group else ("closed_form",) * len(names)
     if len(bases) != len(names):
         raise group.error(f"{len(names)} findings with {len(bases)} expectations")
@@ -134,4 +134,4 @@ def _read_motion(group: Group) -> Motion:
 def _read_course(group: Group, name: str, shape: tuple[int, ...]) -> Course:
     units = "".join(group.attribute("units", of=name))
     title = "".join(group.attribute("long_name", of=name)) or name
-    return Course(name, title, "" if units == "1" else units, group.numbers(name, shape))
+    return Course(name, title, "" if units == "1" else units, group.numbers(name, shape, or_none=True))

@@ -4,12 +4,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from . import results
 from .csv_table import read_table
-from .hdf5 import FileError
+from .hdf5 import FileError, is_hdf5
 from .likelihood import Model
 from .templates import Templates, gather, histogram_of, models, point_of_cell
 from .units import format_value, parse_quantity
@@ -44,11 +43,7 @@ def in_cells(made: Templates, seen: Observation, backgrounds: list[float] | None
 
 def histogram_in(path: Path) -> str | None:
     """Which histogram a table holds, by its columns; None for a result, which holds all."""
-    if not path.exists():
-        raise FileError(path, "no such file")
-    if not path.is_file() and not path.is_char_device():
-        raise FileError(path, "not a file")
-    if h5py.is_hdf5(path):
+    if is_hdf5(path):
         return None
     names = {name.removesuffix("_from").removesuffix("_to") for name, _ in _table(path)[0]}
     return "image" if {"x", "z"} <= names else "x" if "x" in names else "z" if "z" in names else "detected"
@@ -56,7 +51,7 @@ def histogram_in(path: Path) -> str | None:
 
 def read(path: Path, made: Templates) -> Observation:
     """A table (CSV) or a result (HDF5); raises FileError."""
-    return _from_result(path, made) if h5py.is_hdf5(path) else _from_table(path, made)
+    return _from_result(path, made) if is_hdf5(path) else _from_table(path, made)
 
 
 def _from_result(path: Path, made: Templates) -> Observation:

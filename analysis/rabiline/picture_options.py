@@ -41,6 +41,16 @@ def size_of(text: str) -> tuple[float, float]:
     return width, height
 
 
+def dots(text: str) -> float:
+    """Per inch."""
+    try:
+        if 10 <= float(text) <= 2400:
+            return float(text)
+    except ValueError:
+        pass
+    raise ArgumentTypeError(f"`{text}` is no number of dots per inch from 10 to 2400")
+
+
 def range_of(text: str) -> tuple[float, float]:
     """"280:300"."""
     try:

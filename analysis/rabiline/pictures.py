@@ -6,6 +6,7 @@ import re
 from argparse import ArgumentParser
 from math import inf
 from pathlib import Path
+from typing import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -103,6 +104,8 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         if (curve.axis.parameter, curve.axis.labels) != (first.parameter, first.labels):
             raise InputError(f"{file.path}: its scan runs over {curve.axis.parameter}, the first one over "
                              f"{first.parameter}")
+    if not options.beside:
+        _require_one_measure(files, "draw them with --beside")
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
     chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
     title = options.title or _title(files, chosen)
@@ -128,6 +131,14 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         choose = "; choose one detector with --detector" if several else ""
         raise InputError(f"{len(lines)} curves are too many for one picture{choose}")
     return figure
+
+
+def _require_one_measure(files: Sequence[results.Results], instead: str) -> None:
+    """Fractions of all that leave the source, or of what is aimed at its target, have one axis; not both."""
+    wholes = [f"what {'leaves the source' if file.aimed_fraction is None else 'is aimed at the target'}" for file in files]
+    for file, whole in zip(files, wholes):
+        if whole != wholes[0]:
+            raise InputError(f"{file.path}: has fractions of {whole}, {files[0].path} of {wholes[0]}: {instead}")
 
 
 def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
@@ -201,6 +212,7 @@ def plot_image(options: argparse.Namespace) -> Figure:
 def plot_profiles(options: argparse.Namespace) -> Figure:
     """Profiles on a detector, of all scan points of one or several files, in one picture."""
     files = [_results(path) for path in options.files]
+    _require_one_measure(files, "draw each by itself")
     shots = [(file, point) for file in files
              for point in (_points(options.points, len(file.laws)) if options.points else range(len(file.laws)))]
     if len(shots) > MOST_CURVES:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Sequence
 import numpy as np
 
 from . import tables
-from .hdf5 import IN_MEMORY, Group, open_entry
+from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
 
 
@@ -202,7 +202,7 @@ class Results:
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
         detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
-        errors.InputError for what there is not, OSError, and ValueError for an ending that is no picture."""
+        errors.InputError for what there is not or an ending that is no picture's, and OSError."""
         from . import pictures, style
         figure = pictures.plot_of(self, kind, options)
         if output is not None:
@@ -215,9 +215,9 @@ def read(source: Path | str | bytes) -> Results:
     path = IN_MEMORY if isinstance(source, bytes) else Path(source)
     with open_entry(source) as entry:
         if "findings" in entry:
-            raise entry.error("holds the motions of a model, not the result of a beamline: see plot-motion")
+            raise FileError(path, "holds the motions of a model, not the result of a beamline: see plot-motion")
         if "scan" not in entry:
-            raise entry.error("no `scan`: not a file of `rabiline run`, or one without a detector")
+            raise FileError(path, "no `scan`: not a file of `rabiline run`, or one without a detector")
         scan = _read_scan(entry.group("scan"), texts_of(entry))
         points = int(np.prod(scan.shape))
         fates = entry.group("fates")
@@ -318,7 +318,7 @@ def _read_transit(group: Group) -> Transit:
 def _read_levels(group: Group, points: int) -> Levels:
     labels = group.texts("level_index_labels")
     shape = (points, len(labels))
-    return Levels(labels, group.numbers("levels", shape), group.numbers("levels_errors", shape))
+    return Levels(labels, group.numbers("levels", shape, or_none=True), group.numbers("levels_errors", shape, or_none=True))
 
 
 def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
@@ -350,7 +350,7 @@ def _read_tally(group: Group, name: str, points: int) -> Tally:
 
 def _read_tally_axis(group: Group, name: str, shape: tuple[int, ...]) -> TallyAxis:
     units = "".join(group.attribute("units", of=name))
-    moments = (group.numbers(f"{name}_{moment}", shape) if f"{name}_{moment}" in group else None
+    moments = (group.numbers(f"{name}_{moment}", shape, or_none=True) if f"{name}_{moment}" in group else None
                for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
     labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
     title = "".join(group.attribute("long_name", of=name)) or name

@@ -107,7 +107,8 @@ def runs_of(x: np.ndarray) -> list[slice]:
 
 
 def _measure(curves: Sequence[Curve]) -> str:
-    return "detected / aimed at the target" if any(curve.aimed for curve in curves) else "detected / emitted"
+    """Of curves that have one measure."""
+    return "detected / aimed at the target" if curves[0].aimed else "detected / emitted"
 
 
 def _draw_rates(axes: Axes, curves: Sequence[Curve]) -> None:
@@ -136,13 +137,12 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
     """Scans of several files side by side, over the same axis: each panel like draw_scan's, with its legend below."""
     figure, row = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.5), sharey=True, squeeze=False,
                                layout="constrained")
-    everything = [curve for panel in panels for curve in panel.curves]
-    limits = _fraction_limits(everything)
+    limits = _fraction_limits([curve for panel in panels for curve in panel.curves])
     for axes, panel in zip(row[0], panels):
         _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
         axes.set_title(panel.title, pad=18 if marks else 6)
         axes.set_ylim(*limits)
-    row[0, 0].set_ylabel(f"{_measure(everything)}\n({about_errors(everything, limits)})")
+        axes.set_ylabel(f"{_measure(panel.curves)}\n({about_errors(panel.curves, limits)})")
     style.write_title(figure, title)
     for axes, panel in zip(row[0], panels):
         _draw_legend(figure, axes, panel.labels, width=60)

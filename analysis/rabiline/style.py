@@ -222,6 +222,7 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
         _asked = before
 
 
+ENDINGS = (".png", ".pdf", ".svg")
 TITLE = 11.5  # points
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
@@ -253,12 +254,20 @@ def looks(laws: Sequence[str]) -> list[Look]:
     return result
 
 
-def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
-    """Writes the figure, as what its ending says, and forgets it. Raises OSError, ValueError, and InputError where its size leaves
-    no room between the letters."""
+def require_name(path: Path | str) -> None:
+    """Raises InputError where a picture cannot have this name, and OSError where there is no folder for it."""
     path = Path(path)
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(f"{path}: a picture's name ends in .png, .pdf or .svg")
     if not path.parent.is_dir():
         raise OSError(f"{path}: there is no folder {path.parent} (create it with: mkdir -p {path.parent})")
+
+
+def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
+    """Writes the figure, as what its ending says, and forgets it. Raises OSError, ValueError where it has too many dots, and InputError
+    for an ending that is no picture's or where its size leaves no room between the letters."""
+    require_name(path)
+    path = Path(path)
     new = path.with_name(f".{path.name}.{os.getpid()}") if path.is_file() or not path.exists() else path
     try:
         with here(), warnings.catch_warnings():

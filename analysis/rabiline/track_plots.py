@@ -129,13 +129,14 @@ def _draw_spins(axes: Axes, files: Sequence[tuple[Track, Look]]) -> None:
         axes.plot(*path[-1:].T, "o", color=look.colour, markersize=5, markeredgewidth=0)
     if far:
         _draw_sphere(axes)
-        names, title = ["$S_x$", "$S_y$", "$S_z$"], "path of the spin's tip on the unit sphere"
+        names, about = ["$S_x$", "$S_y$", "$S_z$"], "path of its tip on the unit sphere"
     else:
         names = ["y (m)", "$S_x$ (10$^{-3}$)", "$S_y$ (10$^{-3}$)"]
-        title = "the spin while it turns, along the beam"
+        about = "while it turns, along the beam"
         axes.set_box_aspect((1.5, 1, 1), zoom=0.75)
     axes.set(xlabel=names[0], ylabel=names[1], zlabel=names[2])
-    axes.set_title(title, y=1.0)
+    which = f"the spin that tilts farthest, of particle {files[0][0].particle}" if len(files) == 1 else "of each file the spin that tilts farthest"
+    axes.set_title(f"{which}:\n{about}", y=1.0)
     axes.view_init(elev=22, azim=-58)
     for plane in (axes.xaxis, axes.yaxis, axes.zaxis):
         plane.pane.set_facecolor("white")

@@ -98,7 +98,7 @@ class Tracks:
 
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
-        errors.InputError for an option that there is not, OSError, and ValueError for an ending that is no picture."""
+        errors.InputError for an option that there is not or an ending that is no picture's, and OSError."""
         from . import pictures, style
         figure = pictures.plot_of(self, "tracks", options)
         if output is not None:
@@ -134,8 +134,8 @@ def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -
     if time.size == 0:
         raise group.error("the track is empty")
 
-    def vectors(names: str) -> np.ndarray:
-        return np.stack([group.numbers(one, time.shape) for one in names.split()], axis=1)
+    def vectors(names: str, or_none: bool = False) -> np.ndarray:
+        return np.stack([group.numbers(one, time.shape, or_none=or_none) for one in names.split()], axis=1)
 
     def attribute(key: str) -> str:
         return "".join(group.attribute(key))
@@ -144,4 +144,4 @@ def _read_track(group: Group, name: str, polarizers: tuple[float, ...] | None) -
     if not number.isdigit():
         raise group.error("the particle has no number")
     return Track(int(number), attribute("law"), attribute("species"), attribute("fate"), attribute("where"), time,
-                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz"), polarizers)
+                 vectors("x y z"), vectors("vx vy vz"), vectors("sx sy sz", or_none=True), polarizers)

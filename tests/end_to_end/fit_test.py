@@ -13,7 +13,7 @@ from scipy import stats
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
-from rabiline.curve_model import NOISE, SPREAD, CurveModel, NoFit, noise_of  # noqa: E402
+from rabiline.curve_model import NOISE, SPREAD, CurveModel, NoFit, noise_of, unknown  # noqa: E402
 from rabiline.errors import BadInput  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
@@ -145,6 +145,12 @@ def test_a_forecast_is_what_a_fit_of_enough_particles_finds(ramsey: rabiline.Exp
     assert twice.errors[0] == pytest.approx(expected.errors[0] / 2, rel=0.1)
 
 
+@pytest.mark.parametrize("option", [{"rate": np.nan}, {"rate": 1e308}, {"rate": 1e6, "seconds": np.inf}, {"rate": 1e6, "background": -1.0}])
+def test_a_forecast_of_a_rate_that_cannot_be_is_refused(ramsey: rabiline.Experiment, option: dict[str, float]) -> None:
+    with pytest.raises(NoFit, match="must be (above 0|0 or above), up to 1e\\+30"):
+        forecast(ramsey, ["guide.field"], **option)
+
+
 def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
     expected = forecast(ramsey, list(TRUTH), rate=40000)
     exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))
@@ -208,6 +214,36 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
         fit_counts(ramsey, fringes, ["guide.field", "guide.field"])
     with pytest.raises(NoFit, match="names have commas between"):
         fit_counts(ramsey, fringes, ["guide.field C1.amplitude"])
+
+
+def test_counts_far_from_the_line_are_asked_for_their_unit(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    places = tuple(place.replace("Hz", "kHz") for place in fringes.places)
+    lost = fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["guide.field"], intervals=False)
+    assert "28664.7 kHz to 29664.7 kHz, and the simulated curve does not: is the unit of the column `C1.frequency` right?" in str(lost)
+    assert "unit" not in str(fit_counts(ramsey, fringes, ["guide.field"], intervals=False))
+    chance = replace(fringes, places=places, counts=np.random.default_rng(1).poisson(np.full(fringes.x.size, 900.0)).astype(float))
+    assert "unit" not in str(fit_counts(ramsey, chance, ["guide.field"], intervals=False))
+    with pytest.raises(NoFit, match="`ana.at` has no effect .*\n  help: at these places `C1.frequency` has none either: is its unit right?"):
+        fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["ana.at"])
+
+
+@pytest.mark.parametrize(("text", "name", "value", "says"), [
+    (WIRE, "source.speed.temperature", -5.0, "the fit tries -5 K for `source.speed.temperature`: `temperature` must be greater than zero\n"),
+    (RAMSEY, "C1.amplitude+C2.amplitude", -1e-6, "the fit tries -1e-06 T for `C1.amplitude`: `amplitude` must be zero or greater\n"),
+    (RAMSEY, "pol.up", 1.5, "the fit tries 1.5 for `pol.up`: `up` must be between 0 and 1\n"),
+    (RAMSEY, "guide.field", 1e9, "the fit tries 1e+09 T for `guide.field`: neutron would turn by"),
+])
+def test_a_fit_that_leaves_the_range_of_a_parameter_says_which(text: str, name: str, value: float, says: str) -> None:
+    places = ("wire.offset.z", ("-1 mm", "1 mm")) if text == WIRE else ("C1.frequency", ("29 kHz", "30 kHz"))
+    with pytest.raises(NoFit) as caught:
+        CurveModel(rabiline.load(text), *places, [name]).at([value])
+    assert str(caught.value).startswith(says) and str(caught.value).endswith("  help: start farther from there, or hold `" + name.split("+")[0] + "`")
+
+
+def test_no_help_is_left_empty() -> None:
+    wire = rabiline.load(WIRE)
+    assert unknown(wire, "source.speed.temperature", "-5 K") == ["`temperature` must be greater than zero, but is `-5 K`"]
+    assert "\n  help: write `0.015`" in unknown(rabiline.load(RAMSEY), "pol.up", 1.5)[0]
 
 
 def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) -> None:

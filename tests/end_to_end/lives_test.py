@@ -305,12 +305,12 @@ def test_whatever_changes_a_file_is_noticed_by_every_reader(tmp_path: Path, refe
         assert refused.returncode in (BAD_INPUT, NOT_WRITTEN) and "changed.h5" in refused.stderr, (trial, refused)
         if trial % 10 == 0:
             read = subprocess.run(analysis, text=True, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT / "analysis")})
-            assert read.returncode == 2 and "Traceback" not in read.stderr, read.stderr
+            assert read.returncode == NOT_WRITTEN and "Traceback" not in read.stderr, read.stderr
     with h5py.File(changed, "w") as file:
         file.attrs["format_version"] = 3
         file.create_group("entry")
     read = subprocess.run(analysis, text=True, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT / "analysis")})
-    assert read.returncode == 2 and "no seal" in read.stderr
+    assert read.returncode == NOT_WRITTEN and "no seal" in read.stderr
 
 
 def before_cost(checked: subprocess.CompletedProcess) -> str:

@@ -75,6 +75,34 @@ def test_fields_on_the_axis_are_drawn_as_they_act() -> None:
     plt.close(figure)
 
 
+def test_drives_are_drawn_with_their_amplitude_whatever_their_phase() -> None:
+    experiment = rabiline.load("""
+rabiline: 1
+title: drives
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 800 m/s}, opening: {radius: 1 mm}, direction: parallel}
+parts:
+  - {name: B, kind: uniform_field, at: 0.1 m, length: 3 m, field: 1 mT}
+  - {name: late, kind: oscillating_field, at: 0.5 m, length: 0.1 m, amplitude: 110 uT, frequency: 29 kHz, approximation: none, phase: 90 deg,
+     pulses: {begin: 1 ms, end: 2 ms}}
+  - {name: follower, kind: oscillating_field, at: 1.5 m, length: 0.1 m, amplitude: 50 uT, oscillator: late, approximation: none, phase: locked}
+  - {name: turns, kind: rotating_field, at: 2.7 m, length: 0.1 m, amplitude: 70 uT, frequency: 29 kHz, sense: co, phase: 30 deg}
+  - {name: coil, kind: solenoid, at: 2.2 m, winding: 0.2 m, radius: 50 mm, turns: 100, current: 1 A, reach: 0.3 m,
+     oscillates: {frequency: 1 kHz, phase: 90 deg}}
+  - {name: screen, kind: detector, at: 4 m, width: 2 cm, height: 5 cm, bins: [1, 1]}
+particles: 10
+seed: 4
+""")
+    fields = apparatus.fields_along(experiment, pieces_of(experiment), 4)
+    assert np.interp([0.55, 1.55, 2.75], fields.y, fields.drives) == pytest.approx([110e-6, 50e-6, 70e-6])
+    standing = experiment.set({"coil.oscillates.phase": "0 deg"}).field([(0, 2.2, 0)])["coil"]
+    assert np.interp(2.2, fields.y, fields.drives) == pytest.approx(np.linalg.norm(standing), rel=1e-3) and fields.static.max() == 1e-3
+    figure = draw_apparatus(experiment, 0)
+    assert [line.get_label() for line in figure.axes[1].get_lines()] == ["|B|, static", "|B|, oscillating: amplitude"]
+    plt.close(figure)
+
+
 def test_electric_fields_are_drawn_beside_the_magnetic_ones() -> None:
     experiment = rabiline.load(BEAMLINES / "wien-filter.yaml").scan()
     places = [(0, 0.2, 0), (0, 0.5, 0)]

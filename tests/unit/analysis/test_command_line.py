@@ -1,7 +1,10 @@
 """The commands: pictures that are there, errors that are one line, exit codes."""
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -144,10 +147,8 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
 
 
 @pytest.mark.parametrize(("command", "message"), [
-    ("plot-scan missing.h5", "rabiline: missing.h5: no such file"),
-    ("plot-scan text.h5", "rabiline: text.h5: not an HDF5 file"),
     ("plot-scan point.h5", "rabiline: point.h5: nothing is scanned in this file"),
-    ("plot-scan straight.h5", "rabiline: straight.h5: /entry: no `scan`: not a file of `rabiline run`, or one without "
+    ("plot-scan straight.h5", "rabiline: straight.h5: no `scan`: not a file of `rabiline run`, or one without "
                               "a detector"),
     ("plot-scan dorado.h5 only_laws.h5", "rabiline: only_laws.h5: its scan runs over law, the first one over "
                                          "H0.frequency"),
@@ -176,6 +177,71 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
     assert main([*command.split(), "-o", "never.png"]) == 2
     assert capsys.readouterr().err == message + "\n"
     assert not Path("never.png").exists()
+
+
+def broken(folder: Path, *writes: tuple[str, int, float], of: str = "dorado.h5") -> str:
+    """The name of a copy in which some numbers are others."""
+    shutil.copy(folder / of, folder / "broken.h5")
+    with h5py.File(folder / "broken.h5", "a") as file:
+        for name, place, value in writes:
+            numbers = file[f"entry/{name}"][()]
+            numbers.flat[place] = value
+            file[f"entry/{name}"][...] = numbers
+    return "broken.h5"
+
+
+def test_a_result_that_cannot_be_read_is_one_line_and_exit_code_3(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> None:
+    monkeypatch.chdir(folder)
+    Path("cut.h5").write_bytes(Path("dorado.h5").read_bytes()[:3000])
+    for name, reason in (("missing.h5", "no such file"), ("text.h5", "not an HDF5 file"), ("cut.h5", "cannot be opened: damaged or unfinished"),
+                         (".", "is not a file")):
+        for command in ("summary", "plot", "plot-scan", "export", "plot-tracks", "plot-motion"):
+            assert main([command, name]) == 3, command
+            assert capsys.readouterr().err == f"rabiline: {name}: {reason}\n"
+
+
+@pytest.mark.parametrize(("name", "value"), [("scan/detected", np.nan), ("scan/detected_errors", np.inf), ("scan/H0_frequency", np.nan),
+                                             ("screen/counts", -np.inf), ("screen_levels/levels", np.inf), ("fates/emitted", np.nan)])
+def test_a_result_with_values_that_are_no_numbers_is_refused_in_one_line(folder: Path, monkeypatch: pytest.MonkeyPatch,
+                                                                          capsys: pytest.CaptureFixture, name: str, value: float) -> None:
+    monkeypatch.chdir(folder)
+    group, _, dataset = name.partition("/")
+    for command in ("summary", "plot"):
+        assert main([command, broken(folder, (name, 3, value))]) == 3
+        assert capsys.readouterr().err == f"rabiline: broken.h5: /entry/{group}: `{dataset}` has values that are infinite or no numbers\n"
+
+
+def test_levels_of_what_was_not_detected_need_no_fractions(folder: Path, tmp_path: Path) -> None:
+    name = broken(folder, ("screen_levels/levels", 3, np.nan))
+    assert main(["plot-levels", str(folder / name), "-o", str(tmp_path / "a.png")]) == 0
+
+
+@pytest.mark.parametrize(("command", "reason"), [
+    ("plot-scan dorado.h5 -o a.png -o b.png", "--output is given twice"), ("plot-scan dorado.h5 --output a.png -o b.png", "--output is given twice"),
+    ("plot-profiles dorado.h5 --along z --along z", "--along is given twice"), ("forecast a.yaml --free a --rate 1 --rate 1", "--rate is given twice"),
+    ("plot-scan dorado.h5 --titl a", "unrecognized arguments: --titl a (did you mean --title?)"),
+    ("fit a.yaml --dat c.csv --free a", "the following arguments are required: --data"),
+])
+def test_options_are_written_out_and_given_once(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, command: str,
+                                                reason: str) -> None:
+    monkeypatch.chdir(folder)
+    with pytest.raises(SystemExit, match="2"):
+        main(command.split())
+    assert reason in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["fit clock.yaml --free C.field --data {}", "fit-line {}", "compare-laws laws.h5 --data {}",
+                                     "plot-scan dorado.h5 --data {}", "plot-field {}", "summary {}", "plot {}"])
+def test_what_is_no_file_is_not_waited_for(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, command: str) -> None:
+    if command.startswith("fit "):
+        pytest.importorskip("rabiline._core", reason="built without pybind11")
+    monkeypatch.chdir(folder)
+    shutil.copy(Path(__file__).parents[3] / "beamline/caesium-clock.yaml", "clock.yaml")
+    if not Path("pipe").exists():
+        os.mkfifo("pipe")
+    for name in ("pipe", "/dev/zero", "."):
+        assert main(command.format(name).split()) in (2, 3)
+        assert capsys.readouterr().err == f"rabiline: {name}: is not a file\n"
 
 
 def test_a_picture_without_a_name_gets_one_from_its_file(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
@@ -209,7 +275,7 @@ def test_an_experiment_is_told_to_be_run_before_it_is_drawn(tmp_path: Path, monk
                                                             capsys: pytest.CaptureFixture) -> None:
     monkeypatch.chdir(tmp_path)
     Path("clock.yaml").write_text("rabiline: 1\n")
-    assert main(["plot", "clock.yaml"]) == 2
+    assert main(["plot", "clock.yaml"]) == 3
     assert capsys.readouterr().err == "rabiline: clock.yaml: not an HDF5 file; `rabiline run clock.yaml` makes one of an experiment\n"
 
 
@@ -230,6 +296,14 @@ def test_a_size_or_a_range_that_is_none_is_told_how_to_be_written(folder: Path, 
     with pytest.raises(SystemExit, match="2"):
         main(["plot", str(folder / "dorado.h5"), option])
     assert reason in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--rate", "--seconds"])
+@pytest.mark.parametrize("value", ["nan", "inf", "1e308", "-1", "0"])
+def test_a_rate_or_a_time_that_cannot_be_is_refused(capsys: pytest.CaptureFixture, option: str, value: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["forecast", "a.yaml", "--free", "a", option, value])
+    assert capsys.readouterr().err == f"rabiline: argument {option}: `{value}` is no number above 0, up to 1e+30 (see --help)\n"
 
 
 def test_negative_values_are_no_options(folder: Path, tmp_path: Path) -> None:
@@ -273,9 +347,31 @@ def test_a_command_that_is_stopped_says_so(folder: Path, monkeypatch: pytest.Mon
     assert capsys.readouterr().err == "rabiline: stopped\n"
 
 
-def test_an_ending_that_is_no_picture_is_exit_code_2(folder: Path, capsys: pytest.CaptureFixture) -> None:
-    assert main(["plot-scan", str(folder / "dorado.h5"), "-o", "picture.doc"]) == 2
-    assert "picture.doc" in capsys.readouterr().err
+@pytest.mark.parametrize("late", ["argparse", "h5py", "matplotlib.figure"])
+def test_ctrl_c_during_an_import_is_one_line(folder: Path, tmp_path: Path, late: str) -> None:
+    module = tmp_path / Path(*late.split(".")).with_suffix(".py")
+    module.parent.mkdir(exist_ok=True)
+    (module.parent / "__init__.py").touch()
+    module.write_text("import os, signal\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    sum(range(10**6))\nexcept BaseException:\n    raise ImportError")
+    paths = os.pathsep.join([str(tmp_path), str(Path(results.__file__).parents[1])])
+    done = subprocess.run([sys.executable, "-m", "rabiline", "plot", "dorado.h5"], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "PYTHONPATH": paths})
+    assert (done.returncode, done.stderr) == (130, "rabiline: stopped\n")
+
+
+@pytest.mark.parametrize("name", ["picture.doc", "picture", "picture.jpg", "picture.h5"])
+@pytest.mark.parametrize("command", ["plot-scan missing.h5", "fit missing.yaml --data missing.csv --free a", "draw missing.yaml",
+                                     "compare-laws missing.h5"])
+def test_a_name_that_is_no_picture_is_refused_before_any_work(folder: Path, capsys: pytest.CaptureFixture, command: str, name: str) -> None:
+    assert main([*command.split(), "-o", name]) == 2
+    assert capsys.readouterr().err == f"rabiline: {name}: a picture's name ends in .png, .pdf or .svg\n"
+
+
+@pytest.mark.parametrize("dpi", ["9", "2401", "nan", "inf", "-1", "many"])
+def test_dots_per_inch_have_a_range(folder: Path, capsys: pytest.CaptureFixture, dpi: str) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["plot", str(folder / "dorado.h5"), "--dpi", dpi])
+    assert f"`{dpi}` is no number of dots per inch from 10 to 2400" in capsys.readouterr().err
 
 
 def test_a_picture_that_cannot_be_written_is_exit_code_3(folder: Path, tmp_path: Path) -> None:

@@ -203,7 +203,7 @@ def test_the_picture_of_a_bound_names_the_law_and_the_counts(folder: Path) -> No
     ("compare-laws laws.h5 --rate 3 --background 3 --data quantum.csv",
      "counts without a beam are stated, and not for how long: --seconds, the time at each scan point of the data"),
     ("compare-laws laws.h5 --detector far", "laws.h5: no detector `far` (there is screen)"),
-    ("compare-laws laws.h5 --data .", ".: not a file"),
+    ("compare-laws laws.h5 --data .", ".: is not a file"),
     ("compare-laws laws.h5 --data missing.csv", "missing.csv: no such file"),
     ("compare-laws laws.h5 --data quantum.csv --histogram x",
      "quantum.csv: its columns are those of --histogram detected, not x"),

@@ -1,14 +1,19 @@
 """Closed forms: each finds itself again, with errors that bear out, and lines are told apart."""
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 from rabiline.__main__ import main
+from rabiline.counts import read_counts
 from rabiline.errors import InputError
+from rabiline.hdf5 import FileError
 from rabiline.line_commands import derived, described
+from rabiline.line_plots import draw_line
 from rabiline.lines import FORMS, NoLine, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
@@ -118,3 +123,54 @@ def test_the_central_fringe_is_found_or_told_among_its_neighbours() -> None:
             centres = [found["centre"][0], *(centre for centre, _ in found.others)] if times == 1 else [found["centre"][0]]
             assert min(abs(centre - 29170) for centre in centres) < 10, (seed, times)
     assert "or another fringe" in "".join(described(replace(found, others=((29358.9, 30.0),)), "Hz"))
+
+
+@pytest.mark.parametrize(("start", "reason"), [
+    ({"centre": 1e308}, "`centre` starts at 1e\\+308, far outside the scan"), ({"strength": np.nan}, "`strength` starts at nan, and must be above 0"),
+    ({"time": -1.0}, "`time` starts at -1, and must be above 0"), ({"width": 1.0}, "has no start for `width` \\(it has centre, strength, time\\)")])
+def test_a_start_that_cannot_be_is_named(start: dict[str, float], reason: str) -> None:
+    with pytest.raises(NoLine, match=reason):
+        fit_line(X, rabi(X - 29000, 12.0, 0.03), np.eye(X.size), "rabi", start=start)
+
+
+def test_a_curve_with_values_that_are_no_numbers_is_refused() -> None:
+    with pytest.raises(NoLine, match="infinite or no numbers"):
+        fit_line(X, np.where(X > 29000, np.nan, 1.0), np.eye(X.size))
+
+
+def test_starts_that_lead_nowhere_warn_of_nothing() -> None:
+    y = 0.1 + 0.8 * rabi(X - 29000.0, 12.0, 0.03)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in ("strength", "time"):
+            for value in (1e-300, 1e300):
+                fit_line(X, y, np.eye(X.size) * 1e-4, "rabi", start={name: value})
+
+
+def test_the_fitted_form_is_drawn_between_the_points_too() -> None:
+    few = X[::6]
+    fitted = fit_line(few, 0.1 + 0.8 * lorentz(few - 29003.0, 20.0), np.eye(few.size) * 1e-4, "lorentz")
+    drawn = draw_line(few, fitted.expected, np.full(few.size, 0.01), fitted, "f", "Hz", "", ["words"]).axes[0].get_lines()[-1]
+    top = drawn.get_ydata().max()
+    assert drawn.get_xdata().size > 400 and top == pytest.approx(0.9, abs=1e-3) and top > fitted.expected.max() + 0.01
+    assert fitted.curve(few) == pytest.approx(fitted.expected)
+    plt.close("all")
+
+
+@pytest.mark.parametrize(("table", "reason"), [
+    ("f [kHz],counts,counts\n1,1,1\n2,4,4\n", "line 1: the column `counts` is there twice"),
+    ("# mine\nf [kHz],counts\n", "line 2: nothing stands below the names of the columns"),
+    ("f [kHz],counts,emitted\n1,1,5\n2,14,10\n", "line 3: more counts than particles were emitted"),
+    ("f [kHz],counts\n1,1e308\n2,3\n", "line 2: `1e308` is out of range (counts)"), ("f [kHz],counts\n1,1\n2,inf\n", "line 3: `inf` is out of range (counts)"),
+    ("f [kHz],counts\n1e308,1\n2,3\n", "line 2: `1e308` is out of range (f)"), ("f [kHz],counts,seconds\n1,1,2\n2,3,nan\n", "line 3: `nan` is out of range (seconds)"),
+])
+def test_a_table_of_counts_that_cannot_be_is_told_its_line(tmp_path: Path, table: str, reason: str) -> None:
+    (tmp_path / "a.csv").write_text(table)
+    with pytest.raises(FileError) as caught:
+        read_counts(tmp_path / "a.csv")
+    assert str(caught.value) == f"{tmp_path / 'a.csv'}: {reason}"
+
+
+def test_more_counts_than_were_emitted_may_be_background_where_a_time_is_stated(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("f [kHz],counts,emitted,seconds\n1,1,5,1\n2,14,10,1\n")
+    assert read_counts(tmp_path / "a.csv").counts.tolist() == [1, 14]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from rabiline import results, style
+from rabiline.__main__ import main
 from rabiline.curves import curves
 from rabiline.errors import InputError
 from rabiline.level_plots import draw_levels
@@ -128,6 +129,31 @@ def test_files_side_by_side_share_their_limits_and_have_a_legend_each(tmp_path: 
     assert [text.get_text() for text in left.get_legend().texts] == ["quantum"]
     (words,) = (text.get_text() for text in right.get_legend().texts)
     assert "dorado" in words and "centre 291.6" in words
+
+
+@pytest.fixture
+def aimed_and_not(tmp_path: Path) -> list[str]:
+    """Names of a result of an aimed source and one of another."""
+    axis = frequencies(41)
+    paths = [write_results(tmp_path / f"{name}.h5", [axis], dip(axis.values), law=[DORADO], bins=4) for name in ("aimed", "other")]
+    with h5py.File(paths[0], "a") as file:
+        file["entry/aimed_fraction"] = np.full(41, 0.01)
+    return list(map(str, paths))
+
+
+@pytest.mark.parametrize(("verb", "instead"), [("plot-scan", "draw them with --beside"), ("plot-profiles --points 0", "draw each by itself")])
+def test_fractions_of_all_and_of_what_is_aimed_are_not_drawn_over_one_axis(aimed_and_not: list[str], capsys: pytest.CaptureFixture, verb: str,
+                                                                           instead: str) -> None:
+    assert main([*verb.split()[:1], *aimed_and_not, *verb.split()[1:], "-o", "never.png"]) == 2
+    assert capsys.readouterr().err == (f"rabiline: {aimed_and_not[1]}: has fractions of what leaves the source, {aimed_and_not[0]} of what is "
+                                       f"aimed at the target: {instead}\n")
+
+
+def test_each_panel_beside_others_has_its_own_measure(aimed_and_not: list[str], tmp_path: Path) -> None:
+    panels = [Panel(path, curves(results.read(Path(path))), [""]) for path in aimed_and_not]
+    measures = [axes.get_ylabel().split("\n")[0] for axes in draw_beside(panels, "", {}).axes]
+    assert measures == ["detected / aimed at the target", "detected / emitted"]
+    assert main(["plot-scan", "--beside", *aimed_and_not, "--dpi", "60", "-o", str(tmp_path / "a.png")]) == 0
 
 
 def test_levels_are_drawn_where_something_was_detected_with_their_errors(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from matplotlib import pyplot as plt
 from rabiline import tracks
 from rabiline.space_plots import draw_paths
 from rabiline.track_plots import Region, draw_tracks
@@ -116,3 +117,12 @@ def test_paths_in_space_are_drawn_whole_in_their_own_units(tmp_path: Path) -> No
     assert [float(end[0][0]) for end in ends] == pytest.approx([0, -5])
     assert "B" in [text.get_text() for text in axes.texts]
     assert [text.get_text() for text in axes.get_legend().texts] == ["quantum", "dorado"]
+
+
+@pytest.mark.parametrize("tilt", [1.5, 0.1])
+def test_the_spin_that_is_drawn_by_itself_is_named(tmp_path: Path, tilt: float) -> None:
+    file = tracks.read(write_tracks(tmp_path / "t.h5", [spinning(np.linspace(0, most, 50)) for most in (tilt / 2, tilt, tilt / 3)]))
+    figure = draw_tracks([file], [""], "", [])
+    assert figure.axes[-1].get_title().startswith("the spin that tilts farthest, of particle 1:\n")
+    assert draw_tracks([file, file], ["a", "b"], "", []).axes[-1].get_title().startswith("of each file the spin that tilts farthest:\n")
+    plt.close("all")
