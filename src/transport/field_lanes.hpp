@@ -14,35 +14,6 @@
 
 namespace rabiline::RABILINE_ISA {
 
-/// S turned by the rotation vector o of any length.
-RABILINE_LANES Vector turned_by(const Vector& o, const Vector& v) {
-  const real q = dot(o, o);
-  const mask far = q > broadcast(1);
-  real sine, cosine;
-  rotation_coefficients(min(q, broadcast(1)), sine, cosine);
-  if (any(far)) {
-    const real angle = sqrt(select(far, q, broadcast(1)));
-    real s, c, half_s, half_c;
-    sincos(angle, s, c);
-    sincos(0.5 * angle, half_s, half_c);
-    sine = select(far, s / angle, sine);
-    cosine = select(far, 2.0 * half_s * half_s / (angle * angle), cosine);
-  }
-  const Vector u = cross(o, v);
-  return add(add(v, sine, u), cosine, cross(o, u));
-}
-/// The mean of v while it turns by o at an even rate: v + (1 - cos a)/a^2 o x v + (a - sin a)/a^3 o x (o x
-/// v).
-RABILINE_LANES Vector mean_of_turning(const Vector& o, const Vector& v) {
-  const real q = dot(o, o);
-  real sine, cosine;
-  rotation_coefficients(q, sine, cosine);
-  const real minus_integral = polynomial(q, {-1.0 / 1307674368000, 1.0 / 6227020800, -1.0 / 39916800,
-                                             1.0 / 362880, -1.0 / 5040, 1.0 / 120, -1.0 / 6});
-  const Vector u = cross(o, v);
-  return add(add(v, cosine, u), -minus_integral, cross(o, u));
-}
-
 /// An angular velocity that changes evenly over a step, known at its Gauss points.
 struct ChangingRate {
   Vector mean, change;
@@ -186,12 +157,15 @@ struct FieldStepper {
             along(s.velocity.z, a.z, jerk.z)};
   }
 
-  /// One step of the length h.
-  inline State once(real h, State s) const {
+  /// What acts where a step begins, as far as that bends its path.
+  inline Influence begin(const State& s) const {
+    return bends() ? at(s.t, s.place, [&] { return s.velocity; }) : Influence{};
+  }
+  /// One step of the length h from there.
+  inline State once(real h, State s, const Influence& first) const {
     const real dt1 = gauss_first * h, dt2 = gauss_second * h;
     Vector a0 = gravity(), jerk{};
     if (bends()) {
-      const Influence first = at(s.t, s.place, [&] { return s.velocity; });
       a0 = acceleration(first, s.spin, s.velocity);
       const Vector turned = turned_by({dt1 * first.spin.x, dt1 * first.spin.y, dt1 * first.spin.z}, s.spin);
       const auto velocity1 = [&] { return add(s.velocity, dt1, a0); };
@@ -227,8 +201,13 @@ struct FieldStepper {
     return s;
   }
   /// Of two halves, without the error that the whole step tells.
-  inline State better(real h, const State& s) const { return extrapolated(once(h, s), twice(h, s)); }
-  inline State twice(real h, const State& s) const { return once(0.5 * h, once(0.5 * h, s)); }
+  inline State better(real h, const State& s, const Influence& first) const {
+    return extrapolated(once(h, s, first), twice(h, s, first));
+  }
+  inline State twice(real h, const State& s, const Influence& first) const {
+    const State middle = once(0.5 * h, s, first);
+    return once(0.5 * h, middle, begin(middle));
+  }
 
   /// Which lanes are outside of a map that nothing may leave.
   inline mask outside_maps(const Vector& r) const {
@@ -246,10 +225,9 @@ struct FieldStepper {
   }
 
   /// No longer than a radian of the velocity's turning.
-  inline real longest(const State& s, real most) const {
+  inline real longest(const Influence& first, real most) const {
     if (!turns()) return most;
-    const Vector w = at(s.t, s.place, [&] { return s.velocity; }).turn;
-    return min(most, 1.0 / max(sqrt(dot(w, w)), broadcast(0x1p-500)));
+    return min(most, 1.0 / max(sqrt(dot(first.turn, first.turn)), broadcast(0x1p-500)));
   }
 
   /// Nor beyond a moment at which a drive is switched, or the course of a field bends: a step would not see
@@ -294,15 +272,16 @@ struct FieldStepper {
   /// The state where a lane first comes to `plane` within its next step of the length h.
   inline State at_plane(const State& before, real h, real plane) const {
     real length = max(broadcast(0), min(h, (plane - before.place.y) / before.velocity.y));
+    const Influence first = begin(before);
     mask settled{};  // stays as it is, whatever the other lanes still need
     for (int i = 0; i < 8 && !all(settled); ++i) {
-      const State there = better(length, before);
+      const State there = better(length, before, first);
       const real newton = max(broadcast(0), min(h, length + (plane - there.place.y) / there.velocity.y));
       const real next = select((there.velocity.y != broadcast(0)) & ~settled, newton, length);
       settled = settled | (abs(next - length) <= 1e-13 * h);
       length = next;
     }
-    State there = better(length, before);
+    State there = better(length, before, first);
     there.place.y = plane;
     return there;
   }
@@ -342,9 +321,10 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
     const real ahead = (end - now.place.y) / now.velocity.y;
     const mask comes = now.velocity.y > broadcast(0);
-    const real free = stepper.longest(now, min(h, most)), to_end = select(comes, min(free, ahead), free);
+    const Influence first = stepper.begin(now);
+    const real free = stepper.longest(first, min(h, most)), to_end = select(comes, min(free, ahead), free);
     const real trial = stepper.until_face(now, switched ? stepper.until_change(now, to_end) : to_end);
-    const State whole = stepper.once(trial, now), halves = stepper.twice(trial, now);
+    const State whole = stepper.once(trial, now, first), halves = stepper.twice(trial, now, first);
     // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
     // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
     // by. A jump of the field may take a thousandth of the tolerance, or steps would become shorter for ever.

@@ -69,6 +69,34 @@ RABILINE_LANES Vector rotate(const Vector& o, const Vector& v) {
   const Vector u = cross(o, v);
   return add(add(v, S, u), C, cross(o, u));
 }
+/// S turned by the rotation vector o of any length.
+RABILINE_LANES Vector turned_by(const Vector& o, const Vector& v) {
+  const real q = dot(o, o);
+  const mask far = q > broadcast(1);
+  real sine, cosine;
+  rotation_coefficients(min(q, broadcast(1)), sine, cosine);
+  if (any(far)) {
+    const real angle = sqrt(select(far, q, broadcast(1)));
+    real s, c, half_s, half_c;
+    sincos(angle, s, c);
+    sincos(0.5 * angle, half_s, half_c);
+    sine = select(far, s / angle, sine);
+    cosine = select(far, 2.0 * half_s * half_s / (angle * angle), cosine);
+  }
+  const Vector u = cross(o, v);
+  return add(add(v, sine, u), cosine, cross(o, u));
+}
+/// The mean of v while it turns by o at an even rate: v + (1 - cos a)/a^2 o x v + (a - sin a)/a^3 o x (o x
+/// v).
+RABILINE_LANES Vector mean_of_turning(const Vector& o, const Vector& v) {
+  const real q = dot(o, o);
+  real sine, cosine;
+  rotation_coefficients(q, sine, cosine);
+  const real minus_integral = polynomial(q, {-1.0 / 1307674368000, 1.0 / 6227020800, -1.0 / 39916800,
+                                             1.0 / 362880, -1.0 / 5040, 1.0 / 120, -1.0 / 6});
+  const Vector u = cross(o, v);
+  return add(add(v, cosine, u), -minus_integral, cross(o, u));
+}
 
 /// Random phase of an oscillator at each particle's emission.
 RABILINE_LANES real oscillator_phase(const DriveTerm& drive, const RandomKey& key, words particle) {
