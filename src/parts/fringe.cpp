@@ -9,9 +9,9 @@
 namespace rabiline {
 namespace {
 
-/// How far outside its edge [m] it falls below 1e-4 of the whole field for good; nothing where it never does.
+/// How far outside its edge [m] it falls below 1e-6 of the whole field for good; nothing where it never does.
 std::optional<double> reach_of(const FringeShape& shape) {
-  constexpr double farthest = 20, step = 1.0 / 64, cut_off = 1e-4;  // [lengths]
+  constexpr double farthest = 20, step = 1.0 / 64, cut_off = 1e-6;  // [lengths]
   if (shape.curve == FringeCurve::sine) return shape.fringe / 2;
   if (shape.curve != FringeCurve::enge) return 0;
   const auto share = [&](double s) {

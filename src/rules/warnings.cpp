@@ -6,6 +6,7 @@
 #include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
 #include "rules/field_lint.hpp"
+#include "rules/fringe_warnings.hpp"
 #include "rules/warning_room.hpp"
 
 namespace rabiline {
@@ -58,6 +59,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(warnings_of_atoms(experiment, plan), out);
   add_once(warnings_of_laws(experiment), out);
   add_once(warnings_of_fields(experiment.points.front()), out);
+  add_once(warnings_of_fringes(experiment.points.front(), plan), out);
   return out;
 }
 

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "checks.hpp"
+#include "field/fringe_limit.hpp"
 
 namespace rabiline::test::fringed_field_test {
 namespace {
@@ -74,6 +78,39 @@ TEST(FringedField, StaysFiniteFarAway) {
         for (const double g : f.slope) EXPECT_TRUE(std::isfinite(g));
         EXPECT_NEAR(f.field[along ? 2 : 0], z == 0 ? size : 0, 5e-3 * size);
       }
+}
+
+/// div B = 0 alone: what turns aside at an edge at the height x is B x, whatever the curve. Its share of
+/// that.
+double flux_at_an_edge(const ShapedTerm& term, double x) {
+  constexpr int places = 20000;
+  const double end = half_length + 12 * fringe, step = end / places;
+  double sum = 0;
+  for (int i = 0; i < places; ++i) sum += field_at(term, {x, 0, (i + 0.5) * step}).field[2] * step;
+  return -sum / (size * x);
+}
+
+TEST(FringedField, IsGoodAsFarOutAsTheFluxThroughItsEdgeIsRightAndNoPoleIsNear) {
+  const ShapedTerm sine = fringed(false, FringeCurve::sine), tanh = fringed(false, FringeCurve::enge);
+  EXPECT_NEAR(flux_at_an_edge(sine, good_up_to(sine.fringed)), 1.01, 1e-3);
+  const double good = good_up_to(tanh.fringed);
+  EXPECT_NEAR(good, (pi - std::asin(1 / 1.5)) / 2 * fringe,
+              fringe / 50);  // |1/(1 + e^2(s + ir))| <= 1/sin 2r
+  EXPECT_NEAR(flux_at_an_edge(tanh, good), 1, 1e-4);
+  EXPECT_LT(flux_at_an_edge(tanh, 1.02 * pi / 2 * fringe), 0.5);  // behind the pole
+  ShapedTerm enge = tanh;
+  const double common[6] = {0.478959, 1.911289, -1.185953, 1.630554, -1.082657, 0.318111};
+  std::copy(common, common + 6, enge.fringed.enge);
+  EXPECT_NEAR(flux_at_an_edge(enge, good_up_to(enge.fringed)), 1, 1e-3);
+  EXPECT_LT(flux_at_an_edge(enge, 1.8 * good_up_to(enge.fringed)), 0.6);
+}
+
+TEST(FringedField, AlongTheBeamIsGoodUpToAPercentOfWhatItsSeriesLeavesOut) {
+  FringeShape shape{true, FringeCurve::gaussian, size, half_length, fringe, {}};
+  // The sixth derivative of exp(-z^2/2 s^2) is largest in the middle, 15/s^6.
+  EXPECT_NEAR(good_up_to(shape), std::pow(0.01 * 2304 / 15, 1.0 / 6) * fringe, 1e-9);
+  shape.curve = FringeCurve::half_sine;
+  EXPECT_NEAR(good_up_to(shape), 2 * half_length / pi * std::sqrt(0.08), 1e-12);
 }
 
 }  // namespace

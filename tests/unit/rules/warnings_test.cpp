@@ -108,6 +108,29 @@ TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
   }
 }
 
+/// Neutrons from a slit of some height through a field along z with a fringe of 1 cm.
+std::vector<Fault> warned_of_fringe(const Fringe& fringe, double height) {
+  Beamline b = test::suggested(0);
+  b.law = QuantumLaw{};
+  b.chamber.reset();
+  b.source.opening = Rectangle{1e-3, height};
+  UniformField field{0.2, 10e-6, {}};
+  field.fringe = fringe;
+  b.parts = {place("B", 0.3, field), place("screen", 1.2, Detector{Rectangle{0.1, 0.1}, {1, 1}, {}})};
+  return warned({b});
+}
+TEST(Warnings, TellThatParticlesPassAFringeWhereItsCurveDoesNotTellTheField) {
+  EXPECT_TRUE(warned_of_fringe(TanhFringe{10e-3}, 20e-3).empty());
+  EXPECT_TRUE(warned_of_fringe(SineFringe{10e-3}, 1.4e-3).empty());
+  for (const auto& [fringe, height] :
+       {std::pair{Fringe{TanhFringe{10e-3}}, 30e-3}, {SineFringe{10e-3}, 2e-3}}) {
+    const std::vector<Fault> faults = warned_of_fringe(fringe, height);
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].subject, "B");
+    EXPECT_EQ(faults[0].key, "fringe");
+  }
+}
+
 /// Atoms through a gradient along x, whose bins are of a given size.
 std::vector<Fault> warned_of_gradient(double bins, Outcomes outcomes) {
   Beamline b = test::atoms("Cs-133 atom", 200, test::in_level(4, 4));
