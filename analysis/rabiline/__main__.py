@@ -128,16 +128,19 @@ def _run(words: list[str]) -> None:
     if signal.getsignal(signal.SIGINT) is _leave:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     options = parser.parse_args(words[1:] if verb else words)
-    if verb and VERBS[verb][0] in PICTURES and options.output is None:
+    drawing = verb and VERBS[verb][0] in DRAWING and hasattr(options, "output")
+    if drawing and options.output:
+        from . import style
+        style.require_name(options.output)
+    elif verb and VERBS[verb][0] in PICTURES:
         first = options.files[0] if hasattr(options, "files") else options.file
         options.output = Path(f"{first.stem}{PICTURES[VERBS[verb][0]] or verb.removeprefix('plot')}.png")
         options.told = True
     _keep_inputs(options)
-    if not (verb and VERBS[verb][0] in DRAWING and getattr(options, "output", None)):
+    if not (drawing and options.output):
         options.command(options)
         return
     from . import style
-    style.require_name(options.output)
     with style.here(getattr(options, "size", None)):
         figure = options.command(options)
         if VERBS[verb][0] == "pictures":

@@ -203,7 +203,7 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
         fields.static.any() and fields.static.max() > FAR * np.median(fields.static[fields.static > 0])
     scale = Scale("T") if far else fitting_scale(sizes, "T")
     for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"),
-                                  (fields.drives, LAWS["dorado"][0], "|B|, oscillating: amplitude")):
+                                  (fields.drives, LAWS["dorado"][0], "|B|, oscillating:\namplitude")):
         if values.any():
             shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
             axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)

@@ -56,6 +56,8 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
             "no column of the scanned parameter" if not others else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
+    if not table.rows:
+        raise FileError(table.path, f"line {table.header}: nothing stands below the names of the columns")
     if len(others) == 2:  # along the one that has more values
         others.sort(key=lambda one: -len(set(table.column(one[0]))))
     parameter, unit = others[0]

@@ -71,8 +71,6 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
     names = [name for name, _ in columns]
     if twice := [name for name in names if names.count(name) > 1]:
         raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
-    if len(rows) == 1:
-        raise FileError(path, f"line {header}: nothing stands below the names of the columns")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
             raise FileError(path, f"line {line}: {len(cells)} value{'' if len(cells) == 1 else 's'} in {len(columns)} columns")

@@ -6,6 +6,7 @@ import re
 import sys
 import warnings
 from dataclasses import dataclass, replace
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Iterable, Mapping, Sequence, Union
 
@@ -14,6 +15,8 @@ try:
 except ImportError as problem:  # a build without pybind11
     raise ImportError("this package reads and draws results, but has not the program in it (rabiline._core): build with "
                       f"pybind11, or set PYTHONPATH to the folder `python` of the build ({problem})") from None
+
+from . import asked
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,7 +50,7 @@ class Report:
 
 def load(source: str | Path) -> Experiment:
     """An experiment or a model from a file, or from its text, which has several lines. Raises InputError with everything
-    that is wrong, each with its line."""
+    that is wrong, each with its line, and TypeError."""
     text = source if isinstance(source, str) and "\n" in source else None
     return Experiment(text, Path() if text else Path(source))
 
@@ -64,7 +67,8 @@ class Experiment:
 
     def __post_init__(self) -> None:
         changes = _core.Changes(list(self.changes), list(self.scans), self.without_scan)
-        setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
+        with asked.as_written():
+            setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
         object.__setattr__(self, "_setup", setup)
 
     @property
@@ -92,7 +96,9 @@ class Experiment:
 
     def set(self, changes: Mapping[str, Value] | None = None, **more: Value) -> Experiment:
         """With other values: `{"B.field": "9 mT", "law": "quantum"}`; a number is in SI. A word such as `particles=1000`
-        may be given by itself. The latest change of a name counts. Raises InputError as `load` does."""
+        may be given by itself. The latest change of a name counts. Raises InputError as `load` does, and TypeError."""
+        if not isinstance(changes, (Mapping, type(None))):
+            raise TypeError(f'changes are a mapping such as {{"B.field": "9 mT"}}, not {type(changes).__name__}')
         made = {name: f"{name}={self._text(name, value)}" for name, value in {**(changes or {}), **more}.items()}
         kept = tuple(text for text in self.changes if text.partition("=")[0] not in made)
         return replace(self, changes=(*kept, *made.values()))
@@ -101,11 +107,13 @@ class Experiment:
         """With a scan more, inside of those made here before and outside of the file's own: over a range, "280 kHz:300 kHz:21" with `:log` behind it for
         equal ratios, or over a list, `["9 mT", "10 mT"]` or numbers in SI. "a,b" scans two parameters together. One text
         may be as on the command line, "B.field=9 mT:11 mT:3". Without arguments: without any scan, the file's own included.
-        Raises InputError as `load` does."""
+        Raises InputError as `load` does, and TypeError."""
         if names is None:
             return replace(self, scans=(), without_scan=True)
-        if "=" in names:
+        if "=" in asked.text("`names`", names):
             return replace(self, scans=(*self.scans, names))
+        if not isinstance(values, Iterable):
+            raise TypeError(f'the values of a scan are a list, or a range such as "280 kHz:300 kHz:21", not {type(values).__name__}')
         if not isinstance(values, str):
             values = ",".join(self._text(names.split(",")[0], value) for value in values)
         return replace(self, scans=(*self.scans, f"{names}={values}"))
@@ -120,7 +128,7 @@ class Experiment:
         bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
         `threads` and `isa` never change a result; `max_memory` ("2GiB", as of the command) has slabs of a long scan follow from
         kept moments, to 1e-12. Warnings are given as ExperimentWarning. Raises InputError where something is wrong that only a
-        flight tells, or for a size that is none."""
+        flight tells, or for a size that is none, and TypeError."""
         if self.is_model:
             from . import motions
             return motions.read(_core.solve(self._setup).image())
@@ -145,16 +153,14 @@ class Experiment:
         return {part: E for part, _, E in self._probed(places, None) if E.any()}
 
     def _probed(self, places: Sequence[Sequence[float]], times: Sequence[float] | None) -> list[tuple[str, np.ndarray, np.ndarray]]:
-        if times is not None and len(times) != len(places):
-            raise ValueError(f"{len(times)} times for {len(places)} places")
-        return _core.probe(self._setup, [tuple(map(float, place)) for place in places],
-                           [0.0] * len(places) if times is None else [float(time) for time in times])
+        where = asked.places(places)
+        return _core.probe(self._setup, where, asked.times(times, len(where)))
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
-        in s. Raises InputError for a model."""
+        in s. Raises InputError for a model, TypeError, and ValueError for a negative number."""
         from . import tracks
-        return tracks.read(_core.trace(self._setup, first, count))
+        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first), asked.whole_number("count", count)))
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
@@ -162,6 +168,7 @@ class Experiment:
         return fit_counts(self, data, free, **options)
 
     def _number(self, name: str) -> tuple[float, str]:
+        asked.text("`name`", name)
         found = self._variable(name.removeprefix("variables.")) if name.startswith("variables.") else self._setup.value(name)
         if found is None:
             raise KeyError(f"`{name}` is no number of {self.title}")
@@ -181,10 +188,13 @@ class Experiment:
 
     def _text(self, name: str, value: Value) -> str:
         """As the file would have it."""
+        asked.text("the name of what is changed", name)
         if isinstance(value, str):
             return value
         if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, str)):
             return json.dumps(value)
+        if not isinstance(value, Real):
+            raise TypeError(f"`{name}` is a number in SI, a text with its unit, a list or a mapping, not {type(value).__name__}")
         if isinstance(value, int) or float(value).is_integer() and (self._setup.value(name) or (0, ""))[1] == "":
             number = str(int(value))
         else:
@@ -194,9 +204,11 @@ class Experiment:
 
 
 def _fly(setup: object, threads: int, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:
+    if not (callable(progress) or progress in (None, True, False)):
+        raise TypeError(f"`progress` is a function, True, False or None, not {type(progress).__name__}")
     bar = progress if callable(progress) else None if progress is False else _Bar(progress is True)
-    arguments = ["import rabiline"]
-    return _core.fly(setup, threads, isa, transit, max_memory, bar, arguments)
+    words = (asked.text(f"`{name}`", value) for name, value in (("isa", isa), ("transit", transit), ("max_memory", max_memory)))
+    return _core.fly(setup, asked.whole_number("threads", threads), *words, bar, ["import rabiline"])
 
 
 class _Bar:

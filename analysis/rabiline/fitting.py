@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Callable, Sequence
 import numpy as np
 from scipy import optimize, stats
 
+from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
 from .curve_model import CurveModel, NoFit, Surface, check_columns
@@ -116,7 +117,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
     a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
     the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
-    for a table that cannot be used, and InputError as `load` does."""
+    for a table that cannot be used, InputError as `load` does, and TypeError."""
+    free = asked.names("free", free)
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
     names = [name for name in free if name not in (SCALE, BACKGROUND)]

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import asked
 from .results import Results, read
 
 
@@ -39,5 +40,5 @@ class Flown(Results):
         return values.reshape(shape)[()]
 
     def write(self, path: Path | str) -> None:
-        """Writes the file that `rabiline run` writes, whole and verified or not at all. Raises StorageError."""
-        self.core.write(path)
+        """Writes the file that `rabiline run` writes, whole and verified or not at all. Raises StorageError, and TypeError."""
+        self.core.write(asked.path("path", path))

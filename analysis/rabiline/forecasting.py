@@ -7,6 +7,7 @@ from typing import Sequence
 
 import numpy as np
 
+from . import asked
 from .argument_types import LARGEST
 from .counts_problem import BACKGROUND, SCALE, Exposure, Problem
 from .curve_model import CurveModel, NoFit, Surface
@@ -51,6 +52,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
     factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
+    free = asked.names("free", free)
     for name, value in (("rate", rate), ("seconds", seconds)):
         if value is not None and not 0 < value <= LARGEST:
             raise NoFit(f"`{name}` is {value}, and must be above 0, up to {LARGEST:g}")

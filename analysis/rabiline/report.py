@@ -162,14 +162,14 @@ def _tallies(results: Results) -> Iterable[str]:
                 yield f"  {axis.name:<16} {', '.join(axis.labels) or centres}"
                 continue
             if planes:
-                ends = " to ".join(format_value(axis.mean[0, k], axis.units, axis.mean_errors[0, k]) for k in (0, -1))
+                ends = " to ".join(axis.text(axis.mean[0, k], axis.mean_errors[0, k]) for k in (0, -1))
                 yield f"  {axis.name:<16} {axis.edges.size - 1} bins, mean {ends} from the first plane to the last"
                 continue
             if not inside:
                 yield f"  {axis.name:<16} {axis.edges.size - 1} bins, no mean of no particles"
                 continue
-            mean = format_value(axis.mean[0], axis.units, axis.mean_errors[0])
-            deviation = format_value(axis.deviation[0], axis.units, axis.deviation_errors[0])
+            mean = axis.text(axis.mean[0], axis.mean_errors[0])
+            deviation = axis.text(axis.deviation[0], axis.deviation_errors[0])
             yield f"  {axis.name:<16} {axis.edges.size - 1} bins, mean {mean}, standard deviation {deviation}"
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from . import tables
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
-
+from .tallies import Tally, TallyAxis, read_tally
 
 if TYPE_CHECKING:
     import pandas
@@ -90,34 +90,6 @@ class Monitor:
     name: str
     passed: np.ndarray  # [points], or [points, planes] of a monitor with several planes
     errors: np.ndarray  # same shape
-
-
-@dataclass(frozen=True)
-class TallyAxis:
-    """One axis of a tally: bins of equal width, or levels with labels."""
-
-    name: str
-    title: str  # what plots write along it
-    units: str  # SI; empty for a plain number
-    edges: np.ndarray  # [n + 1]
-    labels: tuple[str, ...]  # [n] of levels, else empty
-    mean: np.ndarray | None  # [points], or [points, planes], of what is inside the axes; None for levels and planes
-    mean_errors: np.ndarray | None
-    deviation: np.ndarray | None
-    deviation_errors: np.ndarray | None
-
-
-@dataclass(frozen=True)
-class Tally:
-    """A histogram over one to three quantities of what passed a monitor or a detector counted, in particles."""
-
-    name: str  # that of its group, "screen_spectrum"
-    title: str
-    axes: tuple[TallyAxis, ...]
-    counts: np.ndarray  # [points, bins of each axis...]
-    errors: np.ndarray  # same shape
-    outside: np.ndarray  # [points], or [points, planes], what crossed the plane outside of the axes
-    is_expectation: bool  # weights are split over the outcomes of a measurement of the spin
 
 
 @dataclass(frozen=True)
@@ -234,7 +206,7 @@ def read(source: Path | str | bytes) -> Results:
             scan=scan,
             detectors={name: _read_detector(entry, name, points) for name in scan.detectors},
             monitors=_read_monitors(entry, points),
-            tallies={name: _read_tally(entry.group(name), name, points) for name in entry.names()
+            tallies={name: read_tally(entry.group(name), name, points, texts_of(entry)) for name in entry.names()
                      if entry.group(name).attribute("tally")},
             fates=_read_fates(fates, points),
             emitted=fates.numbers("emitted", (points,)),
@@ -328,34 +300,6 @@ def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
             shape = (points, group.numbers("y").size) if "y" in group else (points,)
             monitors[name] = Monitor(name, group.numbers("passed", shape), group.numbers("passed_errors", shape))
     return monitors
-
-
-def _read_tally(group: Group, name: str, points: int) -> Tally:
-    own = [axis for axis in group.attribute("axes") if f"{axis}_edges" in group]
-    # What has several planes has them as its first axis, which then has no mean.
-    of_planes = own[0] == "y" and "y_mean" not in group
-    each = (points, group.numbers("y").size) if of_planes else (points,)
-    axes = tuple(_read_tally_axis(group, axis, each) for axis in own)
-    shape = (points, *(axis.edges.size - 1 for axis in axes))
-    return Tally(
-        name=name,
-        title=group.text("title", name),
-        axes=axes,
-        counts=group.numbers("counts", shape),
-        errors=group.numbers("counts_errors", shape),
-        outside=group.numbers("outside", each),
-        is_expectation=bool(group.attribute("spin_outcomes")),
-    )
-
-
-def _read_tally_axis(group: Group, name: str, shape: tuple[int, ...]) -> TallyAxis:
-    units = "".join(group.attribute("units", of=name))
-    moments = (group.numbers(f"{name}_{moment}", shape, or_none=True) if f"{name}_{moment}" in group else None
-               for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
-    labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
-    title = "".join(group.attribute("long_name", of=name)) or name
-    edges = group.numbers(f"{name}_edges").ravel()
-    return TallyAxis(name, title, "" if units == "1" else units, edges, labels, *moments)
 
 
 def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:

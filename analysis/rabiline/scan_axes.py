@@ -11,7 +11,7 @@ from .hdf5 import Group
 from .units import Scale, fitting_scale, format_value, in_unit
 
 QUANTITY = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[%°])[^\s:,;'\"\[\]{}#]*)"  # number, unit
-REACH = 400  # letters behind a parameter's name, in which its scan stands
+REST = r"(.{0,400}?)(?:\}|\n\S|$)"  # behind a parameter's name, in which its scan stands
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,18 @@ def written_unit(parameter: str, values: np.ndarray, texts: Sequence[str]) -> tu
     """The unit in which a scan of a parameter over `values` [n] in SI is written in one of some texts, and how much it is in SI. None
     where none of them has this scan with one unit."""
     name = re.escape(parameter.split(", ")[0])
-    ways = (rf"{name}(?:,[^=\s]+)?=(.*?)(?: -[-a-z]|$)", rf"parameters?:\s*\[?\s*['\"]?{name}\b(.{{0,{REACH}}}?)(?:\}}|\n\S|$)")
+    return _unit_in(texts, (rf"{name}(?:,[^=\s]+)?=(.*?)(?: -[-a-z]|$)", rf"parameters?:\s*\[?\s*['\"]?{name}\b{REST}"), values)
+
+
+def written_unit_of_bins(tally: str, quantity: str, edges: np.ndarray, texts: Sequence[str]) -> tuple[str, float] | None:
+    """Likewise of an axis of a tally, "PART_TALLY", with these edges [n + 1] in SI."""
+    words = tally.split("_")
+    names = "|".join(re.escape("_".join(words[i:])) for i in range(1, len(words)))
+    return _unit_in(texts, (rf"name:\s*(?:{names})\b.{{0,400}}?quantity:\s*{re.escape(quantity)}\b{REST}",), edges)
+
+
+def _unit_in(texts: Sequence[str], ways: Sequence[str], values: np.ndarray) -> tuple[str, float] | None:
+    """That of the first and the last of some values, where one of these patterns finds them."""
     for text in texts:
         for found in (match for way in ways for match in re.finditer(way, text, re.DOTALL)):
             pairs = re.findall(QUANTITY, found[1])

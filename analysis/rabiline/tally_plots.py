@@ -12,7 +12,7 @@ from . import style
 from .image_plots import about, shot_of
 from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
-from .units import Scale, edges_of, fitting_scale, is_logarithmic, law_name
+from .units import Scale, edges_of, is_logarithmic, law_name
 
 FEW = 4  # levels whose names stand side by side, or values that are the ticks of their axis
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
@@ -29,7 +29,7 @@ def draw_tally(results: Results, tally: Tally, axes: Sequence[int], points: Sequ
     if len(shown) == 1:
         return _draw_curves(results, tally, shown[0], counts, errors, points, title)
     figure = _draw_images(results, shown, counts, points)
-    _write_title(figure, results, tally, title)
+    _write_title(figure, results, tally, shown, title)
     return figure
 
 
@@ -39,7 +39,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
     counts = tally.counts.sum(axis=tuple(1 + i for i in range(len(tally.axes)) if i != number))
     flat = np.moveaxis(np.arange(len(counts)).reshape(results.scan.shape), along, -1).reshape(-1, scanned.values.size)[0]
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
-    across, up = scanned.scale, _scale(axis)
+    across, up = scanned.scale, axis.scale
     mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
                             vmin=0, rasterized=True)
     if is_logarithmic(scanned.values):
@@ -53,14 +53,16 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
         panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panel.set_ylabel(_label(axis, up))
     figure.colorbar(mesh, ax=panel, label="particles per bin")
-    _write_title(figure, results, tally, title)
+    _write_title(figure, results, tally, [axis], title)
     return figure
 
 
-def _write_title(figure: Figure, results: Results, tally: Tally, title: str | None) -> None:
-    """Outcomes are those of a measurement, which only one law knows."""
+def _write_title(figure: Figure, results: Results, tally: Tally, shown: Sequence[TallyAxis], title: str | None) -> None:
+    """With what is not shown. Outcomes are those of a measurement, which only one law knows."""
     split = tally.is_expectation and all(law.startswith("quantum") for law in results.laws)
-    style.write_title(figure, (title or tally.title) + ("\nspin: expectation, weights split over the outcomes" if split else ""))
+    summed = " and ".join(_name(axis) for axis in tally.axes if not any(axis is one for one in shown))
+    style.write_title(figure, "\n".join([title or tally.title, *([f"summed over {summed}"] if summed else []),
+                                        *(["spin: expectation, weights split over the outcomes"] if split else [])]))
 
 
 def _heading(results: Results, point: int) -> str:
@@ -68,24 +70,22 @@ def _heading(results: Results, point: int) -> str:
     return ": ".join(filter(None, (shot_of(results, point).heading, whose)))
 
 
-def _scale(axis: TallyAxis) -> Scale:
-    if axis.units in ("m/s", "J", ""):
-        return Scale("meV", 1.602176634e-22) if axis.units == "J" else Scale(axis.units)
-    return fitting_scale(axis.edges, axis.units)
+def _name(axis: TallyAxis) -> str:
+    return axis.title.rsplit(" (", 1)[0] if axis.units else axis.title
 
 
 def _label(axis: TallyAxis, scale: Scale) -> str:
-    return scale.label(axis.title.rsplit(" (", 1)[0] if axis.units else axis.title)
+    return scale.label(_name(axis))
 
 
 def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.ndarray, errors: np.ndarray,
                  points: Sequence[int], title: str | None) -> Figure:
     """Steps with error bars, one colour for each scan point."""
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.4), layout="constrained")
-    _write_title(figure, results, tally, title)
+    _write_title(figure, results, tally, [axis], title)
     heading, labels = style.what_differs([about(results, point) for point in points]) if len(points) > 1 else \
         ("", [_heading(results, points[0])])
-    scale = _scale(axis)
+    scale = axis.scale
     edges = np.asarray(scale.apply(axis.edges))
     for number, (colour, label, point) in enumerate(zip(COLOURS, labels, points)):
         panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
@@ -116,7 +116,7 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
     """The first axis across, the second one up; one colour scale for all scan points."""
     figure, panels = plt.subplots(1, len(points), figsize=(1.4 + 4.4 * len(points), 4.8), squeeze=False,
                                   sharey=True, layout="constrained")
-    scales = [_scale(axis) for axis in axes]
+    scales = [axis.scale for axis in axes]
     most = max(float(counts[list(points)].max()), 1e-300)
     for panel, point in zip(panels[0], points):
         edges = [np.asarray(scale.apply(axis.edges)) for axis, scale in zip(axes, scales)]

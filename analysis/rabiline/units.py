@@ -9,6 +9,7 @@ import numpy as np
 
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+ELECTRONVOLT, MACROSCOPIC = 1.602176634e-19, 1e-12  # J; energies below the latter are in eV
 TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV", "V/m"}  # nobody reads mK, km/s or krad here
 
 
@@ -32,8 +33,9 @@ class Scale:
 
     @property
     def base_unit(self) -> str:
-        """The unit without its prefix."""
-        return self.unit[len(PREFIXES[round(log10(self.factor))]):]
+        """That of SI, without prefix."""
+        base = base_of(self.unit)[0]
+        return "J" if base == "eV" else base
 
 
 def fitting_scale(values: np.ndarray, unit: str, written: tuple[str, float] | None = None) -> Scale:
@@ -97,9 +99,14 @@ def format_value(value: float, unit: str, error: float | None = None) -> str:
         if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
             whole = error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
             unit_shown, factor = prefixed(1.0 if whole else error, unit)
-        digits = max(0, 1 - floor(log10(error / factor)))
-        number = f"{value / factor:.{digits}f} ± {error / factor:.{digits}f}"
+        return with_error(value, error, unit_shown, factor)
     return f"{number} {unit_shown}".strip()
+
+
+def with_error(value: float, error: float, unit: str, factor: float) -> str:
+    """A value in SI with its error, above 0, to two digits, in a unit that is so much in SI."""
+    digits = max(0, 1 - floor(log10(error / factor)))
+    return f"{value / factor:.{digits}f} ± {error / factor:.{digits}f} {unit}".strip()
 
 
 def in_unit(value: float, unit: str, factor: float, digits: int = 10) -> str:
@@ -114,8 +121,8 @@ def _with_power(number: str) -> str:
 
 
 def parse_quantity(text: str, wanted: str | None = None) -> float:
-    """"291.65 kHz" or "2.5" as a finite SI number; raises ValueError. The unit is one that takes prefixes, and the
-    wanted one where there is such."""
+    """"291.65 kHz", "3 meV" or "2.5" as a finite SI number; raises ValueError. The unit is one that takes prefixes, and of the
+    kind of the wanted one where there is such."""
     words = text.split()
     if not 1 <= len(words) <= 2:
         raise ValueError("it has no number and unit")
@@ -124,9 +131,10 @@ def parse_quantity(text: str, wanted: str | None = None) -> float:
              if unit.startswith(prefix) and unit[len(prefix):] in TAKE_PREFIXES]
     if unit and not known:
         raise ValueError(f"unknown unit {unit}")
-    if known and wanted and known[0][1] != wanted:
+    if known and wanted and known[0][1] != wanted and (known[0][1], wanted) != ("eV", "J"):
         raise ValueError(f"{unit} is not a unit of the kind of {wanted}")
     value *= 10.0 ** known[0][0] if known else 1.0
+    value *= ELECTRONVOLT if known and known[0][1] == "eV" else 1.0
     if not isfinite(value):
         raise ValueError("it is not a finite number")
     return value
@@ -150,7 +158,10 @@ def law_name(law: str) -> str:
 
 
 def prefixed(size: float, unit: str) -> tuple[str, float]:
-    """The unit with the prefix that shows `size` as 1 to 1000, and that prefix's factor."""
+    """The unit with the prefix that shows `size` as 1 to 1000, and how much it is in SI; eV for the energy of a particle."""
+    if unit == "J" and 0 < size < MACROSCOPIC:
+        shown, factor = prefixed(size / ELECTRONVOLT, "eV")
+        return shown, factor * ELECTRONVOLT
     power = 3 * floor(log10(size * (1 + 1e-12)) / 3) if size > 0 else 0
     power = min(max(power, min(PREFIXES)), max(PREFIXES))
     return PREFIXES[power] + unit, 10.0**power

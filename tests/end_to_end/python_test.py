@@ -97,6 +97,49 @@ def test_errors_keep_line_and_caret() -> None:
         rabiline.open("nothing.h5")
 
 
+def test_mistakes_in_what_is_set_or_scanned_are_shown_as_the_caller_wrote_them(ramsey: rabiline.Experiment) -> None:
+    with pytest.raises(rabiline.InputError) as caught:
+        ramsey.scan().set({"B.field": "9 mTT"})
+    assert str(caught.value) == ("\nset: error: `9 mTT` has the unknown unit `mTT`, but `field` is a magnetic field\n"
+                                 "  | B.field = 9 mTT\n  |           ^^^^^\n  help: did you mean `mT`?\n")
+    assert caught.value.diagnostics[0]["help"] == "did you mean `mT`?"
+    with pytest.raises(rabiline.InputError) as caught:
+        ramsey.scan().set({"B.feld": "9 mT", "law": "quantun"})
+    assert "  | B.feld = 9 mT\n  |   ^^^^\n" in str(caught.value) and "  | law = quantun\n  |       ^^^^^^^\n" in str(caught.value)
+    with pytest.raises(rabiline.InputError, match=r"^\nscan: error: .*\n  \| B.field = 1 mTT:2 mT:3\n  \|           \^\^\^\^\^\n"):
+        ramsey.scan().scan("B.field", "1 mTT:2 mT:3")
+
+
+@pytest.mark.parametrize(("call", "says"), [
+    (lambda e: e.set([1]), 'changes are a mapping such as {"B.field": "9 mT"}, not list'),
+    (lambda e: e.set({1: 2}), "the name of what is changed is a text, not int"),
+    (lambda e: e.set({"B.field": None}), "`B.field` is a number in SI, a text with its unit, a list or a mapping, not NoneType"),
+    (lambda e: e.scan(3), "`names` is a text, not int"),
+    (lambda e: e.scan("B.field", 3), 'the values of a scan are a list, or a range such as "280 kHz:300 kHz:21", not int'),
+    (lambda e: e.run(threads="2"), "`threads` is a whole number, not a text"), (lambda e: e.run(isa=3), "`isa` is a text, not int"),
+    (lambda e: e.run(transit=None), "`transit` is a text, not NoneType"), (lambda e: e.run(max_memory=3), "`max_memory` is a text, not int"),
+    (lambda e: e.run(progress=3), "`progress` is a function, True, False or None, not int"),
+    (lambda e: e.fly(2.5), "`threads` is a whole number, not float"), (lambda e: e.trace("3"), "`count` is a whole number, not a text"),
+    (lambda e: e.trace(3, 1.5), "`first` is a whole number, not float"), (lambda e: e.field([1, 2, 3]), "`places` is a list of places (x, y, z) in m"),
+    (lambda e: e.field([("a", 0, 0)]), "`places` is a list of places (x, y, z) in m"),
+    (lambda e: e.field([(0, 0, 0)], times=3), "`times` is a list of 1 times in s, one for each place"),
+    (lambda e: e.value(3), "`name` is a text, not int"), (lambda e: e.unit(None), "`name` is a text, not NoneType"),
+    (lambda e: e.fit(3, ["B.field"]), "a table is the path of a file or a pandas.DataFrame, not int"),
+    (lambda e: e.fit("a.csv", "B.field"), "`free` is a list of names, not a text"),
+    (lambda e: e.set(particles=10).run().write(3), "`path` is the path of a file, not int"),
+])
+def test_what_is_of_the_wrong_kind_is_told_in_one_line(ramsey: rabiline.Experiment, call: object, says: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        call(ramsey)
+    assert str(caught.value) == says
+
+
+def test_numbers_of_paths_are_not_negative(ramsey: rabiline.Experiment) -> None:
+    with pytest.raises(ValueError, match="^`count` is 0 or above, not -3$"):
+        ramsey.trace(-3)
+    assert len(ramsey.trace(np.int64(2)).tracks) == 2
+
+
 def test_a_check_tells_the_plan_and_warnings(ramsey: rabiline.Experiment) -> None:
     assert "Larmor" in str(ramsey.check()) and ramsey.check().warnings == ()
     blind = rabiline.load(BEAMLINES / "ramsey.yaml").scan().set({"first.frequency": "291.647 Hz"})

@@ -99,7 +99,7 @@ seed: 4
     standing = experiment.set({"coil.oscillates.phase": "0 deg"}).field([(0, 2.2, 0)])["coil"]
     assert np.interp(2.2, fields.y, fields.drives) == pytest.approx(np.linalg.norm(standing), rel=1e-3) and fields.static.max() == 1e-3
     figure = draw_apparatus(experiment, 0)
-    assert [line.get_label() for line in figure.axes[1].get_lines()] == ["|B|, static", "|B|, oscillating: amplitude"]
+    assert [line.get_label() for line in figure.axes[1].get_lines()] == ["|B|, static", "|B|, oscillating:\namplitude"]
     plt.close(figure)
 
 

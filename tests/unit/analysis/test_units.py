@@ -20,6 +20,9 @@ from rabiline.units import fitting_scale, format_value, law_name, parse_quantity
     (1000.0, "m/s", None, "1000 m/s"),
     (0.5, "", 0.01, "0.500 ± 0.010"),
     (-5.2e-3, "m", 1e-4, "-5.20 ± 0.10 mm"),
+    (5.3795e-22, "J", 7.6e-25, "3.3576 ± 0.0047 meV"),
+    (1.602176634e-19, "J", None, "1 eV"),
+    (2.5, "J", 0.1, "2.50 ± 0.10 J"),
 ])
 def test_a_value_is_written_with_a_fitting_prefix(value: float, unit: str, error: float | None, text: str) -> None:
     assert format_value(value, unit, error) == text
@@ -39,9 +42,22 @@ def test_a_narrow_scan_is_shown_as_differences_from_its_middle() -> None:
 
 
 @pytest.mark.parametrize(("text", "value"), [("291.65 kHz", 291650), ("3 mm", 3e-3), ("2.5", 2.5), ("1 m", 1),
-                                             ("0.3 µT", 3e-7), ("0.3 uT", 3e-7)])
+                                             ("0.3 µT", 3e-7), ("0.3 uT", 3e-7),
+                                             ("3 meV", 4.806529902e-22)])
 def test_a_quantity_is_read_with_its_prefix(text: str, value: float) -> None:
     assert parse_quantity(text) == pytest.approx(value)
+
+
+def test_an_energy_is_read_in_either_unit() -> None:
+    assert parse_quantity("1 eV", "J") == parse_quantity("1.602176634e-19 J", "J")
+    with pytest.raises(ValueError, match="meV is not a unit of the kind of Hz"):
+        parse_quantity("1 meV", "Hz")
+
+
+def test_energies_of_particles_are_drawn_in_electronvolts() -> None:
+    scale = fitting_scale(np.array([2e-22, 8e-22]), "J")
+    assert scale.unit == "meV" and scale.apply(1.602176634e-22) == pytest.approx(1)
+    assert fitting_scale(5e-22 * (1 + 1e-4 * np.arange(4)), "J").label("energy") == "energy − 3.121191443 meV (neV)"
 
 
 @pytest.mark.parametrize("text", ["", "fast", "3 parsec", "3 k Hz"])

@@ -1,0 +1,88 @@
+"""What callers of the package give, held to its kind: errors of one line that say what belongs there."""
+from __future__ import annotations
+
+import operator
+import os
+import re
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Iterable, Iterator
+
+from . import _core
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def text(name: str, value: object) -> str:
+    """Raises TypeError."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is a text, not {_kind(value)}")
+    return value
+
+
+def path(name: str, value: object) -> str | os.PathLike[str]:
+    """Raises TypeError."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"`{name}` is the path of a file, not {_kind(value)}")
+    return value
+
+
+def whole_number(name: str, value: object) -> int:
+    """0 or above; raises TypeError and ValueError."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"`{name}` is a whole number, not {_kind(value)}") from None
+    if number < 0:
+        raise ValueError(f"`{name}` is 0 or above, not {number}")
+    return number
+
+
+def places(value: object) -> list[tuple[float, ...]]:
+    """[n, 3] Raises TypeError."""
+    return list(map(tuple, _numbers("places", value, (None, 3), "a list of places (x, y, z) in m").tolist()))
+
+
+def times(value: object, count: int) -> list[float]:
+    """[count] All 0 where there are none. Raises TypeError."""
+    return [0.0] * count if value is None else _numbers("times", value, (count,), f"a list of {count} times in s, one for each place").tolist()
+
+
+def names(name: str, value: object) -> list[str]:
+    """Raises TypeError."""
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"`{name}` is a list of names, not {_kind(value)}")
+    return [text(f"a name in `{name}`", one) for one in value]
+
+
+@contextmanager
+def as_written() -> Iterator[None]:
+    """Mistakes in what was set or scanned are shown as `name = value`; on the command line they have a line and a column of an option."""
+    try:
+        yield
+    except _core.InputError as problem:
+        said = re.sub(r"^--(set|scan):1:(\d+): (.*\n) *1 \| ([^=\n]*)=(.*\n) *\| ( *)", _without_option, str(problem), flags=re.MULTILINE)
+        told = _core.InputError(said)
+        told.diagnostics = problem.diagnostics
+        raise told from None
+
+
+def _without_option(found: re.Match[str]) -> str:
+    option, column, message, name, value, indent = found.groups()
+    shift = "  " if int(column) > len(name) else ""
+    return f"{option}: {message}  | {name} = {value}  | {indent}{shift}"
+
+
+def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: str) -> np.ndarray:
+    import numpy as np
+    try:
+        found = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        found = np.empty(())
+    if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
+        raise TypeError(f"`{name}` is {wanted}")
+    return found
+
+
+def _kind(value: object) -> str:
+    return "a text" if isinstance(value, str) else type(value).__name__
