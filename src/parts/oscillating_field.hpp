@@ -54,7 +54,10 @@ inline constexpr auto parameters<OscillatingField> = std::tuple{
     param("frequency", &OscillatingField::frequency, Dimension::frequency, range::not_negative,
           "periods per second; omitted where an oscillator is named"),
     param("approximation", &OscillatingField::approximation, "which part of the field acts"),
-    param("phase", &OscillatingField::phase, "phase at emission: random, locked (zero) or an angle"),
+    param("phase", &OscillatingField::phase,
+          "phase at emission: random, locked (zero) or an angle; beside an oscillator the angle is added to "
+          "that of its "
+          "clock"),
     param("oscillator", &OscillatingField::oscillator,
           "name of the oscillating_field whose clock this zone follows; its own where it is missing"),
     param("direction", &OscillatingField::direction, "axis along which it oscillates; x where it is missing",

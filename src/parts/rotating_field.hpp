@@ -54,7 +54,9 @@ inline constexpr auto parameters<RotatingField> = std::tuple{
           "turns per second; omitted where an oscillator is named"),
     param("sense", &RotatingField::sense, "sense of turning; omitted where an oscillator is named"),
     param("phase", &RotatingField::phase,
-          "azimuth at emission, from +x towards +y whatever the sense: random, locked (zero) or an angle"),
+          "azimuth at emission, from +x towards +y whatever the sense: random, locked (zero) or an angle; "
+          "beside an "
+          "oscillator the angle is added to that of its clock"),
     param("oscillator", &RotatingField::oscillator,
           "name of the rotating_field whose clock this zone follows; its own where it is missing"),
     param("bore", &RotatingField::bore, "wall around the field; none where it is missing"),

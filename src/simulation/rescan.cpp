@@ -50,7 +50,10 @@ Experiment with_totals(const Experiment& experiment, const std::vector<std::stri
 
 std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& plan,
                                       const RunOutcome& outcome, KeptBins bins, std::string_view& why_not) {
-  why_not = "the scan changes more than how spins turn between two places that ask for their level";
+  why_not =
+      "the scan changes more than how spins turn between two places that ask for their level, or a tally "
+      "asks "
+      "for more of a spin than that";
   FlightRecord record;
   for (const PlanTree& tree : plan.trees)
     each_transit(tree.next, [&](const PlanNode& node) { record.cells.push_back(node.transit->cells()); });
