@@ -95,6 +95,13 @@ TEST(Scan, SpreadsALogarithmicRangeInEqualRatiosBetweenExactEnds) {
     EXPECT_NEAR(axis.values[i] / axis.values[i - 1], std::pow(700.0 / 3, 0.2), 1e-13);
 }
 
+TEST(CommandLine, SetsEachValueInOneLine) {
+  for (const char* text : {"H0.amplitude=1 uT\nB.field: 2 mT", "H0.amplitude=[1,\n2]"})
+    EXPECT_THAT(error_of({text}), HasSubstr("--set:2:1: error: what follows --set is one line\n"));
+  EXPECT_THAT(error_of({}, {"law=dorado,\nclassical"}),
+              HasSubstr("--scan:2:1: error: what follows --scan is one line\n"));
+}
+
 TEST(Scan, GoesLogarithmicallyThroughDecadesToTheBit) {
   const auto values = [](const char* scan) { return load({}, {scan}).experiment.axes[0].values; };
   EXPECT_THAT(values("H0.amplitude=1 nT:1 mT:7:log"), ElementsAre(1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3));
