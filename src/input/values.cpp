@@ -41,6 +41,11 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
   return whole ? std::optional(static_cast<std::uint64_t>(parsed.value)) : std::nullopt;
 }
 
+/// A key of one letter does not say by its name what it is.
+std::string with_meaning(std::string help, const Row& row) {
+  return row.key.size() == 1 ? fmt::format("{}; `{}` is: {}", help, row.key, row.meaning) : help;
+}
+
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {
@@ -53,15 +58,17 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
     reading.error(node.place,
                   fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
                               row.key, wanted),
-                  std::move(help));
+                  with_meaning(std::move(help), row));
     return;
   }
   const std::string_view si = si_unit_of(row.dimension);
   const bool angle = row.dimension == Dimension::angle;
-  reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
-                node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
-                : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
-                                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si));
+  reading.error(
+      node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
+      with_meaning(node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
+                   : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
+                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si),
+                   row));
 }
 
 }  // namespace
