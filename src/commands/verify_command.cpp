@@ -2,7 +2,7 @@
 // again.
 #include <fmt/format.h>
 
-#include <ranges>
+#include <algorithm>
 
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
@@ -19,8 +19,8 @@ struct ReproduceArguments {
 std::string lines_of(const std::vector<std::string>& differing) {
   constexpr std::size_t most = 12;
   std::string out;
-  for (const std::string& path : differing | std::views::take(most))
-    out += fmt::format("  differing: {}\n", path);
+  for (std::size_t i = 0; i < std::min(most, differing.size()); ++i)
+    out += fmt::format("  differing: {}\n", differing[i]);
   if (differing.size() > most) out += fmt::format("  and {} more\n", differing.size() - most);
   return out;
 }
