@@ -174,7 +174,9 @@ std::string verify(const std::filesystem::path&);
 /// as run and solve do.
 struct Reproduced {
   std::variant<Result, SolvedModel> result;
-  bool same = false;  // whether all of it is as in the file to the bit, but for /entry/simulation
+  /// Paths in the file of what comes out otherwise, to the bit. How, where, when and by which version of the
+  /// program it was computed is not compared.
+  std::vector<std::string> differing;
 };
 Reproduced reproduce(const std::filesystem::path& result, RunSettings = {});
 

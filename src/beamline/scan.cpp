@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rabiline {
 
 std::string value_at(const ScanAxis& axis, std::size_t i) {
   if (!axis.dimension) return axis.labels[i];
-  const auto shown = [&](double value) { return pretty_quantity(value, *axis.dimension); };
-  return shown(axis.values.front()) != shown(axis.values.back())
-             ? shown(axis.values[i])
-             : fmt::format("{:.12g} {}", axis.values[i], si_unit_of(*axis.dimension));
+  if (axis.unit.empty()) return fmt::format("{:.12g}", axis.values[i]);
+  const auto unit = std::ranges::find(unit_table(), axis.unit, &UnitSymbol::symbol);
+  return fmt::format("{:.12g} {}", axis.values[i] / unit->factor, axis.unit);
 }
 
 }  // namespace rabiline

@@ -26,8 +26,9 @@ struct ScanAxis {
   std::optional<Dimension> dimension;  // none for a categorical axis such as "law"
   std::vector<double> values;          // [SI]; the index 0, 1, ... for a categorical axis
   std::vector<std::string> labels;     // of a categorical axis, else empty
+  std::string unit{};  // that the values are written in, for people; empty where they have none
 };
-/// A value of the axis for people; with all its digits where the first and the last would look alike.
+/// A value of the axis for people, in the unit that it is written in.
 std::string value_at(const ScanAxis&, std::size_t i);
 
 }  // namespace rabiline

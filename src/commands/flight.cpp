@@ -86,14 +86,16 @@ void FlightOptions::add_to(CLI::App& app) {
   app.add_option("--checkpoint-every", checkpoint_every,
                  "time between checkpoints, such as `10 min`; 60 s where it is missing")
       ->type_name("TIME");
-  app.add_option("--max-time", max_time, "stop with a checkpoint after this time, such as `23.9 h`")
+  app.add_option("--max-time", max_time,
+                 "stop after this time of flight, such as `23.9 h`, with a checkpoint that `rabiline resume` "
+                 "goes on from")
       ->type_name("TIME");
   app.add_flag("--keep", keep, "give an earlier OUT.h5 another name, OUT.1.h5 or the next that is free");
 }
 
 RunSettings FlightOptions::settings() const {
   RunSettings out = machine.settings();
-  const Range positive{0, 1e9, false, true, "greater than zero"};
+  const Range positive{0, 1e9, false, true, "greater than zero and at most 1e9 s, some thirty years"};
   if (!checkpoint_every.empty())
     out.snapshot_seconds = read_time_argument("--checkpoint-every", checkpoint_every, positive);
   if (!max_time.empty()) read_time_argument("--max-time", max_time, positive);

@@ -1,5 +1,9 @@
 // rabiline verify and reproduce: whether a file is what was written, and whether what was written comes
 // again.
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
 
@@ -11,6 +15,16 @@ struct ReproduceArguments {
   MachineOptions machine;
 };
 
+/// One for each of the first paths.
+std::string lines_of(const std::vector<std::string>& differing) {
+  constexpr std::size_t most = 12;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(most, differing.size()); ++i)
+    out += fmt::format("  differing: {}\n", differing[i]);
+  if (differing.size() > most) out += fmt::format("  and {} more\n", differing.size() - most);
+  return out;
+}
+
 int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
   RunSettings settings = a.machine.settings();
   settings.ranks = ranks;
@@ -19,7 +33,7 @@ int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
   const Reproduced again = reproduce(a.file, settings);
   return std::visit(
       [&](const auto& result) {
-        if (again.same) {
+        if (again.differing.empty()) {
           say(stdout, "{}: comes out again with the same bits, {:.2f} s\n", a.file.string(),
               result.provenance.seconds);
           return exit_code::done;
@@ -28,10 +42,10 @@ int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
         require_place(other, {{a.file.string(), {}}});
         write(result, other);
         say(stderr,
-            "error: {} comes out otherwise here: compare it with {}, for example with h5diff\n  help: "
-            "another version of the "
-            "program wrote it (see /entry/simulation/commit), or one of the machines computes wrongly\n",
-            a.file.string(), other.string());
+            "error: {} comes out otherwise here\n{}  help: compare it with {}: another version of the "
+            "program wrote it (see /entry/simulation/commit), it was changed since, or one of the machines "
+            "computes wrongly\n",
+            a.file.string(), lines_of(again.differing), other.string());
         return exit_code::not_written;
       },
       again.result);

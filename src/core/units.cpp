@@ -7,12 +7,11 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "core/constants.hpp"
 #include "core/diagnostics.hpp"
-#include "core/portable_math.hpp"
+#include "core/spelling.hpp"
 #include "core/text.hpp"
 
 namespace rabiline {
@@ -310,11 +309,16 @@ const std::vector<UnitSymbol>& unit_table() {
   return table;
 }
 
-ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wanted) {
+ParsedQuantity parse_quantity(std::string_view written, std::optional<Dimension> wanted) {
+  const std::string plain = with_plain_minus(written);
+  std::string_view text = plain;
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   std::string_view rest = text;
   const std::optional<Decimal> number = take_decimal(rest);
+  const std::string degrees = wanted == Dimension::angle ? degrees_of_pi(text) : std::string{};
+  if (!degrees.empty())
+    return failure(Misread::not_a_number, "is not a number", fmt::format("write `{}`", degrees));
   if (!number) return failure(Misread::not_a_number, "is not a number");
   if (number->mantissa.size() > 60) return failure(Misread::too_many_digits, "has too many digits");
   while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
@@ -337,61 +341,6 @@ ParsedQuantity parse_quantity(std::string_view text, std::optional<Dimension> wa
   if (result.value == 0 && !number->is_zero)
     return failure(Misread::too_small, "is too small for a number", "write `0` if zero is meant");
   return result;
-}
-
-std::string write_quantity(double si_value, Dimension d) {
-  const std::string_view unit = si_unit_of(d);
-  return unit.empty() ? fmt::format("{}", si_value) : fmt::format("{} {}", si_value, unit);
-}
-
-std::string pretty_quantity(double si_value, Dimension d) {
-  // The symbols a physicist would choose from, largest first; the first that leaves one digit before the
-  // point.
-  static constexpr std::string_view choices_of[] = {"",
-                                                    "km|m|mm|um|nm",
-                                                    "s|ms|us|ns",
-                                                    "km/s|m/s|mm/s",
-                                                    "kg|g|u",
-                                                    "C|e",
-                                                    "T|mT|uT|nT|pT",
-                                                    "THz|GHz|MHz|kHz|Hz|mHz",
-                                                    "rad|mrad|urad|nrad",
-                                                    "GHz/T|MHz/T|kHz/T|Hz/T",
-                                                    "K|mK|uK",
-                                                    "MeV|keV|eV|meV|ueV|neV",
-                                                    "1/s",
-                                                    "T/m|mT/m",
-                                                    "kA|A|mA",
-                                                    "kN m|N m|mN m|uN m",
-                                                    "MV/m|kV/m|V/m",
-                                                    "m^2|cm^2|mm^2|nm^2|angstrom^2",
-                                                    "1/cm^3|1/m^3",
-                                                    "kPa|Pa|mPa|uPa",
-                                                    "m/s^2|cm/s^2",
-                                                    "rad/mm|rad/m|mrad/m",
-                                                    "1/mm|1/m",
-                                                    "C m|e cm"};
-  static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
-  std::string_view list = choices_of[static_cast<std::size_t>(d)];
-  if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
-  if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));
-  const UnitSymbol* unit = nullptr;
-  while (!list.empty()) {
-    const std::size_t end = std::min(list.find('|'), list.size());
-    unit = find_unit(list.substr(0, end));
-    list.remove_prefix(std::min(end + 1, list.size()));
-    // 0.99995 is what four digits round up to one.
-    if (std::abs(si_value) >= 0.99995 * unit->factor) break;
-  }
-  return fmt::format("{:.4g} {}", si_value / unit->factor, unit->symbol);
-}
-
-std::string write_measured(double value, double uncertainty) {
-  if (!(uncertainty > 0)) return fmt::format("{:.9g}", value);
-  // 0.0995 has the two digits 10: the exponent is that of the rounded number.
-  const std::string rounded = fmt::format("{:.1e}", uncertainty);
-  const int decimals = std::max(0, 1 - std::stoi(rounded.substr(rounded.find('e') + 1)));
-  return fmt::format("{:.{}f}({:.0f})", value, decimals, uncertainty * portable::pow(10, decimals));
 }
 
 }  // namespace rabiline

@@ -29,17 +29,25 @@ void require_memory(const Experiment& experiment, const Plan& plan, int threads,
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(plan)) * threads +
                         bytes_of_histograms(experiment);
+  constexpr double share = 0.7;  // of the machine's memory, where nothing is stated
   const double there =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const bool is_stated = max_memory > 0;
-  if (needed > (is_stated ? static_cast<double>(max_memory) : 0.7 * there))
-    throw std::invalid_argument(
-        fmt::format("the histograms of {} scan points need {:.3g} GiB on {} threads, and {} {:.3g} GiB\n"
-                    "  help: use fewer bins, fewer scan points or fewer threads{}",
-                    experiment.points.size(), needed / 1073741824, threads,
-                    is_stated ? "--max-memory is" : "this machine has",
-                    (is_stated ? static_cast<double>(max_memory) : there) / 1073741824,
-                    is_stated ? ", or more memory" : ""));
+  const double most = is_stated ? static_cast<double>(max_memory) : share * there;
+  if (needed <= most) return;
+  const auto size = [](double bytes) {
+    return bytes < 0x1p30 ? fmt::format("{:.4g} MiB", bytes / 0x1p20)
+                          : fmt::format("{:.3g} GiB", bytes / 0x1p30);
+  };
+  const std::size_t points = experiment.points.size();
+  throw std::invalid_argument(fmt::format(
+      "the histograms{} need {} on {}, and {}\n  help: use fewer `bins`{}{}, {}",
+      points == 1 ? std::string() : fmt::format(" of {} scan points", points), size(needed),
+      threads == 1 ? "one thread" : fmt::format("{} threads", threads),
+      is_stated ? fmt::format("--max-memory allows {}", size(most))
+                : fmt::format("a run may take {} of the {} of this machine", size(most), size(there)),
+      points == 1 ? "" : " or fewer scan points", threads == 1 ? "" : ", fewer --threads",
+      is_stated ? "or allow more" : "or state with --max-memory that it may take more"));
 }
 
 }  // namespace rabiline

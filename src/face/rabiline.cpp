@@ -34,6 +34,7 @@
 #include "simulation/trace.hpp"
 #include "simulation/work.hpp"
 #include "storage/checkpoint_file.hpp"
+#include "storage/contents.hpp"
 #include "storage/digest.hpp"
 #include "storage/flight_file.hpp"
 #include "storage/motion_file.hpp"
@@ -385,8 +386,8 @@ Reproduced reproduce(const std::filesystem::path& path, RunSettings settings) {
   settings.transit = origin.transit;
   settings.max_memory = origin.max_memory;
   const auto compared = [&](auto result) {
-    const bool same = content_of(result) == origin.content;
-    return Reproduced{std::move(result), same};
+    std::vector<std::string> paths = differing(path, image_of(result));
+    return Reproduced{std::move(result), std::move(paths)};
   };
   if (setup.is_model()) return compared(solve(setup, settings.arguments, settings.stop));
   std::optional<Result> result = run(setup, settings);

@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "field/field_formula.hpp"
+#include "input/formula_dimensions.hpp"
 #include "input/reader.hpp"
 
 namespace rabiline {
@@ -80,6 +81,24 @@ void refuse_idle_constants(const Node& node, const auto& components, Reading& re
                     "omit it, or write its name as the formulas do");
 }
 
+/// Units of constants that cannot be right.
+void refuse_misfits(const Node& node, const auto& components, Dimension wanted, Reading& reading) {
+  std::map<std::string, Dimension> constants;
+  if (const Entry* given = node.find("constants"))
+    for (const Entry& constant : given->value.entries)
+      constants[constant.key] = parse_quantity(constant.value.scalar).dimension;
+  const auto has_constant = [&](const std::string& formula) {
+    return std::ranges::any_of(constants, [&](const auto& known) { return has_word(formula, known.first); });
+  };
+  for (const std::string_view key : components)
+    if (const Entry* component = node.find(key); component && has_constant(component->value.scalar))
+      if (const auto misfit = misfit_of(component->value.scalar, constants, wanted))
+        reading.error(
+            place_within(component->value, misfit->from, misfit->length), misfit->message,
+            "look at the units of the constants: x, y and z are lengths, t is a time, and a constant without "
+            "a unit may be anything in SI, such as 2 T/s");
+}
+
 }  // namespace
 
 bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& reading,
@@ -128,6 +147,8 @@ bool ValueType<SampledFormula>::read(const Node& node, const Row& row, Reading& 
   try {
     if (!out.maps) reading.formulas->add(out.box, out.maps = maps_of(out.box));
     refuse_idle_constants(node, keys, reading);
+    refuse_misfits(node, keys, has(electric) ? Dimension::electric_field : Dimension::magnetic_field,
+                   reading);
   } catch (const FormulaFault& fault) {
     const Place place = fault.component < std::size(keys)
                             ? place_within(node.find(keys[fault.component])->value, fault.from, fault.length)

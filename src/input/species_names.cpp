@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "core/diagnostics.hpp"
+#include "core/text.hpp"
+#include "input/words.hpp"
 #include "particle/species.hpp"
 
 namespace rabiline {
@@ -33,16 +35,17 @@ constexpr std::array molecules{
     Molecule{"deuterium molecule", "para-D2"},
 };
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
-std::string list_of(const std::vector<std::string>& names) {
-  std::string out;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    out += fmt::format("{}`{}`", i == 0 ? "" : i + 1 == names.size() ? " or " : ", ", names[i]);
+/// `87Rb`, `Rb87` and `rubidium 87` taken apart; no number where there is none.
+struct Isotope {
+  std::string element, number;
+};
+Isotope isotope_in(std::string_view word) {
+  Isotope out;
+  for (const char c : word)
+    if (c >= '0' && c <= '9')
+      out.number += c;
+    else if (c != ' ' && c != '-' && c != '_' && c != '^')
+      out.element += c;
   return out;
 }
 
@@ -70,18 +73,28 @@ std::string species_of_element(std::string_view name) {
       word.resize(word.size() - ending.size());
       of_atom = true;
     }
-  const auto known =
-      std::find_if(elements.begin(), elements.end(), [&](const Element& e) { return e.word == word; });
-  const std::string symbol = known != elements.end() ? std::string(known->symbol) : word;
-  const std::vector<std::string> points = of_element(species_library(), symbol, ""),
-                                 atoms = of_element(species_with_levels(), symbol, " atom");
+  const Isotope isotope = isotope_in(word);
+  const auto known = std::find_if(elements.begin(), elements.end(),
+                                  [&](const Element& e) { return e.word == isotope.element; });
+  std::string symbol = known != elements.end() ? std::string(known->symbol) : isotope.element;
+  if (lower(symbol) == "h" && isotope.number == "2") symbol = "D";
+  std::vector<std::string> points = of_element(species_library(), symbol, ""),
+                           atoms = of_element(species_with_levels(), symbol, " atom");
+  const std::string ending = "-" + isotope.number, of_the_atom = ending + " atom";
+  const auto is_of = [](std::string_view behind) {
+    return [behind](const std::string& species) { return species.ends_with(behind); };
+  };
+  const bool is_known = std::ranges::any_of(points, is_of(ending));
+  if (is_known) {
+    std::erase_if(points, std::not_fn(is_of(ending)));
+    std::erase_if(atoms, std::not_fn(is_of(of_the_atom)));
+  }
   if (atoms.empty() && (points.empty() || of_atom)) return {};
   if (of_atom)
     return atoms.size() == 1 ? fmt::format("did you mean `{}`?", atoms[0])
                              : fmt::format("write which isotope: {}", list_of(atoms));
-  std::string out = fmt::format("write which isotope: {}", list_of(points));
-  if (points.size() == 1 && points[0].find('-') == std::string::npos)
-    out = fmt::format("write `{}`", points[0]);
+  const bool is_clear = is_known || (points.size() == 1 && points[0].find('-') == std::string::npos);
+  std::string out = fmt::format("write {}{}", is_clear ? "" : "which isotope: ", list_of(points));
   if (!atoms.empty()) out += fmt::format(", or with the electron {}", list_of(atoms));
   return out;
 }

@@ -7,6 +7,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/spelling.hpp"
+#include "core/text.hpp"
 #include "input/spectrum_file.hpp"
 
 namespace rabiline {
@@ -39,6 +41,11 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
   return whole ? std::optional(static_cast<std::uint64_t>(parsed.value)) : std::nullopt;
 }
 
+/// A key of one letter does not say by its name what it is.
+std::string with_meaning(std::string help, const Row& row) {
+  return row.key.size() == 1 ? fmt::format("{}; `{}` is: {}", help, row.key, row.meaning) : help;
+}
+
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {
@@ -51,15 +58,17 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
     reading.error(node.place,
                   fmt::format("{} is {}, but `{}` is {}", quote(node), with_article(name_of(got.dimension)),
                               row.key, wanted),
-                  std::move(help));
+                  with_meaning(std::move(help), row));
     return;
   }
   const std::string_view si = si_unit_of(row.dimension);
   const bool angle = row.dimension == Dimension::angle;
-  reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
-                node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
-                : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
-                                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si));
+  reading.error(
+      node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
+      with_meaning(node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
+                   : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
+                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si),
+                   row));
 }
 
 }  // namespace
@@ -88,24 +97,6 @@ std::string quote(const Node& node) {
       return "a mapping of keys";
   }
   return {};
-}
-
-std::string list_of(std::span<const Word> words) {
-  std::string out;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    out += fmt::format("{}`{}`", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i].word);
-  return out;
-}
-
-std::string near_word(std::string_view word, std::span<const Word> words) {
-  std::vector<std::string> known;
-  for (const Word& w : words) known.emplace_back(w.word);
-  return closest(word, known);
-}
-
-std::string suggest(std::string_view word, std::span<const Word> words) {
-  const std::string near = near_word(word, words);
-  return near.empty() ? "write " + list_of(words) : fmt::format("did you mean `{}`?", near);
 }
 
 bool read_quantity(const Node& node, const Row& row, Reading& reading, double& out) {
@@ -199,11 +190,15 @@ std::optional<std::size_t> read_word(const Node& node, const Row& row, std::span
     for (std::size_t i = 0; i < words.size(); ++i)
       if (words[i].word == node.scalar) return i;
     help = suggest(node.scalar, words);
-    if (!example.empty() && near_word(node.scalar, words).empty())
-      help = fmt::format("write it like `{}: {}`", row.key, example);
+    if (help.empty())
+      help = example.empty() ? "write " + list_of(words)
+                             : fmt::format("write it like `{}: {}`", row.key, example);
   }
+  constexpr std::size_t many = 10;
   reading.error(node.place,
-                fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
+                words.size() > many
+                    ? fmt::format("`{}` cannot be {}", row.key, quote(node))
+                    : fmt::format("`{}` is {}, but {} stands here", row.key, list_of(words), quote(node)),
                 std::move(help));
   return std::nullopt;
 }
@@ -254,11 +249,13 @@ bool ValueType<Phase>::read(const Node& node, const Row& row, Reading& reading, 
   const bool word =
       node.is_scalar() && !node.scalar.empty() && std::isalpha(static_cast<unsigned char>(node.scalar[0]));
   if (!node.is_scalar() || word) {
-    const std::string near = node.is_scalar() ? near_word(node.scalar, words) : std::string{};
+    const std::string degrees = node.is_scalar() ? degrees_of_pi(node.scalar) : std::string{};
     reading.error(node.place,
                   fmt::format("`{}` is `random`, `locked` or an angle such as `30 deg`, but {} stands here",
                               row.key, quote(node)),
-                  near.empty() ? "" : fmt::format("did you mean `{}`?", near));
+                  !degrees.empty()   ? fmt::format("write `{}`", degrees)
+                  : node.is_scalar() ? suggest(node.scalar, words)
+                                     : std::string{});
     return false;
   }
   out.kind = Phase::Kind::angle;
@@ -332,23 +329,29 @@ bool ValueType<SpectrumFile>::read(const Node& node, const Row& row, Reading& re
 }
 
 bool ValueType<UnitVector>::read(const Node& node, const Row& row, Reading& reading, UnitVector& out) {
-  static constexpr std::array<std::pair<std::string_view, UnitVector>, 6> named{{{"x", {1, 0, 0}},
-                                                                                 {"y", {0, 1, 0}},
-                                                                                 {"z", {0, 0, 1}},
-                                                                                 {"-x", {-1, 0, 0}},
-                                                                                 {"-y", {0, -1, 0}},
-                                                                                 {"-z", {0, 0, -1}}}};
+  using Named = std::pair<std::string_view, UnitVector>;
+  static constexpr std::array<Named, 6> named{{{"x", {1, 0, 0}},
+                                               {"y", {0, 1, 0}},
+                                               {"z", {0, 0, 1}},
+                                               {"-x", {-1, 0, 0}},
+                                               {"-y", {0, -1, 0}},
+                                               {"-z", {0, 0, -1}}}};
+  const std::string written = node.is_scalar() ? with_plain_minus(node.scalar) : std::string{};
   for (const auto& [word, vector] : named)
-    if (node.is_scalar() && node.scalar == word) {
+    if (written == word) {
       out = vector;
       return true;
     }
   if (!node.is_sequence() || node.items.size() != 3) {
+    std::string near = lower(written);
+    if (near.starts_with('+')) near.erase(0, 1);
+    const bool is_near = std::ranges::find(named, near, &Named::first) != named.end();
     reading.error(
         node.place,
         fmt::format("`{}` is a direction, but {} stands here", row.key,
                     node.is_sequence() ? fmt::format("a list of {}", node.items.size()) : quote(node)),
-        "write `x`, `y` (along the beam), `z`, `-x`, `-y`, `-z`, or three components: `[0, 1, 1]`");
+        is_near ? fmt::format("did you mean `{}`?", near)
+                : "write `x`, `y` (along the beam), `z`, `-x`, `-y`, `-z`, or three components: `[0, 1, 1]`");
     return false;
   }
   double c[3] = {};

@@ -13,6 +13,7 @@
 #include "beamline/beamline.hpp"
 #include "core/unit_vector.hpp"
 #include "input/document.hpp"
+#include "input/words.hpp"
 #include "parameter/parameter.hpp"
 #include "particle/source.hpp"
 #include "particle/species.hpp"
@@ -68,19 +69,8 @@ struct Reading {
   void saw_number(const Node&, Dimension, double value);
 };
 
-/// A word of an enum or the tag of a variant, for messages and help.
-struct Word {
-  std::string_view word, meaning;
-};
-
 /// What a user wrote, in back quotes; shortened, and "a list" for what does not fit in a line.
 std::string quote(const Node&);
-/// "`a`, `b` or `c`".
-std::string list_of(std::span<const Word>);
-/// The word that was meant, or empty.
-std::string near_word(std::string_view word, std::span<const Word>);
-/// "did you mean `b`?", or all the words where none is near.
-std::string suggest(std::string_view word, std::span<const Word>);
 /// How a value of that dimension is written: "0.2 mm".
 std::string example_for(const Row&);
 

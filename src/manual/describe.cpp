@@ -7,6 +7,7 @@
 
 #include "input/beamline_reader.hpp"
 #include "input/species_names.hpp"
+#include "input/words.hpp"
 #include "manual/describe_page.hpp"
 #include "manual/describe_species.hpp"
 #include "scan/model_file.hpp"
@@ -322,14 +323,16 @@ std::string describe(std::string_view topic) {
     if (species.name == topic) out = describe_species_with_levels(species);
   }
   if (out.empty()) {
-    const std::string isotopes = species_of_element(topic), near = closest(topic, names);
+    std::vector<Word> words;
+    for (const std::string& name : names) words.push_back({name, ""});
+    const std::string isotopes = species_of_element(topic), near = suggest(topic, words);
     const std::string_view part = part_with(topic);
     throw InputError(
         {{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
           !isotopes.empty() ? isotopes
           : !part.empty()   ? fmt::format("it is a key of a part: `rabiline describe {}` explains it", part)
           : near.empty() ? "`rabiline describe` lists what there is, `rabiline describe species` what flies"
-                         : fmt::format("did you mean `{}`?", near)}});
+                         : near}});
   }
   return out;
 }

@@ -47,7 +47,8 @@ static_assert(DirectionDistribution<ParallelDirection>);
 
 /// Slopes dx/dy and dz/dy are independent normal variables.
 struct GaussianDirection {
-  static constexpr std::string_view kind = "gaussian", meaning = "normally distributed slopes";
+  static constexpr std::string_view kind = "gaussian",
+                                    meaning = "slopes dx/dy and dz/dy, each normally distributed";
   double x = 0;  // [rad] standard deviation of the slope dx/dy
   double z = 0;  // [rad] of dz/dy
   bool operator==(const GaussianDirection&) const = default;
@@ -59,9 +60,9 @@ static_assert(DirectionDistribution<GaussianDirection>);
 template <>
 inline constexpr auto parameters<GaussianDirection> = std::tuple{
     param("x", &GaussianDirection::x, Dimension::angle, range::below_right_angle,
-          "standard deviation of the slope dx/dy"),
+          "standard deviation of the slope dx/dy, as an angle: 2 mrad is a slope of 0.002"),
     param("z", &GaussianDirection::z, Dimension::angle, range::below_right_angle,
-          "standard deviation of the slope dz/dy"),
+          "standard deviation of the slope dz/dy, as an angle: 2 mrad is a slope of 0.002"),
 };
 
 /// Uniform in solid angle inside a cone around +y.
@@ -83,7 +84,8 @@ inline constexpr auto parameters<ConeDirection> = std::tuple{
 
 /// Slopes dx/dy and dz/dy are independent and uniform.
 struct BoxDirection {
-  static constexpr std::string_view kind = "box", meaning = "uniform slopes between two limits";
+  static constexpr std::string_view kind = "box",
+                                    meaning = "slopes dx/dy and dz/dy, each spread evenly about 0";
   double x = 0;  // [rad] the largest |dx/dy|
   double z = 0;  // [rad] the largest |dz/dy|
   bool operator==(const BoxDirection&) const = default;
@@ -95,9 +97,9 @@ static_assert(DirectionDistribution<BoxDirection>);
 template <>
 inline constexpr auto parameters<BoxDirection> = std::tuple{
     param("x", &BoxDirection::x, Dimension::angle, range::below_right_angle,
-          "half width: the slope dx/dy is uniform from -x to x"),
+          "largest slope dx/dy to either side, as an angle: 2 mrad is a slope of 0.002"),
     param("z", &BoxDirection::z, Dimension::angle, range::below_right_angle,
-          "half width of the slope dz/dy, likewise"),
+          "largest slope dz/dy to either side, as an angle: 2 mrad is a slope of 0.002"),
 };
 
 /// Lambert's law, what leaves a thin hole: flux per solid angle ~ cos(theta).
@@ -178,8 +180,8 @@ static_assert(DirectionDistribution<AimedDirection>);
 template <>
 inline constexpr auto parameters<AimedDirection> = std::tuple{
     param("target", &AimedDirection::target, "name of the slit or detector that the source is aimed at"),
-    param("emission", &AimedDirection::emission, "the law of directions of which that is a part",
-          IsotropicEmission{}),
+    param("emission", &AimedDirection::emission,
+          "law of directions of the whole source, of which that is a part", IsotropicEmission{}),
 };
 using DirectionLaw = std::variant<ParallelDirection, GaussianDirection, ConeDirection, AimedDirection,
                                   CosineDirection, BoxDirection, ChannelDirection>;

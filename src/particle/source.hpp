@@ -62,7 +62,8 @@ inline constexpr auto parameters<Source> = std::tuple{
     param("tilt", &Source::tilt, "how the axis of the directions is turned", SourceTilt{}),
     param("spin", &Source::spin, "the spin that particles start with", UnpolarisedSpin{}),
     param("pulse", &Source::pulse,
-          "when particles start, and with it the time that locked phases count; missing: each at t = 0"),
+          "when particles start, and so the phase at which a locked field meets them; all start at t = 0 "
+          "where it is missing"),
     param("rate", &Source::rate, Dimension::rate, range::positive,
           "particles that leave the opening in all, per second: turns counts into counts per second"),
 };

@@ -75,7 +75,8 @@ inline constexpr auto parameters<SingleSpeed> = std::tuple{
 /// cut.
 struct GaussianSpeed {
   static constexpr std::string_view kind = "gaussian",
-                                    meaning = "a normal law, cut at zero, in the quantity that is written";
+                                    meaning =
+                                        "normal, cut at zero, in the quantity that `mean` is written in";
   SpeedQuantity mean;
   SpeedQuantity sigma;  // standard deviation, of the same kind as the mean
   bool operator==(const GaussianSpeed&) const = default;
@@ -149,16 +150,17 @@ inline constexpr auto parameters<SupersonicSpeed> = std::tuple{
           "temperature T0 of the gas before the nozzle"),
     param("adiabatic_exponent", &SupersonicSpeed::adiabatic_exponent, Dimension::number,
           Range{1, 3, false, true, "greater than 1 and at most 3"},
-          "g in u = sqrt(2g/(g-1) kT0/m): 5/3 = 1.66667 of a gas of atoms"),
+          "g in u = sqrt(2g/(g-1) kT0/m); 5/3 = 1.66667 for a gas of atoms"),
     param("speed_ratio", &SupersonicSpeed::speed_ratio, Dimension::number,
-          Range{1, 1000, true, true, "from 1 to 1000"}, "S, the flow's speed over the thermal one"),
+          Range{1, 1000, true, true, "from 1 to 1000"}, "S, the speed u of the flow over the thermal one"),
 };
 
 /// The same number of particles in equal intervals, as what a velocity selector lets through is taken for.
 struct UniformSpeed {
-  static constexpr std::string_view kind = "uniform",
-                                    meaning = "the same between two limits, in the quantity that is written",
-                                    example = "mean: 4.5 angstrom, spread: 0.1";
+  static constexpr std::string_view
+      kind = "uniform",
+      meaning = "spread evenly between two limits, in the quantity that `mean` is written in",
+      example = "mean: 4.5 angstrom, spread: 0.1";
   SpeedQuantity mean;
   double spread = 0;  // half the width over the mean
   bool operator==(const UniformSpeed&) const = default;

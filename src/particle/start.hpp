@@ -41,9 +41,9 @@ struct PopulatedSpin {
 };
 template <>
 inline constexpr auto parameters<PopulatedSpin> = std::tuple{
-    param("axis", &PopulatedSpin::axis, "of the levels", UnitVector{}),
+    param("axis", &PopulatedSpin::axis, "axis along which the levels have their m", UnitVector{}),
     param("values", &PopulatedSpin::values, Dimension::number, range::fraction,
-          "shares of m = I, I-1, ... -I, which add up to 1: [0.75, 0.25] of a spin 1/2"),
+          "shares of m = I, I-1, ... -I, which add up to 1: [0.75, 0.25] for a spin 1/2"),
 };
 
 /// Levels of an atom by Boltzmann's law in the field of the source.
@@ -57,9 +57,9 @@ struct ThermalSpin {
 template <>
 inline constexpr auto parameters<ThermalSpin> = std::tuple{
     param("temperature", &ThermalSpin::temperature, Dimension::temperature, range::positive,
-          "of the levels, such as that of the oven"),
+          "temperature of the levels, such as the oven's"),
     param("field", &ThermalSpin::field, Dimension::magnetic_field, range::not_negative,
-          "at the source; zero where it is missing", 0.0),
+          "field at the source, which parts the levels", 0.0),
 };
 
 /// Named levels of an atom.
@@ -71,9 +71,9 @@ struct LevelsSpin {
 };
 template <>
 inline constexpr auto parameters<LevelsSpin> = std::tuple{
-    param("levels", &LevelsSpin::levels, "by their names, such as [F=4 m=0, F=3 m=0]"),
+    param("levels", &LevelsSpin::levels, "their names, such as [F=4 m=0, F=3 m=0]"),
     param("shares", &LevelsSpin::shares, Dimension::number, range::fraction,
-          "of all particles, which add up to 1; equal where they are missing"),
+          "share of the particles in each, which add up to 1; equal shares where it is missing"),
 };
 using StartSpin = std::variant<UnpolarisedSpin, PolarisedSpin, PopulatedSpin, ThermalSpin, LevelsSpin>;
 

@@ -7,23 +7,30 @@
 
 namespace rabiline {
 
-StaticField static_field(const GradientMagnet& part) { return {{0, 0, part.field}, "field"}; }
+namespace {
+
+/// [T] along +z: moving the magnet takes the slope along.
+double field_on_axis(const GradientMagnet& part) {
+  return part.field - part.gradient * (part.along.x * part.offset.x + part.along.z * part.offset.z);
+}
+
+}  // namespace
+
+StaticField static_field(const GradientMagnet& part) { return {{0, 0, field_on_axis(part)}, "field"}; }
 
 void contribute(const GradientMagnet& part, const Placement& place, SectionBuilder& builder) {
-  MagnetTerm term{place.at + part.length, {}, {}, {}, {}};
+  MagnetTerm term{place.at + part.length, {}, {}, part.offset, {}};
   term.shape.field = part.field;
   term.shape.gradient = part.gradient;
   term.shape.along_x = part.along.x;
   term.shape.along_z = part.along.z;
   if (part.gap) {
     term.walls.rectangle = true;
-    term.walls.x = part.offset.x;
-    term.walls.z = part.offset.z;
     term.walls.half_x = part.gap->width / 2;
     term.walls.half_z = part.gap->height / 2;
   }
   builder.plane(place.at, term);
-  builder.uniform(place.at, term.end, {{0, 0, part.field}});
+  builder.uniform(place.at, term.end, {{0, 0, field_on_axis(part)}});
 }
 
 std::vector<Fault> faults_of(const GradientMagnet& part, const Placement& place) {

@@ -14,7 +14,7 @@ struct GradientMagnet {
                                     meaning = "a deflecting magnet: a field along z with a constant gradient";
   static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;    // [m]
-  double field = 0;     // [T] along +z, on the axis
+  double field = 0;     // [T] along +z, in the middle
   double gradient = 0;  // [T/m] of B_z
   UnitVector along{};   // across the beam
   std::optional<Rectangle> gap{};
@@ -25,13 +25,14 @@ template <>
 inline constexpr auto parameters<GradientMagnet> = std::tuple{
     param("length", &GradientMagnet::length, Dimension::length, range::positive, "extent along the beam"),
     param("field", &GradientMagnet::field, Dimension::magnetic_field, range::any,
-          "field along +z on the axis"),
+          "field along +z in the middle, on the beam's axis where there is no `offset`"),
     param("gradient", &GradientMagnet::gradient, Dimension::field_gradient, range::any,
           "by which that field grows along `along`, e.g. 1000 T/m"),
     param("along", &GradientMagnet::along,
           "direction of the gradient, across the beam; z where it is missing", UnitVector{}),
     param("gap", &GradientMagnet::gap, "width and height between the walls; none where it is missing"),
-    param("offset", &GradientMagnet::offset, "displacement of the gap's centre from the axis", Offset{}),
+    param("offset", &GradientMagnet::offset,
+          "displacement of the magnet, its field and its gap, from the beam's axis", Offset{}),
 };
 
 StaticField static_field(const GradientMagnet&);

@@ -25,8 +25,8 @@ Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Spe
   d.levels = levels;
   d.part = plane.part;
   d.has_gap = magnet.walls.rectangle;
-  d.x0 = magnet.walls.x;
-  d.z0 = magnet.walls.z;
+  d.x0 = magnet.offset.x + magnet.walls.x;
+  d.z0 = magnet.offset.z + magnet.walls.z;
   d.half_x = magnet.walls.half_x;
   d.half_z = magnet.walls.half_z;
   return d;

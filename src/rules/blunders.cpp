@@ -245,8 +245,8 @@ void find_overlaps(const Beamline& beamline, Faults& out) {
     const std::string &name = other.placement.name, help = "place them one behind the other";
     if (traits_of(one.part).drives && traits_of(other.part).drives && clock(one) == clock(other))
       out.push_back(warning(name, "at",
-                            fmt::format("`{}` and `{}` follow one clock and overlap {}, where they are one "
-                                        "field of the sum of their amplitudes",
+                            fmt::format("`{}` and `{}` follow one clock and overlap {}, where their "
+                                        "amplitudes add up",
                                         one.placement.name, name, where),
                             help));
     if (is_magnet(one.part) && is_magnet(other.part))
@@ -297,8 +297,8 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
     const std::string& name = part->placement.name;
     if (aligns(part->part) && worked && !turns_paths(beamline))
       out.push_back(warning(name, "at",
-                            fmt::format("`{}` aligns the moments anew behind `{}`: nothing is left of what "
-                                        "that has done to them, and nobody has asked",
+                            fmt::format("`{}` aligns the moments anew behind `{}`: what that has done to "
+                                        "them is lost, and nothing in between has measured it",
                                         name, worked->placement.name),
                             "polarise in front of what turns spins; a `spin_filter` analyses them"));
     if (works_on_spins(part->part))

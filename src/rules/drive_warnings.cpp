@@ -151,8 +151,8 @@ void judge_rotating_wave(const Beamline& beamline, const Species& species, Fault
     else if (const double share = d.coupling / std::abs(d.larmor()); share > 0.1)
       out.push_back(
           warning(name, "approximation",
-                  fmt::format("the rotating-wave approximation of `{}` is poor: its turning half is "
-                              "{:.2g} of the static field",
+                  fmt::format("the rotating-wave approximation of `{}` is poor: the half of its field that "
+                              "turns with the spins is {:.2g} of the static field",
                               name, share),
                   "`approximation: none` integrates the whole field"));
     else if (const double shift = std::abs(d.larmor()) / two_pi * share * share / 4; shift > d.width())

@@ -244,7 +244,7 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
     if (!has_hard_edges(part.part) && !ends_quietly(*field, beamline, part, end))
       out.push_back(warning(
           name, "at",
-          fmt::format("the field of `{}` ends with a step of {:.1g} of its largest on the axis", name,
+          fmt::format("on the axis the field of `{}` ends with a step of {:.1g} of its largest value", name,
                       field->step(end) / field->largest),
           key == "map"       ? "supply a map that goes on until the field is gone"
           : key == "formula" ? "make `length` larger, or multiply by what lets the field fade at its ends"
@@ -254,19 +254,19 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
     if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)
       out.push_back(warning(
           name, std::string(key),
-          fmt::format("the {} of `{}` is no field without {}: its divergence is {:.1g} and its curl "
-                      "{:.1g} of its largest field over a step",
+          fmt::format("the {} of `{}` is no field without {}: over one step its divergence is {:.1g} and "
+                      "its curl {:.1g} of its largest value",
                       key, name, is_electric(part.part) ? "charges" : "currents", quality.divergence.rms,
                       quality.curl.rms),
           "look for a wrong unit, order or sign of its components; omit what has currents or charges in "
           "it"));
     else if (quality.noisy && key == "map")
-      out.push_back(
-          warning(name, "map",
-                  fmt::format("the map of `{}` has noise of {:.1g} of its largest field, which its slopes "
-                              "take over one step",
-                              name, quality.error.rms),
-                  "smooth it as a field without divergence and curl, or use a coarser grid"));
+      out.push_back(warning(
+          name, "map",
+          fmt::format("the map of `{}` has noise: over one step it changes at random by {:.1g} of its "
+                      "largest field",
+                      name, quality.error.rms),
+          "smooth it as a field without divergence and curl, or use a coarser grid"));
     else if (quality.halved && quality.error.largest > poor_map)
       out.push_back(warning(
           name, std::string(tables.step_key),

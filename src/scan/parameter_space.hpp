@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "beamline/experiment.hpp"
+#include "core/spelling.hpp"
 #include "input/beamline_reader.hpp"
 #include "rules/rules.hpp"
 #include "scan/dotted_name.hpp"
@@ -302,6 +303,8 @@ class ParameterSpace {
         out.labels.push_back(label_of(axis, alone, i));
       }
     }
+    const std::size_t last = out.values.size() - 1;  // of a range, only both ends are as they were written
+    if (numeric) out.unit = unit_in(axis.value(out.values.front() != 0 ? 0 : last).scalar);
     std::set<double> numbers;
     std::set<std::string> words;
     for (std::size_t i = 0; i < out.values.size(); ++i)

@@ -175,6 +175,7 @@ std::string meant_as_range(std::string_view text) {
 /// NAME=FROM:TO:POINTS, NAME=FROM:TO:POINTS:log or NAME=A,B,C; several names have commas between.
 Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& reading) {
   Axis axis;
+  if (!is_one_line(source, reading)) return axis;
   const std::string& text = source->lines.front();
   const std::size_t equals = text.find('=');
   const Place whole{source, 1, 1, std::max(1, static_cast<int>(text.size()))};
@@ -304,6 +305,17 @@ bool ValueType<ScannedNames>::read(const Node& node, const Row& row, Reading& re
     named.place.length -= 2;
   }
   return true;
+}
+
+bool is_one_line(const std::shared_ptr<const SourceText>& argument, Reading& reading) {
+  if (argument->lines.size() == 1) return true;
+  const int length = std::max(1, static_cast<int>(argument->lines[1].size()));
+  reading.error({argument, 2, 1, length}, fmt::format("what follows {} is one line", argument->name),
+                argument->name == "--set"
+                    ? "give each value a --set of its own; lists and mappings stand in brackets: "
+                      "`[1, 2]`, `{radius: 1 mm}`"
+                    : "write it in one line");
+  return false;
 }
 
 ScanPlan read_scan(const Node* root, const std::vector<std::shared_ptr<const SourceText>>& arguments,

@@ -97,6 +97,9 @@ struct ScanPlan {
 /// Whether a variable is scanned, so that each point puts it in place anew.
 bool scans_variables(const ScanPlan&);
 
+/// Whether an argument of the command line is one line: nothing behind its end would be read.
+bool is_one_line(const std::shared_ptr<const SourceText>& argument, Reading&);
+
 /// Reads `scan`. An axis that the command line scans too gives way to it; further ones go outside.
 /// `root` is null where the file's scan is omitted.
 ScanPlan read_scan(const Node* root, const std::vector<std::shared_ptr<const SourceText>>& arguments,

@@ -11,6 +11,7 @@ namespace rabiline {
 namespace {
 
 Setting read_setting(const std::shared_ptr<const SourceText>& source, Reading& reading) {
+  if (!is_one_line(source, reading)) return {};
   const std::string& text = source->lines.front();
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) {
@@ -37,6 +38,7 @@ std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Rea
   const auto add_count = [&](const std::string& name, const std::optional<std::string>& value) {
     if (!value) return;
     sources.push_back(make_source_text("--" + name, *value));
+    if (!is_one_line(sources.back(), reading)) return;
     const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
     out.push_back({name, node.place, node});
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "storage/seal.hpp"
 
@@ -21,6 +22,17 @@ Handle open_without_plugins(const std::filesystem::path& path) {
   silence();
   check(H5PLset_loading_state(0), path.string());
   return open_file(path.c_str(), path.string());
+}
+
+Handle open_image(std::span<const std::byte> image) {
+  silence();
+  constexpr std::size_t increment = 1 << 20;
+  const std::string name = "memory";
+  const Handle access = property_list(H5P_FILE_ACCESS, name);
+  check(H5Pset_fapl_core(access.id(), increment, false), name);
+  // HDF5 makes a copy, although it asks for bytes that it might change.
+  check(H5Pset_file_image(access.id(), const_cast<std::byte*>(image.data()), image.size()), name);
+  return {H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose, name};
 }
 
 void require_known_filters(hid_t properties, const std::string& where) {
@@ -62,6 +74,7 @@ void require_own_storage(hid_t dataset, std::size_t element_size, const std::str
 /// is kept, as no exception may pass through HDF5.
 struct Visit {
   const std::string& file_name;
+  std::vector<std::string>& names;
   std::string refusal{};
 };
 herr_t visit_name(hid_t group, const char* name, const H5L_info_t* link, void* visit_data) {
@@ -70,6 +83,7 @@ herr_t visit_name(hid_t group, const char* name, const H5L_info_t* link, void* v
   try {
     if (link->type != H5L_TYPE_HARD) refuse(where, "it is a link to somewhere else");
     const Handle object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose, where);
+    visit.names.emplace_back(name);
     if (H5Iget_type(object.id()) != H5I_DATASET) return 0;
     const Handle properties(H5Dget_create_plist(object.id()), H5Pclose, where);
     require_inside(properties.id(), where);
@@ -96,16 +110,81 @@ std::size_t length_within(hid_t dataset, std::size_t limit, const std::string& w
   return static_cast<std::size_t>(length);
 }
 
+/// Type and shape as bytes, before the values that follow.
+struct Kind {
+  Handle type, space;
+  std::size_t size;   // of one value [bytes]
+  std::size_t count;  // of values
+  bool varies;        // texts of any length
+  std::string bytes;
+};
+Kind kind_of(Handle type, Handle space, const std::string& where) {
+  const H5T_class_t kind = H5Tget_class(type.id());
+  if (kind != H5T_INTEGER && kind != H5T_FLOAT && kind != H5T_STRING)
+    refuse(where, "it holds neither numbers nor texts");
+  const bool varies = kind == H5T_STRING && check(H5Tis_variable_str(type.id()), where) != 0;
+  std::size_t size = 0;
+  check(H5Tencode(type.id(), nullptr, &size), where);
+  std::string bytes(size, '\0');
+  check(H5Tencode(type.id(), bytes.data(), &size), where);
+  std::array<hsize_t, H5S_MAX_RANK> sizes{};
+  const int rank = check(H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr), where);
+  bytes += fmt::format("{} {}", static_cast<int>(H5Sget_simple_extent_type(space.id())),
+                       fmt::join(sizes.begin(), sizes.begin() + rank, " "));
+  const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.id()), where));
+  const std::size_t of_one = H5Tget_size(type.id());
+  return {std::move(type), std::move(space), of_one, count, varies, std::move(bytes)};
+}
+
+/// Called by HDF5 for each attribute in the order of their names.
+struct Attributed {
+  std::string where, bytes, refusal{};
+};
+herr_t add_attribute(hid_t object, const char* name, const H5A_info_t*, void* data) {
+  constexpr std::size_t most = 1 << 16;
+  Attributed& all = *static_cast<Attributed*>(data);
+  const std::string where = fmt::format("{}, attribute {}", all.where, name);
+  try {
+    const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, where);
+    const Kind kind = kind_of({H5Aget_type(attribute.id()), H5Tclose, where},
+                              {H5Aget_space(attribute.id()), H5Sclose, where}, where);
+    if (kind.size > most || kind.count > most / kind.size) refuse(where, "it is too large");
+    all.bytes += fmt::format("@{}={}", name, kind.bytes);
+    std::string values(kind.count * kind.size, '\0');
+    check(H5Aread(attribute.id(), kind.type.id(), values.data()), where);
+    if (!kind.varies) {
+      all.bytes += values;
+      return 0;
+    }
+    std::vector<char*> texts(kind.count);
+    std::memcpy(texts.data(), values.data(), values.size());
+    for (const char* text : texts) all.bytes.append(text == nullptr ? "" : text).push_back('\0');
+    check(H5Dvlen_reclaim(kind.type.id(), kind.space.id(), H5P_DEFAULT, texts.data()), where);
+    return 0;
+  } catch (const StorageError& error) {
+    all.refusal = error.what();
+    return -1;
+  }
+}
+
 }  // namespace
 
 FileReader::FileReader(const std::filesystem::path& path, Writer writer)
     : file_name_(path.string()),
       digest_(writer == Writer::rabiline ? require_seal(path) : std::string()),
       file_(open_without_plugins(path)) {
-  Visit visit{file_name_};
+  find_names();
+}
+FileReader::FileReader(std::span<const std::byte> image) : file_name_("memory"), file_(open_image(image)) {
+  find_names();
+}
+
+void FileReader::find_names() {
+  Visit visit{file_name_, names_};
   const herr_t visited = H5Lvisit(file_.id(), H5_INDEX_NAME, H5_ITER_NATIVE, visit_name, &visit);
   if (!visit.refusal.empty()) throw StorageError(visit.refusal);
   check(visited, file_name_);
+  std::ranges::sort(names_);
 }
 
 std::string FileReader::where(const std::string& name) const {
@@ -124,6 +203,25 @@ bool FileReader::contains(const std::string& name) const {
       return false;
   }
   return true;
+}
+
+std::string FileReader::everything(const std::string& name) const {
+  const std::string place = where(name);
+  const Handle object(H5Oopen(file_.id(), name.c_str(), H5P_DEFAULT), H5Oclose, place);
+  Attributed attributes{place, {}};
+  const herr_t iterated =
+      H5Aiterate2(object.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, add_attribute, &attributes);
+  if (!attributes.refusal.empty()) throw StorageError(attributes.refusal);
+  check(iterated, place);
+  if (H5Iget_type(object.id()) != H5I_DATASET) return "group " + attributes.bytes;
+  Kind kind = kind_of({H5Dget_type(object.id()), H5Tclose, place},
+                      {H5Dget_space(object.id()), H5Sclose, place}, place);
+  if (kind.varies) refuse(place, "its texts are of any length");
+  require_own_storage(object.id(), kind.size, place, H5Sget_simple_extent_ndims(kind.space.id()));
+  require_stored(object.id(), kind.count * kind.size, place);
+  std::string values(kind.count * kind.size, '\0');
+  check(H5Dread(object.id(), kind.type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), place);
+  return fmt::format("dataset {}={}{}", attributes.bytes, kind.bytes, values);
 }
 
 template <class Number>

@@ -3,6 +3,7 @@
 // before its size was found to be reasonable.
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ class FileReader {
  public:
   /// Throws StorageError where the file is not what this program wrote, or names any other file.
   explicit FileReader(const std::filesystem::path&, Writer = Writer::rabiline);
+  /// The bytes of a file that this program has made (FileWriter::image).
+  explicit FileReader(std::span<const std::byte> image);
 
   /// One-dimensional datasets by their paths, written by GroupWriter. Throws StorageError where the
   /// dataset is missing, is of another kind, is larger than the limit, or lies outside the file in any way.
@@ -31,6 +34,11 @@ class FileReader {
   /// One text.
   std::string text(const std::string& name, std::size_t most_bytes) const;
   bool contains(const std::string& name) const;
+  /// The paths of all groups and datasets, without the slash before them, sorted.
+  const std::vector<std::string>& names() const { return names_; }
+  /// What is under a name, as bytes: whether it is a group, its attributes, and of a dataset the type, the
+  /// shape and the values. Throws StorageError where that is nothing that this program writes.
+  std::string everything(const std::string& name) const;
   /// Of the whole file, by its seal.
   const std::string& digest() const { return digest_; }
 
@@ -38,11 +46,13 @@ class FileReader {
   template <class Number>
   std::vector<Number> numbers_of(const std::string& name, std::size_t most, hid_t file_type,
                                  hid_t memory_type, std::string_view kind) const;
+  void find_names();
   Handle open_dataset(const std::string& name) const;
   std::string where(const std::string& name) const;
 
   std::string file_name_, digest_;
   Handle file_;
+  std::vector<std::string> names_;
 };
 
 }  // namespace rabiline::hdf5

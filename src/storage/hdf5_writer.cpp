@@ -7,7 +7,6 @@
 #include <functional>
 #include <numeric>
 
-#include "storage/digest.hpp"
 #include "storage/safe_file.hpp"
 #include "storage/seal.hpp"
 
@@ -90,18 +89,11 @@ Handle memory_file(const std::string& name) {
 
 }  // namespace
 
-GroupWriter::GroupWriter(Handle group, std::string file, std::string path, std::uint64_t& content)
-    : group_(std::move(group)), file_(std::move(file)), path_(std::move(path)), content_(content) {}
+GroupWriter::GroupWriter(Handle group, std::string file, std::string path)
+    : group_(std::move(group)), file_(std::move(file)), path_(std::move(path)) {}
 
 std::string GroupWriter::where(const std::string& name) const {
   return fmt::format("{}: {}/{}", file_, path_, name);
-}
-
-void GroupWriter::add_to_content(std::string_view name, std::span<const std::byte> bytes) const {
-  if (path_.empty()) return;
-  content_ = digest(std::as_bytes(std::span(path_)), content_);
-  content_ = digest(std::as_bytes(std::span(name)), content_);
-  content_ = digest(bytes, content_);
 }
 
 GroupWriter GroupWriter::group(const std::string& name, std::string_view nx_class) const {
@@ -109,30 +101,25 @@ GroupWriter GroupWriter::group(const std::string& name, std::string_view nx_clas
   check(H5Pset_obj_track_times(properties.id(), false), where(name));
   Handle handle(H5Gcreate2(group_.id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Gclose,
                 where(name));
-  GroupWriter made(std::move(handle), file_, path_ + "/" + name, content_);
+  GroupWriter made(std::move(handle), file_, path_ + "/" + name);
   if (!nx_class.empty()) made.attribute("NX_class", nx_class);
   return made;
 }
 
 void GroupWriter::attribute(const std::string& name, std::string_view value) const {
   write_text_attribute(group_.id(), name, value, where("@" + name));
-  add_to_content(name, std::as_bytes(std::span(value)));
 }
 
 void GroupWriter::attribute(const std::string& name, const std::vector<std::string>& values) const {
   std::vector<const char*> pointers;
   pointers.reserve(values.size());
-  for (const std::string& value : values) {
-    pointers.push_back(value.c_str());
-    add_to_content(name, std::as_bytes(std::span(value)));
-  }
+  for (const std::string& value : values) pointers.push_back(value.c_str());
   const std::string place = where("@" + name);
   write_attribute(group_.id(), name, variable_text(place).id(), {values.size()}, pointers.data(), place);
 }
 
 void GroupWriter::attribute(const std::string& name, std::uint64_t value) const {
   write_attribute(group_.id(), name, H5T_NATIVE_UINT64, {}, &value, where("@" + name));
-  add_to_content(name, std::as_bytes(std::span(&value, 1)));
 }
 
 void GroupWriter::write(const std::string& name, const Shape& shape, const Elements& elements,
@@ -145,14 +132,9 @@ void GroupWriter::write(const std::string& name, const Shape& shape, const Eleme
   Handle dataset(H5Dcreate2(group_.id(), name.c_str(), elements.file_type, space.id(), H5P_DEFAULT,
                             properties.id(), H5P_DEFAULT),
                  H5Dclose, place);
-  for (const auto& [key, value] : attributes) {
-    write_text_attribute(dataset.id(), key, value, place);
-    add_to_content(fmt::format("{}@{}", name, key), std::as_bytes(std::span(value)));
-  }
+  for (const auto& [key, value] : attributes) write_text_attribute(dataset.id(), key, value, place);
   check(H5Dwrite(dataset.id(), elements.memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, elements.data), place);
   dataset.close(place);
-  add_to_content(name, std::as_bytes(std::span(shape)));
-  add_to_content(name, {static_cast<const std::byte*>(elements.data), elements.count * elements.size});
 }
 
 void GroupWriter::dataset(const std::string& name, const Shape& shape, std::span<const double> values,
@@ -190,17 +172,13 @@ void GroupWriter::number(const std::string& name, std::uint64_t value, const Att
 void GroupWriter::link(const std::string& name, const std::string& target) const {
   check(H5Lcreate_hard(group_.id(), target.c_str(), group_.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT),
         where(name));
-  add_to_content(name, std::as_bytes(std::span(target)));
 }
 
 FileWriter::FileWriter(std::filesystem::path target)
-    : target_(std::move(target)),
-      file_(memory_file(target_.string())),
-      content_(std::make_unique<std::uint64_t>(digest_of_nothing)) {}
+    : target_(std::move(target)), file_(memory_file(target_.string())) {}
 
 GroupWriter FileWriter::root() {
-  return {Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, target_.string()), target_.string(), "",
-          *content_};
+  return {Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, target_.string()), target_.string(), ""};
 }
 
 std::size_t FileWriter::size() const {

@@ -2,7 +2,6 @@
 // Builds an HDF5 file in memory, then puts it on the disk in one safe step.
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,7 +19,7 @@ using Attributes = std::vector<std::pair<std::string, std::string>>;
 /// One group of a file that is being built. Datasets other than scalars are compressed and carry a checksum.
 class GroupWriter {
  public:
-  GroupWriter(Handle group, std::string file, std::string path, std::uint64_t& content);
+  GroupWriter(Handle group, std::string file, std::string path);
 
   /// A new group in this one; `nx_class` may be empty.
   GroupWriter group(const std::string& name, std::string_view nx_class) const;
@@ -48,12 +47,10 @@ class GroupWriter {
     const void* data;
   };
   void write(const std::string& name, const Shape&, const Elements&, const Attributes&) const;
-  void add_to_content(std::string_view name, std::span<const std::byte>) const;
   std::string where(const std::string& name) const;
 
   Handle group_;
   std::string file_, path_;
-  std::uint64_t& content_;
 };
 
 /// What a file is called that is no file but its bytes.
@@ -67,9 +64,6 @@ class FileWriter {
   GroupWriter root();
   /// What it takes so far [bytes].
   std::size_t size() const;
-  /// A digest of names, values and attributes of what was written so far below the group "/" itself, in that
-  /// order.
-  std::uint64_t content() const { return *content_; }
   /// Its bytes, without a seal.
   std::vector<std::byte> image() const;
   /// Puts the file in its place with its seal (seal.hpp), safely, and reads it back before it replaces
@@ -79,7 +73,6 @@ class FileWriter {
  private:
   std::filesystem::path target_;
   Handle file_;
-  std::unique_ptr<std::uint64_t> content_;
 };
 
 }  // namespace rabiline::hdf5

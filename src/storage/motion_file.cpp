@@ -162,7 +162,7 @@ hdf5::FileWriter file_of(const SolvedModel& solved, const std::filesystem::path&
   {
     const GroupWriter entry = entry_of(file, solved, path);
     write_content(entry, solved);
-    nexus::write_provenance(entry, solved.provenance, file.content());
+    nexus::write_provenance(entry, solved.provenance);
   }
   return file;
 }
@@ -174,12 +174,6 @@ void write_motions(const SolvedModel& solved, const std::filesystem::path& path)
 }
 std::vector<std::byte> image_of(const SolvedModel& solved) {
   return file_of(solved, hdf5::in_memory).image();
-}
-
-std::uint64_t content_of(const SolvedModel& solved) {
-  hdf5::FileWriter file("content");
-  write_content(entry_of(file, solved, "content"), solved);
-  return file.content();
 }
 
 }  // namespace rabiline

@@ -21,7 +21,4 @@ void write_motions(const SolvedModel&, const std::filesystem::path&);
 /// The bytes of such a file.
 std::vector<std::byte> image_of(const SolvedModel&);
 
-/// The digest of its content that the file would have (Origin).
-std::uint64_t content_of(const SolvedModel&);
-
 }  // namespace rabiline

@@ -25,7 +25,6 @@ Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& pa
       throw StorageError(fmt::format("{}: is damaged", path.string()));
     return numbers[0];
   };
-  origin.content = number("content", ~std::uint64_t{0});
   if (file.contains("entry/simulation/transit"))
     origin.transit = static_cast<KeptTransit>(number("transit", 3));
   if (file.contains("entry/simulation/max_memory"))

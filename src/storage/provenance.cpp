@@ -6,13 +6,9 @@
 
 namespace rabiline::nexus {
 
-hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance,
-                                   std::uint64_t content) {
+hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance) {
   hdf5::GroupWriter simulation = entry.group("simulation", "NXprocess");
   simulation.text("program", "rabiline");
-  simulation.dataset(
-      "content", {1}, std::vector{content},
-      {{"long_name", "FNV-1a of all in /entry but simulation and flight, for `rabiline reproduce`"}});
   simulation.text("version", provenance.version);
   simulation.text("compiler", provenance.compiler);
   simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});

@@ -319,8 +319,8 @@ void write_fates(const GroupWriter& entry, const Result& result) {
                 {{"units", "1"}, {"long_name", "quanta emitted, lower 64 bits"}});
 }
 
-void write_simulation(const GroupWriter& entry, const Result& result, std::uint64_t content) {
-  const GroupWriter simulation = nexus::write_provenance(entry, result.provenance, content);
+void write_simulation(const GroupWriter& entry, const Result& result) {
+  const GroupWriter simulation = nexus::write_provenance(entry, result.provenance);
   simulation.dataset("transit", {1}, std::vector{static_cast<std::uint64_t>(result.provenance.transit)},
                      {{"long_name", "kept of the slowness: 0 totals if small, 1 none, 2 totals, 3 images"}});
   simulation.dataset("max_memory", {1}, std::vector{result.provenance.max_memory},
@@ -378,7 +378,7 @@ hdf5::FileWriter file_of(const Result& result, const std::filesystem::path& path
   {
     const GroupWriter entry = entry_of(file, result, path);
     write_content(entry, result);
-    write_simulation(entry, result, file.content());
+    write_simulation(entry, result);
     if (result.flight && is_worth_its_room(*result.flight, file.size()))
       nexus::write_flight(entry, *result.flight);
   }
@@ -389,11 +389,5 @@ hdf5::FileWriter file_of(const Result& result, const std::filesystem::path& path
 
 void write_results(const Result& result, const std::filesystem::path& path) { file_of(result, path).save(); }
 std::vector<std::byte> image_of(const Result& result) { return file_of(result, hdf5::in_memory).image(); }
-
-std::uint64_t content_of(const Result& result) {
-  hdf5::FileWriter file("content");
-  write_content(entry_of(file, result, "content"), result);
-  return file.content();
-}
 
 }  // namespace rabiline

@@ -16,7 +16,4 @@ void write_results(const Result&, const std::filesystem::path&);
 /// The bytes of such a file.
 std::vector<std::byte> image_of(const Result&);
 
-/// The digest of its content that the file would have (Origin).
-std::uint64_t content_of(const Result&);
-
 }  // namespace rabiline

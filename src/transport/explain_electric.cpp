@@ -24,15 +24,16 @@ void explain_electric(const TurningRegion& region, const RegionZone& zone, PlanR
       (-report.speed / (constants::speed_of_light * constants::speed_of_light)) * cross({0, 1, 0}, e);
   const ElectricCoupling& feels = region.feels.electric;
   const auto volts = [](double x) { return pretty_quantity(x, Dimension::electric_field); };
-  report.line("{:>16}E = ({}, {}, {}), its mean on the axis: a spin sees {} of it, {:.4g} deg of turning{}",
-              "", volts(e.x), volts(e.y), volts(e.z),
-              pretty_quantity(length_of(motional), Dimension::magnetic_field),
-              length_of(feels.spin_per_motional * motional + feels.spin_per_electric * e) * length /
-                  report.speed * 180 / std::numbers::pi,
-              report.species->charge != 0
-                  ? fmt::format("; the charge gains {}",
-                                pretty_quantity(report.species->charge * e.y * length, Dimension::energy))
-                  : "");
+  report.line(
+      "{:>16}E = ({}, {}, {}), its mean on the axis: in flight a spin meets v x E/c^2 = {} of it as a "
+      "magnetic field, and its phase changes by up to {:.4g} deg{}",
+      "", volts(e.x), volts(e.y), volts(e.z), pretty_quantity(length_of(motional), Dimension::magnetic_field),
+      length_of(feels.spin_per_motional * motional + feels.spin_per_electric * e) * length / report.speed *
+          180 / std::numbers::pi,
+      report.species->charge != 0
+          ? fmt::format("; the charge gains {}",
+                        pretty_quantity(report.species->charge * e.y * length, Dimension::energy))
+          : "");
 }
 
 }  // namespace rabiline

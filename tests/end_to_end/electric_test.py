@@ -183,7 +183,7 @@ def test_check_tells_what_an_electric_field_does_to_spins_and_charges(tmp_path: 
     told = run("check", beamline(tmp_path, PLATES, "name: B, kind: uniform_field, at: 0.2 m, length: 0.5 m, field: 10 uT"))
     assert told.returncode == 0 and told.stderr == ""
     # B' = v E/c^2 = 11.13 nT, gamma B' L/v = 0.05841 deg
-    assert "E = (0 V/m, 0 V/m, 1 MV/m), its mean on the axis: a spin sees 11.13 nT of it, 0.05841 deg of turning\n" in told.stdout
+    assert "E = (0 V/m, 0 V/m, 1 MV/m), its mean on the axis: in flight a spin meets v x E/c^2 = 11.13 nT of it as a magnetic field, and its phase changes by up to 0.05841 deg\n" in told.stdout
     assert "  plates           electric_field   turns spins\n" in told.stdout
     assert "  B                uniform_field    turns spins\n" in told.stdout
     protons = run("check", beamline(tmp_path, PLATES + ", direction: y", species="proton", speed="1e6 m/s")).stdout

@@ -16,7 +16,7 @@ ALONG_Z = "direction: parallel\n  spin: {kind: polarised, axis: z, degree: 1}"
 
 def flipped(folder: Path, course: str, *, turn: float, area: float, duration: str, name: str = "formula.yaml") -> tuple[float, Path]:
     """The share of spins along z that a field along x turns, which flies past from 1 to 1.2 ms, and has the integral `area` of its course [s] there."""
-    path = of_formula(folder, f"Bx: 'A*{course}', constants: {{A: {turn / GAMMA / area!r} T}}, duration: {duration}", name, beside="")
+    path = of_formula(folder, f"Bx: 'A*{course}', constants: {{A: {turn / GAMMA / area!r}}}, duration: {duration}", name, beside="")
     path.write_text(path.read_text().replace("direction: parallel", ALONG_Z))
     return 1 - levels_of(path)[0], path
 

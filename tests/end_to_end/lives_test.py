@@ -4,6 +4,7 @@ RABILINE_PROGRAM names the program; Debian's /usr/bin/python3 -m pytest has what
 """
 from __future__ import annotations
 
+import hashlib
 import os
 import pty
 import random
@@ -42,8 +43,7 @@ def run(output: Path, *arguments: object, experiment: Path = EXPERIMENT) -> Path
 def long_run(output: Path, *arguments: object, flown: tuple = LONG, experiment: Path = EXPERIMENT) -> subprocess.Popen[str]:
     """A run that has flown for half a second, with most of it still to come."""
     process = subprocess.Popen([PROGRAM, "run", str(experiment), "-o", str(output), *flown, "--progress", "json",
-                                *map(str, arguments)], text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+                                *map(str, arguments)], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert '"done"' in process.stderr.readline()
     return process
 
@@ -148,8 +148,7 @@ def test_a_terminal_that_closes_stops_with_a_checkpoint(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [["run", EXPERIMENT, *FEW], ["trace", EXPERIMENT], ["run", MODEL]], ids=["run", "trace", "model"])
 def test_a_limit_on_file_sizes_exits_3(tmp_path: Path, arguments: list) -> None:
-    done = rabiline(*arguments, "-o", tmp_path / "a.h5",
-                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000)))
+    done = rabiline(*arguments, "-o", tmp_path / "a.h5", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000)))
     assert done.returncode == NOT_WRITTEN and "File too large" in done.stderr
     assert [path for path in tmp_path.iterdir() if path.suffix == ".tmp"] == []
 
@@ -332,6 +331,17 @@ def test_a_result_is_flown_again_from_what_it_holds(tmp_path: Path) -> None:
     assert tracks.returncode == DONE and "particle 3:" in tracks.stdout
     alone = ("check", EXPERIMENT, *FEW[:2], *FEW[4:], "--set", "H0.amplitude=0.4 uT")
     assert before_cost(rabiline("check", result)) == before_cost(rabiline(*alone))
+
+
+def test_a_forged_result_is_told_what_differs(tmp_path: Path) -> None:
+    forged = run(tmp_path / "a.h5", *FEW)
+    forged.write_bytes(forged.read_bytes()[:-109])  # without its last line
+    with h5py.File(forged, "r+") as file:
+        file["entry/scan/detected"][1] += 0.01
+    seal = f"\nrabiline: SHA-256 of all before this line: {hashlib.sha256(forged.read_bytes()).hexdigest()}\n"
+    forged.write_bytes(forged.read_bytes() + seal.encode())
+    told = rabiline("reproduce", forged, cwd=tmp_path)
+    assert told.returncode == NOT_WRITTEN and "comes out otherwise here\n  differing: /entry/scan/detected\n  help" in told.stderr, told.stderr
 
 
 def test_every_parameter_is_in_the_file_as_it_was_flown(tmp_path: Path) -> None:

@@ -1,11 +1,14 @@
 // Deflecting magnets: one level, one parabola.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "constants.hpp"
 #include "physics/agreement.hpp"
+#include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
+#include "simulation/trace.hpp"
 
 namespace rabiline::test::magnet_test {
 namespace {
@@ -120,6 +123,34 @@ TEST(GradientMagnet, StopsWhatMeetsTheWallsOfItsGapAnywhere) {
   EXPECT_EQ(run_points({b}).detectors.at(0).detected.at(0), 1);
   std::get<GradientMagnet>(b.parts[0].part).gap = Rectangle{1, 2 * 0.99 * top};
   EXPECT_EQ(run_points({b}).detectors.at(0).detected.at(0), 0);
+}
+
+/// Potassium in a level whose moment changes with the field: the force differs from place to place, also
+/// where the magnet is one field among others.
+TEST(GradientMagnet, TakesItsFieldAlongWhereItIsMoved) {
+  const Offset d{0.4e-3, -0.7e-3};
+  const auto behind = [](Offset magnet, Offset source, double gradient, bool overlapped) {
+    Beamline b = atoms("K-39 atom", 600, in_level(2, -1));
+    b.source.offset = source;
+    GradientMagnet part = gradient_magnet(0.3, 0.2, gradient);
+    part.along = {0.6, 0, 0.8};
+    part.gap = Rectangle{10e-3, 10e-3};
+    part.offset = magnet;
+    b.parts = {place("M", 0.2, part), wide_screen(0.8)};
+    if (overlapped) b.parts.insert(b.parts.begin(), place("F", 0.1, UniformField{0.5, 1e-9, {}}));
+    const Track t = trace(b, 0, best_isa());
+    return std::array{t.x.back() - source.x, t.z.back() - source.z};
+  };
+  for (const bool overlapped : {false, true}) {
+    const auto moved = behind(d, {}, 100, overlapped), beside = behind({}, {-d.x, -d.z}, 100, overlapped),
+               stays = behind({}, {}, 100, overlapped), other = behind({}, {-d.x, -d.z}, 101, overlapped);
+    for (const std::size_t i : {0U, 1U}) {
+      const double tolerance = 1e-6 * std::abs(beside[i]);
+      EXPECT_NEAR(moved[i], beside[i], tolerance) << overlapped;
+      EXPECT_GT(std::abs(stays[i] - beside[i]), 100 * tolerance) << overlapped;
+      EXPECT_GT(std::abs(other[i] - beside[i]), 100 * tolerance) << overlapped;
+    }
+  }
 }
 
 /// Rabi's apparatus: the second magnet undoes the deflection of the first where the level has not changed.

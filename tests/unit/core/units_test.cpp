@@ -1,5 +1,6 @@
 #include "core/units.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "core/spelling.hpp"
 #include "particle/species.hpp"
 
 namespace rabiline::units_test {
@@ -43,6 +45,33 @@ TEST(Units, TakeBothCharactersForMicroAndTheDegreeSign) {
   EXPECT_EQ(value_of("3 \u03bcm"), 3e-6);
   EXPECT_EQ(value_of("180\u00b0"), std::numbers::pi);
   EXPECT_EQ(value_of("90 deg"), std::numbers::pi / 2);
+}
+
+TEST(Units, ReadTheTypographicMinusAsTheOneOfTheKeyboard) {
+  EXPECT_EQ(parse_quantity("\u22123.4e\u22123 T").value, -3.4e-3);
+}
+
+TEST(Units, TellAnglesInPiHowTheyAreWrittenHere) {
+  for (const auto& [written, degrees] : {std::pair{"pi/2", "90 deg"},
+                                         {"0.5 pi", "90 deg"},
+                                         {"2*pi/3", "120 deg"},
+                                         {"\u03c0", "180 deg"},
+                                         {"-\u03c0/4 rad", "-45 deg"},
+                                         {"\u2212Pi", "-180 deg"}}) {
+    EXPECT_EQ(degrees_of_pi(written), degrees);
+    EXPECT_EQ(parse_quantity(written, Dimension::angle).suggestion, fmt::format("write `{}`", degrees));
+  }
+  for (const char* none : {"pint", "pi/0", "pi+1", "30 deg", "", "a pi"}) EXPECT_EQ(degrees_of_pi(none), "");
+}
+
+TEST(Units, AreFoundInAQuantity) {
+  for (const auto& [quantity, unit] : {std::pair{"280 kHz", "kHz"},
+                                       {"1e3m", "m"},
+                                       {"1 e", "e"},
+                                       {"0.5 N m", "N m"},
+                                       {"16.5 MHz/T", "MHz/T"},
+                                       {"7", ""}})
+    EXPECT_EQ(unit_in(quantity), unit);
 }
 
 TEST(Units, TellTheChargeEFromAPowerOfTen) {

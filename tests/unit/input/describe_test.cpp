@@ -95,9 +95,10 @@ TEST(Describe, TellsWhatFollowsFromTheConstantsOfOneSpecies) {
 }
 
 TEST(Describe, SuggestsSpeciesAsWellAsKinds) {
-  EXPECT_EQ(help("rb87"), "did you mean `Rb-87`?");
+  EXPECT_EQ(help("rb87"), "write `Rb-87`, or with the electron `Rb-87 atom`");
   EXPECT_EQ(help("nuetron"), "did you mean `neutron`?");
   EXPECT_EQ(help("detektor"), "did you mean `detector`?");
+  EXPECT_EQ(help("aperture"), "did you mean `slit` or `collimator`?");
   EXPECT_EQ(help("quark"), "`rabiline describe` lists what there is, `rabiline describe species` what flies");
 }
 

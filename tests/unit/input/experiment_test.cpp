@@ -95,6 +95,24 @@ TEST(Scan, SpreadsALogarithmicRangeInEqualRatiosBetweenExactEnds) {
     EXPECT_NEAR(axis.values[i] / axis.values[i - 1], std::pow(700.0 / 3, 0.2), 1e-13);
 }
 
+TEST(Scan, IsToldInTheUnitThatItIsWrittenIn) {
+  const auto ends = [](const char* scan) {
+    const ScanAxis axis = load({}, {scan}).experiment.axes[0];
+    return value_at(axis, 0) + " to " + value_at(axis, axis.values.size() - 1);
+  };
+  EXPECT_EQ(ends("H0.frequency=280000 Hz:300000 Hz:3"), "280000 Hz to 300000 Hz");
+  EXPECT_EQ(ends("H0.frequency=0 Hz:300.25 kHz:3"), "0 kHz to 300.25 kHz");
+  EXPECT_EQ(ends("H0.phase=0 deg:360 deg:5"), "0 deg to 360 deg");
+  EXPECT_EQ(ends("law.kappa=0,0.5"), "0 to 0.5");
+}
+
+TEST(CommandLine, SetsEachValueInOneLine) {
+  for (const char* text : {"H0.amplitude=1 uT\nB.field: 2 mT", "H0.amplitude=[1,\n2]"})
+    EXPECT_THAT(error_of({text}), HasSubstr("--set:2:1: error: what follows --set is one line\n"));
+  EXPECT_THAT(error_of({}, {"law=dorado,\nclassical"}),
+              HasSubstr("--scan:2:1: error: what follows --scan is one line\n"));
+}
+
 TEST(Scan, GoesLogarithmicallyThroughDecadesToTheBit) {
   const auto values = [](const char* scan) { return load({}, {scan}).experiment.axes[0].values; };
   EXPECT_THAT(values("H0.amplitude=1 nT:1 mT:7:log"), ElementsAre(1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3));

@@ -147,5 +147,16 @@ TEST(SectionBuilder, MakesAMagnetThatAnotherFieldOverlapsOneFieldAmongOthersWith
   EXPECT_EQ(fields.sections[0].field.z, 0.5);
 }
 
+TEST(SectionBuilder, TakesTheFieldOfAMovedMagnetOnTheAxis) {
+  GradientMagnet magnet = magnet_of(0.1);
+  magnet.along = {0.6, 0, 0.8};
+  magnet.offset = {0.001, 0.002};
+  SectionBuilder builder(chamber);
+  contribute(magnet, {"M", 0.1, {}}, builder);
+  const Sections fields = builder.build(Magnets::uniform);
+  EXPECT_NEAR(fields.sections[0].field.z, 0.5 - 100 * (0.6 * 0.001 + 0.8 * 0.002), 1e-15);
+  EXPECT_EQ(static_field(magnet).field.z, fields.sections[0].field.z);
+}
+
 }  // namespace
 }  // namespace rabiline::section_builder_test

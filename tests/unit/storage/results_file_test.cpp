@@ -11,16 +11,20 @@
 
 #include "forked.hpp"
 #include "samples.hpp"
+#include "storage/contents.hpp"
 #include "storage/hdf5_writer.hpp"
 #include "storage/origin.hpp"
+#include "storage/seal.hpp"
 #include "storage/tracks_file.hpp"
 
 namespace rabiline::results_file_test {
 namespace {
 
 using samples::Folder;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 struct Dataset {
   std::vector<hsize_t> shape;
@@ -193,14 +197,62 @@ TEST(ResultsFile, HasASealThatEveryChangeOfItBreaks) {
   }
 }
 
-TEST(ResultsFile, KnowsADigestOfItsContentButNotOfWhereItComesFrom) {
+TEST(ResultsFile, IsComparedInAllButWhereItComesFrom) {
   const Folder folder;
-  Result result = samples::result({samples::frequency_axis(3)}, {"screen"});
-  const std::uint64_t content = content_of(result);
+  Result result = samples::result({samples::frequency_axis(3), samples::law_axis()}, {"screen"});
+  write_results(result, folder / "a.h5");
+  const auto differs = [&] { return differing(folder / "a.h5", image_of(result)); };
   result.provenance.host = "another";
-  EXPECT_EQ(content_of(result), content);
-  result.detectors.front().label = "another";
-  EXPECT_NE(content_of(result), content);
+  result.provenance.version = "0.0.0";
+  result.provenance.seconds += 1;
+  result.provenance.warnings = {"another"};
+  EXPECT_THAT(differs(), IsEmpty());
+  result.seed += 1;
+  EXPECT_THAT(differs(), ElementsAre("/entry/simulation/seed"));
+  result.seed -= 1;
+  DetectorResult& screen = result.detectors.front();
+  screen.counts[0] = std::nextafter(screen.counts[0], 1e9);
+  EXPECT_THAT(differs(), ElementsAre("/entry/instrument/screen/data", "/entry/screen/counts"));
+  screen.counts[0] = std::nextafter(screen.counts[0], 0);
+  screen.label = "another";
+  EXPECT_THAT(differs(), Contains("/entry/scan/detected"));  // its attribute `long_name`
+}
+
+/// By another program, which counts the digest in the last line anew.
+TEST(ResultsFile, IsFoundOutWhereItWasForged) {
+  const Folder folder;
+  const Result result = samples::result({samples::frequency_axis(3)}, {"screen"});
+  write_results(result, folder / "a.h5");
+  const auto forged = [&](auto change) {
+    std::string bytes = samples::bytes_of(folder / "a.h5");
+    bytes.erase(bytes.rfind('\n', bytes.size() - 2));
+    samples::put_bytes(folder / "b.h5", bytes);
+    const hid_t file = H5Fopen((folder / "b.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    change(file);
+    H5Fclose(file);
+    bytes = samples::bytes_of(folder / "b.h5");
+    samples::put_bytes(folder / "b.h5", bytes + seal_of(std::as_bytes(std::span(bytes))));
+    return differing(folder / "b.h5", image_of(result));
+  };
+  EXPECT_THAT(forged([](hid_t) {}), IsEmpty());
+  EXPECT_THAT(forged([](hid_t file) {
+                const hid_t dataset = H5Dopen2(file, "entry/scan/detected", H5P_DEFAULT);
+                const double values[3] = {0.1, 0.2, 0.3};
+                H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+                H5Dclose(dataset);
+              }),
+              ElementsAre("/entry/scan/detected"));
+  EXPECT_THAT(forged([](hid_t file) {
+                const hid_t dataset = H5Dopen2(file, "entry/screen/counts", H5P_DEFAULT);
+                H5Adelete(dataset, "units");
+                H5Dclose(dataset);
+              }),
+              ElementsAre("/entry/instrument/screen/data", "/entry/screen/counts"));
+  EXPECT_THAT(forged([](hid_t file) { H5Ldelete(file, "entry/fates/where", H5P_DEFAULT); }),
+              ElementsAre("/entry/fates/where"));
+  EXPECT_THAT(
+      forged([](hid_t file) { H5Gclose(H5Gcreate2(file, "more", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)); }),
+      ElementsAre("/more"));
 }
 
 TEST(TracksFile, KeepsEveryTrackEvenOfTheSameParticle) {

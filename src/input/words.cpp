@@ -1,0 +1,185 @@
+#include "input/words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/diagnostics.hpp"
+#include "core/text.hpp"
+
+namespace rabiline {
+namespace {
+
+/// What people call things, and which words may be meant: those that a key has, with blanks between.
+struct Meaning {
+  std::string_view said, meant;
+};
+constexpr std::array meanings{
+    Meaning{"analyser", "spin_filter"},
+    Meaning{"analyzer", "spin_filter"},
+    Meaning{"filter", "spin_filter velocity_selector"},
+    Meaning{"field", "uniform_field"},
+    Meaning{"b_field", "uniform_field"},
+    Meaning{"static_field", "uniform_field"},
+    Meaning{"constant_field", "uniform_field"},
+    Meaning{"homogeneous_field", "uniform_field"},
+    Meaning{"holding_field", "uniform_field guide_field"},
+    Meaning{"rf", "rotating_field oscillating_field"},
+    Meaning{"rf_coil", "rotating_field oscillating_field"},
+    Meaning{"rf_field", "rotating_field oscillating_field"},
+    Meaning{"cavity", "rotating_field oscillating_field standing_wave"},
+    Meaning{"resonator", "rotating_field oscillating_field"},
+    Meaning{"microwave", "rotating_field oscillating_field"},
+    Meaning{"flipper", "coil rotating_field oscillating_field"},
+    Meaning{"spin_flipper", "coil rotating_field oscillating_field"},
+    Meaning{"pi_coil", "coil"},
+    Meaning{"loop", "current_loop"},
+    Meaning{"helmholtz", "coil_pair"},
+    Meaning{"helmholtz_coil", "coil_pair"},
+    Meaning{"helmholtz_coils", "coil_pair"},
+    Meaning{"wire", "straight_wire two_wire_magnet"},
+    Meaning{"quadrupole", "multipole_magnet multipole_field"},
+    Meaning{"sextupole", "multipole_magnet multipole_field"},
+    Meaning{"hexapole", "multipole_magnet multipole_field"},
+    Meaning{"octupole", "multipole_magnet multipole_field"},
+    Meaning{"lens", "multipole_magnet"},
+    Meaning{"magnet", "uniform_field gradient_magnet two_wire_magnet iron_magnet multipole_magnet"},
+    Meaning{"deflector", "gradient_magnet two_wire_magnet iron_magnet"},
+    Meaning{"deflecting_magnet", "gradient_magnet two_wire_magnet iron_magnet"},
+    Meaning{"stern_gerlach", "gradient_magnet two_wire_magnet iron_magnet"},
+    Meaning{"stern_gerlach_magnet", "gradient_magnet two_wire_magnet iron_magnet"},
+    Meaning{"plates", "electric_field"},
+    Meaning{"electrodes", "electric_field"},
+    Meaning{"capacitor", "electric_field"},
+    Meaning{"condenser", "electric_field"},
+    Meaning{"e_field", "electric_field"},
+    Meaning{"map", "field_map"},
+    Meaning{"formula", "formula_field"},
+    Meaning{"aperture", "slit collimator"},
+    Meaning{"pinhole", "slit collimator"},
+    Meaning{"hole", "slit collimator"},
+    Meaning{"diaphragm", "slit collimator"},
+    Meaning{"iris", "slit collimator"},
+    Meaning{"tube", "collimator"},
+    Meaning{"pipe", "collimator"},
+    Meaning{"stop", "beam_stop"},
+    Meaning{"beam_block", "beam_stop"},
+    Meaning{"beam_dump", "beam_stop"},
+    Meaning{"absorber", "beam_stop"},
+    Meaning{"gas", "gas_cell"},
+    Meaning{"cell", "gas_cell"},
+    Meaning{"shutter", "chopper"},
+    Meaning{"selector", "velocity_selector"},
+    Meaning{"screen", "detector"},
+    Meaning{"camera", "detector"},
+    Meaning{"film", "detector"},
+    Meaning{"counter", "detector monitor"},
+    Meaning{"hot_wire", "detector"},
+    Meaning{"qm", "quantum"},
+    Meaning{"quantum_mechanics", "quantum"},
+    Meaning{"semiclassical", "classical"},
+    Meaning{"thermal", "effusive maxwell"},
+    Meaning{"oven", "effusive"},
+    Meaning{"nozzle", "supersonic"},
+    Meaning{"jet", "supersonic"},
+    Meaning{"maxwellian", "maxwell effusive"},
+    Meaning{"maxwell_boltzmann", "maxwell effusive"},
+    Meaning{"boltzmann", "maxwell effusive thermal"},
+    Meaning{"monochromatic", "single"},
+    Meaning{"fixed", "single"},
+    Meaning{"constant", "single rectangular clamp"},
+    Meaning{"delta", "single"},
+    Meaning{"normal", "gaussian"},
+    Meaning{"flat", "uniform box rectangular"},
+    Meaning{"box", "uniform rectangular rectangle"},
+    Meaning{"top_hat", "uniform box rectangular rectangle"},
+    Meaning{"square", "rectangular rectangle"},
+    Meaning{"spectrum", "tabulated"},
+    Meaning{"table", "tabulated field_map"},
+    Meaning{"lambert", "cosine"},
+    Meaning{"lambertian", "cosine"},
+    Meaning{"collimated", "parallel"},
+    Meaning{"straight", "parallel"},
+    Meaning{"divergent", "gaussian box cone"},
+    Meaning{"sine", "half_sine"},
+    Meaning{"sin", "half_sine sine"},
+    Meaning{"rwa", "rotating_wave"},
+    Meaning{"full", "none"},
+    Meaning{"cw", "negative"},
+    Meaning{"clockwise", "negative"},
+    Meaning{"ccw", "positive"},
+    Meaning{"counterclockwise", "positive"},
+    Meaning{"same", "co"},
+    Meaning{"opposite", "counter"},
+    Meaning{"tof", "time_of_flight"},
+    Meaning{"time", "time_of_flight start_time"},
+    Meaning{"velocity", "speed"},
+    Meaning{"lambda", "wavelength"},
+    Meaning{"yes", "true"},
+    Meaning{"on", "true"},
+    Meaning{"no", "false"},
+    Meaning{"off", "false"},
+    Meaning{"geometric", "logarithmic"},
+};
+
+/// What is said of the beam and is no part of it, and where it belongs.
+constexpr std::array no_parts{
+    Meaning{"oven", "where particles start is no part: it stands in `source`, beside `parts`"},
+    Meaning{"nozzle", "where particles start is no part: it stands in `source`, beside `parts`"},
+    Meaning{"source", "where particles start is no part: it stands in `source`, beside `parts`"},
+    Meaning{"gravity", "it is no part: `gravity` stands beside `parts`"},
+    Meaning{"chamber", "it is no part: `chamber` stands beside `parts`"},
+    Meaning{"drift", "a free flight is no part: leave room before the `at` of the next one"},
+    Meaning{"free_flight", "a free flight is no part: leave room before the `at` of the next one"},
+};
+constexpr std::string_view of_parts = "detector";  // a word that only kinds of parts have
+
+bool has(std::span<const Word> words, std::string_view word) {
+  return std::ranges::find(words, word, &Word::word) != words.end();
+}
+
+/// Those of the words that are meant.
+std::vector<std::string> meant_by(std::string_view said, std::span<const Word> words) {
+  std::vector<std::string> out;
+  const auto known = std::ranges::find(meanings, said, &Meaning::said);
+  if (known == meanings.end()) return out;
+  for (std::string_view rest = known->meant; !rest.empty();) {
+    const std::string_view word = rest.substr(0, rest.find(' '));
+    if (has(words, word)) out.emplace_back(word);
+    rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string out;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    out += fmt::format("{}`{}`", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
+  return out;
+}
+
+std::string list_of(std::span<const Word> words) {
+  std::vector<std::string> all;
+  for (const Word& word : words) all.emplace_back(word.word);
+  return list_of(all);
+}
+
+std::string suggest(std::string_view word, std::span<const Word> words) {
+  std::string said = lower(word);
+  std::ranges::replace_if(
+      said, [](char c) { return c == ' ' || c == '-'; }, '_');
+  if (has(words, said)) return fmt::format("did you mean `{}`?", said);
+  if (const std::vector<std::string> meant = meant_by(said, words); !meant.empty())
+    return fmt::format("did you mean {}?", list_of(meant));
+  const auto elsewhere = std::ranges::find(no_parts, said, &Meaning::said);
+  if (has(words, of_parts) && elsewhere != no_parts.end()) return std::string(elsewhere->meant);
+  std::vector<std::string> known;
+  for (const Word& w : words) known.emplace_back(w.word);
+  const std::string near = closest(word, known);
+  return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
+}
+
+}  // namespace rabiline

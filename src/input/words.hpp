@@ -1,0 +1,21 @@
+#pragma once
+// Words that a key may have, and which of them was meant.
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rabiline {
+
+/// A word of an enum or the tag of a variant, for messages and help.
+struct Word {
+  std::string_view word, meaning;
+};
+
+/// "`a`, `b` or `c`".
+std::string list_of(std::span<const Word>);
+std::string list_of(const std::vector<std::string>&);
+/// "did you mean `b`?", by its letters or by what it means; empty where none is near.
+std::string suggest(std::string_view word, std::span<const Word>);
+
+}  // namespace rabiline
