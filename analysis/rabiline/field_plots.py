@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Sequence
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 
 from . import style
 from .hdf5 import FileError
+from .regions import Region, shade
 from .style import INK, OTHERS
 from .units import fitting_scale
 
@@ -47,8 +49,8 @@ def read_field(path: Path) -> FieldLine:
     return FieldLine("xyz"[axis], table[:, axis], table[:, 3:6], table[:, electric] if len(electric) == 3 else np.zeros_like(table[:, 3:6]))
 
 
-def draw_field(line: FieldLine, title: str) -> Figure:
-    """The three components and the size of B, and below it those of E where there is any."""
+def draw_field(line: FieldLine, title: str, regions: Sequence[Region] = ()) -> Figure:
+    """The three components and the size of B, and below it those of E where there is any. `regions` along a line along the beam."""
     fields = [("B", "T", line.field)] if line.field.any() or not line.electric.any() else []
     fields += [("E", "V/m", line.electric)] if line.electric.any() else []
     figure, panels = plt.subplots(len(fields), 1, sharex=True, squeeze=False, figsize=style.size(7.2, 4.8), layout="constrained")
@@ -62,6 +64,11 @@ def draw_field(line: FieldLine, title: str) -> Figure:
         axes.set_ylabel(up.label(symbol))
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         axes.grid(axis="y")
+    panels[0, 0].set_xlim(*across.apply(line.place[[0, -1]]))
+    inside = [Region(region.name, across.apply(region.begin), across.apply(region.end)) for region in regions
+              if region.end > line.place.min() and region.begin < line.place.max()]
+    for axes in panels[:, 0]:
+        shade(axes, inside, named=axes is panels[0, 0])
     panels[-1, 0].set_xlabel(across.label(line.along))
     style.write_title(figure, title)
     return figure

@@ -15,7 +15,7 @@ from . import style
 from .curves import Curve
 from .errors import BadInput
 from .results import Detector, Levels
-from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of
+from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of, title_pad
 from .style import LAWS, OTHERS, Look
 from .units import Scale, is_logarithmic, law_name
 
@@ -60,9 +60,9 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
             top = max(top, _draw_row(part, row.piece(piece), detector.levels, scale, {level: by_m[level] for level in levels}))
             if len(pieces) > 1:
                 part.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
-        draw_marks(panel, marks, scale, named=panel is panels[0])
+        above = draw_marks(panel, marks, scale, named=panel is panels[0])
         heading = style.in_lines(", ".join(filter(None, (row.label, name))), figure.get_figwidth() - 1.0, style.points("font.size"))
-        grid[number, 0].set_title(heading, loc="left", fontsize="medium", pad=18 if marks and panel is panels[0] else 6)
+        grid[number, 0].set_title(heading, loc="left", fontsize="medium", pad=title_pad(above))
         if one_look is None and panel.get_legend_handles_labels()[0]:
             panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, handlelength=3, ncol=1 + (len(levels) - 1) // 14)
     top = 1.0 if top > 0.8 or top == 0 else top

@@ -103,9 +103,13 @@ def _of_transit(parser: ArgumentParser) -> None:
     parser.add_argument("--species", metavar="I", type=int, default=1, help="which of the beam; 1 by default")
 
 
-def _of_tracks(parser: ArgumentParser) -> None:
+def _of_field(parser: ArgumentParser) -> None:
     parser.add_argument("--region", action="append", default=[], metavar="NAME=BEGIN:END",
                         help='shades a field: "B=0.30:0.55" (m)')
+
+
+def _of_tracks(parser: ArgumentParser) -> None:
+    _of_field(parser)
     parser.add_argument("--in-space", action="store_true", help="in three dimensions")
 
 
@@ -114,5 +118,5 @@ def _of_motion(parser: ArgumentParser) -> None:
 
 
 OWN_OPTIONS = {"plot-scan": _of_scan, "plot-levels": _of_levels, "plot-image": _of_image, "plot-profiles": _of_profiles, "plot-tally": _of_tally,
-               "plot-angles": _of_angles, "plot-transit": _of_transit, "plot-tracks": _of_tracks,
+               "plot-angles": _of_angles, "plot-transit": _of_transit, "plot-tracks": _of_tracks, "plot-field": _of_field,
                "plot-motion": _of_motion}

@@ -4,7 +4,6 @@ from __future__ import annotations
 import argparse
 import re
 from argparse import ArgumentParser
-from math import inf
 from pathlib import Path
 from typing import Sequence
 
@@ -19,6 +18,7 @@ from .errors import InputError
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
 from .picture_options import add_options
+from .regions import read_region
 from .units import law_name, parse_quantity
 
 MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
@@ -285,7 +285,7 @@ def plot_tracks(options: argparse.Namespace) -> Figure:
     """Paths of single particles."""
     files = [path if isinstance(path, tracks.Tracks) else tracks.read(path) for path in options.files]
     labels = _distinct([law_name(file.law) for file in files], [file.path.stem for file in files])
-    regions = [_region(text) for text in options.region]
+    regions = [read_region(text) for text in options.region]
     title = options.title or files[0].title
     draw = space_plots.draw_paths if options.in_space else track_plots.draw_tracks
     return draw(files, labels, title, regions)
@@ -352,18 +352,7 @@ def _points(text: str, points: int) -> list[int]:
     return numbers
 
 
-def _region(text: str) -> track_plots.Region:
-    name, _, stretch = text.rpartition("=")
-    begin, _, end = stretch.partition(":")
-    try:
-        region = track_plots.Region(name, float(begin), float(end))
-        if not (name and -inf < region.begin < region.end < inf):
-            raise ValueError("empty")
-        return region
-    except ValueError:
-        raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
-
-
 def plot_field(options: argparse.Namespace) -> Figure:
     """B along a line, from the table of `rabiline probe --along`."""
-    return field_plots.draw_field(field_plots.read_field(options.file), options.title or options.file.stem)
+    regions = [read_region(text) for text in options.region]
+    return field_plots.draw_field(field_plots.read_field(options.file), options.title or options.file.stem, regions)

@@ -24,6 +24,7 @@ MOST_PIECES = 4
 MOST_COLUMNS = 3  # of maps
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
 LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
+LETTER, ROW = 0.09, 12.0  # inches of a panel for each letter of a mark's name, points from row to row
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 
 
@@ -139,8 +140,8 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
                                layout="constrained")
     limits = _fraction_limits([curve for panel in panels for curve in panel.curves])
     for axes, panel in zip(row[0], panels):
-        _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
-        axes.set_title(panel.title, pad=18 if marks else 6)
+        rows = _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
+        axes.set_title(panel.title, pad=title_pad(rows))
         axes.set_ylim(*limits)
         axes.set_ylabel(f"{_measure(panel.curves)}\n({about_errors(panel.curves, limits)})")
     style.write_title(figure, title)
@@ -155,8 +156,9 @@ def _scale(curves: Sequence[Curve]) -> Scale:
 
 
 def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], marks: dict[str, float],
-                beside: bool = True) -> None:
-    """Curves over their axis; numbers of a single resonance stand beside it, if wanted, else in the legend."""
+                beside: bool = True) -> int:
+    """Curves over their axis; numbers of a single resonance stand beside it, if wanted, else in the legend. Returns how many rows of
+    names stand above."""
     axis = curves[0].axis
     scale = _scale(curves)
     resonances = [_measured(curve) for curve in curves]
@@ -176,7 +178,6 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
             _draw_width(axes, resonance, look, scale)
             if beside:
                 _write_beside(axes, "\n".join(_in_words(resonance, scale, axis.units)), resonance, curve, look, scale)
-    draw_marks(axes, marks, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
@@ -184,6 +185,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     axes.set_xlabel(scale.label(axis.parameter))
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
+    return draw_marks(axes, marks, scale)
 
 
 def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks: dict[str, float]) -> Figure:
@@ -196,19 +198,20 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
                                   sharey=True, layout="constrained")
     most = max(curve.y.max() for grid in grids for curve in grid)
     least = min(curve.y.min() for grid in grids for curve in grid)
-    for axes, grid in zip(panels.flat, grids):
-        mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
-                               np.stack([curve.y for curve in grid]), shading="flat", cmap=COUNTS, rasterized=True, vmin=least, vmax=most)
-        draw_marks(axes, marks, scale)
-        if len(grids) > 1:
-            name = ", ".join(part for part in grid[0].label.split(", ") if not part.startswith(f"{across.parameter} = "))
-            axes.set_title(style.in_lines(name, figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small")
-    for axes in panels.flat[len(grids):]:
-        axes.remove()
     if is_logarithmic(along.values):
         panels[0, 0].set_xscale("log")
     if is_logarithmic(across.values):
         panels[0, 0].set_yscale("log")
+    for axes, grid in zip(panels.flat, grids):
+        mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
+                               np.stack([curve.y for curve in grid]), shading="flat", cmap=COUNTS, rasterized=True, vmin=least, vmax=most)
+        above = draw_marks(axes, marks, scale)
+        if len(grids) > 1:
+            name = ", ".join(part for part in grid[0].label.split(", ") if not part.startswith(f"{across.parameter} = "))
+            axes.set_title(style.in_lines(name, figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small",
+                           pad=title_pad(above))
+    for axes in panels.flat[len(grids):]:
+        axes.remove()
     curves = [curve for grid in grids for curve in grid]
     figure.colorbar(mesh, ax=list(panels.flat[:len(grids)]), label=_measure(curves))
     for axes in panels.flat[max(0, len(grids) - columns):len(grids)]:
@@ -220,14 +223,26 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
     return figure
 
 
-def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = True) -> None:
-    """Lines at values of the axis (SI)."""
-    for name, value in marks.items():
-        axes.axvline(scale.apply(value), color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=1)
+def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = True) -> int:
+    """Lines at values of the axis (SI), with their names above in as many rows as keep these apart: that many are returned."""
+    width = axes.figure.get_figwidth() / axes.get_subplotspec().get_gridspec().ncols
+    rows: list[float] = []  # where the last name of each row ends, as a share of the axis
+    for name, value in sorted(marks.items(), key=lambda mark: mark[1]):
+        x = scale.apply(value)
+        axes.axvline(x, color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=1)
         if not named:
             continue
-        axes.annotate(name, (scale.apply(value), 1), xycoords=("data", "axes fraction"), xytext=(0, 3),
-                      textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
+        middle, half = axes.transAxes.inverted().transform(axes.transData.transform((x, 0)))[0], 0.5 * (len(name) + 1) * LETTER / width
+        row = next((i for i, taken in enumerate(rows) if taken <= middle - half), len(rows))
+        rows[row:row + 1] = [middle + half]
+        axes.annotate(name, (x, 1), xycoords=("data", "axes fraction"), xytext=(0, 3 + ROW * row), textcoords="offset points",
+                      ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
+    return len(rows)
+
+
+def title_pad(rows: int) -> float:
+    """[points] above names of marks in so many rows."""
+    return 6 + ROW * rows
 
 
 def _measured(curve: Curve) -> Sequence[Resonance]:

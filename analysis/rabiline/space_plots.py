@@ -13,7 +13,8 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from . import style
 from .style import GREY, looks
-from .track_plots import ENDS, SHADES, Region
+from .regions import SHADES, Region
+from .track_plots import ENDS
 from .tracks import Tracks
 from .units import Scale, fitting_scale
 

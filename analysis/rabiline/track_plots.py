@@ -1,7 +1,6 @@
 """The paths of particles as pictures: where they go, and how their spins turn."""
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Sequence
 
 import numpy as np
@@ -12,25 +11,15 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from . import style
+from .regions import Region, shade
 from .style import GREY, INK, Look, looks
 from .tracks import Track, Tracks
 from .units import Scale, fitting_scale
 
 MILLI = 1e3
 STILL = 1e-6  # rad: a spin that tilts less needs no panel
-LETTER = 0.14  # inches of figure per letter of a name, with what is beside the panel
 TILTED = np.radians(20)  # a spin that tilts by more is shown on the whole sphere
-SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
 ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
-
-
-@dataclass(frozen=True)
-class Region:
-    """A stretch of the beam to shade."""
-
-    name: str
-    begin: float  # m along y
-    end: float  # m
 
 
 @style.in_proportion
@@ -69,7 +58,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     panels[0].set_xlim(*_extent(files))
     regions = [region for region in regions if region.begin < _extent(files)[1]]
     for panel in panels:
-        _shade(panel, regions, named=panel is panels[0])
+        shade(panel, regions, named=panel is panels[0])
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     style.write_title(figure, title)
@@ -86,28 +75,6 @@ def _draw_path(axes: Axes, track: Track, component: int, look: Look, scale: Scal
     axes.plot(y, across, color=look.colour, linewidth=1.2, alpha=0.85)
     axes.plot(y[-1], across[-1], ENDS.get(track.fate, "*"), color=look.colour, markersize=5, markeredgewidth=0,
               clip_on=False, zorder=5)
-
-
-def _shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
-    """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
-    rows: list[float] = []  # where the last region of each row ends
-    ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
-    for region, shade in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
-        axes.axvspan(region.begin, region.end, color=shade if region.end > region.begin else GREY, alpha=0.75,
-                     linewidth=0 if region.end > region.begin else 0.8, zorder=0)  # a coil has a place, and no edges
-        if not named:
-            continue
-        left, right = axes.get_xlim()
-        begin, end = max(region.begin, left), min(region.end, right)
-        half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
-        middle = min(max((begin + end) / 2, left + half), right - half)
-        row = next((i for i, taken in enumerate(rows) if taken <= min(begin, middle - half)), len(rows))
-        rows[row:row + 1] = [max(end, middle + half)]
-        height = 1.05 + 0.15 * row
-        axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
-                  color=GREY, linewidth=1.2, solid_capstyle="butt")
-        axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
-                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
 
 
 def _extent(files: Sequence[Tracks]) -> tuple[float, float]:

@@ -105,16 +105,23 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
   }
 }
 
-/// The package draws the table, which it reads from a file without a name.
+/// The package draws the table, which it reads from a file without a name, and along the beam where parts
+/// are.
 void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<double, 3>& place, double time) {
   std::FILE* const table = std::tmpfile();
   if (table == nullptr) throw StorageError("no temporary file could be made");
   print_line(table, setup, a, place, time);
   std::rewind(table);
   dup2(fileno(table), STDIN_FILENO);
-  start_package({"plot-field", "/dev/stdin", "--title",
-                 setup.title().empty() ? a.experiment.file.filename().string() : setup.title(), "-o",
-                 a.picture});
+  std::vector<std::string> words{
+      "plot-field", "/dev/stdin",
+      "-o",         a.picture,
+      "--title",    setup.title().empty() ? a.experiment.file.filename().string() : setup.title()};
+  if (a.along == "y")
+    for (const PartName& part : parts_of(setup))
+      if ((part.field || part.drives) && part.begin < part.end)
+        words.insert(words.end(), {"--region", fmt::format("{}={}:{}", part.label, part.begin, part.end)});
+  start_package(words);
 }
 
 void probe_command(const ProbeArguments& a) {

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from rabiline.__main__ import main
 from rabiline.field_plots import draw_field, read_field
+from rabiline.regions import Region
 
 HEADER = "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m]\n"
 
@@ -34,6 +35,16 @@ def test_an_electric_field_stands_below_the_magnetic_one(tmp_path: Path) -> None
     line = read_field(table)
     assert line.electric[4].tolist() == [0, 0, 2e5]
     assert [axes.get_ylabel() for axes in draw_field(line, "both").axes] == ["B (mT)", "E (kV/m)"]
+
+
+def test_parts_stand_above_the_line_where_they_are_in_its_unit(tmp_path: Path) -> None:
+    table = tmp_path / "b.csv"
+    table.write_text(HEADER + "".join(f"0,{0.001 * i},0,1e-3,0,0,1e-3,0,0\n" for i in range(11)))
+    figure = draw_field(read_field(table), "parts", [Region("B", 2e-3, 7e-3), Region("behind", 0.02, 0.03)])
+    axes, = figure.axes
+    assert axes.get_xlabel() == "y (mm)"
+    assert [text.get_text() for text in axes.texts] == ["B"]
+    assert axes.texts[0].xy[0] == pytest.approx(4.5)
 
 
 @pytest.mark.parametrize("rows, header, said", [(11, "y,B\n", "no table of"), (1, HEADER, "fewer than two rows")])

@@ -229,3 +229,16 @@ def test_a_size_without_room_for_curves_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="--size: 38x33 leaves no room for curves"):
         style.save(plot_of(file, "scan", {"size": (1.5, 1.3), "title": 8 * "ten words that take up the room "}), tmp_path / "a.png")
     assert not (tmp_path / "a.png").exists()
+
+
+def test_names_of_marks_that_are_near_stand_in_rows(tmp_path: Path) -> None:
+    axis = frequencies()
+    lines = curves(results.read(write_results(tmp_path / "a.h5", [axis], dip(axis.values), law=[DORADO], bins=4)))
+    marks = {"Larmor": 291.6e3, "Bloch-Siegert": 291.7e3, "far": float(axis.values[0])}
+    figure = draw_scan(lines, ["a"], "a title", marks)
+    figure.draw_without_rendering()
+    names = {text.get_text(): text for text in figure.axes[0].texts if text.get_text() in marks}
+    assert len(names) == 3
+    boxes = [text.get_window_extent() for text in names.values()]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+    assert names["far"].xyann == names["Larmor"].xyann

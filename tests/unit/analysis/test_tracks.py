@@ -10,7 +10,8 @@ import pytest
 from matplotlib import pyplot as plt
 from rabiline import tracks
 from rabiline.space_plots import draw_paths
-from rabiline.track_plots import Region, draw_tracks
+from rabiline.regions import Region
+from rabiline.track_plots import draw_tracks
 from rabiline.units import law_name
 from synthetic import DORADO, GAMMA, align, fly, write_tracks
 

@@ -35,6 +35,19 @@ title: A cylinder
 model: {kind: rotating_cylinder, mass: 1 kg, radius: 0.1 m, length: 0.2 m, spin: 30 Hz, speed: 1 m/s, torque: {kind: body_fixed, size: 0.5 N m}, axis_start: at_rest, duration: 0.1 s, samples: 21}
 )";
 
+const std::string coils = R"(rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 1000 m/s}, opening: {radius: 0.3 mm}, direction: parallel}
+parts:
+  - {name: S, kind: solenoid,     at: 1 m, winding: 0.4 m, radius: 50 mm, field: 1 mT}
+  - {name: P, kind: coil_pair,    at: 4 m, radius: 0.1 m, field: 1 mT}
+  - {name: L, kind: current_loop, at: 7 m, radius: 0.2 m, field: 1 mT}
+  - {name: D, kind: detector,     at: 9 m, radius: 1 m, bins: [1, 1]}
+particles: 10
+seed: 7
+)";
+
 /// A folder for one test; tests run side by side.
 class Face : public testing::Test {
  protected:
@@ -210,6 +223,14 @@ TEST_F(Face, SolvesAModelOverItsScan) {
   EXPECT_FALSE(solved.points.front().motions.empty());
   write(solved, folder_ / "cylinder.h5");
   EXPECT_TRUE(std::filesystem::exists(folder_ / "cylinder.h5"));
+}
+
+TEST_F(Face, TellsWhereTheTurnsOfCoilsStandHoweverFarTheirFieldReaches) {
+  const std::vector<PartName> parts = parts_of(load_text(coils, folder_ / "coils.yaml"));
+  const auto stretch = [&](std::size_t part) { return std::pair(parts.at(part).begin, parts.at(part).end); };
+  EXPECT_EQ(stretch(0), std::pair(0.8, 1.2));
+  EXPECT_EQ(stretch(1), std::pair(3.9, 4.1));  // about z
+  EXPECT_EQ(stretch(2), std::pair(7.0, 7.0));
 }
 
 }  // namespace

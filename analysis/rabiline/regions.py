@@ -1,0 +1,60 @@
+"""Stretches of the beam that are shaded in pictures, with their names."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Sequence
+
+from matplotlib.axes import Axes
+
+from . import style
+from .errors import InputError
+from .style import GREY
+
+LETTER = 0.14  # inches of figure per letter of a name, with what is beside the panel
+SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
+
+
+@dataclass(frozen=True)
+class Region:
+    """A stretch of the beam to shade."""
+
+    name: str
+    begin: float  # m along y
+    end: float  # m
+
+
+def read_region(text: str) -> Region:
+    """From NAME=BEGIN:END. Raises InputError."""
+    name, _, stretch = text.rpartition("=")
+    begin, _, end = stretch.partition(":")
+    try:
+        region = Region(name, float(begin), float(end))
+        if not (name and -inf < region.begin < region.end < inf):
+            raise ValueError("empty")
+        return region
+    except ValueError:
+        raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
+
+
+def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
+    """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
+    share = axes.get_subplotspec().get_gridspec().nrows / 3
+    rows: list[float] = []  # where the last region of each row ends
+    ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
+    for region, colour in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
+        axes.axvspan(region.begin, region.end, color=colour if region.end > region.begin else GREY, alpha=0.75,
+                     linewidth=0 if region.end > region.begin else 0.8, zorder=0)  # a coil has a place, and no edges
+        if not named:
+            continue
+        left, right = axes.get_xlim()
+        begin, end = max(region.begin, left), min(region.end, right)
+        half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
+        middle = min(max((begin + end) / 2, left + half), right - half)
+        row = next((i for i, taken in enumerate(rows) if taken <= min(begin, middle - half)), len(rows))
+        rows[row:row + 1] = [max(end, middle + half)]
+        height = 1 + share * (0.05 + 0.15 * row)
+        axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
+                  color=GREY, linewidth=1.2, solid_capstyle="butt")
+        axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
+                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
