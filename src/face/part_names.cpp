@@ -3,6 +3,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "core/portable_math.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -14,7 +15,7 @@ struct Stretch {
 
 /// Turns about an axis, up to a distance from the middle.
 Stretch around(double middle, const Vector3& axis, double half_length, double radius) {
-  const double half = half_length * std::abs(axis.y) + radius * std::hypot(axis.x, axis.z);
+  const double half = half_length * std::abs(axis.y) + radius * portable::hypot(axis.x, axis.z, 0);
   return {middle - half, middle + half};
 }
 

@@ -324,6 +324,7 @@ std::string describe(std::string_view topic) {
   }
   if (out.empty()) {
     std::vector<Word> words;
+    words.reserve(names.size());
     for (const std::string& name : names) words.push_back({name, ""});
     const std::string isotopes = species_of_element(topic), near = suggest(topic, words);
     const std::string_view part = part_with(topic);
