@@ -308,13 +308,13 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   const FieldStepper stepper{region, zone, phases, part, lookout.level};
   const double length = zone.field.end - zone.field.begin;
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end);
-  const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
   const real speed = sqrt(dot(start.velocity, start.velocity)), stay = length / speed;
   const real deadline = start.t + region.most_way / speed, most = zone.longest / speed;
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
   const bool has_gaps = zone.gap_begin < zone.gap_end;
-  mask going = has_gaps ? chosen & stepper.in_gaps(start.place) : chosen;
+  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
+  if (has_gaps) going = going & stepper.in_gaps(start.place);
   const bool switched = is_switched(zone.field) || stepper.follows_courses();
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   while (any(going)) {
@@ -340,19 +340,19 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     if (region.feels.watches_turning)
       Adiabaticity(region, zone, lookout.batch, lookout.row).watch(old, now, steps_on);
     if constexpr (looks)
-      lookout.look(now.place.y, steps_on, zone.sights_passed, [&](real y, mask crosses) {
+      lookout.look(now.place.y, steps_on, zone, [&](real y, mask crosses) {
         return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
       });
-    const real from_axis2 = farthest2(zone, old.place, old.velocity, now.place, now.velocity, trial);
+    const real farthest = farthest2(zone, old.place, old.velocity, now.place, now.velocity, trial);
     const mask in_gap = has_gaps ? stepper.in_gaps(now.place) : ~mask{};
-    const mask inside = (now.place.y >= begin) & (from_axis2 <= wall2) & in_gap;
+    const mask inside = (now.place.y >= begin) & in_wall(zone, farthest) & in_gap;
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
     const mask arrives = (now.place.y >= end - 1e-14 * (abs(end) + length)) & in_gap;
     const mask lost = stepper.outside_maps(now.place) & steps_on & ~arrives;
     const mask stays = inside & in_time & ~arrives & ~lost;
     const mask leaves = (steps_on & ~stays) | (going & ~in_time);
     const mask forward = arrives & steps_on, backwards = (now.place.y < begin) & steps_on;
-    const mask wall = ((from_axis2 > wall2) | ~in_gap) & steps_on & ~forward & ~backwards;
+    const mask wall = (beyond_wall(zone, farthest) | ~in_gap) & steps_on & ~forward & ~backwards;
     before = choose(leaves, old, before);
     last_h = select(leaves, trial, last_h);
     v.state = choose(leaves, now, v.state);
@@ -368,6 +368,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   if (any(beyond))
     v.state = choose(beyond, stepper.at_plane(before, last_h, select(v.forward, end, begin)), v.state);
   v.state.place.y = select(v.forward, end, select(v.backwards, begin, v.state.place.y));
+  v.stop_at_wall(zone, v.forward | v.backwards, before.place, before.velocity, v.state, v.state.t - before.t);
   v.state = choose(chosen, v.state, start);
   return v;
 }

@@ -58,11 +58,11 @@ void record_between(const StepRecorder& recorder, const Curve& curve, double fro
 /// Puts down what the chosen lanes are where they fly forward through planes for the first time between two
 /// moments of a span. The flight itself knows nothing of it.
 template <class Curve>
-void look_between(const Curve& curve, Lookout& lookout, int planes, mask chosen, const Reach& reach,
-                  real from, real to, Motion at) {
+void look_between(const Curve& curve, Lookout& lookout, const RegionZone& zone, mask chosen,
+                  const Reach& reach, real from, real to, Motion at) {
   mask looking = chosen;
   while (any(looking)) {
-    const real plane = lookout.places(planes);
+    const real plane = lookout.places(zone.sights_passed);
     looking = looking & (plane < broadcast(__builtin_inf()));
     // Forward flight, for as long as it is certain, meets every plane once.
     const real forward = (at.velocity.y - reach.ripple) / max(reach.bend, broadcast(0x1p-500));
@@ -72,7 +72,7 @@ void look_between(const Curve& curve, Lookout& lookout, int planes, mask chosen,
     const real next = min(to, from + max(max(safe, forward), reach.finely));
     const Motion there = curve.motion(next);
     real begin = from, y_begin = at.place.y;
-    lookout.look(there.place.y, looking, planes, [&](real y, mask crosses) {
+    lookout.look(there.place.y, looking, zone, [&](real y, mask crosses) {
       const real target = select(crosses, y, there.place.y);
       const real when =
           time_of_crossing(curve, reach.span, crosses, begin, next, y_begin, there.place.y, target);
@@ -100,10 +100,10 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
   const real speed = sqrt(dot(start.velocity, start.velocity));
   const real deadline = start.t + region.most_way / speed;
   const bool walled = zone.wall_radius < __builtin_inf();
-  const real wall = broadcast(zone.wall_radius), wall2 = wall * wall;
+  const real wall = broadcast(zone.wall_radius);
   State now = start;
-  mask going = chosen;
-  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
+  Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   while (any(going)) {
     curve.begin(now);
     const Reach reach{curve.ripple() * speed, curve.bend() * speed, broadcast(zone.step), span};
@@ -114,24 +114,23 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       real safe = min(reach.time_to(end - at.place.y, at.velocity.y),
                       reach.time_to(at.place.y - begin, -at.velocity.y));
       if (walled) {
-        const real x = at.place.x - zone.wall_x, z = at.place.z - zone.wall_z;
         const real across = sqrt(fma(at.velocity.x, at.velocity.x, at.velocity.z * at.velocity.z));
-        safe = min(safe, reach.time_to(wall - sqrt(fma(x, x, z * z)), across));
+        safe = min(safe, reach.time_to(wall - sqrt(from_axis2(zone, at.place)), across));
       }
       const mask through = tau + safe >= span;  // nothing is met in this span any more
       const real next = select(through, span, min(span, tau + max(safe, reach.finely)));
       if (recorder != nullptr && lane((words)on_way, 0) != 0)
         record_between(*recorder, curve, lane(tau, 0), lane(next, 0), zone.step);
-      if constexpr (looks) look_between(curve, lookout, zone.sights_passed, on_way, reach, tau, next, at);
+      if constexpr (looks) look_between(curve, lookout, zone, on_way, reach, tau, next, at);
       on_way = on_way & ~through;
       if (!any(on_way)) break;
       const Motion to = curve.motion(next);
-      const real from_axis2 = farthest2(zone, at.place, at.velocity, to.place, to.velocity, next - tau),
-                 t = now.t + next;
-      const mask goes_on = (to.place.y >= begin) & (from_axis2 <= wall2) & (t < deadline);
+      const real t = now.t + next;
+      const real farthest = farthest2(zone, at.place, at.velocity, to.place, to.velocity, next - tau);
+      const mask goes_on = (to.place.y >= begin) & in_wall(zone, farthest) & (t < deadline);
       const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
       const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;
-      const mask hit = (from_axis2 > wall2) & left & ~forward & ~backwards;
+      const mask hit = beyond_wall(zone, farthest) & left & ~forward & ~backwards;
       v.forward = v.forward | forward;
       v.backwards = v.backwards | backwards;
       v.wall = v.wall | hit;
@@ -154,6 +153,10 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       State there = curve.state(when, curve.motion(when));
       there.place.y = select(crossed, plane, there.place.y);
       v.state = choose(leaves, there, v.state);
+      if (any(crossed)) {
+        const Motion from = curve.motion(low);
+        v.stop_at_wall(zone, crossed, from.place, from.velocity, v.state, when - low);
+      }
       going = going & ~leaves;
     }
     if (!any(going)) break;

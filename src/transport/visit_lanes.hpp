@@ -13,6 +13,36 @@ inline void record(const StepRecorder& recorder, const State& s) {
   recorder.record(recorder.self, lane(s.t, 0), place, velocity, spin);
 }
 
+/// The squared distance from the axis of a zone's wall, and whether that is inside it, or beyond it; what is
+/// no number is neither.
+RABILINE_LANES real from_axis2(const RegionZone& zone, const Vector& r) {
+  const real x = r.x - zone.wall_x, z = r.z - zone.wall_z;
+  return fma(x, x, z * z);
+}
+RABILINE_LANES mask in_wall(const RegionZone& zone, real distance2) {
+  return distance2 <= broadcast(zone.wall_radius * zone.wall_radius);
+}
+RABILINE_LANES mask beyond_wall(const RegionZone& zone, real distance2) {
+  return distance2 > broadcast(zone.wall_radius * zone.wall_radius);
+}
+/// The largest squared distance from the axis of a zone's wall within a step of the time h and at its end, by
+/// the cubic that has r^2 and its slope at both ends: between them a path may graze the wall.
+RABILINE_LANES real farthest2(const RegionZone& zone, const Vector& place, const Vector& velocity,
+                              const Vector& next_place, const Vector& next_velocity, real h) {
+  const auto slope = [&](const Vector& r, const Vector& v) {
+    return 2.0 * h * fma(r.x - zone.wall_x, v.x, (r.z - zone.wall_z) * v.z);
+  };
+  const real from = from_axis2(zone, place), to = from_axis2(zone, next_place),
+             rises = slope(place, velocity), falls = slope(next_place, next_velocity);
+  const mask turns = (rises > broadcast(0)) & (falls < broadcast(0));
+  if (!any(turns)) return to;
+  const real grown = to - from, cubic = rises + falls - 2.0 * grown,
+             square = 3.0 * grown - 2.0 * rises - falls;
+  const real root = sqrt(max(fma(square, square, -3.0 * cubic * rises), broadcast(0)));
+  const real tau = rises / select(turns, root - square, broadcast(1));
+  return select(turns, max(to, fma(fma(fma(cubic, tau, square), tau, rises), tau, from)), to);
+}
+
 /// Where the lanes of one pack are seen next: at the first plane ahead that they have not crossed yet.
 /// A flight that turns back comes to no plane for the first time until it is farther than ever before.
 struct Lookout {
@@ -30,14 +60,15 @@ struct Lookout {
     return y;
   }
   /// Puts down the state of what has flown forward through planes up to `now`, as `at(plane, lanes)` has it
-  /// there. The flight goes on without it: looking does not change the path.
+  /// there, inside the zone's wall. The flight goes on without it: looking does not change the path.
   template <class At>
-  void look(const real& now, mask flying, int end, const At& at) {
+  void look(const real& now, mask flying, const RegionZone& zone, const At& at) {
     for (;;) {
-      const real y = places(end);
+      const real y = places(zone.sights_passed);
       const mask crosses = flying & (now >= y);
       if (!any(crosses)) return;
-      put(at(y, crosses), crosses);
+      const State there = at(y, crosses);
+      put(there, crosses & in_wall(zone, from_axis2(zone, there.place)));
       next = next + select(crosses, broadcast_word(1), words{});
     }
   }
@@ -65,33 +96,22 @@ struct Lookout {
   }
 };
 
-/// The largest squared distance from the axis of a zone's wall within a step of the time h and at its end, by
-/// the cubic that has r^2 and its slope at both ends: between them a path may graze the wall.
-RABILINE_LANES real farthest2(const RegionZone& zone, const Vector& place, const Vector& velocity,
-                              const Vector& next_place, const Vector& next_velocity, real h) {
-  const auto size2 = [&](const Vector& r) {
-    const real x = r.x - zone.wall_x, z = r.z - zone.wall_z;
-    return fma(x, x, z * z);
-  };
-  const auto slope = [&](const Vector& r, const Vector& v) {
-    return 2.0 * h * fma(r.x - zone.wall_x, v.x, (r.z - zone.wall_z) * v.z);
-  };
-  const real from = size2(place), to = size2(next_place), rises = slope(place, velocity),
-             falls = slope(next_place, next_velocity);
-  const mask turns = (rises > broadcast(0)) & (falls < broadcast(0));
-  if (!any(turns)) return to;
-  const real grown = to - from, cubic = rises + falls - 2.0 * grown,
-             square = 3.0 * grown - 2.0 * rises - falls;
-  const real root = sqrt(max(fma(square, square, -3.0 * cubic * rises), broadcast(0)));
-  const real tau = rises / select(turns, root - square, broadcast(1));
-  return select(turns, max(to, fma(fma(fma(cubic, tau, square), tau, rises), tau, from)), to);
-}
-
 /// What becomes of lanes in a zone: their state at its edge or wall, and which of these they met.
 struct Visit {
   State state;
   mask forward, backwards, wall, gave_up;
   mask left_map{};
+
+  /// What crosses the zone's edge outside of its wall, or touched that since the last step before, met the
+  /// wall.
+  RABILINE_LANES void stop_at_wall(const RegionZone& zone, mask crossed, const Vector& place,
+                                   const Vector& velocity, const State& at_edge, real since) {
+    const mask meets =
+        crossed & beyond_wall(zone, farthest2(zone, place, velocity, at_edge.place, at_edge.velocity, since));
+    wall = wall | meets;
+    forward = forward & ~meets;
+    backwards = backwards & ~meets;
+  }
 };
 
 /// Flies the chosen lanes through one zone, step by step, until each has left it, hit its wall or flown too
@@ -101,13 +121,12 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
                    mask chosen, Lookout& lookout, const StepRecorder* recorder) {
   const Stepper stepper{zone.field, region.take_off_spin_component, phases};
   const real begin = broadcast(zone.field.begin), end = broadcast(zone.field.end), h = broadcast(zone.step);
-  const real wall2 = broadcast(zone.wall_radius * zone.wall_radius);
   const Propagator whole_step = stepper.steps_of(h);
   const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
-  mask going = chosen;
+  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
   real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
-  Visit v{now, mask{}, mask{}, mask{}, mask{}};
+  Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   for (int steps = 1; any(going); ++steps) {
     const State old = now;
     now = stepper.step(whole_step, old);
@@ -115,18 +134,18 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
       now.spin = of_unit_length(now.spin);
       if (stepper.in_frame()) now.frame = of_unit_length(now.frame);
     }
-    const real from_axis2 = farthest2(zone, old.place, old.velocity, now.place, now.velocity, h);
-    const mask goes_on = (now.place.y >= begin) & (from_axis2 <= wall2) & (now.t < deadline);
+    const real farthest = farthest2(zone, old.place, old.velocity, now.place, now.velocity, h);
+    const mask goes_on = (now.place.y >= begin) & in_wall(zone, farthest) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
       if constexpr (looks) {
-        lookout.look(now.place.y, going, zone.sights_passed, [&](real y, mask crosses) {
+        lookout.look(now.place.y, going, zone, [&](real y, mask crosses) {
           return to_edge(stepper, old, h, select(crosses, y, now.place.y));  // by a shorter step, thrown away
         });
         ahead = min(lookout.places(zone.sights_passed), end);
       }
       const mask stays = goes_on & (now.place.y < end);
       const mask forward = (now.place.y >= end) & going, backwards = (now.place.y < begin) & going;
-      const mask wall = (from_axis2 > wall2) & going & ~forward & ~backwards;
+      const mask wall = beyond_wall(zone, farthest) & going & ~forward & ~backwards;
       const mask leaves =
           going & ~stays;  // what met none of these circles for ever, or is no number any more
       before = choose(leaves, old, before);
@@ -141,8 +160,10 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
   }
   const mask crossed = v.forward | v.backwards;
   v.state = stepper.leave(last);
-  if (any(crossed))
+  if (any(crossed)) {
     v.state = choose(crossed, to_edge(stepper, before, h, select(v.forward, end, begin)), v.state);
+    v.stop_at_wall(zone, crossed, before.place, before.velocity, v.state, v.state.t - before.t);
+  }
   v.state = choose(chosen, v.state, start);
   return v;
 }

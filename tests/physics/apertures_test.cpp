@@ -178,6 +178,50 @@ TEST(Chamber, StopsParabolasBetweenThePartsThatAskForIt) {
       4 * std::sqrt(0.625 * 0.375 / 2e5), "top");
 }
 
+/// Particles that fly nearly straight, in steps of every kind and length.
+struct Course {
+  std::string what;
+  std::function<void(Beamline&, UniformField&)> bend;
+};
+std::vector<Course> courses() {
+  const auto gravity = [](const UnitVector& along) {
+    return [along](Beamline& b, UniformField&) { b.gravity = Gravity{1e-3, along}; };
+  };
+  const auto dorado = [](Closure closure) {
+    return [closure](Beamline& b, UniformField&) { b.law = DoradoLaw{closure, 1}; };
+  };
+  return {{"straight", [](Beamline&, UniformField&) {}},
+          {"falling along the beam", gravity({0, 1, 0})},
+          {"falling obliquely", gravity({0.6, 0.8, 0})},
+          {"closure torque", dorado(Closure::torque)},
+          {"closure larmor", dorado(Closure::larmor)},
+          {"in a gradient", [](Beamline&, UniformField& field) { field.gradient.quadrupole = 1e-9; }},
+          {"under a profile", [](Beamline&, UniformField& field) { field.profile = HalfSineProfile{}; }}};
+}
+
+TEST(Bore, StopsWhatMissesItsFrontAndWhatIsOutsideAtItsEndHoweverLongTheSteps) {
+  for (const Course& course : courses()) {
+    const auto share = [&](double x, double angle, double radius) {
+      UniformField field{1, 1e-12, Bore{radius}};
+      Beamline b = parallel({});
+      b.law = QuantumLaw{};
+      b.source.speed = SingleSpeed{30};
+      b.source.opening = Rectangle{0, 0};
+      b.source.offset = {x, 0};
+      b.source.tilt.z = angle;
+      course.bend(b, field);
+      b.parts = {place("B", 0.1, field), place("screen", 2, Detector{Rectangle{4, 4}, {1, 1}, {}})};
+      b.particles = 16;
+      return detected(b);
+    };
+    // From 65 mm towards the axis, and from the axis to 55 mm at the bore's end.
+    EXPECT_EQ(share(65e-3, std::atan(0.05), 59.9e-3), 0) << course.what;
+    EXPECT_EQ(share(65e-3, std::atan(0.05), 60.1e-3), 1) << course.what;
+    EXPECT_EQ(share(0, -std::atan(0.05), 54.9e-3), 0) << course.what;
+    EXPECT_EQ(share(0, -std::atan(0.05), 55.1e-3), 1) << course.what;
+  }
+}
+
 TEST(Bore, StopsPathsThatGrazeItBetweenTwoSteps) {
   // A neutron of 1000 m/s circles with R = 5.457 mm under closure larmor, towards -x: at an angle to the
   // beam it comes farthest to +x inside the field.
