@@ -44,10 +44,12 @@ def print_summary(options: argparse.Namespace) -> None:
 
 def export(options: argparse.Namespace) -> None:
     """The numbers of a scan as CSV: a line for each scan point of each detector, in SI, with the units in the header. Raises InputError where the
-    output has the ending of a result."""
-    if options.output and options.output.suffix == ".h5":
-        raise InputError(f"--output: {options.output} has the ending of a result, and what is written is CSV; name it {options.output.with_suffix('.csv')}")
-    tables.to_csv(results.read(options.file), options.output or sys.stdout)
+    output is not for a table."""
+    file = results.read(options.file)
+    try:
+        tables.to_csv(file, options.output or sys.stdout)
+    except InputError as problem:
+        raise InputError(f"--output: {problem}") from None
 
 
 def compare_scans(options: argparse.Namespace) -> None:

@@ -154,7 +154,8 @@ class Results:
         return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
 
     def to_csv(self, path: Path | str) -> None:
-        """A line for each scan point of each detector, in SI, with the units in the header. Raises OSError."""
+        """A line for each scan point of each detector, in SI, with the units in the header. Raises OSError, and errors.InputError
+        for the name of a result or an experiment and a file that is no such table."""
         tables.to_csv(self, path)
 
     def to_dataframe(self) -> pandas.DataFrame:

@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
+from .errors import InputError
+
 if TYPE_CHECKING:
     import pandas
     import xarray
 
     from .results import Results
+
+LINE = 1 << 16  # bytes that are read of one
 
 
 def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
@@ -34,7 +38,10 @@ def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
 
 
 def to_csv(results: Results, to: Path | str | TextIO) -> None:
-    """A line for each scan point of each detector, numbers in SI."""
+    """A line for each scan point of each detector, numbers in SI. Raises InputError for a file that is no such table: it is not
+    written over."""
+    if not hasattr(to, "write"):
+        _require_own(Path(to))
     table = columns(results)
     with nullcontext(to) if hasattr(to, "write") else open(to, "w", newline="", encoding="utf-8") as file:
         file.write(f"# {results.title}\n# {results.program}\n")
@@ -42,6 +49,16 @@ def to_csv(results: Results, to: Path | str | TextIO) -> None:
         writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
         writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row]
                          for row in zip(*table.values()))
+
+
+def _require_own(path: Path) -> None:
+    if path.suffix in (".h5", ".yaml", ".yml"):
+        raise InputError(f"{path} is named like a result or an experiment, and what is written is CSV; name it {path.with_suffix('.csv')}")
+    if path.is_file() and path.stat().st_size:
+        with path.open(encoding="utf-8", errors="replace") as file:
+            if not file.readline(LINE).startswith("# ") or not file.readline(LINE).startswith("# rabiline"):
+                raise InputError(f"{path} is there already, and is no table of a result: it is not written over\n  help: choose another name, "
+                                 "or remove it")
 
 
 def to_dataframe(results: Results) -> pandas.DataFrame:

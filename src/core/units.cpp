@@ -240,11 +240,25 @@ std::string written_out(std::string_view symbol) {
   return {};
 }
 
+/// Rounds once, to the nearest double of the decimal number with its prefix applied.
+double evaluate(Decimal number, double factor) {
+  const std::optional<int> shift = power_of_ten(factor);
+  const std::string digits = fmt::format("{}e{}", number.mantissa, number.exponent + shift.value_or(0));
+  double value = 0;
+  const auto end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value);
+  if (error == std::errc::result_out_of_range) value = number.exponent > 0 ? HUGE_VAL : 0.0;
+  return shift ? value : value * factor;
+}
+
 /// The unit that was meant; empty where none is near.
 std::string suggest_unit(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
   const bool dimension_known = wanted && *wanted != Dimension::number;
-  if (symbol.starts_with("\u00b0C") || symbol.starts_with("\u00b0F") || symbol == "degC" || symbol == "degF")
-    return "temperatures are absolute: write them in kelvin, like `300 K`";
+  if (symbol == "\u00b0C" || symbol == "degC" || symbol == "\u00b0F" || symbol == "degF") {
+    const double degrees = evaluate(number, 1), zero = 273.15;
+    return fmt::format("temperatures are absolute: write `{:.6g} K`",
+                       symbol.ends_with('C') ? degrees + zero : (degrees - 32) * 5 / 9 + zero);
+  }
   const UnitSymbol* whole = find_unit(written_out(symbol));
   if (whole && (!dimension_known || whole->dimension == *wanted))
     return fmt::format("write `{}`", whole->symbol);
@@ -262,17 +276,6 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
   if (symbol.ends_with("/h")) return "hours are no unit here: write it per second";
   const std::string near = closest(symbol, candidates);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
-}
-
-/// Rounds once, to the nearest double of the decimal number with its prefix applied.
-double evaluate(Decimal number, double factor) {
-  const std::optional<int> shift = power_of_ten(factor);
-  const std::string digits = fmt::format("{}e{}", number.mantissa, number.exponent + shift.value_or(0));
-  double value = 0;
-  const auto end = digits.data() + digits.size();
-  const auto [stop, error] = std::from_chars(digits.data(), end, value);
-  if (error == std::errc::result_out_of_range) value = number.exponent > 0 ? HUGE_VAL : 0.0;
-  return shift ? value : value * factor;
 }
 
 ParsedQuantity failure(Misread misread, std::string error, std::string suggestion = {}) {

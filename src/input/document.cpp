@@ -76,15 +76,17 @@ std::string with_variables(std::string text) {
 /// for ever and needs a hundred times the memory of its text.
 class TreeBuilder final : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(std::shared_ptr<const SourceText> source) : source_(std::move(source)) {}
+  /// `shift`: what is read begins so many columns into the source's only line.
+  explicit TreeBuilder(std::shared_ptr<const SourceText> source, std::size_t shift = 0)
+      : source_(std::move(source)), shift_(shift) {}
   Node take_root() { return std::move(root_); }
 
   Place place_of(const YAML::Mark& mark, std::string_view plain = {}) const {
     if (mark.line < 0) return {source_, 0, 0, 1};
-    Place place{source_, mark.line + 1, mark.column + 1, 1};
+    const std::size_t from = static_cast<std::size_t>(mark.column) + shift_;
+    Place place{source_, mark.line + 1, static_cast<int>(from) + 1, 1};
     if (static_cast<std::size_t>(place.line) > source_->lines.size()) return place;
     const std::string_view line = source_->lines[static_cast<std::size_t>(mark.line)];
-    const auto from = static_cast<std::size_t>(mark.column);
     if (from >= line.size()) return place;
     std::size_t end = from + 1;
     if (line[from] == '"' || line[from] == '\'')
@@ -159,7 +161,7 @@ class TreeBuilder final : public YAML::EventHandler {
   /// The library takes a text whose closing quote is missing for one that goes on to the end of the file.
   void refuse_open_quote(const YAML::Mark& mark, const Place& place) const {
     const std::string_view line = source_->lines[static_cast<std::size_t>(mark.line)];
-    const auto from = static_cast<std::size_t>(mark.column);
+    const auto from = static_cast<std::size_t>(mark.column) + shift_;
     const bool quote = from < line.size() && (line[from] == '"' || line[from] == '\'');
     if (quote && end_of_quoted(line, from) == line.npos)
       refuse(place, "the text in quotes does not end in its line", "add the closing quote");
@@ -222,14 +224,15 @@ class TreeBuilder final : public YAML::EventHandler {
     parent.waiting = Entry{std::move(key.scalar), std::move(key.place), {}};
   }
 
-  static YAML::Mark mark_of(const Place& place) {
+  YAML::Mark mark_of(const Place& place) const {
     YAML::Mark mark;
     mark.line = place.line - 1;
-    mark.column = place.column - 1;
+    mark.column = place.column - 1 - static_cast<int>(shift_);
     return mark;
   }
 
   std::shared_ptr<const SourceText> source_;
+  std::size_t shift_;
   Node root_;
   std::vector<Unfinished> open_;
   std::map<YAML::anchor_t, Node> anchors_;
@@ -315,9 +318,9 @@ std::shared_ptr<const SourceText> make_source_text(std::string name, std::string
   return source;
 }
 
-Node parse_document(const std::shared_ptr<const SourceText>& source, std::string_view text) {
-  refuse_what_yaml_mistakes(source, text);
-  TreeBuilder builder(source);
+namespace {
+
+Node parse(TreeBuilder builder, std::string_view text) {
   try {
     std::istringstream stream{hide_variables(std::string(text))};
     YAML::Parser parser(stream);
@@ -329,9 +332,17 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
   return builder.take_root();
 }
 
+}  // namespace
+
+Node parse_document(const std::shared_ptr<const SourceText>& source, std::string_view text) {
+  refuse_what_yaml_mistakes(source, text);
+  return parse(TreeBuilder(source), text);
+}
+
 Node parse_value(const std::shared_ptr<const SourceText>& argument, std::size_t from, std::size_t length) {
-  const std::string& line = argument->lines.front();
-  return parse_document(argument, std::string(from, ' ') + line.substr(from, length));
+  const std::string_view value = std::string_view(argument->lines.front()).substr(from, length);
+  if (find_bad_byte(value) != value.npos) refuse_what_yaml_mistakes(argument, argument->lines.front());
+  return parse(TreeBuilder(argument, from), value);
 }
 
 const Place& place_of(const Node& node, std::string_view key) {

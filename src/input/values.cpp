@@ -125,7 +125,8 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
     return false;
   }
   if (!row.range.contains(parsed.value)) {
-    const bool percent = row.range.words == range::fraction.words && parsed.value > 1 && parsed.value <= 100;
+    const bool percent = row.range.words == range::fraction.words && parsed.value > 1 &&
+                         parsed.value <= 100 && !node.scalar.ends_with('%');
     reading.error(node.place,
                   fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
                   percent ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)

@@ -133,12 +133,13 @@ def test_what_cannot_be_written_exits_3_before_the_run_and_leaves_nothing(tmp_pa
 
 def test_a_file_that_may_not_grow_exits_3_and_leaves_what_was_there(tmp_path: Path) -> None:
     output = tmp_path / "out.h5"
-    output.write_bytes(b"precious")
+    precious = b"\x89HDF\r\n\x1a\n of another day"
+    output.write_bytes(precious)
     done = subprocess.run([PROGRAM, "run", EXPERIMENT, "--particles", "10", *EDGES, "-o", output, "--threads", "1"], text=True,
                           capture_output=True, timeout=300,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
     assert done.returncode == NOT_WRITTEN and "out.h5" in done.stderr
-    assert list(tmp_path.iterdir()) == [output] and output.read_bytes() == b"precious"
+    assert list(tmp_path.iterdir()) == [output] and output.read_bytes() == precious
 
 
 # ---- What the options change, and that it is recorded -----------------------------------------------------------
@@ -376,3 +377,15 @@ def test_no_command_writes_over_what_it_reads(reference: Path, tmp_path: Path) -
     drawn.write_text(EXPERIMENT.read_text())
     assert rabiline("draw", drawn, "-o", drawn).returncode == BAD_INPUT
     assert result.read_bytes() == reference.read_bytes() and drawn.read_text() == EXPERIMENT.read_text()
+
+
+@pytest.mark.parametrize("command", [["run", EXPERIMENT, "--no-scan", "--particles", "10"], ["trace", EXPERIMENT, "-n", "1"]])
+def test_results_replace_results_and_nothing_else(tmp_path: Path, command: list) -> None:
+    notes, result = tmp_path / "mine.yaml", tmp_path / "a.h5"
+    notes.write_text("rabiline: 1\n")
+    refused = rabiline(*command, "-o", notes)
+    assert refused.returncode == BAD_INPUT
+    assert "is no HDF5 file: it is not written over" in refused.stderr
+    assert notes.read_text() == "rabiline: 1\n"
+    for _ in range(2):
+        assert rabiline(*command, "-o", result).returncode == DONE

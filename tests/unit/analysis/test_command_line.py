@@ -271,6 +271,17 @@ def test_a_table_without_a_name_is_printed(folder: Path, capsys: pytest.CaptureF
     assert capsys.readouterr().out.splitlines()[2].startswith("H0.frequency [Hz],detected,")
 
 
+@pytest.mark.parametrize("name, said", [("mine.yaml", "named like a result or an experiment"), ("counts.csv", "is no table of a result")])
+def test_a_table_is_not_written_over_what_is_none(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture, name: str, said: str) -> None:
+    there, table = tmp_path / name, tmp_path / "a.csv"
+    there.write_text("f [kHz],counts\n29.1,12\n")
+    assert main(["export", str(folder / "dorado.h5"), "-o", str(there)]) == 2
+    assert said in capsys.readouterr().err
+    assert there.read_text().startswith("f [kHz]")
+    for _ in range(2):
+        assert main(["export", str(folder / "dorado.h5"), "-o", str(table)]) == 0
+
+
 def test_an_experiment_is_told_to_be_run_before_it_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
                                                             capsys: pytest.CaptureFixture) -> None:
     monkeypatch.chdir(tmp_path)

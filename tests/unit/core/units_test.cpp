@@ -104,8 +104,8 @@ TEST(Units, KnowTemperaturesEnergiesRatesAndAtomicLengths) {
 }
 
 TEST(Units, AreAbsoluteForTemperatures) {
-  EXPECT_THAT(parse_quantity("20 \u00b0C", Dimension::temperature).suggestion, HasSubstr("kelvin"));
-  EXPECT_THAT(parse_quantity("20 degC", Dimension::temperature).suggestion, HasSubstr("kelvin"));
+  EXPECT_THAT(parse_quantity("20 \u00b0C", Dimension::temperature).suggestion, HasSubstr("write `293.15 K`"));
+  EXPECT_THAT(parse_quantity("20 degC", Dimension::temperature).suggestion, HasSubstr("write `293.15 K`"));
 }
 
 TEST(Units, HaveEachSymbolOnceAndReadItBack) {
