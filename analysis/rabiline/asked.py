@@ -39,12 +39,12 @@ def whole_number(name: str, value: object) -> int:
 
 
 def places(value: object) -> list[tuple[float, ...]]:
-    """[n, 3] Raises TypeError."""
+    """[n, 3] Raises TypeError and ValueError."""
     return list(map(tuple, _numbers("places", value, (None, 3), "a list of places (x, y, z) in m").tolist()))
 
 
 def times(value: object, count: int) -> list[float]:
-    """[count] All 0 where there are none. Raises TypeError."""
+    """[count] All 0 where there are none. Raises TypeError and ValueError."""
     return [0.0] * count if value is None else _numbers("times", value, (count,), f"a list of {count} times in s, one for each place").tolist()
 
 
@@ -81,6 +81,8 @@ def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: st
         found = np.empty(())
     if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
         raise TypeError(f"`{name}` is {wanted}")
+    if not np.isfinite(found).all():
+        raise ValueError(f"`{name}` has numbers that are infinite or none")
     return found
 
 

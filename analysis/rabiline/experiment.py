@@ -71,6 +71,10 @@ class Experiment:
             setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
         object.__setattr__(self, "_setup", setup)
 
+    def __reduce__(self) -> tuple[type[Experiment], tuple[object, ...]]:
+        """Copies and other processes read it again."""
+        return Experiment, (self.text, self.path, self.changes, self.scans, self.without_scan)
+
     @property
     def title(self) -> str:
         """The file's."""

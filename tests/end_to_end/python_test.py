@@ -1,8 +1,10 @@
 """The program inside Python gives the bits, the messages and the files of the command."""
 from __future__ import annotations
 
+import copy
 import csv
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -35,6 +37,17 @@ def of_the_command(tmp_path_factory: pytest.TempPathFactory) -> rabiline.open:
     subprocess.run([PROGRAM, "run", BEAMLINES / "ramsey.yaml", "--no-scan", "--scan", "=".join(SCAN), "--particles", "500",
                     "-o", path], check=True, stdout=subprocess.DEVNULL)
     return rabiline.open(path)
+
+
+def test_an_experiment_is_copied_with_its_changes_and_sent_to_other_processes(ramsey: rabiline.Experiment) -> None:
+    for other in (pickle.loads(pickle.dumps(ramsey)), copy.deepcopy(ramsey)):
+        assert other == ramsey and other.points == 14
+        assert other.value("B.field") == ramsey.value("B.field")
+
+
+def test_fields_are_told_at_places_that_are_numbers(ramsey: rabiline.Experiment) -> None:
+    with pytest.raises(ValueError, match="infinite or none"):
+        ramsey.field([[0, np.nan, 0]])
 
 
 def test_a_run_has_the_bits_of_the_command(ramsey: rabiline.Experiment, of_the_command: object) -> None:
