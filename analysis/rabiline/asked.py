@@ -3,11 +3,7 @@ from __future__ import annotations
 
 import operator
 import os
-import re
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Iterable, Iterator
-
-from . import _core
+from typing import TYPE_CHECKING, Iterable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -53,24 +49,6 @@ def names(name: str, value: object) -> list[str]:
     if isinstance(value, str) or not isinstance(value, Iterable):
         raise TypeError(f"`{name}` is a list of names, not {_kind(value)}")
     return [text(f"a name in `{name}`", one) for one in value]
-
-
-@contextmanager
-def as_written() -> Iterator[None]:
-    """Mistakes in what was set or scanned are shown as `name = value`; on the command line they have a line and a column of an option."""
-    try:
-        yield
-    except _core.InputError as problem:
-        said = re.sub(r"^--(set|scan):1:(\d+): (.*\n) *1 \| ([^=\n]*)=(.*\n) *\| ( *)", _without_option, str(problem), flags=re.MULTILINE)
-        told = _core.InputError(said)
-        told.diagnostics = problem.diagnostics
-        raise told from None
-
-
-def _without_option(found: re.Match[str]) -> str:
-    option, column, message, name, value, indent = found.groups()
-    shift = "  " if int(column) > len(name) else ""
-    return f"{option}: {message}  | {name} = {value}  | {indent}{shift}"
 
 
 def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: str) -> np.ndarray:

@@ -67,8 +67,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         changes = _core.Changes(list(self.changes), list(self.scans), self.without_scan)
-        with asked.as_written():
-            setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
+        setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
         object.__setattr__(self, "_setup", setup)
 
     def __reduce__(self) -> tuple[type[Experiment], tuple[object, ...]]:

@@ -40,7 +40,7 @@ def read_region(text: str) -> Region:
 def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
     """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
     share = axes.get_subplotspec().get_gridspec().nrows / 3
-    rows: list[float] = []  # where the last region of each row ends
+    rows: list[float] = []
     ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
     for region, colour in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
         axes.axvspan(region.begin, region.end, color=colour if region.end > region.begin else GREY, alpha=0.75,
@@ -51,8 +51,7 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         begin, end = max(region.begin, left), min(region.end, right)
         half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
         middle = min(max((begin + end) / 2, left + half), right - half)
-        row = next((i for i, taken in enumerate(rows) if taken <= min(begin, middle - half)), len(rows))
-        rows[row:row + 1] = [max(end, middle + half)]
+        row = style.row_for(rows, min(begin, middle - half), max(end, middle + half))
         height = 1 + share * (0.05 + 0.15 * row)
         axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")

@@ -226,15 +226,14 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
 def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = True) -> int:
     """Lines at values of the axis (SI), with their names above in as many rows as keep these apart: that many are returned."""
     width = axes.figure.get_figwidth() / axes.get_subplotspec().get_gridspec().ncols
-    rows: list[float] = []  # where the last name of each row ends, as a share of the axis
+    rows: list[float] = []  # in shares of the axis
     for name, value in sorted(marks.items(), key=lambda mark: mark[1]):
         x = scale.apply(value)
         axes.axvline(x, color=GREY, linestyle=(0, (4, 3)), linewidth=1, zorder=1)
         if not named:
             continue
         middle, half = axes.transAxes.inverted().transform(axes.transData.transform((x, 0)))[0], 0.5 * (len(name) + 1) * LETTER / width
-        row = next((i for i, taken in enumerate(rows) if taken <= middle - half), len(rows))
-        rows[row:row + 1] = [middle + half]
+        row = style.row_for(rows, middle - half, middle + half)
         axes.annotate(name, (x, 1), xycoords=("data", "axes fraction"), xytext=(0, 3 + ROW * row), textcoords="offset points",
                       ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
     return len(rows)

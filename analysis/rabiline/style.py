@@ -282,3 +282,11 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
         if new != path:
             new.unlink(missing_ok=True)
         plt.close(figure)
+
+
+def row_for(rows: list[float], begin: float, end: float) -> int:
+    """The first of the rows above a panel that has room from `begin` to `end`, where `rows` has the place at which each one's last name
+    ends; names come by rising places."""
+    row = next((i for i, taken in enumerate(rows) if taken <= begin), len(rows))
+    rows[row:row + 1] = [end]
+    return row

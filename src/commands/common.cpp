@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <sstream>
 
@@ -102,21 +101,6 @@ void require_name_of_hdf5(const std::filesystem::path& output) {
                   is_table ? "export" : "plot", is_table ? ">" : "-o"));
 }
 
-/// Results replace results, and nothing else.
-void require_no_other_file(const std::filesystem::path& output) {
-  constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(output, none) || std::filesystem::file_size(output, none) == 0)
-    return;
-  std::ifstream file(output, std::ios::binary);
-  std::array<char, signature.size()> head{};
-  if (!file.is_open() || (file.read(head.data(), head.size()) && std::ranges::equal(head, signature))) return;
-  throw ArgumentError(fmt::format(
-      "-o {} is there already, and is no HDF5 file: it is not written over\n  help: choose another name, "
-      "or remove it",
-      output.string()));
-}
-
 }  // namespace
 
 void ExperimentOptions::add_to(CLI::App& app) {
@@ -206,7 +190,6 @@ void print_summary(const Result& result, const std::filesystem::path& output) {
 
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
   require_name_of_hdf5(output);
-  require_no_other_file(output);
   for (const InputText& input : inputs) {
     std::error_code none;  // of a file that is not there yet
     if (std::filesystem::equivalent(output.string() + ".checkpoint", input.path, none))

@@ -10,6 +10,7 @@ namespace py = pybind11;
 
 Changes changes_from(std::vector<std::string> set, std::vector<std::string> scan, bool without_scan) {
   Changes changes;
+  changes.dashes.clear();
   changes.set = std::move(set);
   changes.scan = std::move(scan);
   changes.without_scan = without_scan;

@@ -11,6 +11,8 @@ struct Changes {
   std::vector<std::string> scan{};  // "H0.frequency=280 kHz:300 kHz:21" or "law=quantum,dorado"
   std::optional<std::string> particles{}, seed{};  // "1e6"
   bool without_scan = false;                       // the file's scan is omitted
+  std::string dashes =
+      "--";  // before `set` and `scan` where a mistake stands in one; none for a caller without options
 };
 
 /// As options of the command line, "--set", "B.field=9 mT", and back. Throws std::invalid_argument.

@@ -311,8 +311,8 @@ bool is_one_line(const std::shared_ptr<const SourceText>& argument, Reading& rea
   if (argument->lines.size() == 1) return true;
   const int length = std::max(1, static_cast<int>(argument->lines[1].size()));
   reading.error({argument, 2, 1, length}, fmt::format("what follows {} is one line", argument->name),
-                argument->name == "--set"
-                    ? "give each value a --set of its own; lists and mappings stand in brackets: "
+                argument->name.ends_with("set")
+                    ? "set each value by itself; lists and mappings stand in brackets: "
                       "`[1, 2]`, `{radius: 1 mm}`"
                     : "write it in one line");
   return false;

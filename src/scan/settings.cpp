@@ -32,12 +32,12 @@ Setting read_setting(const std::shared_ptr<const SourceText>& source, Reading& r
 std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Reading& reading) {
   std::vector<Setting> out;
   for (const std::string& text : changes.set) {
-    sources.push_back(make_source_text("--set", text));
+    sources.push_back(make_source_text(changes.dashes + "set", text));
     out.push_back(read_setting(sources.back(), reading));
   }
   const auto add_count = [&](const std::string& name, const std::optional<std::string>& value) {
     if (!value) return;
-    sources.push_back(make_source_text("--" + name, *value));
+    sources.push_back(make_source_text(changes.dashes + name, *value));
     if (!is_one_line(sources.back(), reading)) return;
     const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
     out.push_back({name, node.place, node});
@@ -87,7 +87,7 @@ std::uint64_t read_memory_argument(const std::string& option, const std::string&
 
 Sources scan_arguments(const Changes& changes, Sources& sources) {
   Sources out;
-  for (const std::string& text : changes.scan) out.push_back(make_source_text("--scan", text));
+  for (const std::string& text : changes.scan) out.push_back(make_source_text(changes.dashes + "scan", text));
   sources.insert(sources.end(), out.begin(), out.end());
   return out;
 }

@@ -7,9 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <ctime>
+#include <fstream>
 #include <random>
 #include <string>
 #include <system_error>
@@ -57,7 +59,17 @@ void require_folder(const Path& path) {
     refuse(path, fmt::format("{} is not a folder", folder.string()), "choose another place");
 }
 
-/// Refuses what must not be replaced: folders, devices, pipes, write-protected files.
+/// Results replace results; an empty file is nobody's.
+bool is_none_of_ours(const Path& path, const struct stat& status) {
+  constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, signature.size()> head{};
+  return status.st_size != 0 && file.is_open() &&
+         !(file.read(head.data(), head.size()) && std::ranges::equal(head, signature));
+}
+
+/// Refuses what must not be replaced: folders, devices, pipes, write-protected files, and those that are no
+/// HDF5.
 void require_replaceable(const Path& path) {
   if (path.empty()) refuse("the output", "its name is empty", "name a file");
   if (!path.has_filename())
@@ -72,6 +84,9 @@ void require_replaceable(const Path& path) {
     refuse(path, "it is a folder", fmt::format("name a file in it, e.g. {}", (path / "result.h5").string()));
   if (!S_ISREG(status.st_mode)) refuse(path, "it is not a regular file", "choose another place");
   if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
+  if (is_none_of_ours(path, status))
+    refuse(path, "it is there already and no HDF5 file, and is not written over",
+           "choose another name, or remove it");
 }
 
 constexpr std::string_view temporary_begin = ".rabiline-", temporary_end = ".tmp";

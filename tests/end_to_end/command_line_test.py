@@ -384,8 +384,8 @@ def test_results_replace_results_and_nothing_else(tmp_path: Path, command: list)
     notes, result = tmp_path / "mine.yaml", tmp_path / "a.h5"
     notes.write_text("rabiline: 1\n")
     refused = rabiline(*command, "-o", notes)
-    assert refused.returncode == BAD_INPUT
-    assert "is no HDF5 file: it is not written over" in refused.stderr
+    assert refused.returncode == NOT_WRITTEN
+    assert "it is there already and no HDF5 file, and is not written over" in refused.stderr
     assert notes.read_text() == "rabiline: 1\n"
     for _ in range(2):
         assert rabiline(*command, "-o", result).returncode == DONE

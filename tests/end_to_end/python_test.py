@@ -113,13 +113,13 @@ def test_errors_keep_line_and_caret() -> None:
 def test_mistakes_in_what_is_set_or_scanned_are_shown_as_the_caller_wrote_them(ramsey: rabiline.Experiment) -> None:
     with pytest.raises(rabiline.InputError) as caught:
         ramsey.scan().set({"B.field": "9 mTT"})
-    assert str(caught.value) == ("\nset: error: `9 mTT` has the unknown unit `mTT`, but `field` is a magnetic field\n"
-                                 "  | B.field = 9 mTT\n  |           ^^^^^\n  help: did you mean `mT`?\n")
+    assert str(caught.value) == ("\nset:1:9: error: `9 mTT` has the unknown unit `mTT`, but `field` is a magnetic field\n"
+                                 "  1 | B.field=9 mTT\n    |         ^^^^^\n  help: did you mean `mT`?\n")
     assert caught.value.diagnostics[0]["help"] == "did you mean `mT`?"
     with pytest.raises(rabiline.InputError) as caught:
         ramsey.scan().set({"B.feld": "9 mT", "law": "quantun"})
-    assert "  | B.feld = 9 mT\n  |   ^^^^\n" in str(caught.value) and "  | law = quantun\n  |       ^^^^^^^\n" in str(caught.value)
-    with pytest.raises(rabiline.InputError, match=r"^\nscan: error: .*\n  \| B.field = 1 mTT:2 mT:3\n  \|           \^\^\^\^\^\n"):
+    assert "  1 | B.feld=9 mT\n    |   ^^^^\n" in str(caught.value) and "  1 | law=quantun\n    |     ^^^^^^^\n" in str(caught.value)
+    with pytest.raises(rabiline.InputError, match=r"^\nscan:1:9: error: .*\n  1 \| B.field=1 mTT:2 mT:3\n    \|         \^\^\^\^\^\n"):
         ramsey.scan().scan("B.field", "1 mTT:2 mT:3")
 
 

@@ -31,6 +31,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Path = std::filesystem::path;
 
+/// What begins as such files do.
+std::string hdf5(const std::string& rest) { return "\x89HDF\r\n\x1a\n" + rest; }
+
 std::string refusal_of(const Path& path) {
   try {
     require_writable(path);
@@ -52,9 +55,19 @@ TEST(RequireWritable, AcceptsANewFileAndLeavesNothingBehind) {
 
 TEST(RequireWritable, LeavesAnEarlierFileAlone) {
   const Folder folder;
-  put_bytes(folder / "result.h5", "earlier");
+  put_bytes(folder / "result.h5", hdf5("earlier"));
   EXPECT_EQ(refusal_of(folder / "result.h5"), "");
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("earlier"));
+}
+
+TEST(RequireWritable, RefusesAFileThatIsNoHdf5UnlessItIsEmpty) {
+  const Folder folder;
+  put_bytes(folder / "mine.yaml", "rabiline: 1");
+  EXPECT_THAT(refusal_of(folder / "mine.yaml"), HasSubstr("and is not written over"));
+  EXPECT_THROW(replace(folder / "mine.yaml", hdf5("new")), StorageError);
+  EXPECT_EQ(bytes_of(folder / "mine.yaml"), "rabiline: 1");
+  put_bytes(folder / "empty.h5", "");
+  EXPECT_EQ(refusal_of(folder / "empty.h5"), "");
 }
 
 TEST(RequireWritable, AcceptsAFileInTheCurrentFolder) {
@@ -115,7 +128,7 @@ TEST(RequireWritable, RefusesAFolderWithoutPermission) {
 TEST(RequireWritable, RefusesAWriteProtectedFile) {
   const Folder folder;
   ::chmod(folder.path().c_str(), 0777);
-  put_bytes(folder / "result.h5", "earlier");
+  put_bytes(folder / "result.h5", hdf5("earlier"));
   ::chmod((folder / "result.h5").c_str(), 0444);
   EXPECT_THAT(failure_in_child([&] {
                 drop_rights();
@@ -141,10 +154,10 @@ TEST(RequireWritable, NoticesAFullDiskBeforeTheRun) {
 
 TEST(ReplaceFile, ReplacesTheWholeFileAndKeepsItsMode) {
   const Folder folder;
-  put_bytes(folder / "result.h5", "an earlier and longer file");
+  put_bytes(folder / "result.h5", hdf5("an earlier and longer file"));
   ::chmod((folder / "result.h5").c_str(), 0640);
-  replace(folder / "result.h5", "new");
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "new");
+  replace(folder / "result.h5", hdf5("new"));
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("new"));
   EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
   struct stat status {};
   ASSERT_EQ(::stat((folder / "result.h5").c_str(), &status), 0);
@@ -153,19 +166,19 @@ TEST(ReplaceFile, ReplacesTheWholeFileAndKeepsItsMode) {
 
 TEST(ReplaceFile, FollowsALinkThatStaysALink) {
   const Folder folder;
-  put_bytes(folder / "there.h5", "earlier");
+  put_bytes(folder / "there.h5", hdf5("earlier"));
   std::filesystem::create_symlink("there.h5", folder / "here.h5");
-  replace(folder / "here.h5", "new");
+  replace(folder / "here.h5", hdf5("new"));
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "here.h5"));
-  EXPECT_EQ(bytes_of(folder / "there.h5"), "new");
+  EXPECT_EQ(bytes_of(folder / "there.h5"), hdf5("new"));
 }
 
 TEST(ReplaceFile, FollowsALinkToWhatIsNotThereYet) {
   const Folder folder;
   std::filesystem::create_symlink("there.h5", folder / "here.h5");
-  replace(folder / "here.h5", "new");
+  replace(folder / "here.h5", hdf5("new"));
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "here.h5"));
-  EXPECT_EQ(bytes_of(folder / "there.h5"), "new");
+  EXPECT_EQ(bytes_of(folder / "there.h5"), hdf5("new"));
 }
 
 TEST(RequireWritable, SweepsOldTemporaryFilesThatNobodyWrites) {
@@ -187,13 +200,13 @@ TEST(RequireWritable, SweepsOldTemporaryFilesThatNobodyWrites) {
 TEST(BackUp, GivesTheFirstFreeNameAndLeavesTheFile) {
   const Folder folder;
   EXPECT_EQ(back_up(folder / "result.h5"), "");
-  put_bytes(folder / "result.h5", "one");
+  put_bytes(folder / "result.h5", hdf5("one"));
   EXPECT_EQ(back_up(folder / "result.h5"), folder / "result.1.h5");
-  replace(folder / "result.h5", "two");
+  replace(folder / "result.h5", hdf5("two"));
   EXPECT_EQ(back_up(folder / "result.h5"), folder / "result.2.h5");
-  EXPECT_EQ(bytes_of(folder / "result.1.h5"), "one");
-  EXPECT_EQ(bytes_of(folder / "result.2.h5"), "two");
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "two");
+  EXPECT_EQ(bytes_of(folder / "result.1.h5"), hdf5("one"));
+  EXPECT_EQ(bytes_of(folder / "result.2.h5"), hdf5("two"));
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("two"));
 }
 
 TEST(Lock, KeepsAnotherProcessFromTheSameOutputAndLeavesNothing) {
@@ -210,22 +223,22 @@ TEST(Lock, KeepsAnotherProcessFromTheSameOutputAndLeavesNothing) {
 
 TEST(ReplaceFile, KeepsTheEarlierFileWhenVerificationFails) {
   const Folder folder;
-  put_bytes(folder / "result.h5", "earlier");
+  put_bytes(folder / "result.h5", hdf5("earlier"));
   std::string seen;
   const auto refuse = [&](const Path& temporary) {
     seen = bytes_of(temporary);
     throw StorageError("does not read back");
   };
-  const std::string bytes = "new";
+  const std::string bytes = hdf5("new");
   EXPECT_THROW(replace_file(folder / "result.h5", std::as_bytes(std::span(bytes)), refuse), StorageError);
-  EXPECT_EQ(seen, "new");
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_EQ(seen, hdf5("new"));
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("earlier"));
   EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
 }
 
 TEST(ReplaceFile, KeepsTheEarlierFileWhenAFileMayNotGrow) {
   const Folder folder;
-  put_bytes(folder / "result.h5", "earlier");
+  put_bytes(folder / "result.h5", hdf5("earlier"));
   EXPECT_THAT(failure_in_child([&] {
                 std::signal(SIGXFSZ, SIG_IGN);
                 const rlimit limit{10000, 10000};
@@ -233,7 +246,7 @@ TEST(ReplaceFile, KeepsTheEarlierFileWhenAFileMayNotGrow) {
                 replace(folder / "result.h5", std::string(20000, 'a'));
               }),
               HasSubstr("result.h5: cannot be written (File too large)"));
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("earlier"));
   EXPECT_THAT(folder.names(), ElementsAre("result.h5"));
 }
 
@@ -243,14 +256,14 @@ TEST(ReplaceFile, KeepsTheEarlierFileWhenTheDiskFillsUp) {
     if (::unshare(CLONE_NEWNS) != 0 || ::mount("tmpfs", folder.path().c_str(), "tmpfs", 0, "size=64k") != 0) {
       throw std::runtime_error("no tmpfs");
     }
-    put_bytes(folder / "result.h5", "earlier");
+    put_bytes(folder / "result.h5", hdf5("earlier"));
     std::string message = "nothing failed";
     try {
       replace(folder / "result.h5", std::string(100000, 'a'));
     } catch (const StorageError& error) {
       message = error.what();
     }
-    if (bytes_of(folder / "result.h5") != "earlier") message = "the earlier file is gone";
+    if (bytes_of(folder / "result.h5") != hdf5("earlier")) message = "the earlier file is gone";
     if (folder.names().size() != 1) message = "a temporary file stays";
     throw std::runtime_error(message);
   });
@@ -269,7 +282,7 @@ void remove_all_but(const Folder& folder, const std::string& kept) {
 // The content is large, so that most kills fall into the write itself.
 TEST(ReplaceFile, LeavesOneWholeFileWhenKilledAtAnyMoment) {
   const Folder folder;
-  const std::string one(16 << 20, '1'), other(16 << 20, '2');
+  const std::string one = hdf5(std::string(16 << 20, '1')), other = hdf5(std::string(16 << 20, '2'));
   put_bytes(folder / "result.h5", one);
   std::mt19937 random(1938);
   for (int trial = 0; trial < 20; ++trial) {
@@ -288,14 +301,14 @@ TEST(ReplaceFile, LeavesOneWholeFileWhenKilledAtAnyMoment) {
 
 TEST(ReplaceFile, LeavesTheEarlierFileWhenKilledJustBeforeTheRename) {
   const Folder folder;
-  put_bytes(folder / "result.h5", "earlier");
+  put_bytes(folder / "result.h5", hdf5("earlier"));
   EXPECT_EQ(failure_in_child([&] {
-              const std::string bytes = "new";
+              const std::string bytes = hdf5("new");
               replace_file(folder / "result.h5", std::as_bytes(std::span(bytes)),
                            [](const Path&) { ::kill(::getpid(), SIGKILL); });
             }),
             "the child died");
-  EXPECT_EQ(bytes_of(folder / "result.h5"), "earlier");
+  EXPECT_EQ(bytes_of(folder / "result.h5"), hdf5("earlier"));
 }
 
 }  // namespace
