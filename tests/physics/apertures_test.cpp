@@ -228,7 +228,7 @@ TEST(Bore, StopsPathsThatGrazeItBetweenTwoSteps) {
   const double radius = 1000 / (-gamma_n * 1e-3), angle = 0.6, way = 1e-3;
   const double farthest = way * std::tan(angle) + radius * (1 - std::cos(angle));
   for (const double gravity : {0.0, 1e-9})  // in closed form, and in steps
-    for (const double miss : {-1e-7, 1e-7}) {
+    for (const double miss : {-6e-8, 6e-8}) {
       Beamline b = parallel({place("B", way, UniformField{6e-3, 1e-3, Bore{farthest + miss}})});
       b.law = DoradoLaw{Closure::larmor, 1};
       b.source.speed = SingleSpeed{1000};

@@ -110,5 +110,17 @@ TEST(MultipoleFieldPart, MayBeTurnedAboutTheBeam) {
   EXPECT_EQ(faults_of(MultipoleField{0.2, 5, 1e-3, 0.01}, {"Q", 3, {}}).size(), 1U);
 }
 
+TEST(GradientMagnetPart, HasOnTheAxisTheFieldOfThePlaceThatIsMovedThere) {
+  GradientMagnet part;
+  part.length = 0.1;
+  part.field = 1;
+  part.gradient = 100;
+  part.along = {0.6, 0, 0.8};
+  part.offset = {0.4e-3, -0.7e-3};
+  const double expected = 1 - 100 * (0.6 * 0.4e-3 - 0.8 * 0.7e-3);
+  EXPECT_NEAR(static_field(part).field.z, expected, 1e-15);
+  EXPECT_NEAR(section_of(part).field.z, expected, 1e-15);
+}
+
 }  // namespace
 }  // namespace rabiline::field_sources_test
