@@ -83,6 +83,8 @@ RABILINE_LANES words lane_numbers() {
 /// fma: a b + c and fnma: c - a b, rounded once. floor: |x| < 2^51. bits_of: one bit a lane.
 /// product_of_low_words: the 64-bit product of the low halves of two words. high_word: the upper half moved
 /// down; what is left above it is unspecified. joined: the low half of `high` above the low half of `low`.
+/// interleave: a0, b0, a1, b1, ... pack: the chosen lanes one after the other, and how many they are; what
+/// else is written behind them, up to whole lanes, is unspecified.
 // The maskz forms with every lane chosen are the plain instructions; g++ 12 warns of an uninitialised operand
 // inside the plain forms.
 #if RABILINE_LANE_COUNT == 8
@@ -106,6 +108,16 @@ RABILINE_LANES words joined(words high, words low) {
                                                            reinterpret_cast<__m512i>(high),
                                                            static_cast<_MM_PERM_ENUM>(0xA0)));
 }
+RABILINE_LANES void interleave(real a, real b, real& low, real& high) {
+  low = __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11);
+  high = __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15);
+}
+RABILINE_LANES int pack(words x, mask chosen, unsigned long* to) {
+  const unsigned bits = bits_of(chosen);
+  _mm512_storeu_si512(to,
+                      _mm512_maskz_compress_epi64(static_cast<__mmask8>(bits), reinterpret_cast<__m512i>(x)));
+  return __builtin_popcount(bits);
+}
 #elif RABILINE_LANE_COUNT == 4
 RABILINE_LANES real fma(real a, real b, real c) { return _mm256_fmadd_pd(a, b, c); }
 RABILINE_LANES real fnma(real a, real b, real c) { return _mm256_fnmadd_pd(a, b, c); }
@@ -124,6 +136,10 @@ RABILINE_LANES words high_word(words x) {
 RABILINE_LANES words joined(words high, words low) {
   const __m256i above = _mm256_shuffle_epi32(reinterpret_cast<__m256i>(high), 0xA0);
   return reinterpret_cast<words>(_mm256_blend_epi32(reinterpret_cast<__m256i>(low), above, 0xAA));
+}
+RABILINE_LANES void interleave(real a, real b, real& low, real& high) {
+  low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
 }
 #else
 // Without the instruction __builtin_fma is libm's fma, a plain C function and correctly rounded.
@@ -164,6 +180,22 @@ RABILINE_LANES words product_of_low_words(words a, words b) {
 }
 RABILINE_LANES words high_word(words x) { return x >> 32; }
 RABILINE_LANES words joined(words high, words low) { return high << 32 | (low & 0xFFFFFFFFULL); }
+RABILINE_LANES void interleave(real a, real b, real& low, real& high) {
+  for (int i = 0; i < lane_count; ++i) {
+    low[i] = i % 2 == 0 ? a[i / 2] : b[i / 2];
+    high[i] = i % 2 == 0 ? a[(lane_count + i) / 2] : b[(lane_count + i) / 2];
+  }
+}
+#endif
+#if RABILINE_LANE_COUNT != 8
+RABILINE_LANES int pack(words x, mask chosen, unsigned long* to) {
+  int count = 0;
+  for (int i = 0; i < lane_count; ++i) {
+    to[count] = x[i];
+    count += chosen[i] != 0 ? 1 : 0;
+  }
+  return count;
+}
 #endif
 
 // ---- choosing ----

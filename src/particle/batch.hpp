@@ -31,7 +31,7 @@ struct BatchView {
   double *vx = nullptr, *vy = nullptr, *vz = nullptr;  // [m/s]
   double* t = nullptr;                                 // [s] since emission, or since the pulse began
   double *sx = nullptr, *sy = nullptr, *sz = nullptr;  // spin direction (vector laws); image of z (quantum)
-  double* slowness = nullptr;                          // [s/m] 1/vy of a caught particle
+  double* slowness = nullptr;                          // [s/m] 1/vy
   double* adiabaticity = nullptr;      // the smallest so far; no_turning where no field has turned
   double* adiabaticity_y = nullptr;    // [m] where it was
   std::uint64_t* level = nullptr;      // 0 for m = I, 1 for m = I-1, ...; its number (quantum)

@@ -105,7 +105,10 @@ Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key,
     b.count = b.padded = static_cast<int>(count);  // nodes come in eights
     for (const auto column : real_columns) std::fill_n(b.*column, count, 0.0);
     for (const auto column : word_columns) std::fill_n(b.*column, count, 0);
-    for (std::size_t i = 0; i < count; ++i) b.vy[i] = 1 / slowness_[begin + i];
+    for (std::size_t i = 0; i < count; ++i) {
+      b.slowness[i] = slowness_[begin + i];
+      b.vy[i] = 1 / b.slowness[i];
+    }
     std::fill_n(b.sx, count, path.start.x);
     std::fill_n(b.sy, count, path.start.y);
     std::fill_n(b.sz, count, path.start.z);

@@ -100,7 +100,7 @@ void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const Rando
     if (branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
     const BatchView& b = batch.view();
     for (int i = 0; i < b.count; ++i)
-      if (b.flying[i] != 0 && !node.transit->cells().contains(1 / b.vy[i]))
+      if (b.flying[i] != 0 && !node.transit->cells().contains(b.slowness[i]))
         stragglers_.push_back(b.particle[i]);
   }
   for (const PlanNode::Reweighting& reweighting : node.reweightings) {

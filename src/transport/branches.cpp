@@ -70,6 +70,7 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   for (const auto column : real_columns) std::fill(to.*column + count, to.*column + to.padded, 0.0);
   for (const auto column : word_columns) std::fill(to.*column + count, to.*column + to.padded, 0);
   std::fill(to.vy + count, to.vy + to.padded, 1.0);
+  std::fill(to.slowness + count, to.slowness + to.padded, 1.0);
   std::fill_n(to.caught_by, to.padded, 0);
   std::fill_n(to.level, to.padded, static_cast<std::uint64_t>(level));
   std::fill_n(to.sx, to.padded, 0.0);
@@ -120,7 +121,7 @@ void Branches::keep_undecided(const Batch& batch, const TransitLayout* layout) {
     });
     if (alike && !sees_all_)
       decided_[std::size_t{first.link[at]} * most_levels + from.prepared[i]] += from.weight[i];
-    else if (layout != nullptr && layout->cells().contains(1 / from.vy[i]))
+    else if (layout != nullptr && layout->cells().contains(from.slowness[i]))
       in_cells_.push_back(i);
     else
       undecided[from.prepared[i]].push_back(i);

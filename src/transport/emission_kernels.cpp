@@ -4,30 +4,41 @@
 namespace rabiline::RABILINE_ISA {
 namespace {
 
-RABILINE_LANES real normal_number(const SpeedDraw& s, real u0, real u1) {
-  real normal, unused;
-  normal_pair(u0, u1, normal, unused);
+RABILINE_LANES real speed_number(const SpeedDraw& s, real normal) {
   return fma(normal, broadcast(s.sigma), broadcast(s.centre));
 }
 /// The parameters by value: a pointer to them would keep emit from holding them in registers.
 [[gnu::noinline]] real redrawn(SpeedDraw s, RandomKey key, words particle, real q) {
   for (unsigned draw = 1; any(q <= broadcast(s.least)); ++draw) {
-    real u1;
+    real u1, normal, unused;
     const real u0 = uniform_pair(particle, key, purpose::speed, draw, u1);
-    q = select(q <= broadcast(s.least), normal_number(s, u0, u1), q);
+    normal_pair(u0, u1, normal, unused);
+    q = select(q <= broadcast(s.least), speed_number(s, normal), q);
   }
   return q;
 }
-/// A normal law; what is not above the least is drawn again.
+/// A normal law: two particles share the two numbers of one draw. What is not above the least is drawn again,
+/// for itself.
 RABILINE_LANES void draw_normal_numbers(const SpeedDraw& s, const RandomKey& key, BatchView& batch) {
-  alignas(64) double u0[Batch::capacity], u1[Batch::capacity];
-  for (int i = 0; i < batch.padded; i += lane_count) {
+  constexpr int room = Batch::capacity + 2 * lane_count;
+  alignas(64) double u0[room / 2], u1[room / 2], normal[room];
+  const unsigned long long first = batch.particle[0];
+  const int second_of_two = static_cast<int>(first & 1), pairs = (batch.padded + second_of_two + 1) / 2;
+  for (int i = 0; i < pairs; i += lane_count) {
     real second;
-    store(u0 + i, uniform_pair(load(batch.particle + i), key, purpose::speed, 0, second));
+    const words pair = lane_numbers() + ((first >> 1) + static_cast<unsigned long long>(i));
+    store(u0 + i, uniform_pair(pair, key, purpose::speeds_of_two, 0, second));
     store(u1 + i, second);
   }
+  for (int i = 0; i < pairs; i += lane_count) {
+    real even, odd, low, high;
+    normal_pair(load(u0 + i), load(u1 + i), even, odd);
+    interleave(even, odd, low, high);
+    store(normal + 2 * i, low);
+    store(normal + 2 * i + lane_count, high);
+  }
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const real q = normal_number(s, load(u0 + i), load(u1 + i));
+    const real q = speed_number(s, load_anywhere(normal + second_of_two + i));
     const bool again = any(q <= broadcast(s.least));
     store(batch.vy + i, again ? redrawn(s, key, load(batch.particle + i), q) : q);
   }
@@ -100,29 +111,50 @@ RABILINE_LANES void draw_slopes(const Emission& e, words particle, real x, real 
   slope_z = (target_z - z) / broadcast(e.target.y);
 }
 
-/// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
-RABILINE_LANES void draw_spin(const Emission& e, words particle, int i, BatchView& batch) {
-  real u1;
-  const real u0 = uniform_pair(particle, e.key, purpose::spin, 0, u1);
-  const real zero = broadcast(0);
-  Vector s{zero, zero, broadcast(1)};
-  words level = words{};
-  if (e.spin.levels > 0) {
-    for (int k = 1; k < e.spin.levels; ++k)
-      level =
-          level + select(u0 >= broadcast(static_cast<double>(k) / e.spin.levels), broadcast_word(1), words{});
-  } else {
-    s.z = fma(u0, broadcast(2), broadcast(-1));
-    const real transverse = sqrt(max(fma(-s.z, s.z, broadcast(1)), zero));
-    const Phasor p = phasor(u1 * two_pi);
-    s.x = transverse * p.c;
-    s.y = transverse * p.s;
+RABILINE_LANES void draw_places(const Aperture& opening, const double* u0, const double* u1,
+                                BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    real x, z;
+    draw_point(opening, load(u0 + i), load(u1 + i), x, z);
+    store(batch.x + i, x);
+    store(batch.z + i, z);
   }
-  store(batch.sx + i, s.x);
-  store(batch.sy + i, s.y);
-  store(batch.sz + i, s.z);
-  store(batch.level + i, level);
-  store(batch.prepared + i, level);
+}
+
+/// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
+RABILINE_LANES void draw_spins(const SpinDraw& spin, const double* u0, const double* u1, BatchView& batch) {
+  const real zero = broadcast(0), one = broadcast(1);
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    words level = words{};
+    for (int k = 1; k < spin.levels; ++k)
+      level = level + select(load(u0 + i) >= broadcast(static_cast<double>(k) / spin.levels),
+                             broadcast_word(1), words{});
+    store(batch.level + i, level);
+    store(batch.prepared + i, level);
+    store(batch.sx + i, zero);
+    store(batch.sy + i, zero);
+    store(batch.sz + i, one);
+  }
+  if (spin.levels > 0) return;
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const real z = fma(load(u0 + i), broadcast(2), broadcast(-1)), across = sqrt(max(fma(-z, z, one), zero));
+    const Phasor p = phasor(load(u1 + i) * two_pi);
+    store(batch.sx + i, across * p.c);
+    store(batch.sy + i, across * p.s);
+    store(batch.sz + i, z);
+  }
+}
+
+/// What begins alike for all.
+RABILINE_LANES void begin_columns(BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words index = lane_numbers() + static_cast<unsigned long long>(i);
+    store(batch.t + i, broadcast(0));
+    store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
+    store(batch.caught_by + i, words{});
+    store(batch.adiabaticity + i, broadcast(no_turning));
+    store(batch.adiabaticity_y + i, broadcast(0));
+  }
 }
 
 /// Isotropic emission towards a plane at distance D: dOmega = cos^3(theta) dA / D^2, as quanta of the axial
@@ -139,6 +171,7 @@ RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
   if (e.direction.kind != DirectionKind::parallel)
     cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, broadcast(1))));
   const real vy = load(batch.vy + i) * cosine;
+  store(batch.slowness + i, 1.0 / vy);
   store(batch.vx + i, vy * slope_x);
   store(batch.vy + i, vy);
   store(batch.vz + i, vy * slope_z);
@@ -159,7 +192,7 @@ bool is_common(const Emission& e) {
 [[gnu::noinline]] void draw_spot(const Emission& e, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     real u1, x, z;
-    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::place, 0, u1);
+    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::spot, 0, u1);
     normal_pair(u0, u1, x, z);
     store(batch.x + i, fma(x, broadcast(e.spot_x), broadcast(e.opening.x0)));
     store(batch.z + i, fma(z, broadcast(e.spot_z), broadcast(e.opening.z0)));
@@ -203,6 +236,7 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
       weight = quanta_of(min(broadcast(1), relative_density(e, d)) * d.y * d.y * d.y);
     else if (e.tilted)
       d = tilted(e, d);
+    store(batch.slowness + i, 1.0 / (speed * d.y));
     store(batch.vx + i, speed * d.x);
     store(batch.vy + i, speed * d.y);
     store(batch.vz + i, speed * d.z);
@@ -212,8 +246,9 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
 
 /// Spins along an axis: |m> along it for levels, whose image of the axis the batch then holds; else S with
 /// the component m/I along it.
-[[gnu::noinline]] void draw_prepared_spins(const Emission& e, BatchView& batch) {
-  const double* axis = e.spin.axis;
+[[gnu::noinline]] void draw_prepared_spins(const SpinDraw& spin, const double* first, const double* second,
+                                           BatchView& batch) {
+  const double* axis = spin.axis;
   // Two directions across the axis a: b = a x (the unit vector least along it), c = a x b.
   const double least_x = __builtin_fabs(axis[0]) < 0.6 ? 1 : 0, least_y = 1 - least_x;
   double bx = -axis[2] * least_y, by = axis[2] * least_x, bz = axis[0] * least_y - axis[1] * least_x;
@@ -222,16 +257,15 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
   const double cx = axis[1] * bz - axis[2] * by, cy = axis[2] * bx - axis[0] * bz,
                cz = axis[0] * by - axis[1] * bx;
   for (int i = 0; i < batch.padded; i += lane_count) {
-    real u1;
-    const real u0 = uniform_pair(load(batch.particle + i), e.key, purpose::spin, 0, u1);
+    const real u0 = load(first + i), u1 = load(second + i);
     words level = words{};
-    real along = broadcast(e.spin.along[0]);
-    for (int k = 1; k < e.spin.steps; ++k) {
-      const mask beyond = u0 >= broadcast(e.spin.cumulative[k - 1]);
+    real along = broadcast(spin.along[0]);
+    for (int k = 1; k < spin.steps; ++k) {
+      const mask beyond = u0 >= broadcast(spin.cumulative[k - 1]);
       level = level + select(beyond, broadcast_word(1), words{});
-      along = select(beyond, broadcast(e.spin.along[k]), along);
+      along = select(beyond, broadcast(spin.along[k]), along);
     }
-    const bool levels = e.spin.kind == SpinKind::levels;
+    const bool levels = spin.kind == SpinKind::levels;
     if (levels) along = broadcast(1);
     const real across = sqrt(max(fma(-along, along, broadcast(1)), broadcast(0)));
     const Phasor p = phasor(u1 * two_pi);
@@ -259,21 +293,19 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
   view.fall = emission.fall;
   const Emission e = emission;
   BatchView batch = view;
+  alignas(64) double u[4][Batch::capacity];
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const words index = lane_numbers() + static_cast<unsigned long long>(i);
-    const words particle = index + static_cast<unsigned long long>(first_particle);
+    const words particle = lane_numbers() + (static_cast<unsigned long long>(first_particle) +
+                                             static_cast<unsigned long long>(i));
     store(batch.particle + i, particle);
-    real u1, x, z;
-    const real u0 = uniform_pair(particle, e.key, purpose::place, 0, u1);
-    draw_point(e.opening, u0, u1, x, z);
-    store(batch.x + i, x);
-    store(batch.z + i, z);
-    store(batch.t + i, broadcast(0));
-    store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
-    store(batch.caught_by + i, words{});
-    store(batch.adiabaticity + i, broadcast(no_turning));
-    store(batch.adiabaticity_y + i, broadcast(0));
+    const RandomBlock block = random_block(particle, e.key.seed, purpose::place_and_spin, 0, e.key.stream);
+    store(u[0] + i, coarse_uniform(block.c0));
+    store(u[1] + i, coarse_uniform(block.c1));
+    store(u[2] + i, coarse_uniform(block.c2));
+    store(u[3] + i, coarse_uniform(block.c3));
   }
+  draw_places(e.opening, u[0], u[1], batch);
+  begin_columns(batch);
   if (e.gaussian_spot) draw_spot(emission, view);
   if (e.pulse.kind != PulseKind::none) draw_times(emission, view);
   draw_speeds(e.speed, e.key, batch);
@@ -282,9 +314,9 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
   else
     direct_otherwise(emission, view);
   if (e.spin.kind == SpinKind::unpolarised)
-    for (int i = 0; i < batch.padded; i += lane_count) draw_spin(e, load(batch.particle + i), i, batch);
+    draw_spins(e.spin, u[2], u[3], batch);
   else
-    draw_prepared_spins(emission, view);
+    draw_prepared_spins(e.spin, u[2], u[3], view);
 }
 
 }  // namespace rabiline::RABILINE_ISA

@@ -16,7 +16,8 @@ namespace rabiline {
 
 /// What a random number is drawn for: part of the counter, so that no two uses share numbers.
 namespace purpose {
-inline constexpr unsigned speed = 1, place = 2, direction = 3, spin = 4, align = 5, oscillator = 6;
+inline constexpr unsigned speed = 1, place_and_spin = 2, direction = 3, spot = 4, align = 5, oscillator = 6;
+inline constexpr unsigned speeds_of_two = 7;  // of the particles 2n and 2n + 1, by n
 inline constexpr unsigned emission_time = 16, collapse = 17;
 }  // namespace purpose
 
@@ -85,9 +86,10 @@ struct Screen {
   Aperture dead;  // inside which nothing is counted
   bool operator==(const Screen&) const = default;
 };
-/// What a screen took from a batch [quanta].
+/// What a screen took from a batch [quanta], and from how many particles something was counted.
 struct Caught {
   std::uint64_t counted = 0, lost = 0;
+  int particles = 0;
 };
 
 /// A field that turns or swings, as one species sees it: size cos(angle) first + size sin(angle) second,

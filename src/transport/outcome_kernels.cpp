@@ -36,7 +36,7 @@ void share_by_flip(const SpinPathView& q, const BatchView& batch, const std::uin
     }
     const real weight = number_of(weight_words);
     // What does not count stays for no time, however it flies.
-    const real slowness = select(counted, 1.0 / load(batch.vy + i), broadcast(0));
+    const real slowness = select(counted, load(batch.slowness + i), broadcast(0));
     const real p = flip.probability(batch, i, slowness);
     const words from = load(batch.level + i);
     if (q.levels == 2) {
@@ -157,17 +157,17 @@ void share_by_transitions(const SpinPathView& q, const BatchView& batch, const s
       const int lanes = count - begin < lane_count ? count - begin : lane_count;
       const bool together = stand_together(particles + begin, lanes);
       words weight_words{};
-      real speed = broadcast(1), parts[most_levels];
+      real slowness = broadcast(1), parts[most_levels];
       if (together) {
         weight_words = load_anywhere(weights + particles[begin]);
-        speed = load_anywhere(batch.vy + particles[begin]);
+        slowness = load_anywhere(batch.slowness + particles[begin]);
       } else
         for (int k = 0; k < lanes; ++k) {
           set_lane(weight_words, k, weights[particles[begin + k]]);
-          set_lane(speed, k, batch.vy[particles[begin + k]]);
+          set_lane(slowness, k, batch.slowness[particles[begin + k]]);
         }
       const real weight = number_of(weight_words);
-      mix_block(block, t.numbers + block.first_number, from, 1.0 / speed, parts);
+      mix_block(block, t.numbers + block.first_number, from, slowness, parts);
       for (int to = 0; to < block.levels; ++to) parts[to] = floor(weight * parts[to]);
       give_rest_to_largest(parts, block.levels, weight);
       for (int to = 0; to < block.levels; ++to) {

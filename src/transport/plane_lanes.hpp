@@ -24,14 +24,14 @@ struct OnPlane {
 /// The flight of particles from the batch's common plane on to another one, or back to it, with an
 /// acceleration that is constant on the way.
 RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const Acceleration& a) {
-  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  const real dt = broadcast(y - batch.y) * load(batch.slowness + i);
   return {dt, fma(fma(0.5 * a.x, dt, load(batch.vx + i)), dt, load(batch.x + i)),
           fma(fma(0.5 * a.z, dt, load(batch.vz + i)), dt, load(batch.z + i))};
 }
 /// Free flight.
 RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i) {
   if (batch.fall != Fall{}) return to_plane(y, batch, i, {broadcast(batch.fall.x), broadcast(batch.fall.z)});
-  const real dt = broadcast(y - batch.y) / load(batch.vy + i);
+  const real dt = broadcast(y - batch.y) * load(batch.slowness + i);
   return {dt, fma(load(batch.vx + i), dt, load(batch.x + i)), fma(load(batch.vz + i), dt, load(batch.z + i))};
 }
 /// The velocity across the beam behind a free flight.

@@ -106,7 +106,7 @@ void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uin
     const mask counted = load(weights + i) != words{};
     if (!any(counted)) continue;
     // What does not count stays for no time, however it flies.
-    const real slowness = select(counted, 1.0 / load(batch.vy + i), broadcast(0));
+    const real slowness = select(counted, load(batch.slowness + i), broadcast(0));
     const Vector s = spin_after(gauge.path.zones, gauge.path.zone_count, gauge.path.key, batch, i, slowness);
     if (gauge.quantity == Quantity::spin_polar_angle || gauge.quantity == Quantity::spin_azimuth) {
       store(values + i, gauge.quantity == Quantity::spin_azimuth ? azimuth(s) : polar_angle(s));

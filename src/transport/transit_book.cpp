@@ -12,7 +12,7 @@ void TransitBook::add(const TransitLayout& layout, const Paths& paths,
     path_of_[static_cast<std::size_t>(paths.levels[path])] = path;
   entries_.clear();
   for (const int i : particles) {
-    const Particle p = particle_of(layout, batch, i, 1 / batch.vy[i]);
+    const Particle p = particle_of(layout, batch, i);
     enter_stops(layout, paths, p);
     for (std::size_t link = 0; link < layout.links(); ++link) {
       const TransitLink& kind = layout.link(link);
@@ -40,7 +40,7 @@ bool TransitBook::add_catch(const TransitLayout& layout, const BatchView& batch,
   for (int i = 0; i < batch.count; ++i) {
     if (batch.caught_by[i] != static_cast<std::uint64_t>(part) + 1) continue;
     if (layout.cells().contains(batch.slowness[i]))
-      enter_bins(layout, 0, particle_of(layout, batch, i, batch.slowness[i]));
+      enter_bins(layout, 0, particle_of(layout, batch, i));
     else
       all = false;
   }
@@ -55,10 +55,9 @@ void TransitBook::add_entries(const TransitLayout& layout, Isa isa, MomentBuffer
   kernel::add_moments(isa)(entries_.data(), entries_.size(), buffer.cells.data());
 }
 
-TransitBook::Particle TransitBook::particle_of(const TransitLayout& layout, const BatchView& batch, int i,
-                                               double slowness) {
+TransitBook::Particle TransitBook::particle_of(const TransitLayout& layout, const BatchView& batch, int i) {
   const SlownessCells& cells = layout.cells();
-  const double at = (slowness - cells.first) / cells.width;
+  const double at = (batch.slowness[i] - cells.first) / cells.width;
   const auto cell = static_cast<std::uint64_t>(at);
   if (layout.weights_alike() && batch.weight[i] != quanta_per_particle)
     throw std::logic_error("weights that should be alike are not");

@@ -30,7 +30,7 @@ class TransitBook {
     std::uint64_t cell;
     double t, w, w2;  // in units of 2^-40 particle and of 2^-40 particle^2
   };
-  static Particle particle_of(const TransitLayout&, const BatchView& batch, int i, double slowness);
+  static Particle particle_of(const TransitLayout&, const BatchView& batch, int i);
   void put(const TransitLayout&, const Particle&, std::size_t row, double what);
   void enter_stops(const TransitLayout&, const Paths&, const Particle&);
   void enter_bins(const TransitLayout&, std::size_t link, const Particle&);

@@ -94,7 +94,6 @@ bool aligns(const Region& region) {
 /// flight.
 void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i) {
   const State& s = pack.state;
-  const mask caught = (pack.end & region_end::caught_at_edge) != words{};
   const real way = broadcast(region.zones[region.zone_count - 1].field.end) - s.place.y;
   const real dt = select(s.velocity.y != broadcast(0), way / s.velocity.y, broadcast(0));
   const Fall& fall = batch.fall;
@@ -108,7 +107,7 @@ void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i)
   store(batch.sx + i, s.spin.x);
   store(batch.sy + i, s.spin.y);
   store(batch.sz + i, s.spin.z);
-  store(batch.slowness + i, select(caught, 1.0 / s.velocity.y, load(batch.slowness + i)));
+  store(batch.slowness + i, 1.0 / s.velocity.y);
   store(batch.level + i, pack.level);
   if (aligns(region)) store(batch.prepared + i, pack.level);
   store(batch.scratch + i, pack.end);

@@ -37,21 +37,41 @@ RABILINE_LANES real cosine_of_turns(real u) {
 
 struct Draw {
   const Emission& e;
-  RABILINE_LANES void operator()(std::uint64_t first, real& u0, real& u1) const {
-    uniforms(lane_numbers() + static_cast<unsigned long long>(first), e.key.seed, purpose::speed, 0,
-             e.key.stream, u0, u1);
+  RABILINE_LANES void operator()(words number, unsigned use, real& u0, real& u1) const {
+    uniforms(number, e.key.seed, use, 0, e.key.stream, u0, u1);
   }
 };
+RABILINE_LANES words numbers_from(std::uint64_t first) {
+  return lane_numbers() + static_cast<unsigned long long>(first);
+}
 
+/// Each particle draws for itself: of the two normal numbers that come of it the program gives one to it and
+/// the other to the particle beside it.
 struct NormalSlowness {
   Draw draw;
+  RABILINE_LANES real slowness(real radius, real cosine) const {
+    return reciprocal(fma(radius * cosine, broadcast(draw.e.speed.sigma), broadcast(draw.e.speed.centre)));
+  }
+  RABILINE_LANES static real radius_of(real u) {
+    const real minus_two_log = -2.0 * log(u);
+    return minus_two_log * reciprocal_root(minus_two_log);
+  }
   RABILINE_LANES real operator()(std::uint64_t first) const {
     real u0, u1;
-    draw(first, u0, u1);
-    const real minus_two_log = -2.0 * log(u0);
-    const real radius = minus_two_log * reciprocal_root(minus_two_log);
-    return reciprocal(
-        fma(radius * cosine_of_turns(u1), broadcast(draw.e.speed.sigma), broadcast(draw.e.speed.centre)));
+    const words particle = numbers_from(first);
+    draw(particle >> 1, purpose::speeds_of_two, u0, u1);
+    // The sine of the odd ones is the cosine a quarter of a turn before.
+    const real quarter = select((particle & 1ULL) != 0ULL, broadcast(0.25), broadcast(0)),
+               turns = u1 - quarter;
+    return slowness(radius_of(u0), cosine_of_turns(select(turns < broadcast(0), turns + 1.0, turns)));
+  }
+  /// Of sixteen particles, the even ones and the odd ones.
+  RABILINE_LANES void of_two(std::uint64_t first, real& even, real& odd) const {
+    real u0, u1;
+    draw(numbers_from(first / 2), purpose::speeds_of_two, u0, u1);
+    const real radius = radius_of(u0), turns = u1 - 0.25;
+    even = slowness(radius, cosine_of_turns(u1));
+    odd = slowness(radius, cosine_of_turns(select(turns < broadcast(0), turns + 1.0, turns)));
   }
 };
 
@@ -60,7 +80,7 @@ struct FluxWeightedSlowness {
   Draw draw;
   RABILINE_LANES real operator()(std::uint64_t first) const {
     real u0, u1;
-    draw(first, u0, u1);
+    draw(numbers_from(first), purpose::speed, u0, u1);
     return reciprocal_root(-log(u0 * u1)) * (1 / draw.e.speed.mean);
   }
 };
@@ -106,6 +126,21 @@ using namespace rabiline::RABILINE_ISA;
 
 FlipSums normal_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {
   return beam(NormalSlowness{{e}}, line, particles);
+}
+
+FlipSums paired_normal_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {
+  const NormalSlowness draw{{e}};
+  Accumulator a, b;
+  for (std::uint64_t i = 0; i < particles; i += 2 * lane_count) {
+    real even, odd;
+    draw.of_two(i, even, odd);
+    a.add(flip(line, even));
+    b.add(flip(line, odd));
+  }
+  FlipSums sums;
+  a.flush(sums);
+  b.flush(sums);
+  return sums;
 }
 
 FlipSums flux_weighted_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {

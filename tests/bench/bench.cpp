@@ -132,6 +132,7 @@ void register_all() {
   } else {
     check_limits();
     benchmark::RegisterBenchmark("beam/limit", beam_limit, normal_beam);
+    benchmark::RegisterBenchmark("beam/paired limit", beam_limit, paired_normal_beam);
     benchmark::RegisterBenchmark("beam/flux-weighted limit", beam_limit, flux_weighted_beam);
     benchmark::RegisterBenchmark("scan/limit", scan_limit);
     benchmark::RegisterBenchmark("dorado/limit", dorado_limit);
@@ -176,6 +177,8 @@ void register_all() {
 
 const std::vector<Row> rows{
     {"two-level beamline, closed form [particles]", "beam/limit", "beam/program", 0.3, 0.5},
+    {"  against a draw for two particles, as in the program [particles]", "beam/paired limit",
+     "beam/program"},
     {"  against flux-weighted speeds [particles]", "beam/flux-weighted limit", "beam/program"},
     {"frequency scan, tracks reused [particles x frequencies]", "scan/limit", "scan/program", 0.25, 0.6},
     {"Rabi's apparatus, 201 points against one, spin 1/2", "rabi 1/2/one", "rabi 1/2/scan"},

@@ -37,7 +37,8 @@ void check_beam() {
   for (std::size_t i = 0; i < points; ++i) {
     const double flipped = result.detectors.at(0).levels.at(2 * i);  // B' leaves the lower level
     expect_near(scan[i].p / particles, flipped, 1e-9, "scan of a beam");
-    expect_near(normal_beam(emission_of(plan), lines[i], particles).p / particles, flipped, 1e-9, "beam");
+    for (const auto beam : {normal_beam, paired_normal_beam})
+      expect_near(beam(emission_of(plan), lines[i], particles).p / particles, flipped, 1e-9, "beam");
   }
 }
 

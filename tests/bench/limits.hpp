@@ -21,8 +21,10 @@ struct FlipSums {
 };
 
 /// For each particle: draw its normal speed, its flip probability, sums of P and P^2. The same random numbers
-/// as the program's, so that the sums agree.
+/// as the program's, so that the sums agree; each particle draws its own, or two share a draw as in the
+/// program.
 FlipSums normal_beam(const Emission&, const RabiLine&, std::uint64_t particles);
+FlipSums paired_normal_beam(const Emission&, const RabiLine&, std::uint64_t particles);
 /// As above with speeds v^3 exp(-v^2/a^2), a = SpeedDraw::mean, for comparison with other programs.
 FlipSums flux_weighted_beam(const Emission&, const RabiLine&, std::uint64_t particles);
 /// Each particle's speed is drawn once and serves all lines; sums[line].

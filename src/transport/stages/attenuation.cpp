@@ -38,10 +38,11 @@ namespace {
 
 /// The path over the length along the beam, for a flight whose velocity is that which it has at y.
 RABILINE_LANES real slant_at(double y, const BatchView& batch, int i) {
-  const real vy = load(batch.vy + i), dt = broadcast(y - batch.y) / vy;
+  const real vy = load(batch.vy + i), slowness = load(batch.slowness + i),
+             dt = broadcast(y - batch.y) * slowness;
   const real vx = fma(broadcast(batch.fall.x), dt, load(batch.vx + i)),
              vz = fma(broadcast(batch.fall.z), dt, load(batch.vz + i));
-  return sqrt(fma(vx, vx, fma(vy, vy, vz * vz))) / vy;
+  return sqrt(fma(vx, vx, fma(vy, vy, vz * vz))) * slowness;
 }
 /// The mean over the cell: of a parabola by the rule of Gauss and Legendre with four places.
 RABILINE_LANES real mean_slant(const Attenuation& a, const BatchView& batch, int i) {

@@ -161,18 +161,40 @@ class Filler {
     for (std::size_t a = 0; a < rulers_.size(); ++a)
       if (!is_measured(histogram_.axes[a])) marks[a] = mark(a, i);
     if (!measured_) {
-      add(i, marks, weights_[i]);
-    } else {
-      std::int64_t shares[most_levels];
-      share(i, shares);
-      for (int k = 0; k < histogram_.spins.levels; ++k) {
-        if (shares[k] == 0) continue;
-        for (std::size_t a = 0; a < rulers_.size(); ++a)
-          if (is_measured(histogram_.axes[a])) marks[a] = rulers_[a].mark(outcome(a, k));
-        add(i, marks, static_cast<std::uint64_t>(shares[k]));
-      }
+      const std::size_t bin = bin_of(marks);
+      add_score(bin, weights_[i], context_.sums);
+      if (bin != layout_.bins) add_moments(i, marks, weights_[i]);
+      return;
+    }
+    std::int64_t shares[most_levels];
+    share(i, shares);
+    for (int k = 0; k < histogram_.spins.levels; ++k) {
+      if (shares[k] == 0) continue;
+      for (std::size_t a = 0; a < rulers_.size(); ++a)
+        if (is_measured(histogram_.axes[a])) marks[a] = rulers_[a].mark(outcome(a, k));
+      add_share(i, marks, static_cast<std::uint64_t>(shares[k]));
     }
     flush();
+  }
+
+  /// The last one where a mark is outside of its axis.
+  std::size_t bin_of(const Mark* marks) const {
+    std::size_t bin = 0;
+    for (std::size_t a = 0; a < rulers_.size(); ++a) {
+      if (marks[a].bin == outside_axis) return layout_.bins;
+      bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(marks[a].bin);
+    }
+    return bin;
+  }
+  void add_moments(int i, const Mark* marks, std::uint64_t q) {
+    std::size_t axis = 0;
+    for (std::size_t a = 0; a < rulers_.size(); ++a) {
+      if (rulers_[a].of_levels()) continue;
+      Sum* at = context_.sums + layout_.moments(axis++, batch_.particle[i] % moment_groups);
+      at[0] += q;
+      at[1] += static_cast<Sum>(q) * marks[a].first;
+      at[2] += static_cast<Sum>(q) * marks[a].second;
+    }
   }
 
   /// Angles that go in a circle have the mean of their directions.
@@ -216,29 +238,18 @@ class Filler {
   }
 
   /// Outcomes come in order of m, so those of one particle in one bin come one after the other.
-  void add(int i, const Mark* marks, std::uint64_t q) {
-    std::size_t bin = 0;
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
-      if (marks[a].bin == outside_axis) {
-        outside_ += q;
-        return;
-      }
-      bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(marks[a].bin);
+  void add_share(int i, const Mark* marks, std::uint64_t q) {
+    const std::size_t bin = bin_of(marks);
+    if (bin == layout_.bins) {
+      outside_ += q;
+      return;
     }
     if (bin != bin_) {
       flush_bin();
       bin_ = bin;
     }
     inside_ += q;
-    Sum* sums = context_.sums;
-    std::size_t axis = 0;
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
-      if (rulers_[a].of_levels()) continue;
-      Sum* at = sums + layout_.moments(axis++, batch_.particle[i] % moment_groups);
-      at[0] += q;
-      at[1] += static_cast<Sum>(q) * marks[a].first;
-      at[2] += static_cast<Sum>(q) * marks[a].second;
-    }
+    add_moments(i, marks, q);
   }
   void flush_bin() {
     add_score(bin_, inside_, context_.sums);
@@ -246,7 +257,7 @@ class Filler {
   }
   void flush() {
     if (inside_ != 0) flush_bin();
-    add_score(layout_.bins, outside_, context_.sums);
+    if (outside_ != 0) add_score(layout_.bins, outside_, context_.sums);
     outside_ = 0;
   }
 

@@ -33,7 +33,7 @@ namespace rabiline::RABILINE_ISA {
 void precess(const SpinZone* zones, int zone_count, const RandomKey& key, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
-    const Vector s = spin_after(zones, zone_count, key, batch, i, 1.0 / load(batch.vy + i));
+    const Vector s = spin_after(zones, zone_count, key, batch, i, load(batch.slowness + i));
     store(batch.sx + i, select(flying, s.x, load(batch.sx + i)));
     store(batch.sy + i, select(flying, s.y, load(batch.sy + i)));
     store(batch.sz + i, select(flying, s.z, load(batch.sz + i)));

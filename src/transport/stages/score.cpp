@@ -42,16 +42,12 @@ std::unique_ptr<PathTally> Score::tally_paths() const { return std::make_unique<
 
 void Score::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
-  const Caught taken = kernel::screen(context.isa)(screen, batch);
+  std::uint64_t caught[Batch::capacity + 8];
+  const Caught taken = kernel::screen(context.isa)(screen, batch, caught);
   const ScreenSums layout = sums_of(screen);
   context.sums[ScreenSums::lost()] += taken.lost;
   if (taken.counted == 0) return;
-  // Listed first, since whether a particle was caught cannot be foretold as a branch.
-  int caught[Batch::capacity], count = 0;
-  for (int i = 0; i < batch.count; ++i) {
-    caught[count] = i;
-    count += batch.scratch[i] != ~std::uint64_t{0} ? 1 : 0;
-  }
+  const int count = taken.particles;
   context.sums[layout.total()] += taken.counted;
   // Weights are one at most. Of whole particles, numbers that are known beforehand: the square's lower half
   // is zero.
@@ -67,7 +63,7 @@ void Score::pass(StageContext& context) const {
   }
   Sum squares = 0;  // the total of a batch stays in registers
   for (int k = 0; k < count; ++k) {
-    const int i = caught[k];
+    const std::uint64_t i = caught[k];
     const std::uint64_t weight = batch.weight[i];
     const Sum squared = square(weight);
     context.sums[ScreenSums::bin(batch.scratch[i])] += weight;
@@ -93,9 +89,10 @@ void Score::explain(PlanReport& report) const {
 
 namespace rabiline::RABILINE_ISA {
 
-Caught screen(const Screen& screen, BatchView& batch) {
+Caught screen(const Screen& screen, BatchView& batch, std::uint64_t* list) {
   const Aperture rim = rim_of(screen);
   words counted_weight = words{}, lost_weight = words{};
+  int particles = 0;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const OnPlane there = to_plane(screen.y, batch, i);
     const real x = there.x, z = there.z;
@@ -108,15 +105,15 @@ Caught screen(const Screen& screen, BatchView& batch) {
       store(batch.weight + i, select((mask)caught, counted, weight));
     }
     store(batch.scratch + i, bin_on(screen, x, z) | ~caught);
-    store(batch.slowness + i, select((mask)caught, 1.0 / load(batch.vy + i), load(batch.slowness + i)));
     store(batch.caught_by + i,
           select((mask)caught, broadcast_word(static_cast<unsigned long long>(screen.part) + 1),
                  load(batch.caught_by + i)));
     store(batch.flying + i, flying & ~hit);
+    particles += pack(lane_numbers() + static_cast<unsigned long long>(i), (mask)caught, list + particles);
     counted_weight = counted_weight + (counted & caught);
     lost_weight = lost_weight + (weight & hit) - (counted & caught);
   }
-  return {sum_of_lanes(counted_weight), sum_of_lanes(lost_weight)};
+  return {sum_of_lanes(counted_weight), sum_of_lanes(lost_weight), particles};
 }
 
 }  // namespace rabiline::RABILINE_ISA

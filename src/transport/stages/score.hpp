@@ -34,7 +34,8 @@ void list_screen(const Screen&, std::size_t at, SumSink&);
 void add_caught(const ScreenSums&, Sum* sums, std::uint64_t bin, std::uint64_t weight,
                 std::uint64_t particle);
 
-/// Bins come into scratch, ~0: not counted. What was caught weighs what was counted of it.
-RABILINE_KERNEL(screen, Caught(const Screen&, BatchView&))
+/// Bins come into scratch, ~0: not counted. What was caught weighs what was counted of it. Lists the places
+/// in the batch of what was caught; there is room for eight more.
+RABILINE_KERNEL(screen, Caught(const Screen&, BatchView&, std::uint64_t* list))
 
 }  // namespace rabiline

@@ -39,7 +39,7 @@ namespace rabiline::RABILINE_ISA {
 std::uint64_t select_velocities(const VelocitySelection& s, BatchView& batch) {
   words stopped = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
-    const real off = abs(s.speed / load(batch.vy + i) - 1.0);  // of the nominal wavelength
+    const real off = abs(s.speed * load(batch.slowness + i) - 1.0);  // of the nominal wavelength
     const real share = s.transmission * max(broadcast(0), 1.0 - off / s.resolution);
     stopped = stopped + let_pass(batch, i, share);
   }

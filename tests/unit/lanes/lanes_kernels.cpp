@@ -57,6 +57,35 @@ void uniform_columns(const WordColumn& particle, std::uint64_t seed, unsigned pu
   }
 }
 
+void coarse_uniform_columns(const WordColumn& particle, std::uint64_t seed, unsigned purpose, unsigned draw,
+                            unsigned stream, Column (&u)[4]) {
+  for (int i = 0; i < Column::length; i += lane_count) {
+    const RandomBlock block = random_block(load(particle.value + i), seed, purpose, draw, stream);
+    store(u[0].value + i, coarse_uniform(block.c0));
+    store(u[1].value + i, coarse_uniform(block.c1));
+    store(u[2].value + i, coarse_uniform(block.c2));
+    store(u[3].value + i, coarse_uniform(block.c3));
+  }
+}
+
+void interleave_columns(const Column& a, const Column& b, Column& low, Column& high) {
+  for (int i = 0; i < Column::length; i += lane_count) {
+    real p, q;
+    interleave(load(a.value + i), load(b.value + i), p, q);
+    store(low.value + i, p);
+    store(high.value + i, q);
+  }
+}
+
+int pack_even(const WordColumn& x, WordColumn& y) {
+  int count = 0;
+  alignas(64) std::uint64_t packed[Column::length + lane_count];
+  for (int i = 0; i < Column::length; i += lane_count)
+    count += pack(load(x.value + i), (load(x.value + i) & 1ULL) == 0ULL, packed + count);
+  for (int i = 0; i < count; ++i) y.value[i] = packed[i];
+  return count;
+}
+
 }  // namespace
 
 extern const LanesKernels lanes_kernels{.lane_count = lane_count,
@@ -75,6 +104,9 @@ extern const LanesKernels lanes_kernels{.lane_count = lane_count,
                                         .max = binary<max>,
                                         .choose = choose,
                                         .count_below = count_below,
-                                        .uniforms = uniform_columns};
+                                        .uniforms = uniform_columns,
+                                        .coarse_uniforms = coarse_uniform_columns,
+                                        .interleave = interleave_columns,
+                                        .pack_even = pack_even};
 
 }  // namespace rabiline::RABILINE_ISA

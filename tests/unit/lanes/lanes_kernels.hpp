@@ -36,6 +36,12 @@ struct LanesKernels {
   void (*count_below)(const Column& x, double limit, int& count, bool& any_first, bool& all_first);
   void (*uniforms)(const WordColumn& particle, std::uint64_t seed, unsigned purpose, unsigned draw,
                    unsigned stream, Column& u0, Column& u1);
+  /// The four words of each block, each as a number.
+  void (*coarse_uniforms)(const WordColumn& particle, std::uint64_t seed, unsigned purpose, unsigned draw,
+                          unsigned stream, Column (&u)[4]);
+  void (*interleave)(const Column& a, const Column& b, Column& low, Column& high);
+  /// Those that are even, one after the other, and how many they are.
+  int (*pack_even)(const WordColumn& x, WordColumn& y);
 };
 
 namespace isa_baseline {

@@ -25,12 +25,49 @@ Emission base() {
   return e;
 }
 
-TEST(Emission, DrawsGaussianSpeeds) {
+Emission gaussian() {
   Emission e = base();
   e.speed.kind = SpeedKind::gaussian;
   e.speed.centre = 1000;
   e.speed.sigma = 50;
-  expect_law(emitted(e, speed_of), [](double v, double s) { return gsl_cdf_gaussian_P(v - 1000, s * 50); });
+  return e;
+}
+
+TEST(Emission, DrawsGaussianSpeeds) {
+  expect_law(emitted(gaussian(), speed_of),
+             [](double v, double s) { return gsl_cdf_gaussian_P(v - 1000, s * 50); });
+}
+
+TEST(Emission, GivesAParticleTheSameSpeedWhereverItsBatchBegins) {
+  for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
+    if (!supported(isa)) continue;
+    Batch all, some;
+    all.view().count = all.view().padded = Batch::capacity;
+    kernel::emit(isa)(gaussian(), 1000, all.view());
+    for (const int first : {0, 1, 2, 7, 8, 100, 255})
+      for (const int count : {1, 2, 8, 17, 250}) {
+        some.view().count = count;
+        some.view().padded = (count + 7) / 8 * 8;
+        kernel::emit(isa)(gaussian(), 1000 + static_cast<std::uint64_t>(first), some.view());
+        for (int i = 0; i < count; ++i)
+          ASSERT_EQ(some.view().vy[i], all.view().vy[first + i]) << first << ", " << count;
+      }
+  }
+}
+
+TEST(Emission, CorrelatesTheSpeedsOfNeighboursWithNothing) {
+  const std::vector<double> v = emitted(gaussian(), speed_of);
+  const double n = static_cast<double>(v.size());
+  for (const std::size_t apart : {1, 2, 3}) {
+    double sum = 0, of_squares = 0;
+    for (std::size_t i = 0; i + apart < v.size(); ++i) {
+      const double a = (v[i] - 1000) / 50, b = (v[i + apart] - 1000) / 50;
+      sum += a * b;
+      of_squares += (a * a - 1) * (b * b - 1) / 2;
+    }
+    EXPECT_LT(std::abs(sum), 4.5 * std::sqrt(n)) << apart;
+    EXPECT_LT(std::abs(of_squares), 4.5 * std::sqrt(n)) << apart;
+  }
 }
 
 TEST(Emission, CutsAWideGaussianAtZeroSpeed) {
