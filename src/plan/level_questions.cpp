@@ -1,6 +1,7 @@
 #include "plan/level_questions.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "plan/level_history.hpp"
 #include "plan/level_ways.hpp"
@@ -32,7 +33,11 @@ void LevelQuestions::carry_levels(const Plane& plane, SpinPath& path) const {
     path.transitions = transitions_before(plane);
     return;
   }
-  const LevelFields fields = level_fields(beamline_, species_, sections_.sections, known, plane.y);
+  const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+  // One whose field points elsewhere from place to place has none on its axis, or spins follow it.
+  const bool along_z = magnet != nullptr && magnet->shape.kind == MagnetKind::gradient;
+  const LevelFields fields = level_fields(beamline_, species_, sections_.sections, known, plane.y,
+                                          along_z ? std::abs(magnet->shape.field) : 0);
   path.way = &tables_.way(*species_.structure, fields);
 }
 

@@ -98,21 +98,26 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   return out;
 }
 
-/// [T] The most by which a static field turns at once where two sections that have one touch: the weaker of
-/// them (LevelCourse).
-double largest_turn(const std::vector<Section>& sections, double from, double to, double speed) {
+/// [T] The most by which a static field turns at once where two sections that have one touch, or the last one
+/// and the field along +z behind it: the weaker of them (LevelCourse).
+double largest_turn(const std::vector<Section>& sections, double from, double to, double behind,
+                    double speed) {
   const auto field = [&](const Section& section, double y) {
     return static_field_on_axis(section.field, section.shaped, y, y / speed).here;
   };
   double most = 0;
-  for (std::size_t i = 0; i + 1 < sections.size(); ++i) {
-    const double edge = sections[i].end;
-    if (edge <= from || edge >= to || sections[i + 1].begin > edge + no_length) continue;
-    constexpr double hair = 1e-9;  // [m] rounding would find a map's field absent at its face
-    const Vector3 before = field(sections[i], edge - hair), behind = field(sections[i + 1], edge + hair);
-    const double b = length_of(before), c = length_of(behind);
-    if (b > 0 && c > 0)
-      most = std::max(most, std::min(b, c) * length_of((1 / b) * before - (1 / c) * behind));
+  const auto meet = [&](const Vector3& before, const Vector3& next) {
+    const double b = length_of(before), c = length_of(next);
+    if (b > 0 && c > 0) most = std::max(most, std::min(b, c) * length_of((1 / b) * before - (1 / c) * next));
+  };
+  constexpr double hair = 1e-9;  // [m] rounding would find a map's field absent at its face
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    const double edge = std::min(sections[i].end, to);
+    if (edge <= from || sections[i].begin >= to) continue;
+    if (edge >= to - no_length)
+      meet(field(sections[i], edge - hair), {0, 0, behind});
+    else if (i + 1 < sections.size() && sections[i + 1].begin <= edge + no_length)
+      meet(field(sections[i], edge - hair), field(sections[i + 1], edge + hair));
   }
   return most;
 }
@@ -175,7 +180,7 @@ bool needs_way(const std::vector<Section>& sections, double from, double to) {
 }
 
 LevelFields level_fields(const Beamline& beamline, const Species& species,
-                         const std::vector<Section>& sections, double from, double to) {
+                         const std::vector<Section>& sections, double from, double to, double behind) {
   const Species unit = in_tesla(species);
   const double speed = speed_of(beamline, species);
   const ZoneMaker zones(unit, unit, {}, speed, 0);
@@ -208,7 +213,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     }
     out.sections.push_back(part);
   }
-  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, speed));
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind, speed));
   const std::vector<int> manifolds = manifolds_of(coupled_spins(*species.structure), out.apart);
   for (const Section& section : driven) {
     Section alone = section;
@@ -217,6 +222,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
   }
   out.begins_in_field = out.sections.front().field.begin <= from + no_length;
   out.ends_in_field = out.sections.back().field.end >= to - no_length;
+  out.behind = behind;
   return out;
 }
 

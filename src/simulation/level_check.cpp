@@ -111,12 +111,10 @@ class FollowedAtom {
       const double begin = time_at(section.field.begin), end = time_at(section.field.end);
       const std::vector<double> edges = edges_of(section, begin, end);
       moment_ = flight_.t + (begin + edges.front()) / 2;
-      const Vector3 entry = field_at(section, begin);
-      const bool switched = before != nullptr && before->field.end == section.field.begin &&
-                            (before->fastest > 0 || section.fastest > 0);
+      const Vector3 entry = static_at(section, begin);
       if (before == nullptr && fields.begins_in_field)
         state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
-      else if (!switched)
+      else
         state = renamed(state, last, direction, entry, axis_of(entry, direction),
                         before != nullptr && before->field.end == section.field.begin);
       double s = begin;
@@ -127,14 +125,16 @@ class FollowedAtom {
           advance(section, s + i * ((edge - s) / steps), (edge - s) / steps, state);
         s = edge;
       }
-      last = field_at(section, end);
+      last = static_at(section, end);
       direction = axis_of(last, direction);
       before = &section;
     }
-    if (!fields.ends_in_field) {
+    if (const bool met = fields.ends_in_field && fields.behind > 0;
+        met || !fields.ends_in_field || length_of(last) == 0) {
       constexpr Vector3 along_z{0, 0, 1};
-      state = renamed(state, last, direction, {}, along_z, false);
-      last = {};
+      const Vector3 next = met ? fields.behind * along_z : Vector3{};
+      state = renamed(state, last, direction, next, along_z, met);
+      last = next;
       direction = along_z;
     }
     const State found = spins_.states(direction, length_of(last), length_of(last)).adjoint() * state;
@@ -199,9 +199,16 @@ class FollowedAtom {
     const double y =
         std::clamp(place.y, section.field.begin + section.hair(), section.field.end - section.hair());
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      add_field_at(way_.fields().shaped[static_cast<std::size_t>(i)], section.field, phases_,
-                   {place.x, y, place.z}, flight_.t + s, here);
+      if (const ShapedTerm& term = way_.fields().shaped[static_cast<std::size_t>(i)];
+          term.drive < section.field.drives)
+        add_field_at(term, section.field, phases_, {place.x, y, place.z}, flight_.t + s, here);
     return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);
+  }
+  /// Of what does not drive.
+  Vector3 static_at(const CourseSection& section, double s) const {
+    CourseSection still = section;
+    still.field.drives = 0;
+    return field_at(still, s);
   }
   /// [T] Of all that swings, at any time.
   double peaks_at(const CourseSection& section, double s) const {
@@ -227,8 +234,9 @@ class FollowedAtom {
     const double drives = section.fastest > 0 ? 0.3 / section.fastest : stay(section);
     return std::min({6 / spins_.radius(most), drives, stay(section) / 100});
   }
-  /// Where static fields meet, levels keep their names while the size changes, and the direction changes at
-  /// once in the smaller of both fields; in none where there is a gap between them.
+  /// Where static fields meet, behind what drove before and before what drives then, levels keep their names
+  /// while the size changes, and the direction changes at once in the smaller of both fields; in none where
+  /// there is a gap between them.
   State renamed(const State& state, const Vector3& from, const Vector3& old, const Vector3& to,
                 const Vector3& next, bool touches) const {
     const double size = length_of(from), least = touches ? std::min(size, length_of(to)) : 0;

@@ -40,10 +40,11 @@ struct LevelWave {
   const double* rate = nullptr;  // [level] [rad/s] amplitudes have exp(i rate t)
 };
 
-/// From where levels are known to where they are asked for. At both ends they are those of the field there,
-/// or in no field those along +z; between fields they stay as if a weak field kept its direction. Where one
-/// field ends and another begins, levels keep their names in the frame of the old direction, as if the size
-/// changed slowly; directions change at once, and sizes too where a drive is switched on or off.
+/// From where levels are known to where they are asked for. At both ends they are those of the static field
+/// there, or in no field those along +z; between fields they stay as if a weak field kept its direction.
+/// Where one static field ends and another begins, levels keep their names in the frame of the old direction,
+/// as if the size changed slowly; directions change at once. What drives is switched on behind that, and off
+/// before it, at once: the state stays.
 struct LevelCourse {
   const LevelManifold* manifolds = nullptr;
   const int *manifold_of = nullptr, *place_of = nullptr;  // [level]
@@ -52,6 +53,7 @@ struct LevelCourse {
   const ShapedTerm* shaped = nullptr;
   const LevelWave* waves = nullptr;
   bool begins_in_field = false, ends_in_field = false;
+  double behind = 0;        // [T] of a field along +z that begins where the last one ends
   double tolerance = 1e-6;  // of probabilities
 };
 

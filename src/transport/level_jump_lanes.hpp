@@ -4,6 +4,11 @@
 
 namespace rabiline::RABILINE_ISA {
 
+RABILINE_LANES mask differ(const Vector& a, const Vector& b) {
+  const Vector d = add(a, broadcast(-1), b);
+  return dot(d, d) > broadcast(0);
+}
+
 /// The frame turns: the state turns back by -W . F of the levels at that size of the field.
 [[gnu::noinline]] inline void turn_to(const LevelManifold& f, const Vector& n, real size, mask counted,
                                       LevelAxes& axes, Amplitudes& a) {

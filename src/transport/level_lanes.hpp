@@ -47,13 +47,11 @@ class LevelFlight {
     size_ = zero;
     for (int i = 0; i < course_.count; ++i)
       pass(course_.sections[i], i > 0 ? &course_.sections[i - 1] : nullptr, counted);
-    if (!course_.ends_in_field) {
-      const FollowedField z = followed({{zero, zero, one}, {zero, zero, zero}}, axes_);
-      turn_to(f_, z.n, zero, counted, axes_, a);
-      reversed_ = z.signed_size < zero;
-    } else {
-      reversed_ = size_ < zero;
-    }
+    const bool met = course_.ends_in_field && course_.behind > 0;
+    const mask in_field = course_.ends_in_field && !met ? abs(size_) > broadcast(tiny) : mask{};
+    const FollowedField z = followed({{zero, zero, one}, {zero, zero, zero}}, axes_);
+    meet(z, met ? min(abs(size_), broadcast(course_.behind)) : zero, counted & ~in_field);
+    reversed_ = (in_field & (size_ < zero)) | (~in_field & (z.signed_size < zero));
   }
   /// Which could not be followed to the end: numbers that are none, or steps too short to go on.
   mask lost() const { return lost_; }
@@ -78,20 +76,32 @@ class LevelFlight {
     turn_to(f_, followed(path_.field_at(section, s), axes_).n, broadcast(0), nothing, axes_, a);
     here = followed(field, axes_);
   }
+  /// A static field is met, or met again behind a gap: its direction at once, in the weaker of both fields;
+  /// its size as if it came slowly.
+  inline void meet(const FollowedField& next, real weaker, mask lanes) {
+    const real before = select(size_ < broadcast(0), -weaker, weaker),
+               behind = select(next.signed_size < broadcast(0), -weaker, weaker);
+    turn_to(f_, next.n, before, lanes, axes_, a);
+    resize(f_, axes_, before, behind, course_.tolerance,
+           lanes & ((before < broadcast(0)) != (behind < broadcast(0))), a);
+  }
+  /// The field is another one at once, and the state stays.
+  inline void jump(const Vector& before, const FieldAtTime& field, mask lanes) {
+    const FollowedField behind = followed(field, axes_);
+    const real size = dot(before, axes_.third);
+    turn_to(f_, behind.n, size, lanes, axes_, a);
+    resize(f_, axes_, size, behind.signed_size, course_.tolerance, lanes, a);
+  }
   /// Fields are switched or jump at s, and the state stays; until when they do not again.
   [[gnu::noinline]] inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
     const FieldAtTime before = path_.field_at(section, s);
     const real until = path_.switch_fields(section, s, end, lanes);
     const FieldAtTime field = path_.field_at(section, s);
-    const Vector jump = add(field.b, broadcast(-1), before.b);
-    const mask jumps = lanes & (dot(jump, jump) > broadcast(0));
+    const mask jumps = lanes & differ(field.b, before.b);
     if (!any(jumps)) return until;
     const Amplitudes in_wave = a;
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(s), -1, a);
-    const FollowedField behind = followed(field, axes_);
-    const real size = dot(before.b, axes_.third);
-    turn_to(f_, behind.n, size, jumps, axes_, a);
-    resize(f_, axes_, size, behind.signed_size, course_.tolerance, jumps, a);
+    jump(before.b, field, jumps);
     if (section.wave >= 0) {
       change_frame(f_, course_.waves[section.wave], path_.clock(s), 1, a);
       choose(f_.levels, ~jumps, in_wave, a);
@@ -192,25 +202,20 @@ class LevelFlight {
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
     real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
-    const FollowedField entry = followed(path_.field_at(section, begin), axes_);
+    const Vector still = path_.static_at(section, begin);
+    const FollowedField entry = followed({still, {broadcast(0), broadcast(0), broadcast(0)}}, axes_);
     const bool touches = last != nullptr && last->field.end == section.field.begin;
     if (last == nullptr && course_.begins_in_field) {
       // Levels are those along the field itself.
       const mask back = entry.signed_size < broadcast(0);
       axes_ = moved_to(entry.n, axes_);
       axes_.third = select(back, times(broadcast(-1), axes_.third), axes_.third);
-    } else if (touches && (last->fastest > 0 || section.fastest > 0)) {
-      // A drive is switched on or off.
-      turn_to(f_, entry.n, size_, counted, axes_, a);
-      resize(f_, axes_, size_, entry.signed_size, course_.tolerance, counted, a);
     } else {
-      // The weaker of both turns; none, where there is a gap.
-      const real weaker = touches ? min(abs(size_), entry.size) : broadcast(0);
-      const real before = select(size_ < broadcast(0), -weaker, weaker),
-                 behind = select(entry.signed_size < broadcast(0), -weaker, weaker);
-      turn_to(f_, entry.n, before, counted, axes_, a);
-      resize(f_, axes_, before, behind, course_.tolerance,
-             counted & ((before < broadcast(0)) != (behind < broadcast(0))), a);
+      meet(entry, touches ? min(abs(size_), entry.size) : broadcast(0), counted);
+    }
+    if (section.fastest > 0) {
+      const FieldAtTime driven = path_.field_at(section, begin);
+      jump(still, driven, counted & differ(driven.b, still));
     }
     if (section.wave >= 0) {
       const mask back = dot(path_.field_at(section, begin).b, axes_.third) < broadcast(0);
@@ -307,7 +312,10 @@ class LevelFlight {
     dress(section, end, min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))),
           from, until, -1, dressed & counted);
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
-    size_ = followed(field, axes_).signed_size;
+    const Vector stays = path_.static_at(section, end);
+    if (section.fastest > 0)
+      jump(field.b, {stays, {broadcast(0), broadcast(0), broadcast(0)}}, counted & differ(field.b, stays));
+    size_ = dot(stays, axes_.third);
   }
 
   /// Phases over a long step, by Kronrod's seven points; the error is that of QUADPACK, by what Gauss' three

@@ -70,7 +70,7 @@ class LevelPath {
     }
     if (section.shaped_begin == section.shaped_end) return at;
     FieldHere<real> field{};
-    const Vector inside = place_at(max(from_ + hair(section), min(until_ - hair(section), s)));
+    const Vector inside = place_inside(section, s);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
       at.rate = add(at.rate, broadcast(1),
                     add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field));
@@ -79,6 +79,19 @@ class LevelPath {
     at.rate = add(at.rate, broadcast(1),
                   {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
     return at;
+  }
+
+  /// [T] Of what does not drive.
+  [[gnu::noinline]] inline Vector static_at(const CourseSection& section, real s) const {
+    const real rate = broadcast(section.field.spin_rate), zero = broadcast(0);
+    const Vector uniform =
+        section.field.turned ? times(rate, third_axis(section.field)) : Vector{zero, zero, rate};
+    FieldHere<real> field{};
+    const Vector inside = place_inside(section, s);
+    for (int i = section.shaped_begin; i < section.shaped_end; ++i)
+      if (course_.shaped[i].drive < 0)
+        add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field);
+    return add(uniform, broadcast(1), {field.field[0], field.field[1], field.field[2]});
   }
 
   [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
@@ -123,6 +136,10 @@ class LevelPath {
     return {fma(fma(0.5 * s, broadcast(fall_.x), velocity_.x), s, place_.x),
             fma(velocity_.y, s, broadcast(y_)),
             fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
+  }
+  /// Not on a face where the field jumps: rounding would decide on which side.
+  inline Vector place_inside(const CourseSection& section, real s) const {
+    return place_at(max(from_ + hair(section), min(until_ - hair(section), s)));
   }
   inline Vector velocity_at(real s) const {
     return {fma(broadcast(fall_.x), s, velocity_.x), velocity_.y, fma(broadcast(fall_.z), s, velocity_.z)};

@@ -91,6 +91,7 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
   course_.waves = wave_views_.data();
   course_.begins_in_field = fields_.begins_in_field;
   course_.ends_in_field = fields_.ends_in_field;
+  course_.behind = fields_.behind;
   course_.tolerance = 0.1 * fields_.tolerance;  // errors of steps add up
 }
 

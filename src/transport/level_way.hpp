@@ -25,6 +25,7 @@ struct LevelFields {
   std::vector<ShapedTerm> shaped{};
   std::vector<WaveFields> waves{};
   bool begins_in_field = false, ends_in_field = false;
+  double behind = 0;  // [T] of a field along +z that begins where the last one ends
   double tolerance = 1e-6;
   double apart = 0;  // [Hz] F whose zero-field energies differ by more exchange nothing but by waves
   bool operator==(const LevelFields&) const = default;

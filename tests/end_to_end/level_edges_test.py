@@ -1,0 +1,81 @@
+"""Levels of atoms where drives and static fields begin and end at the same place: as a hair's breadth beside it."""
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from runs import rabiline
+
+HAIR = 1e-7  # [m]
+
+ATOM = """rabiline: 1
+species: {species}
+law: quantum
+source:
+  speed: {{kind: single, value: {speed} m/s}}
+  opening: {{radius: 0 mm}}
+  direction: parallel
+  spin: {{kind: levels, levels: [{start}]}}
+parts:
+{parts}
+  - {{name: m, kind: monitor, at: {asked} m, radius: 1 m, tallies: [{{name: found, axes: [level]}}]}}
+  - {{name: d, kind: detector, at: 0.4 m, radius: 1 m, bins: [1, 1]}}
+particles: 8
+seed: 1
+"""
+
+
+def levels(folder: Path, parts: list[str], start: str, asked: float = 0.2, species: str = "D atom", speed: float = 1500) -> np.ndarray:
+    path = folder / "levels.yaml"
+    path.write_text(ATOM.format(parts="\n".join(f"  - {{{part}}}" for part in parts), start=start, asked=asked, species=species, speed=speed))
+    assert rabiline("run", path, "-o", path.with_suffix(".h5")).returncode == 0
+    with h5py.File(path.with_suffix(".h5")) as file:
+        return file["entry/m_found/counts"][:].ravel() / 8
+
+
+def drive(at: float, amplitude: str = "100 uT", frequency: str = "5 MHz") -> str:
+    return (f"name: R, kind: oscillating_field, at: {at!r} m, length: 1 cm, amplitude: {amplitude}, direction: x, frequency: {frequency}, "
+            "approximation: none, phase: 20 deg")
+
+
+@pytest.mark.parametrize("amplitude", ["10 uT", "30 uT", "100 uT"])
+def test_a_drive_that_begins_where_the_size_of_a_static_field_changes_mixes_no_F(tmp_path: Path, amplitude: str) -> None:
+    fields = ["name: B1, kind: uniform_field, at: 0 m, length: 0.1 m, field: 0.1 T", "name: B2, kind: uniform_field, at: 0.1 m, length: 0.2 m, field: 1 mT"]
+    at_once, behind = (levels(tmp_path, [*fields, drive(0.1 + by, amplitude)], "F=3/2 m=-1/2") for by in (0, HAIR))
+    assert behind[2] > 0.99
+    assert np.abs(at_once - behind).max() < 2e-4
+
+
+def test_a_drive_that_ends_where_the_size_of_a_static_field_changes_mixes_no_F(tmp_path: Path) -> None:
+    fields = ["name: B1, kind: uniform_field, at: 0 m, length: 0.1 m, field: 1 mT", "name: B2, kind: uniform_field, at: 0.1 m, length: 0.2 m, field: 0.1 T"]
+    at_once, before = (levels(tmp_path, [*fields, drive(0.09 - by)], "F=3/2 m=-1/2") for by in (0, HAIR))
+    assert before[4:].sum() < 1e-3
+    assert np.abs(at_once - before).max() < 2e-3
+
+
+def test_levels_at_the_end_of_a_drive_are_those_of_the_static_field(tmp_path: Path) -> None:
+    field = "name: B, kind: uniform_field, at: 0 m, length: 0.3 m, field: 1 mT"
+    at_once, behind = (levels(tmp_path, [field, drive(0.1, frequency="9 MHz")], "F=3/2 m=3/2", asked) for asked in (0.11, 0.11 + HAIR))
+    assert 0.1 < behind[0] < 0.5
+    assert np.abs(at_once - behind).max() < 1e-5
+
+
+def test_levels_at_a_source_inside_a_drive_are_those_of_the_static_field(tmp_path: Path) -> None:
+    found = levels(tmp_path, [
+        "name: B, kind: uniform_field, at: 0 m, length: 0.05 m, field: 99.818 uT, direction: [-0.428, 0.054, 0.885], tilt: {x: -11.11 deg, y: 4.3 deg, z: 34.08 deg}",
+        "name: P, kind: rotating_field, at: 0 m, length: 6.6 mm, amplitude: 29.31 uT, frequency: 2797280 Hz, sense: negative, phase: 166.6 deg, "
+        "tilt: {x: -18.88 deg, y: 17.13 deg, z: 37.14 deg}"], "F=1 m=1", 0.03, "He-4(2S)", 1000)
+    # Schroedinger's equation of the spin 1 in the laboratory, by scipy's DOP853 with a tolerance of 1e-12.
+    assert np.abs(found - [0.23125, 0.49927, 0.26948]).max() < 2e-5
+
+
+@pytest.mark.parametrize("gap", [0, HAIR], ids=["touching", "behind a gap"])
+@pytest.mark.parametrize("magnet_first", [False, True], ids=["before a magnet", "behind a magnet"])
+def test_a_spin_stays_where_a_tilted_field_meets_a_magnet(tmp_path: Path, magnet_first: bool, gap: float) -> None:
+    length = 0.11
+    tilted = f"name: B, kind: uniform_field, at: {0.02 + gap if magnet_first else 0!r} m, length: {length} m, field: 1 mT, direction: [1, 0, 1]"
+    magnet = f"name: A, kind: gradient_magnet, at: {0 if magnet_first else length + gap!r} m, length: 0.02 m, field: 0.1 T, gradient: 0.01 T/m"
+    found = levels(tmp_path, [tilted, magnet], "F=3/2 m=3/2", 0.1 if magnet_first else 0.2)
+    # d of J = 3/2 by 45 degrees; in 1 mT F are mixed a little.
+    c, s = np.cos(np.pi / 8) ** 2, np.sin(np.pi / 8) ** 2
+    assert np.abs(found[:4] - [c**3, 3 * c**2 * s, 3 * c * s**2, s**3]).max() < 1e-3
