@@ -76,10 +76,10 @@ TEST(UniformField, TiltedByAnAngleKeepsTheSpinsPartAlongIt) {
   part.tilt.x = 30 * deg;
   Beamline b = line({place("B", begin, part)});
   b.source.speed = GaussianSpeed{speed, 50};
-  b.particles = 20000;
+  b.particles = 100000;
   expect_agreement(
       final_sz(b), [&](double s) { return -std::pow(std::cos(s * 30 * deg), 2); },
-      4 * 0.25 / std::sqrt(40000), "tilt");
+      4 * 0.25 / std::sqrt(200000), "tilt");
 }
 
 TEST(Coil, TurnsSpinsByItsAngleAtItsSpeedAndFasterOnesByLess) {

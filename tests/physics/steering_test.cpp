@@ -238,6 +238,7 @@ TEST(MultipoleMagnet, FocusesHydrogenByItsEffectiveMoment) {
     v.x[i] = 2e-3;
     v.z[i] = v.vx[i] = v.vz[i] = v.t[i] = 0;
     v.vy[i] = 3000;
+    v.slowness[i] = 1.0 / 3000;
     v.level[i] = 1;
     v.weight[i] = 1;
     v.flying[i] = ~std::uint64_t{0};

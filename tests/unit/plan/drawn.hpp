@@ -25,8 +25,9 @@ struct Drawn {
   SampledTables tables;
   Emission emission;
   explicit Drawn(const Beamline& b) : emission(emission_of(b, b.species.front(), {1938, 0}, tables)) {}
-  std::vector<double> operator()(const std::function<double(const BatchView&, int)>& value) const {
-    return emitted(emission, value);
+  std::vector<double> operator()(const std::function<double(const BatchView&, int)>& value,
+                                 std::uint64_t count = particles) const {
+    return emitted(emission, value, count);
   }
 };
 inline std::vector<double> speeds_of(const SpeedLaw& law) { return Drawn(beam(law))(speed_of); }

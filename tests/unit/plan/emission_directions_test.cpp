@@ -144,7 +144,7 @@ TEST(PolarisedSpin, PointsAlongItsAxisInTheShareOfItsDegree) {
   b.law = ClassicalLaw{};
   b.source.spin = PolarisedSpin{{0.6, 0, 0.8}, 0.5};
   const std::vector<double> along =
-      Drawn(b)([](const BatchView& v, int i) { return 0.6 * v.sx[i] + 0.8 * v.sz[i]; });
+      Drawn(b)([](const BatchView& v, int i) { return 0.6 * v.sx[i] + 0.8 * v.sz[i]; }, 400000);
   for (const double a : along) ASSERT_NEAR(std::abs(a), 1, 1e-12);
   expect_mean(along, 0.5);
 }

@@ -28,7 +28,7 @@ Beamline apparatus(const Species& species, Outcomes outcomes, double amplitude) 
   drive.sense = Sense::positive;
   Monitor monitor{Rectangle{6e-3, 0.4e-3}, {}};
   monitor.tallies = {{"matrix", {over(Quantity::prepared_level), over(Quantity::level)}},
-                     {"z", {test::axis(Quantity::z, -1e-4, 1e-4, 9)}}};
+                     {"z", {test::axis(Quantity::z, -4e-4, 4e-4, 9)}}};
   Detector detector{Rectangle{4e-3, 0.6e-3}, {3, 60}, {}};
   detector.efficiency = 2.0 / 3;
   detector.dead = DeadArea{Rectangle{4e-3, 0.02e-3}, {}};

@@ -57,6 +57,7 @@ Batch flown(const RegionZone& zone, bool take_off, double tilt = 0) {
     v.vx[i] = 20 * i;
     v.vz[i] = -10 * i;
     v.vy[i] = std::sqrt(1e6 - v.vx[i] * v.vx[i] - v.vz[i] * v.vz[i]);
+    v.slowness[i] = 1 / v.vy[i];
     v.t[i] = 1e-4 * i;
     v.sx[i] = std::sin(tilt);
     v.sy[i] = 0;

@@ -65,6 +65,7 @@ inline std::vector<double> all_carried_along(const SpinPath& path, const Flight&
   for (int i = 0; i < beam_size; ++i) {
     v.x[i] = v.z[i] = v.vx[i] = v.vz[i] = 0;
     v.vy[i] = f.speed * (1 + 0.01 * i);
+    v.slowness[i] = 1 / v.vy[i];
     v.t[i] = f.length / v.vy[i];
     v.level[i] = static_cast<std::uint64_t>(level);
     v.particle[i] = static_cast<std::uint64_t>(i);
@@ -150,9 +151,10 @@ class Laboratory {
                      b * (alone.zeeman_j * in_product_basis(alone, true, 2) +
                           alone.zeeman_i * in_product_basis(alone, false, 2)));
   }
-  Eigen::Vector3d field(double t) const {
+  Eigen::Vector3d field(double t, bool with_drives = true) const {
     Eigen::Vector3d b(0, 0, 0);
     for (const ShapedTerm& term : f_.fields.shaped) {
+      if (!with_drives && term.drive >= 0) continue;
       FieldHere<double> here{};
       add_field<HostMaths>(term, 0.0, f_.speed * t, 0.0, here);
       const DriveTerm* clock = term.drive < 0 ? nullptr : &f_.fields.sections[0].field.drive[term.drive];
@@ -177,16 +179,17 @@ class Laboratory {
     };
     const SpinZone& zone = f_.fields.sections[0].field;
     b(2) += zone.spin_rate;
+    if (!with_drives) return b;
     for (int i = 0; i < zone.drives; ++i) add(zone.drive[i]);
     for (const WaveFields& wave : f_.fields.waves)
       for (const DriveTerm& drive : wave.drives) add(drive);
     return b;
   }
-  /// Levels along the field of that moment, in products along z.
+  /// Levels along the static field of that moment, or along z, in products along z.
   Eigen::MatrixXcd states_at(double t) const {
-    const Eigen::Vector3d b = field(t);
+    const Eigen::Vector3d b = field(t, false);
     const Levels levels = levels_at(f_.spins, b.norm());
-    return turn(2, std::atan2(b(1), b(0))) * turn(1, std::acos(b(2) / b.norm())) *
+    return turn(2, std::atan2(b(1), b(0))) * turn(1, std::atan2(std::hypot(b(0), b(1)), b(2))) *
            levels.states.cast<Complex>();
   }
   Eigen::MatrixXcd turn(int axis, double angle) const {

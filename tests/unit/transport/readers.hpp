@@ -26,6 +26,7 @@ inline void fill_levels(Batch& batch, int levels, double speed) {
   v.count = levels;
   v.padded = (levels + 7) / 8 * 8;
   std::fill_n(v.vy, v.padded, speed);
+  std::fill_n(v.slowness, v.padded, 1 / speed);
   std::fill_n(v.sz, v.padded, 1.0);
   for (int i = 0; i < levels; ++i) {
     v.level[i] = static_cast<std::uint64_t>(i);

@@ -41,6 +41,7 @@ inline void fill(Batch& batch, int levels, double spread = 2e-3) {
     v.x[i] = spread * even(random);
     v.z[i] = spread * even(random);
     v.vy[i] = 575 + 425 * even(random);
+    v.slowness[i] = 1 / v.vy[i];
     v.vx[i] = 5 * even(random);
     v.vz[i] = 5 * even(random);
     v.t[i] = 1e-3;
