@@ -9,6 +9,7 @@
 #include "particle/batch.hpp"
 #include "scan/settings.hpp"
 #include "storage/lock.hpp"
+#include "storage/results_file.hpp"
 #include "storage/safe_file.hpp"
 
 namespace rabiline {
@@ -141,6 +142,8 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   };
   settings.stop = &stop_requested();
   settings.start = start ? &*start : nullptr;
+  ResultsFile file(output);
+  settings.points = [&](const Result& points) { file.add(points); };
   const std::optional<Result> result = run(setup, settings);
   progress.clear();
   if (!last.complete) {
@@ -152,7 +155,7 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   try {
     if (options.keep) back_up(output);
     if (result)
-      write(*result, output);
+      file.save(*result);
     else
       write(last, output);
   } catch (const StorageError& error) {

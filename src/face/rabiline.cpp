@@ -16,6 +16,7 @@
 #include "face/models.hpp"
 #include "face/order.hpp"
 #include "face/part_names.hpp"
+#include "face/points.hpp"
 #include "face/probe.hpp"
 #include "face/record.hpp"
 #include "face/warnings.hpp"
@@ -25,7 +26,7 @@
 #include "rules/warnings.hpp"
 #include "scan/parameter_value.hpp"
 #include "scan/resolved.hpp"
-#include "simulation/effects.hpp"
+#include "simulation/append.hpp"
 #include "simulation/field_check.hpp"
 #include "simulation/overflow.hpp"
 #include "simulation/precision.hpp"
@@ -251,12 +252,13 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   record->slabs = form.slabs;
   Precision precision(loaded.experiment);
   options.halvings = precision.halvings();
-  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings) {
+  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings,
+                            const TakePoints& take) {
     return finish(form, loaded.experiment, std::move(sums), stragglers, halvings, options.isa,
-                  options.threads);
+                  options.threads, take);
   };
   options.enough = [&](const Sums& sums, const std::vector<Straggler>& stragglers, int halvings) {
-    return precision.is_enough(finished(sums, stragglers, halvings));
+    return precision.is_enough(finished(sums, stragglers, halvings, keep_totals));
   };
   if (settings.progress)
     options.progress = [&](Progress progress) {
@@ -287,7 +289,9 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
   if (flight) flight->asked_for = keep_moments;
-  Result result = finished(std::move(outcome.sums), outcome.stragglers, halvings);
+  Effects effects;
+  Result result =
+      finished(std::move(outcome.sums), outcome.stragglers, halvings, take_points(settings, effects));
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
@@ -296,7 +300,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
-  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  for (const std::string& warning : effects.warnings(result)) provenance.warnings.push_back(warning);
   if (std::string warning = warning_of_overflow(form.flown, plan, result, options.isa); !warning.empty())
     provenance.warnings.push_back(std::move(warning));
   if (keep_moments && !result.flight)
@@ -322,14 +326,15 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
       located(warnings_of(wanted.experiment, form_of(wanted.experiment, settings.max_memory, true, 0).plan),
               wanted.places);
   if (settings.planned) settings.planned(warnings);
-  Result result =
-      rescan(flown.experiment, kept.record, wanted.experiment,
-             settings.max_memory == 0 ? default_memory : settings.max_memory, isa, threads_of(settings));
+  Effects effects;
+  Result result = rescan(flown.experiment, kept.record, wanted.experiment,
+                         settings.max_memory == 0 ? default_memory : settings.max_memory, isa,
+                         threads_of(settings), take_points(settings, effects));
   result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
   provenance.slabs = result.provenance.slabs;
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
-  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  for (const std::string& warning : effects.warnings(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);
   return result;
 }

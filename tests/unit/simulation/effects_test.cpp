@@ -22,6 +22,12 @@ Result caught(std::vector<double> detected) {
   return result;
 }
 
+std::vector<std::string> warnings_of(const Result& result) {
+  Effects effects;
+  effects.add(result);
+  return effects.warnings(result);
+}
+
 TEST(WarningsOfAResult, NameTheParameterThatHadNoEffect) {
   EXPECT_THAT(warnings_of(caught({1, 2, 3, 1, 2, 3})), testing::ElementsAre(testing::HasSubstr("`A.field`")));
   EXPECT_THAT(warnings_of(caught({1, 1, 1, 2, 2, 2})), testing::ElementsAre(testing::HasSubstr("`B.field`")));
