@@ -266,7 +266,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
-  require_memory(loaded.experiment, plan,
+  const std::size_t slabs = settings.points ? form.slabs : 1;
+  require_memory(loaded.experiment, plan, (setup.points() + slabs - 1) / slabs,
                  options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()),
                  settings.max_memory);
   if (settings.start != nullptr && !fits(*settings.start, plan))

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 
+#include "storage/disk_file.hpp"
 #include "storage/safe_file.hpp"
 #include "storage/seal.hpp"
 
@@ -124,14 +125,29 @@ PackedTexts pack(std::span<const std::string> texts) {
   return packed;
 }
 
+Handle access_to_memory(const std::string& name) {
+  Handle access = property_list(H5P_FILE_ACCESS, name);
+  check(H5Pset_fapl_core(access.id(), mebibyte, false), name);
+  return access;
+}
+
 /// In the oldest format, which every reader knows. Of the newer ones, H5Fget_file_image of HDF5 1.10 gives
 /// back a superblock with a wrong checksum (HDFGroup/hdf5, pull request 5489).
-Handle memory_file(const std::string& name) {
+Handle new_file(const std::string& name, DiskFile* disk) {
   silence();
-  const Handle access = property_list(H5P_FILE_ACCESS, name), creation = property_list(H5P_FILE_CREATE, name);
-  check(H5Pset_fapl_core(access.id(), mebibyte, false), name);
+  const Handle access = disk ? access_to(*disk, name) : access_to_memory(name),
+               creation = property_list(H5P_FILE_CREATE, name);
   check(H5Pset_obj_track_times(creation.id(), false), name);
   return {H5Fcreate(name.c_str(), H5F_ACC_TRUNC, creation.id(), access.id()), H5Fclose, name};
+}
+
+/// Before a file is given its name.
+void require_whole(const std::filesystem::path& temporary, const std::string& seal, const std::string& name) {
+  try {
+    if (seal.find(require_seal(temporary)) != seal.npos) return;
+  } catch (const StorageError&) {
+  }
+  throw StorageError(fmt::format("{}: reads back other than it was written; check the disk", name));
 }
 
 }  // namespace
@@ -270,8 +286,12 @@ void GroupWriter::link(const std::string& name, const std::string& target) const
         where(name));
 }
 
-FileWriter::FileWriter(std::filesystem::path target)
-    : target_(std::move(target)), file_(memory_file(target_.string())) {}
+FileWriter::FileWriter(std::filesystem::path target, Place place)
+    : target_(std::move(target)),
+      disk_(place == Place::disk ? std::make_unique<DiskFile>(target_) : nullptr),
+      file_(new_file(target_.string(), disk_.get())) {}
+FileWriter::FileWriter(FileWriter&&) noexcept = default;
+FileWriter::~FileWriter() = default;
 
 GroupWriter FileWriter::root() {
   return {Handle(H5Gopen2(file_.id(), "/", H5P_DEFAULT), H5Gclose, target_.string()), target_.string(), "",
@@ -279,6 +299,10 @@ GroupWriter FileWriter::root() {
 }
 
 void FileWriter::turn_to(const Slab& slab) { slabs_->slab = slab; }
+
+void FileWriter::require_written() const {
+  if (disk_) disk_->require_written();
+}
 
 void FileWriter::end_slabs() {
   for (auto& [place, dataset] : slabs_->open) dataset.close(place);
@@ -302,19 +326,23 @@ std::vector<std::byte> FileWriter::image() const {
   return bytes;
 }
 
-void FileWriter::save() const {
+void FileWriter::save() {
   const std::string name = target_.string();
+  std::string seal;
+  const auto last_line = [&] { return std::as_bytes(std::span(seal)); };
+  const auto verify = [&](const std::filesystem::path& temporary) { require_whole(temporary, seal, name); };
+  if (disk_) {
+    file_.close(name);
+    NewFile& file = disk_->closed();
+    seal = seal_of(file.path());
+    file.append(last_line());
+    file.become_target(verify);
+    return;
+  }
   std::vector<std::byte> bytes = image();
-  const std::string seal = seal_of(bytes);
-  const auto last_line = std::as_bytes(std::span(seal));
-  bytes.insert(bytes.end(), last_line.begin(), last_line.end());
-  replace_file(target_, bytes, [&](const std::filesystem::path& temporary) {
-    try {
-      if (seal.find(require_seal(temporary)) != seal.npos) return;
-    } catch (const StorageError&) {
-    }
-    throw StorageError(fmt::format("{}: reads back other than it was written; check the disk", name));
-  });
+  seal = seal_of(bytes);
+  bytes.insert(bytes.end(), last_line().begin(), last_line().end());
+  replace_file(target_, bytes, verify);
 }
 
 }  // namespace rabiline::hdf5

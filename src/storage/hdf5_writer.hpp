@@ -1,5 +1,5 @@
 #pragma once
-// Builds an HDF5 file in memory, then puts it on the disk in one safe step.
+// Builds an HDF5 file in memory, or beside its place on the disk, then puts it there in one safe step.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -89,14 +89,22 @@ class GroupWriter {
 /// What a file is called that is no file but its bytes.
 inline constexpr const char* in_memory = "memory";
 
+class DiskFile;
+
 class FileWriter {
  public:
-  explicit FileWriter(std::filesystem::path target);
+  /// In memory until it is saved, or in a file beside `target`.
+  enum class Place { memory, disk };
+  explicit FileWriter(std::filesystem::path target, Place = Place::memory);
+  FileWriter(FileWriter&&) noexcept;
+  ~FileWriter();
 
   /// The group "/". Groups must be gone before the file is saved.
   GroupWriter root();
   /// What groups are given from now on is of these points, which follow those before.
   void turn_to(const Slab&);
+  /// Throws StorageError where something could not be written so far.
+  void require_written() const;
   /// All points are there.
   void end_slabs();
   /// What it takes so far [bytes].
@@ -105,10 +113,11 @@ class FileWriter {
   std::vector<std::byte> image() const;
   /// Puts the file in its place with its seal (seal.hpp), safely, and reads it back before it replaces
   /// another.
-  void save() const;
+  void save();
 
  private:
   std::filesystem::path target_;
+  std::unique_ptr<DiskFile> disk_;  // none where the file is in memory
   Handle file_;
   std::unique_ptr<SlabWriting> slabs_ = std::make_unique<SlabWriting>();
 };

@@ -186,40 +186,45 @@ bool is_worth_its_room(const FlightRecord& flight, std::size_t file) {
 }  // namespace
 
 struct ResultsFile::Contents {
-  explicit Contents(std::filesystem::path path) : name(path.filename().string()), file(std::move(path)) {}
+  explicit Contents(std::filesystem::path where) : path(std::move(where)) {}
+
+  void begin(const Result& points) {
+    scan = scan_axes(points);
+    slab.all = nexus::count_of_points(scan);
+    const bool in_one = points.emitted.size() == slab.all;
+    file.emplace(path, in_one ? hdf5::FileWriter::Place::memory : hdf5::FileWriter::Place::disk);
+    entry.emplace(
+        nexus::write_entry(*file, path.filename().string(), points.title, points.provenance.version));
+  }
 
   void add(const Result& points) {
-    if (!entry) {
-      scan = scan_axes(points);
-      slab.all = nexus::count_of_points(scan);
-      file.turn_to(slab);
-      entry.emplace(nexus::write_entry(file, name, points.title, points.provenance.version));
-    }
+    if (!file) begin(points);
     slab.count = points.emitted.size();
-    file.turn_to(slab);
+    file->turn_to(slab);
     write_summary(*entry, points, slab.all);
     nexus::Names names = names_of_entry();
     nexus::write_detectors(*entry, points, scan, names);
     nexus::write_monitors_and_tallies(*entry, points, scan, names);
     write_fates(*entry, points, slab.all);
     slab.first += slab.count;
+    file->require_written();
   }
 
   void end(const Result& rest) {
-    file.end_slabs();
+    file->end_slabs();
     write_texts(*entry, rest, slab.all);
     if (rest.field_check) write_field_check(*entry, *rest.field_check);
     nexus::write_parameters(*entry, rest.parameters);
     write_simulation(*entry, rest);
-    if (rest.flight && is_worth_its_room(*rest.flight, file.size()))
+    if (rest.flight && is_worth_its_room(*rest.flight, file->size()))
       nexus::write_flight(*entry, *rest.flight);
     entry.reset();
   }
 
-  std::string name;
-  hdf5::FileWriter file;
+  std::filesystem::path path;
   hdf5::Slab slab{0, 0, 0};
   std::vector<Axis> scan{};
+  std::optional<hdf5::FileWriter> file{};
   std::optional<GroupWriter> entry{};
 };
 
@@ -229,7 +234,7 @@ ResultsFile::~ResultsFile() = default;
 void ResultsFile::add(const Result& points) { contents_->add(points); }
 void ResultsFile::save(const Result& rest) {
   contents_->end(rest);
-  contents_->file.save();
+  contents_->file->save();
 }
 
 void write_results(const Result& result, const std::filesystem::path& path) {
@@ -242,7 +247,7 @@ std::vector<std::byte> image_of(const Result& result) {
   ResultsFile::Contents contents(hdf5::in_memory);
   contents.add(result);
   contents.end(result);
-  return contents.file.image();
+  return contents.file->image();
 }
 
 }  // namespace rabiline
