@@ -38,6 +38,20 @@ TEST(WarningsOfAResult, AreSilentWhereOnePointDiffersByABit) {
   EXPECT_TRUE(warnings_of(caught({1, 2, 3, 1, 2, std::nextafter(3.0, 4.0)})).empty());
 }
 
+TEST(WarningsOfAResult, CompareAcrossSlabs) {
+  const Result first = caught({1, 2, 3, 1, 2, 3});
+  for (const double last : {3.0, 4.0}) {
+    Effects effects;
+    for (const std::vector<double>& slab : {std::vector<double>{1, 2, 3, 1}, {2, last}}) {
+      Result points = caught(slab);
+      points.emitted.resize(slab.size());
+      points.detectors.front().levels.resize(slab.size());
+      effects.add(points);
+    }
+    EXPECT_EQ(effects.warnings(first).size(), last == 3 ? 1U : 0U);
+  }
+}
+
 TEST(WarningsOfAResult, AreSilentWhereNothingIsScanned) {
   Result result;
   result.emitted = {100};
