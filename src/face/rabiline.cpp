@@ -6,12 +6,11 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/isa.hpp"
-#include "core/processors.hpp"
 #include "core/version.hpp"
 #include "face/cost.hpp"
+#include "face/machine.hpp"
 #include "face/memory.hpp"
 #include "face/models.hpp"
 #include "face/order.hpp"
@@ -83,24 +82,6 @@ const LoadedExperiment& experiment_of(const Setup& setup) {
     throw std::invalid_argument(
         fmt::format("{} is a model: it is solved, not flown", setup.inputs().front().path));
   return std::get<LoadedExperiment>(setup.contents().loaded);
-}
-
-int threads_of(const RunSettings& settings) {
-  if (settings.threads < 0 || settings.threads > 1024)
-    throw std::invalid_argument("`threads` must be from 1 to 1024, or 0 for as many as the process may use");
-  if (settings.threads > 0) return settings.threads;
-  // Processes that were bound to no cores of their own share those of the machine.
-  const int sharing = settings.ranks != nullptr && processors() == sysconf(_SC_NPROCESSORS_ONLN)
-                          ? settings.ranks->neighbours()
-                          : 1;
-  return std::max(1, processors() / sharing);
-}
-
-int batch_of(const RunSettings& settings) {
-  if (settings.batch < 0 || settings.batch > Batch::capacity || settings.batch % 8 != 0)
-    throw std::invalid_argument(
-        fmt::format("`batch` must be a multiple of 8 up to {}, or 0 for the most", Batch::capacity));
-  return settings.batch == 0 ? Batch::capacity : settings.batch;
 }
 
 /// What a run goes on from is its own beginning.
