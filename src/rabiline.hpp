@@ -105,6 +105,10 @@ struct RunSettings {
   /// from one flight, which changes no bit, and is refused else. 0: 2 GiB for the first question, seven
   /// tenths of the machine for the second one.
   std::uint64_t max_memory = 0;
+  /// Called with the finished points, slab by slab, row-major; the axes are those of the whole scan. What is
+  /// returned then has of each point what was emitted and what was detected, with errors, and no more: so a
+  /// result need not be in memory as a whole (ResultsFile, storage/results_file.hpp).
+  std::function<void(const Result& points)> points{};
   Shard shard{};           // of the work; the last snapshot then holds its sums
   Ranks* ranks = nullptr;  // processes that fly together; the others call `assist`
 };
@@ -122,8 +126,8 @@ void dismiss(Ranks&, int exit_code);
 
 /// Another scan of the flight that a result kept: of what turns spins between two places that ask for their
 /// level. `changes` come on top of those of the flight; particles and seed are its own. Of the settings,
-/// `isa`, `threads`, `max_memory`, `planned` and `arguments` apply. Throws StorageError where nothing was
-/// kept, InputError, and std::invalid_argument where the scan does not follow from the flight.
+/// `isa`, `threads`, `max_memory`, `points`, `planned` and `arguments` apply. Throws StorageError where
+/// nothing was kept, InputError, and std::invalid_argument where the scan does not follow from the flight.
 Result rescan(const std::filesystem::path& result, const Changes& changes, const RunSettings& = {});
 
 /// The paths of `count` particles from number `first`, fewer where the run has fewer, at the values of the

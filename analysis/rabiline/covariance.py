@@ -30,7 +30,7 @@ class Spread:
     """How fractions at scan points scatter: errors, their correlation, and what it was estimated from."""
 
     errors: np.ndarray  # [n] one standard error, nowhere below half a particle
-    correlation: np.ndarray  # [n, n]
+    correlation: np.ndarray | None  # [n, n]; None where points are independent, of which there may be a million
     freedom: float  # of the estimate: GROUPS - 1, or infinite where the correlation is known
     particle: np.ndarray  # [n] the fraction that one particle is
 
@@ -46,7 +46,7 @@ class Spread:
         particle = 1 / (np.broadcast_to(particles, y.shape) + 1.0)
         errors = np.maximum(errors, particle / 2)
         if covariance is None:
-            return cls(errors, np.eye(y.size), np.inf, particle)
+            return cls(errors, None, np.inf, particle)
         roots = np.sqrt(np.diag(covariance))
         still = roots <= 1e-6 * particle
         roots[still] = 1
@@ -59,7 +59,13 @@ class Spread:
     @property
     def covariance(self) -> np.ndarray:
         """[n, n]"""
-        return self.errors[:, None] * self.correlation * self.errors
+        return np.diag(self.errors**2) if self.correlation is None else self.errors[:, None] * self.correlation * self.errors
+
+    def of_sum(self, along: np.ndarray) -> float:
+        """One standard error of along @ y."""
+        if self.correlation is None:
+            return float(np.sqrt(np.sum((along * self.errors)**2)))
+        return float(np.sqrt(max(0.0, along @ self.covariance @ along)))
 
     def at(self, expected: np.ndarray, y: np.ndarray) -> Spread:
         """The errors as they are where `expected` [n] is true instead of the measured `y`: binomial variances p (1 - p)
@@ -158,7 +164,7 @@ def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | 
         few = {0: "no point tells", 1: "only one point tells"}.get(n, f"only {n} points tell")
         return ChiSquared(0.0, 0, np.nan, f"{few} {COUNTED} or more particles apart")
     basis = _smoothest(spanned, n - spanned.shape[1] if np.isinf(spread.freedom) else DIRECTIONS)
-    varying = basis.T @ spread.correlation[np.ix_(kept, kept)] @ basis
+    varying = basis.T @ (basis if spread.correlation is None else spread.correlation[np.ix_(kept, kept)] @ basis)
     one_particle = basis.T * (spread.particle[kept] / errors) ** 2 @ basis
     values, vectors = linalg.eigh(varying, one_particle)  # variances in particles
     used = values >= COUNTED

@@ -48,7 +48,7 @@ class Curve:
 
     def piece(self, part: slice) -> Curve:
         """A part of it."""
-        spread = Spread(self.spread.errors[part], self.spread.correlation[part, part], self.spread.freedom,
+        spread = Spread(self.spread.errors[part], None if self.spread.correlation is None else self.spread.correlation[part, part], self.spread.freedom,
                         self.spread.particle[part])
         return replace(self, axis=replace(self.axis, values=self.axis.values[part]), points=self.points[part], y=self.y[part],
                        errors=self.errors[part], spread=spread)
@@ -146,7 +146,7 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     height = sign * (curve.y - along_baseline @ curve.y)
     farthest = int(np.argmax(height))
     noise = max(float(curve.errors.min()), 1e-12,  # 1e-12: rounding
-                _spread(np.eye(curve.y.size)[farthest] - along_baseline, curve.covariance))
+                curve.spread.of_sum(_at(farthest, curve.y.size) - along_baseline))
     if height[farthest] <= 5 * noise:
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
     least = np.clip(5 * curve.errors, height[farthest] / 4, height[farthest])
@@ -196,11 +196,11 @@ class Edge:
 
 def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int) -> Resonance:
     low, high = _edges(curve, extreme, along_baseline)
-    along_depth = sign * (np.eye(curve.y.size)[extreme] - along_baseline)
+    along_depth = sign * (_at(extreme, curve.y.size) - along_baseline)
 
     def value(along: np.ndarray, of: float | None = None, resolution: float = 0.0) -> Value:
         return Value(float(along @ curve.y if of is None else of),
-                     float(np.hypot(_spread(along, curve.covariance), resolution)))
+                     float(np.hypot(curve.spread.of_sum(along), resolution)))
 
     resolution = float(np.hypot(low.resolution, high.resolution))
     return Resonance(
@@ -214,13 +214,15 @@ def _measured(curve: Curve, extreme: int, along_baseline: np.ndarray, sign: int)
 
 
 def _edges(curve: Curve, extreme: int, along_baseline: np.ndarray) -> tuple[Edge, Edge]:
-    along_level = (along_baseline + np.eye(curve.y.size)[extreme]) / 2
+    along_level = (along_baseline + _at(extreme, curve.y.size)) / 2
     return _edge(curve, extreme, -1, along_level), _edge(curve, extreme, +1, along_level)
 
 
-def _spread(along: np.ndarray, covariance: np.ndarray) -> float:
-    """Standard error of along @ y."""
-    return float(np.sqrt(max(0.0, along @ covariance @ along)))
+def _at(place: int, points: int) -> np.ndarray:
+    """[points] One there, zero elsewhere."""
+    out = np.zeros(points)
+    out[place] = 1
+    return out
 
 
 def _baseline(curve: Curve) -> tuple[np.ndarray, int]:

@@ -10,6 +10,7 @@ from .agreement import with_model
 from .covariance import ChiSquared, Weights
 from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
 
+MOST_POINTS = 8192  # of a curve: weights and covariances are squares of them
 LEAST_P = 1e-3  # of chi², for the covariance to be used in the weights
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
 
@@ -61,6 +62,8 @@ def fit(curve: Curve) -> Fit:
         raise NoResonance("fringes are no dips or peaks: see fit-line --form ramsey")
     if curve.x.size < SHARED + OWN * len(starts):
         raise NoResonance(f"{curve.x.size} points are too few to fit {len(starts)} dip{'s' if len(starts) > 1 else ''} or peak{'s' if len(starts) > 1 else ''}")
+    if curve.x.size > MOST_POINTS:
+        raise NoResonance(f"{curve.x.size} points are too many for one fit, which takes up to {MOST_POINTS}")
     unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
     first = _least_squares(x, curve.y, np.eye(x.size), _start(starts, unit, origin))

@@ -9,6 +9,7 @@
 #include "particle/batch.hpp"
 #include "scan/settings.hpp"
 #include "storage/lock.hpp"
+#include "storage/results_file.hpp"
 #include "storage/safe_file.hpp"
 
 namespace rabiline {
@@ -53,6 +54,23 @@ Path keep(const Snapshot& snapshot, const Path& output) {
     }
   }
   throw *first;
+}
+
+int keep_stopped(const Snapshot& snapshot, const Path& output) {
+  const Path kept = keep(snapshot, output);
+  say(stderr, "stopped; what is finished is in {}\n  help: continue with: rabiline resume {}\n",
+      checkpoint_of(kept).string(), quoted(kept));
+  return exit_code::stopped;
+}
+
+/// Of a result that could not be written.
+int keep_unwritten(const Snapshot& snapshot, const Path& output, const StorageError& why) {
+  say(stderr, "error: {}\n", why.what());
+  const Path kept = keep(snapshot, output);
+  say(stderr,
+      "  help: nothing is lost: all that has flown is in {}; write the result with: rabiline resume {}\n",
+      checkpoint_of(kept).string(), quoted(kept));
+  return exit_code::not_written;
 }
 
 /// What lies there is gone on from where it is of this run.
@@ -141,27 +159,32 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   };
   settings.stop = &stop_requested();
   settings.start = start ? &*start : nullptr;
-  const std::optional<Result> result = run(setup, settings);
-  progress.clear();
-  if (!last.complete) {
-    const Path kept = keep(last, output);
-    say(stderr, "stopped; what is finished is in {}\n  help: continue with: rabiline resume {}\n",
-        checkpoint_of(kept).string(), quoted(kept));
-    return exit_code::stopped;
-  }
+  std::optional<ResultsFile> file(output);
+  std::size_t written = 0;
+  settings.points = [&](const Result& points) {
+    file->add(points);
+    written += points.emitted.size();
+    if (written < setup.points() && stop_requested()) throw Stopped();
+  };
+  std::optional<Result> result;
   try {
+    result = run(setup, settings);
+    progress.clear();
+    if (!last.complete) return keep_stopped(last, output);
     if (options.keep) back_up(output);
     if (result)
-      write(*result, output);
+      file->save(*result);
     else
       write(last, output);
+  } catch (const Stopped&) {
+    progress.clear();
+    file.reset();  // which leaves room for the checkpoint
+    return keep_stopped(last, output);
   } catch (const StorageError& error) {
-    say(stderr, "error: {}\n", error.what());
-    const Path kept = keep(last, output);
-    say(stderr,
-        "  help: nothing is lost: all that has flown is in {}; write the result with: rabiline resume {}\n",
-        checkpoint_of(kept).string(), quoted(kept));
-    return exit_code::not_written;
+    if (!last.complete) throw;
+    progress.clear();
+    file.reset();
+    return keep_unwritten(last, output, error);
   }
   std::error_code ignored;
   std::filesystem::remove(checkpoint_of(output), ignored);

@@ -1,6 +1,7 @@
 // rabiline rescan: other scan points of a result, without another flight.
 #include "commands/common.hpp"
 #include "storage/lock.hpp"
+#include "storage/results_file.hpp"
 
 namespace rabiline {
 namespace {
@@ -22,8 +23,10 @@ int rescan_command(const RescanArguments& a, const std::vector<std::string>& arg
   RunSettings settings = a.machine.settings();
   settings.arguments = arguments;
   settings.planned = [&](const std::vector<Diagnostic>& warnings) { tell(warnings, a.strict, stderr); };
+  ResultsFile file(output);
+  settings.points = [&](const Result& points) { file.add(points); };
   const Result result = rescan(a.flown, a.changes, settings);
-  write(result, output);
+  file.save(result);
   print_summary(result, output);
   return exit_code::done;
 }

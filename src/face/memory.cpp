@@ -8,13 +8,13 @@
 namespace rabiline {
 namespace {
 
-/// Histograms of all points in a result, and what is packed of them when it is written [bytes].
-double bytes_of_histograms(const Experiment& experiment) {
+/// Histograms of so many points in a result, and what is packed of them when it is written [bytes].
+double bytes_of_histograms(const Experiment& experiment, std::size_t points) {
   double bins = 0;
   for (const PlacedPart& part : experiment.points.front().parts)
     if (const Detector* detector = detector_in(part.part))
       bins += static_cast<double>(detector->bins.x) * static_cast<double>(detector->bins.z);
-  return 2.5 * sizeof(double) * bins * static_cast<double>(experiment.points.size());
+  return 2.5 * sizeof(double) * bins * static_cast<double>(points);
 }
 
 }  // namespace
@@ -25,10 +25,11 @@ Form form_of(const Experiment& experiment, std::uint64_t max_memory, bool keep_m
   return form_of(experiment, moments, max_memory == 0 ? default_memory : max_memory, threads);
 }
 
-void require_memory(const Experiment& experiment, const Plan& plan, int threads, std::uint64_t max_memory) {
+void require_memory(const Experiment& experiment, const Plan& plan, std::size_t at_once, int threads,
+                    std::uint64_t max_memory) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(plan)) * threads +
-                        bytes_of_histograms(experiment);
+                        bytes_of_histograms(experiment, at_once);
   constexpr double share = 0.7;  // of the machine's memory, where nothing is stated
   const double there =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));

@@ -6,16 +6,16 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/isa.hpp"
-#include "core/processors.hpp"
 #include "core/version.hpp"
 #include "face/cost.hpp"
+#include "face/machine.hpp"
 #include "face/memory.hpp"
 #include "face/models.hpp"
 #include "face/order.hpp"
 #include "face/part_names.hpp"
+#include "face/points.hpp"
 #include "face/probe.hpp"
 #include "face/record.hpp"
 #include "face/warnings.hpp"
@@ -25,7 +25,7 @@
 #include "rules/warnings.hpp"
 #include "scan/parameter_value.hpp"
 #include "scan/resolved.hpp"
-#include "simulation/effects.hpp"
+#include "simulation/append.hpp"
 #include "simulation/field_check.hpp"
 #include "simulation/overflow.hpp"
 #include "simulation/precision.hpp"
@@ -82,24 +82,6 @@ const LoadedExperiment& experiment_of(const Setup& setup) {
     throw std::invalid_argument(
         fmt::format("{} is a model: it is solved, not flown", setup.inputs().front().path));
   return std::get<LoadedExperiment>(setup.contents().loaded);
-}
-
-int threads_of(const RunSettings& settings) {
-  if (settings.threads < 0 || settings.threads > 1024)
-    throw std::invalid_argument("`threads` must be from 1 to 1024, or 0 for as many as the process may use");
-  if (settings.threads > 0) return settings.threads;
-  // Processes that were bound to no cores of their own share those of the machine.
-  const int sharing = settings.ranks != nullptr && processors() == sysconf(_SC_NPROCESSORS_ONLN)
-                          ? settings.ranks->neighbours()
-                          : 1;
-  return std::max(1, processors() / sharing);
-}
-
-int batch_of(const RunSettings& settings) {
-  if (settings.batch < 0 || settings.batch > Batch::capacity || settings.batch % 8 != 0)
-    throw std::invalid_argument(
-        fmt::format("`batch` must be a multiple of 8 up to {}, or 0 for the most", Batch::capacity));
-  return settings.batch == 0 ? Batch::capacity : settings.batch;
 }
 
 /// What a run goes on from is its own beginning.
@@ -251,12 +233,13 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   record->slabs = form.slabs;
   Precision precision(loaded.experiment);
   options.halvings = precision.halvings();
-  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings) {
+  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings,
+                            const TakePoints& take) {
     return finish(form, loaded.experiment, std::move(sums), stragglers, halvings, options.isa,
-                  options.threads);
+                  options.threads, take);
   };
   options.enough = [&](const Sums& sums, const std::vector<Straggler>& stragglers, int halvings) {
-    return precision.is_enough(finished(sums, stragglers, halvings));
+    return precision.is_enough(finished(sums, stragglers, halvings, keep_totals));
   };
   if (settings.progress)
     options.progress = [&](Progress progress) {
@@ -264,7 +247,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
-  require_memory(loaded.experiment, plan,
+  const std::size_t slabs = settings.points ? form.slabs : 1;
+  require_memory(loaded.experiment, plan, (setup.points() + slabs - 1) / slabs,
                  options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()),
                  settings.max_memory);
   if (settings.start != nullptr && !fits(*settings.start, plan))
@@ -287,7 +271,9 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
   if (flight) flight->asked_for = keep_moments;
-  Result result = finished(std::move(outcome.sums), outcome.stragglers, halvings);
+  Effects effects;
+  Result result =
+      finished(std::move(outcome.sums), outcome.stragglers, halvings, take_points(settings, effects));
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
@@ -296,7 +282,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   if (precision.is_wanted() && halvings == 0)
     warn_unless_precise(loaded.experiment.points.front(), result, provenance);
-  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  for (const std::string& warning : effects.warnings(result)) provenance.warnings.push_back(warning);
   if (std::string warning = warning_of_overflow(form.flown, plan, result, options.isa); !warning.empty())
     provenance.warnings.push_back(std::move(warning));
   if (keep_moments && !result.flight)
@@ -322,14 +308,15 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
       located(warnings_of(wanted.experiment, form_of(wanted.experiment, settings.max_memory, true, 0).plan),
               wanted.places);
   if (settings.planned) settings.planned(warnings);
-  Result result =
-      rescan(flown.experiment, kept.record, wanted.experiment,
-             settings.max_memory == 0 ? default_memory : settings.max_memory, isa, threads_of(settings));
+  Effects effects;
+  Result result = rescan(flown.experiment, kept.record, wanted.experiment,
+                         settings.max_memory == 0 ? default_memory : settings.max_memory, isa,
+                         threads_of(settings), take_points(settings, effects));
   result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
   provenance.slabs = result.provenance.slabs;
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
-  for (const std::string& warning : warnings_of(result)) provenance.warnings.push_back(warning);
+  for (const std::string& warning : effects.warnings(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);
   return result;
 }

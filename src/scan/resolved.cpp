@@ -123,8 +123,9 @@ std::vector<ResolvedParameter> resolved_parameters(const Experiment& experiment)
   const auto put = [&](ResolvedParameter& column, std::size_t point, const Leaf& leaf) {
     if (column.values.size() == 1 && leaf.same_as(column.values[0], column.words[0])) return;
     column.values.resize(points, column.values[0]);
-    column.words.resize(points, column.words[0]);
     column.values[point] = leaf.value;
+    if (column.words.size() == 1 && leaf.word == column.words[0]) return;
+    column.words.resize(points, column.words[0]);
     column.words[point] = leaf.word;
   };
   for (std::size_t point = 0; point < points; ++point) {

@@ -1,27 +1,27 @@
 #include "simulation/append.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
 
+#include "particle/fate.hpp"
+
 namespace rabiline {
 namespace {
 
-// What a result has for each point; each list in one place, whatever is done with it.
-constexpr auto of_result = std::tuple{&Result::laws,
-                                      &Result::species,
-                                      &Result::aimed_fraction,
-                                      &Result::emitted,
-                                      &Result::emitted_quanta_high,
-                                      &Result::emitted_quanta_low,
-                                      &Result::emitted_by_level};
-constexpr auto of_detector =
+// What a result has for each point; each list in one place, whatever is done with it. Totals stay when the
+// rest is dropped.
+constexpr auto totals_of_result = std::tuple{&Result::emitted};
+constexpr auto rest_of_result = std::tuple{&Result::aimed_fraction, &Result::emitted_quanta_high,
+                                           &Result::emitted_quanta_low, &Result::emitted_by_level};
+constexpr auto totals_of_detector = std::tuple{&DetectorResult::detected, &DetectorResult::detected_errors};
+constexpr auto rest_of_detector =
     std::tuple{&DetectorResult::offset_x,        &DetectorResult::offset_z,
                &DetectorResult::counts,          &DetectorResult::counts_errors,
                &DetectorResult::counts_x,        &DetectorResult::counts_x_errors,
                &DetectorResult::counts_z,        &DetectorResult::counts_z_errors,
-               &DetectorResult::detected,        &DetectorResult::detected_errors,
                &DetectorResult::detected_of_all, &DetectorResult::detected_of_all_errors,
                &DetectorResult::levels,          &DetectorResult::levels_errors,
                &DetectorResult::count_rate,      &DetectorResult::count_rate_errors};
@@ -39,6 +39,20 @@ void append_columns(T& from, T& to, const Columns& columns) {
     all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
   };
   std::apply([&](auto... column) { (move_behind(from.*column, to.*column), ...); }, columns);
+}
+
+template <class T, class Columns>
+void drop_columns(T& from, const Columns& columns) {
+  std::apply([&](auto... column) { ((from.*column = {}), ...); }, columns);
+}
+
+/// One text stands for all points where they agree.
+void append_texts(std::vector<std::string>& from, std::size_t more, std::vector<std::string>& to,
+                  std::size_t points) {
+  if (from.size() == 1 && from == to) return;
+  if (to.size() == 1) to.resize(points, to.front());
+  if (from.size() == 1) from.resize(more, from.front());
+  std::ranges::move(from, std::back_inserter(to));
 }
 
 void require(bool alike) {
@@ -59,10 +73,15 @@ void append(Result&& points, Result& all) {
     return;
   }
   require(points.ledger_levels == all.ledger_levels);
-  append_columns(points, all, of_result);
+  const std::size_t before = all.emitted.size(), more = points.emitted.size();
+  append_texts(points.laws, more, all.laws, before);
+  append_texts(points.species, more, all.species, before);
+  append_columns(points, all, totals_of_result);
+  append_columns(points, all, rest_of_result);
   append_each(points.detectors, all.detectors, [](DetectorResult& from, DetectorResult& to) {
     require(from.level_labels == to.level_labels && to.detected_covariance.empty());
-    append_columns(from, to, of_detector);
+    append_columns(from, to, totals_of_detector);
+    append_columns(from, to, rest_of_detector);
   });
   append_each(points.monitors, all.monitors, [](MonitorResult& from, MonitorResult& to) {
     require(to.passed_covariance.empty());
@@ -77,6 +96,21 @@ void append(Result&& points, Result& all) {
     require(from.fate == to.fate && from.where == to.where);
     append_columns(from, to, of_fate);
   });
+}
+
+void keep_totals(Result& points) {
+  drop_columns(points, rest_of_result);
+  for (DetectorResult& detector : points.detectors) drop_columns(detector, rest_of_detector);
+  for (MonitorResult& monitor : points.monitors) drop_columns(monitor, of_monitor);
+  for (TallyResult& tally : points.tallies) {
+    drop_columns(tally, of_tally);
+    for (TallyAxisResult& axis : tally.axes) drop_columns(axis, of_axis);
+  }
+  for (FateResult& line : points.fates) {
+    std::vector<double> particles = std::move(line.particles);
+    drop_columns(line, of_fate);
+    if (line.fate == fate::overflowed) line.particles = std::move(particles);
+  }
 }
 
 }  // namespace rabiline

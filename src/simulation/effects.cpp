@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 
 namespace rabiline {
 namespace {
@@ -19,22 +20,32 @@ Seen seen_in(const Result& result) {
   return out;
 }
 
-/// NaN, where nothing was detected, is like NaN.
-bool alike(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-bool points_agree(const Seen& seen, std::size_t points, std::size_t a, std::size_t b) {
-  return std::all_of(seen.begin(), seen.end(), [&](const std::vector<double>* numbers) {
-    const auto each = static_cast<std::ptrdiff_t>(numbers->size() / points);
-    const auto at = [&](std::size_t point) {
-      return numbers->begin() + static_cast<std::ptrdiff_t>(point) * each;
-    };
-    return std::equal(at(a), at(a) + each, at(b), alike);
-  });
+/// NaN, where nothing was detected, is like NaN, and -0 like 0. (The finalizer of MurmurHash3, A. Appleby.)
+std::uint64_t mixed(std::uint64_t digest, double number) {
+  digest ^= std::bit_cast<std::uint64_t>(std::isnan(number) ? std::numeric_limits<double>::quiet_NaN()
+                                                            : number + 0.0);
+  digest = (digest ^ (digest >> 33)) * 0xff51afd7ed558ccd;
+  digest = (digest ^ (digest >> 33)) * 0xc4ceb9fe1a85ec53;
+  return digest ^ (digest >> 33);
 }
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const Result& result) {
+void Effects::add(const Result& points) {
+  const Seen seen = seen_in(points);
+  anything_ = anything_ || !seen.empty();
+  const std::size_t count = points.emitted.size();
+  for (std::size_t point = 0; point < count; ++point) {
+    std::uint64_t digest = 0;
+    for (const std::vector<double>* numbers : seen) {
+      const std::size_t each = numbers->size() / count;
+      for (std::size_t i = point * each; i < (point + 1) * each; ++i) digest = mixed(digest, (*numbers)[i]);
+    }
+    seen_.push_back(digest);
+  }
+}
+
+std::vector<std::string> Effects::warnings(const Result& result) const {
   std::vector<std::string> out;
   if (const auto& check = result.field_check; check && check->largest() > check->tolerance)
     out.push_back(fmt::format(
@@ -43,16 +54,15 @@ std::vector<std::string> warnings_of(const Result& result) {
         "particles: more than the tolerance of {:.2g}\n"
         "  help: a smaller `tolerance` of the law takes shorter steps",
         check->place, check->direction, check->spin, check->levels, check->particles, check->tolerance));
-  const Seen seen = seen_in(result);
-  const std::size_t points = result.emitted.size();
-  if (seen.empty()) return out;
+  const std::size_t points = seen_.size();
+  if (!anything_) return out;
   std::size_t stride = points;
   for (const ScanAxis& axis : result.axes) {
     const std::size_t length = axis.values.size();
     stride /= length;
     bool no_effect = length > 1;
     for (std::size_t point = 0; point < points && no_effect; ++point)
-      if (point / stride % length != 0) no_effect = points_agree(seen, points, point, point - stride);
+      if (point / stride % length != 0) no_effect = seen_[point] == seen_[point - stride];
     if (no_effect)
       out.push_back(
           fmt::format("the scan of `{}` had no effect: all its points agree to the bit in every detector\n"

@@ -1,5 +1,6 @@
 #pragma once
 // What a result shows of its scan.
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,8 +8,19 @@
 
 namespace rabiline {
 
-/// One text, with its help in a further line, for each axis whose points agree to the bit in everything that
-/// detectors, monitors and tallies saw: what is scanned there had no effect.
-std::vector<std::string> warnings_of(const Result&);
+/// Remembers of each scan point a digest of all that detectors, monitors and tallies saw, so that points can
+/// be compared that are not in memory any more.
+class Effects {
+ public:
+  /// The next points, row-major.
+  void add(const Result& points);
+  /// One text, with its help in a further line, for each axis whose points agree to the bit: what is scanned
+  /// there had no effect; and for flights in steps that are off.
+  std::vector<std::string> warnings(const Result&) const;
+
+ private:
+  bool anything_ = false;  // was there to see
+  std::vector<std::uint64_t> seen_;
+};
 
 }  // namespace rabiline

@@ -1,6 +1,8 @@
 #include "simulation/finish.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,6 +23,12 @@ std::string species_of(const Beamline& beamline) {
     text += fmt::format("{:g} {}", c.fraction, c.species.name);
   }
   return text;
+}
+
+/// One text where all points agree.
+std::vector<std::string> agreed(std::vector<std::string> texts) {
+  if (std::ranges::adjacent_find(texts, std::not_equal_to{}) == texts.end()) texts.resize(1);
+  return texts;
 }
 
 /// Of each scan point.
@@ -84,6 +92,8 @@ Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int thr
     result.laws.push_back(describe(beamline.law));
     result.species.push_back(species_of(beamline));
   }
+  result.laws = agreed(std::move(result.laws));
+  result.species = agreed(std::move(result.species));
   add_emitted(run, result);
   add_absolute_numbers(experiment.points, result);
   finish_detectors(run, result);

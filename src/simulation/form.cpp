@@ -160,18 +160,28 @@ Form form_of(const Experiment& scan, const MomentsWanted& wanted, std::uint64_t 
 }
 
 Result finish(const Form& form, const Experiment& scan, Sums sums, const std::vector<Straggler>& stragglers,
-              int halvings, Isa isa, int threads) {
-  if (form.cells.empty()) return finish_part(scan, form.plan, std::move(sums), halvings, threads);
+              int halvings, Isa isa, int threads, const TakePoints& take) {
   Result all;
+  all.axes = scan.axes;
+  const auto add = [&](Result points) {
+    points.axes = std::move(all.axes);
+    if (take) take(points);
+    std::vector<ScanAxis> axes = std::move(points.axes);
+    append(std::move(points), all);
+    all.axes = std::move(axes);
+  };
+  if (form.cells.empty()) {
+    add(finish_part(scan, form.plan, std::move(sums), halvings, threads));
+    return all;
+  }
   for (std::size_t k = 0; k < form.slabs; ++k) {
     const Experiment slab = slab_of(scan, k, form.slabs);
     const Plan plan = make_plan(slab, threads, any_cost, {true, &form.cells});
     Sums of_slab(plan.sums);
     copy_flight(form.plan, sums, plan, of_slab);
     add_stragglers(plan, stragglers, isa, of_slab);
-    append(finish_part(slab, plan, std::move(of_slab), halvings, threads), all);
+    add(finish_part(slab, plan, std::move(of_slab), halvings, threads));
   }
-  all.axes = scan.axes;
   return all;
 }
 

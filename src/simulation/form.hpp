@@ -5,6 +5,7 @@
 // scan of more points than fit into memory together is worked out in slabs of points, one behind the other,
 // from such a flight, with the cells of the slowness of the whole scan: so slabs change no bit.
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -38,8 +39,12 @@ Form form_of(const Experiment& scan, const MomentsWanted&, std::uint64_t max_mem
 bool is_one_flight(const Plan&, std::string_view& why);
 Experiment first_point_of(const Experiment&);
 
+/// Called with the points of each slab in their order; what it drops of them is not in the result either.
+/// Their axes are those of the whole scan.
+using TakePoints = std::function<void(Result& points)>;
+
 /// All points of a scan, from what has flown of its form: a part of the particles, so often halved.
 Result finish(const Form&, const Experiment& scan, Sums, const std::vector<Straggler>&, int halvings, Isa,
-              int threads);
+              int threads, const TakePoints& = {});
 
 }  // namespace rabiline

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "simulation/form.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/run.hpp"
 #include "simulation/sums_copy.hpp"
@@ -69,7 +68,7 @@ std::optional<FlightRecord> record_of(const Experiment& experiment, const Plan& 
 }
 
 Result rescan(const Experiment& flown, const FlightRecord& record, const Experiment& wanted,
-              std::uint64_t max_memory, Isa isa, int threads) {
+              std::uint64_t max_memory, Isa isa, int threads, const TakePoints& take) {
   const MomentsWanted moments{true, &record.cells};
   const Experiment one = with_totals(first_point_of(flown), record.totals_of),
                    scan = with_totals(wanted, record.totals_of);
@@ -82,7 +81,7 @@ Result rescan(const Experiment& flown, const FlightRecord& record, const Experim
   if (form->plan.sums != record.sums.size()) throw std::invalid_argument("what was kept is of another beam");
   if (record.halvings > Precision(flown).halvings())
     throw std::invalid_argument("what was kept is of another number of particles");
-  Result result = finish(*form, scan, record.sums, record.stragglers, record.halvings, isa, threads);
+  Result result = finish(*form, scan, record.sums, record.stragglers, record.halvings, isa, threads, take);
   result.flight = record;
   result.provenance.slabs = form->slabs;
   return result;

@@ -11,7 +11,7 @@
 #include "core/isa.hpp"
 #include "plan/plan.hpp"
 #include "simulation/flight_record.hpp"
-#include "simulation/result.hpp"
+#include "simulation/form.hpp"
 
 namespace rabiline {
 
@@ -26,8 +26,9 @@ std::optional<FlightRecord> record_of(const Experiment&, const Plan&, const RunO
 
 /// The result of another scan. `flown`: the experiment of the record. Throws std::invalid_argument where the
 /// scan changes anything but how spins turn between two places that ask for their level, or turns them faster
-/// than the moments resolve; or where the record is not of that experiment. `max_memory`: as for form_of().
+/// than the moments resolve; or where the record is not of that experiment. `max_memory`: as for form_of();
+/// `take`: as for finish().
 Result rescan(const Experiment& flown, const FlightRecord&, const Experiment& wanted,
-              std::uint64_t max_memory, Isa, int threads = 1);
+              std::uint64_t max_memory, Isa, int threads = 1, const TakePoints& take = {});
 
 }  // namespace rabiline

@@ -121,7 +121,7 @@ struct Provenance {
 struct ResolvedParameter {
   std::string name, unit;      // "H0.frequency"; of SI, empty for plain numbers and words
   std::vector<double> values;  // [SI] one where all points agree, else [points]; NaN for a word, or where a
-  std::vector<std::string> words;  // point has no such parameter; the same of words, empty for a number
+  std::vector<std::string> words;  // point has no such parameter; the same of words: one, empty, for numbers
 };
 
 /// The largest deviations of flights in steps from an independent integration, over a sample of particles.
@@ -139,8 +139,8 @@ struct Result {
   std::string title;
   std::vector<ScanAxis> axes;
   ScanParticles particles_mode = ScanParticles::shared;
-  std::vector<std::string> laws;     // [points] "dorado (torque, kappa = 1)"
-  std::vector<std::string> species;  // [points] "neutron", or "0.5 Li-7 + 0.5 H"
+  std::vector<std::string> laws;  // "dorado (torque, kappa = 1)"; one where all points agree, else [points]
+  std::vector<std::string> species;  // "neutron", or "0.5 Li-7 + 0.5 H"; likewise
   std::uint64_t particles = 0;       // per point
   std::uint64_t seed = 0;
   double solid_angle = 0;              // [sr] of an aimed source; 0 where the source is not aimed

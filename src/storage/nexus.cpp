@@ -29,13 +29,46 @@ void write_axis(const GroupWriter& data, const Axis& axis, std::size_t position)
                {{"long_name", "what the values of " + axis.name + " stand for"}});
 }
 
-void write_signal(const GroupWriter& data, const Signal& signal, const Shape& shape) {
+/// `put` writes numbers that have the shape of the signal.
+template <class Put>
+void write_signal(const Signal& signal, Put put) {
   Attributes attributes{{"units", signal.units}, {"long_name", signal.long_name}};
   if (!signal.interpretation.empty()) attributes.emplace_back("interpretation", signal.interpretation);
-  data.dataset(signal.name, shape, signal.values, attributes);
+  put(signal.name, signal.values, attributes);
   if (signal.errors.empty()) return;
-  data.dataset(signal.name + "_errors", shape, signal.errors,
-               {{"units", signal.units}, {"long_name", "standard error of " + signal.long_name}});
+  put(signal.name + "_errors", signal.errors,
+      Attributes{{"units", signal.units}, {"long_name", "standard error of " + signal.long_name}});
+}
+
+/// `put` writes numbers of the signal into the group.
+template <class Put>
+GroupWriter write_plot(const GroupWriter& parent, const std::string& name, const std::string& title,
+                       const Signal& signal, const std::vector<const Axis*>& axes, Put put) {
+  std::vector<std::string> axis_names;
+  for (const Axis* axis : axes) axis_names.push_back(axis->name);
+  if (axes.empty()) axis_names = {"."};
+  GroupWriter data = parent.group(name, "NXdata");
+  data.attribute("signal", signal.name);
+  data.attribute("axes", axis_names);
+  data.text("title", title);
+  write_signal(signal, [&](const std::string& what, std::span<const double> values, const Attributes& more) {
+    put(data, what, values, more);
+  });
+  for (std::size_t i = 0; i < axes.size(); ++i) write_axis(data, *axes[i], i);
+  return data;
+}
+
+std::vector<const Axis*> pointers_to(std::initializer_list<const std::vector<Axis>*> lists) {
+  std::vector<const Axis*> all;
+  for (const std::vector<Axis>* axes : lists)
+    for (const Axis& axis : *axes) all.push_back(&axis);
+  return all;
+}
+
+Shape lengths_of(const std::vector<Axis>& axes) {
+  Shape shape;
+  for (const Axis& axis : axes) shape.push_back(axis.values.size());
+  return shape;
 }
 
 }  // namespace
@@ -58,25 +91,33 @@ std::string long_name(const std::string& name, const std::string& units) {
   return units.empty() || units == "1" ? name : fmt::format("{} ({})", name, units);
 }
 
+hdf5::OverPoints shape_of(const Axes& axes) {
+  hdf5::OverPoints over{lengths_of(axes.before), lengths_of(axes.scan), lengths_of(axes.behind)};
+  if (over.before.empty() && over.grid.empty() && over.behind.empty()) over.behind = {1};
+  return over;
+}
+
+std::size_t count_of_points(const std::vector<Axis>& scan) {
+  std::size_t points = 1;
+  for (const Axis& axis : scan) points *= axis.values.size();
+  return points;
+}
+
+GroupWriter write_data(const GroupWriter& parent, const std::string& name, const std::string& title,
+                       const Signal& signal, const Axes& axes) {
+  return write_plot(
+      parent, name, title, signal, pointers_to({&axes.before, &axes.scan, &axes.behind}),
+      [&](const GroupWriter& data, const std::string& what, std::span<const double> values,
+          const Attributes& attributes) { data.over_points(what, shape_of(axes), values, attributes); });
+}
+
 GroupWriter write_data(const GroupWriter& parent, const std::string& name, const std::string& title,
                        const Signal& signal, const std::vector<Axis>& axes) {
-  GroupWriter data = parent.group(name, "NXdata");
-  Shape shape;
-  std::vector<std::string> axis_names;
-  for (const Axis& axis : axes) {
-    shape.push_back(axis.values.size());
-    axis_names.push_back(axis.name);
-  }
-  if (axes.empty()) {
-    shape = {1};
-    axis_names = {"."};
-  }
-  data.attribute("signal", signal.name);
-  data.attribute("axes", axis_names);
-  data.text("title", title);
-  write_signal(data, signal, shape);
-  for (std::size_t i = 0; i < axes.size(); ++i) write_axis(data, axes[i], i);
-  return data;
+  return write_plot(parent, name, title, signal, pointers_to({&axes}),
+                    [&](const GroupWriter& data, const std::string& what, std::span<const double> values,
+                        const Attributes& attributes) {
+                      data.dataset(what, axes.empty() ? Shape{1} : lengths_of(axes), values, attributes);
+                    });
 }
 
 GroupWriter write_entry(hdf5::FileWriter& file, const std::string& file_name, const std::string& title,

@@ -34,9 +34,23 @@ Axis index_axis(const std::string& name, const std::string& meaning, const std::
 /// "x (m)"; units are left away where they say nothing.
 std::string long_name(const std::string& name, const std::string& units);
 
-/// A new NXdata group; where there is no axis, the signal is one number.
+/// Of a plot over scan points: the axes of the scan, and those in front of them and behind.
+struct Axes {
+  std::vector<Axis> before;
+  const std::vector<Axis>& scan;
+  std::vector<Axis> behind;
+};
+
+/// An NXdata group; where there is no axis, the signal is one number.
 hdf5::GroupWriter write_data(const hdf5::GroupWriter& parent, const std::string& name,
                              const std::string& title, const Signal&, const std::vector<Axis>&);
+/// The same over scan points; the signal is of those of the slab.
+hdf5::GroupWriter write_data(const hdf5::GroupWriter& parent, const std::string& name,
+                             const std::string& title, const Signal&, const Axes&);
+/// The shape of such a signal.
+hdf5::OverPoints shape_of(const Axes&);
+/// Of a scan, row-major.
+std::size_t count_of_points(const std::vector<Axis>& scan);
 
 /// The attributes of "/" and the group "/entry" with its title.
 hdf5::GroupWriter write_entry(hdf5::FileWriter&, const std::string& file_name, const std::string& title,

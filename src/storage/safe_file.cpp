@@ -91,68 +91,6 @@ void require_replaceable(const Path& path) {
 
 constexpr std::string_view temporary_begin = ".rabiline-", temporary_end = ".tmp";
 
-/// A new file beside `target`, removed again unless it became the target; locked while it is written.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const Path& target) : target_(target) {
-    std::random_device random;
-    do {
-      path_ = folder_of(target) /
-              fmt::format("{}{:08x}{:08x}{}", temporary_begin, random(), random(), temporary_end);
-      descriptor_ = ::open(path_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-    } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
-    if (descriptor_ < 0) {
-      refuse(target,
-             fmt::format("no file can be created in {}: {}", folder_of(target).string(), words_for(errno)),
-             suggestion_for(errno));
-    }
-    ::flock(descriptor_, LOCK_EX | LOCK_NB);  // where there are no locks, age alone tells
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(path_.c_str());
-  }
-
-  const Path& path() const { return path_; }
-
-  void write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) refuse(target_, errno);
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
-  }
-
-  /// Brings everything to the disk and forgets the cached pages, so that reading back asks the disk.
-  void finish() {
-    keep_mode_of_target();
-    if (::fsync(descriptor_) != 0) refuse(target_, errno);
-    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
-    const int closed = ::close(descriptor_);
-    descriptor_ = -1;
-    if (closed != 0) refuse(target_, errno);
-  }
-
-  void become_target() {
-    if (::rename(path_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
-    renamed_ = true;
-  }
-
- private:
-  void keep_mode_of_target() {
-    struct stat status {};
-    if (::stat(target_.c_str(), &status) != 0) return;
-    if (::fchmod(descriptor_, status.st_mode & 07777) != 0) refuse(target_, errno);
-  }
-
-  Path target_, path_;
-  int descriptor_ = -1;
-  bool renamed_ = false;
-};
-
 /// Makes the rename itself survive a power cut. Some network file systems cannot, and say EINVAL.
 void flush_folder_of(const Path& target) {
   const int folder = ::open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -213,26 +151,103 @@ Path back_up(const Path& path) {
   return {};
 }
 
+NewFile::NewFile(const Path& path) : target_(resolved(path)) {
+  require_replaceable(target_);
+  std::random_device random;
+  do {
+    path_ = folder_of(target_) /
+            fmt::format("{}{:08x}{:08x}{}", temporary_begin, random(), random(), temporary_end);
+    descriptor_ = ::open(path_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+  } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
+  if (descriptor_ < 0) {
+    refuse(target_,
+           fmt::format("no file can be created in {}: {}", folder_of(target_).string(), words_for(errno)),
+           suggestion_for(errno));
+  }
+  ::flock(descriptor_, LOCK_EX | LOCK_NB);  // where there are no locks, age alone tells
+}
+
+NewFile::~NewFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!renamed_) ::unlink(path_.c_str());
+}
+
+void NewFile::append(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) refuse(target_, errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+int NewFile::put(std::size_t offset, std::span<const std::byte> bytes) noexcept {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    offset += static_cast<std::size_t>(written);
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return 0;
+}
+
+void NewFile::get(std::size_t offset, std::span<std::byte> bytes) const noexcept {
+  std::ranges::fill(bytes, std::byte{0});
+  while (!bytes.empty()) {
+    const ssize_t read = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (read < 0 && errno == EINTR) continue;
+    if (read <= 0) return;
+    offset += static_cast<std::size_t>(read);
+    bytes = bytes.subspan(static_cast<std::size_t>(read));
+  }
+}
+
+void NewFile::cut(std::size_t size) {
+  if (::ftruncate(descriptor_, static_cast<off_t>(size)) != 0 || ::lseek(descriptor_, 0, SEEK_END) < 0)
+    refuse(target_, errno);
+}
+
+void NewFile::refuse_for(int error) const { refuse(target_, error); }
+
+void NewFile::finish() {
+  keep_mode_of_target();
+  if (::fsync(descriptor_) != 0) refuse(target_, errno);
+  ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0) refuse(target_, errno);
+}
+
+void NewFile::become_target(const std::function<void(const Path& temporary)>& verify) {
+  finish();
+  verify(path_);
+  if (::rename(path_.c_str(), target_.c_str()) != 0) refuse(target_, errno);
+  renamed_ = true;
+  flush_folder_of(target_);
+}
+
+void NewFile::keep_mode_of_target() {
+  struct stat status {};
+  if (::stat(target_.c_str(), &status) != 0) return;
+  if (::fchmod(descriptor_, status.st_mode & 07777) != 0) refuse(target_, errno);
+}
+
 void require_writable(const Path& path) {
   const Path target = resolved(path);
   require_replaceable(target);
   sweep(folder_of(target));
+  NewFile probe(target);
   // A full disk still creates empty files, so the probe holds a page.
-  TemporaryFile probe(target);
-  probe.write(std::array<std::byte, 4096>{});
+  probe.append(std::array<std::byte, 4096>{});
   probe.finish();
 }
 
 void replace_file(const Path& path, std::span<const std::byte> content,
                   const std::function<void(const Path& temporary)>& verify) {
-  const Path target = resolved(path);
-  require_replaceable(target);
-  TemporaryFile file(target);
-  file.write(content);
-  file.finish();
-  verify(file.path());
-  file.become_target();
-  flush_folder_of(target);
+  NewFile file(path);
+  file.append(content);
+  file.become_target(verify);
 }
 
 }  // namespace rabiline

@@ -20,7 +20,39 @@ std::filesystem::path resolved(const std::filesystem::path&);
 /// where nothing is there.
 std::filesystem::path back_up(const std::filesystem::path&);
 
-/// Writes a temporary file beside `target`, lets `verify` read it back from the disk and throw where it finds
+/// A new file beside `target`, removed again unless it becomes the target; locked while it is written. Throws
+/// StorageError; what was there is then intact.
+class NewFile {
+ public:
+  explicit NewFile(const std::filesystem::path& target);
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+  ~NewFile();
+
+  const std::filesystem::path& path() const { return path_; }
+  void append(std::span<const std::byte>);
+  /// At any place; returns what went wrong as `errno` has it, or 0.
+  int put(std::size_t offset, std::span<const std::byte>) noexcept;
+  /// Zeros where nothing is.
+  void get(std::size_t offset, std::span<std::byte>) const noexcept;
+  /// It ends there, and is appended to there.
+  void cut(std::size_t size);
+  [[noreturn]] void refuse_for(int error) const;
+
+  /// Brings everything to the disk and forgets the cached pages, so that reading back asks the disk.
+  void finish();
+  /// Finishes it, lets `verify` read it back and throw where it finds a fault, and only then renames it.
+  void become_target(const std::function<void(const std::filesystem::path& temporary)>& verify);
+
+ private:
+  void keep_mode_of_target();
+
+  std::filesystem::path target_, path_;
+  int descriptor_ = -1;
+  bool renamed_ = false;
+};
+
+/// Writes a new file beside `target`, lets `verify` read it back from the disk and throw where it finds
 /// a fault, and only then renames it to `target`. Throws StorageError; the earlier file is then intact.
 void replace_file(const std::filesystem::path& target, std::span<const std::byte> content,
                   const std::function<void(const std::filesystem::path& temporary)>& verify);

@@ -43,12 +43,33 @@ class Sha256 {
   throw StorageError(fmt::format("{}: cannot be read ({})", path.string(), why));
 }
 
+/// The next bytes of a file, block by block.
+void add(std::istream& file, std::uintmax_t size, const Path& path, Sha256& digest) {
+  std::vector<char> block(1 << 20);
+  for (std::uintmax_t left = size; left > 0;) {
+    const auto step = static_cast<std::streamsize>(std::min<std::uintmax_t>(left, block.size()));
+    if (!file.read(block.data(), step)) reject(path, "it ends early");
+    digest.add(std::as_bytes(std::span(block).first(static_cast<std::size_t>(step))));
+    left -= static_cast<std::uintmax_t>(step);
+  }
+}
+
+std::string seal_with(Sha256& digest) { return fmt::format("{}{}\n", seal_begin, digest.hex()); }
+
 }  // namespace
 
 std::string seal_of(std::span<const std::byte> content) {
   Sha256 digest;
   digest.add(content);
-  return fmt::format("{}{}\n", seal_begin, digest.hex());
+  return seal_with(digest);
+}
+
+std::string seal_of(const Path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) reject(path, std::strerror(errno));
+  Sha256 digest;
+  add(file, std::filesystem::file_size(path), path, digest);
+  return seal_with(digest);
 }
 
 std::string require_seal(const Path& path) {
@@ -59,13 +80,7 @@ std::string require_seal(const Path& path) {
   if (!file) reject(path, std::strerror(errno));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   Sha256 digest;
-  std::vector<char> block(1 << 20);
-  for (std::uintmax_t left = size < seal_size ? 0 : size - seal_size; left > 0;) {
-    const auto step = static_cast<std::streamsize>(std::min<std::uintmax_t>(left, block.size()));
-    if (!file.read(block.data(), step)) reject(path, "it ends early");
-    digest.add(std::as_bytes(std::span(block).first(static_cast<std::size_t>(step))));
-    left -= static_cast<std::uintmax_t>(step);
-  }
+  add(file, size < seal_size ? 0 : size - seal_size, path, digest);
   std::string seal(std::min<std::uintmax_t>(size, seal_size), '\0');
   if (!file.read(seal.data(), static_cast<std::streamsize>(seal.size())) && !seal.empty())
     reject(path, "it ends early");

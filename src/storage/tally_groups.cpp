@@ -11,6 +11,7 @@ namespace rabiline::nexus {
 namespace {
 
 using hdf5::GroupWriter;
+using hdf5::OverPoints;
 using hdf5::Shape;
 
 std::string unit_of(const TallyAxisResult& axis) {
@@ -34,24 +35,24 @@ std::string title_of(const TallyAxisResult& axis) {
   return long_name(words, unit_of(axis));
 }
 
-Shape shape_of(const std::vector<Axis>& scan, std::size_t planes) {
-  Shape shape;
-  for (const Axis& axis : scan) shape.push_back(axis.values.size());
-  if (planes > 1) shape.push_back(planes);
-  return shape.empty() ? Shape{1} : shape;
+/// A number at each scan point and plane.
+OverPoints shape_of(const std::vector<Axis>& scan, std::size_t planes) {
+  OverPoints over = shape_of(Axes{{}, scan, {}});
+  if (planes > 1) over.behind = {planes};
+  return over;
 }
 
-void write_numbers(const GroupWriter& data, const std::string& name, const Shape& shape,
+void write_numbers(const GroupWriter& data, const std::string& name, const OverPoints& shape,
                    const std::vector<double>& values, const std::vector<double>& errors,
                    const std::string& units, const std::string& meaning) {
-  data.dataset(name, shape, values, {{"units", units}, {"long_name", meaning}});
-  data.dataset(name + "_errors", shape, errors,
-               {{"units", units}, {"long_name", "standard error of " + meaning}});
+  data.over_points(name, shape, values, {{"units", units}, {"long_name", meaning}});
+  data.over_points(name + "_errors", shape, errors,
+                   {{"units", units}, {"long_name", "standard error of " + meaning}});
 }
 
 bool is_circle(const TallyAxisResult& axis) { return row_of(axis).circular; }
 
-void write_moments(const GroupWriter& data, const Shape& shape, const std::string& name,
+void write_moments(const GroupWriter& data, const OverPoints& shape, const std::string& name,
                    const TallyAxisResult& axis) {
   if (axis.mean.empty()) return;
   write_numbers(data, name + "_mean", shape, axis.mean, axis.mean_errors, unit_of(axis),
@@ -65,7 +66,7 @@ void write_tally(const GroupWriter& entry, const std::string& name, const Result
                  const TallyResult& tally, const std::vector<Axis>& scan) {
   Names names({"counts", "counts_errors", "title", "outside", "outside_errors"});
   for (const Axis& axis : scan) names.claim(axis.name, {"", "_labels"});
-  std::vector<Axis> axes = scan;
+  std::vector<Axis> axes;
   for (const TallyAxisResult& axis : tally.axes) {
     const std::string own = names.claim(
         axis.quantity, {"", "_labels", "_edges", "_mean", "_mean_errors", "_deviation", "_deviation_errors"});
@@ -77,7 +78,7 @@ void write_tally(const GroupWriter& entry, const std::string& name, const Result
                   tally.axes.size() == 2                   ? "image"
                   : tally.axes.size() == 1 && scan.empty() ? "spectrum"
                                                            : ""},
-                 axes);
+                 Axes{{}, scan, axes});
   data.attribute("part", tally.part);
   data.attribute("tally", tally.name);
   data.attribute("counted", tally.of_monitor ? "what passed the monitor" : "what the detector counted");
@@ -87,7 +88,7 @@ void write_tally(const GroupWriter& entry, const std::string& name, const Result
         "expectation: under the law quantum the weight of each particle is split over the outcomes "
         "by their probabilities");
   for (std::size_t i = 0; i < tally.axes.size(); ++i) {
-    const Axis& axis = axes[scan.size() + i];
+    const Axis& axis = axes[i];
     data.dataset(axis.name + "_edges", {tally.axes[i].edges.size()}, tally.axes[i].edges,
                  {{"units", axis.units}, {"long_name", "edges of the bins along " + axis.name}});
     write_moments(data, shape_of(scan, tally.planes), axis.name, tally.axes[i]);
@@ -98,13 +99,13 @@ void write_tally(const GroupWriter& entry, const std::string& name, const Result
 
 void write_monitor(const GroupWriter& entry, const std::string& name, const Result& result,
                    const MonitorResult& monitor, const std::vector<Axis>& scan) {
-  std::vector<Axis> axes = scan;
+  std::vector<Axis> axes;
   if (!monitor.planes.empty()) axes.push_back({"y", "m", long_name("y", "m"), monitor.planes, {}, ""});
   const GroupWriter data =
       write_data(entry, name, fmt::format("{}: {}", result.title, monitor.label),
                  {"passed", "1", "fraction of emitted particles that passed " + monitor.label, monitor.passed,
                   monitor.passed_errors, ""},
-                 axes);
+                 Axes{{}, scan, axes});
   data.attribute("monitor", monitor.name);
   data.number("distance", monitor.y, {{"units", "m"}, {"long_name", "distance from the source (m)"}});
   if (monitor.passed_covariance.empty()) return;

@@ -57,6 +57,18 @@ def test_centre_and_width_come_out_within_three_errors_and_one_percent_more_does
         assert abs(found.width.value - 1.01 * WIDTH) > 3 * found.width.error
 
 
+def test_a_curve_of_a_hundred_thousand_points_is_measured_and_not_fitted() -> None:
+    x = np.linspace(250e3, 330e3, 100_000)
+    y, errors = dip(x, CENTRE, WIDTH, 2), np.full(x.size, 1e-3)
+    long = Curve("a curve", DORADO, "neutron", results.Axis("H0.frequency", "Hz", x), np.arange(x.size), y, errors,
+                 Spread.of(y, errors, None, 10**6))
+    few = curve_of(y[::1000], np.diag(errors[::1000]**2), x[::1000])
+    found, expected = half_maximum(long), half_maximum(few)
+    assert found.centre.value == pytest.approx(CENTRE, abs=1) and found.depth.error == pytest.approx(expected.depth.error, rel=0.1)
+    with pytest.raises(NoResonance, match="100000 points are too many"):
+        fit(long)
+
+
 def test_a_peak_is_measured_like_a_dip() -> None:
     upside_down = independent_points()
     found = fitted(replace(upside_down, y=1 - upside_down.y))

@@ -22,6 +22,12 @@ Result caught(std::vector<double> detected) {
   return result;
 }
 
+std::vector<std::string> warnings_of(const Result& result) {
+  Effects effects;
+  effects.add(result);
+  return effects.warnings(result);
+}
+
 TEST(WarningsOfAResult, NameTheParameterThatHadNoEffect) {
   EXPECT_THAT(warnings_of(caught({1, 2, 3, 1, 2, 3})), testing::ElementsAre(testing::HasSubstr("`A.field`")));
   EXPECT_THAT(warnings_of(caught({1, 1, 1, 2, 2, 2})), testing::ElementsAre(testing::HasSubstr("`B.field`")));
@@ -30,6 +36,20 @@ TEST(WarningsOfAResult, NameTheParameterThatHadNoEffect) {
 
 TEST(WarningsOfAResult, AreSilentWhereOnePointDiffersByABit) {
   EXPECT_TRUE(warnings_of(caught({1, 2, 3, 1, 2, std::nextafter(3.0, 4.0)})).empty());
+}
+
+TEST(WarningsOfAResult, CompareAcrossSlabs) {
+  const Result first = caught({1, 2, 3, 1, 2, 3});
+  for (const double last : {3.0, 4.0}) {
+    Effects effects;
+    for (const std::vector<double>& slab : {std::vector<double>{1, 2, 3, 1}, {2, last}}) {
+      Result points = caught(slab);
+      points.emitted.resize(slab.size());
+      points.detectors.front().levels.resize(slab.size());
+      effects.add(points);
+    }
+    EXPECT_EQ(effects.warnings(first).size(), last == 3 ? 1U : 0U);
+  }
 }
 
 TEST(WarningsOfAResult, AreSilentWhereNothingIsScanned) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "apparatus.hpp"
+#include "simulation/append.hpp"
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 
@@ -85,6 +86,29 @@ TEST(Slabs, AreOfPointsThatFollowFromOneFlight) {
                 return b;
               }};
   EXPECT_EQ(form_of(e, {}, no_memory).slabs, 1U);
+}
+
+TEST(Slabs, AreGivenInTheirOrderAndLeaveTheTotals) {
+  Apparatus apparatus;
+  apparatus.particles = 300;
+  apparatus.tallied = true;
+  const Experiment e = scan_of(apparatus);
+  const Flown whole = fly(e, no_memory);
+  Result given;
+  std::size_t slabs = 0;
+  const Result totals = finish(whole.form, e, whole.outcome.sums, whole.outcome.stragglers, 0, best_isa(), 2,
+                               [&](Result& points) {
+                                 ++slabs;
+                                 append(Result(points), given);
+                                 keep_totals(points);
+                               });
+  EXPECT_EQ(slabs, 2U);
+  expect_same(given, whole.result);
+  EXPECT_EQ(totals.emitted, whole.result.emitted);
+  EXPECT_EQ(totals.detectors[0].detected, whole.result.detectors[0].detected);
+  EXPECT_EQ(totals.detectors[0].detected_errors, whole.result.detectors[0].detected_errors);
+  EXPECT_TRUE(totals.detectors[0].counts.empty() && totals.tallies[0].counts.empty());
+  EXPECT_TRUE(totals.fates[0].particles.empty());
 }
 
 /// As no particle is outside of cells that follow from the speeds, they are narrowed.

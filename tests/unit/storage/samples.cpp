@@ -41,7 +41,8 @@ DetectorResult detector(const std::string& name, std::size_t points, double offs
     made.detected.push_back(0.5 + 0.4 * std::cos(0.7 * static_cast<double>(i) + offset));
     made.detected_errors.push_back(0.01 + 0.001 * static_cast<double>(i));
   }
-  if (points > 1) made.detected_covariance = numbers(offset + 3000, points * points);
+  constexpr std::size_t most = 2048;  // points that a covariance is kept of
+  if (points > 1 && points <= most) made.detected_covariance = numbers(offset + 3000, points * points);
   made.level_labels = {"m = 1/2", "m = -1/2"};
   made.levels = scaled(numbers(offset, points * 2), 1e-3);
   made.levels.front() = std::numeric_limits<double>::quiet_NaN();

@@ -236,7 +236,7 @@ TEST(LevelWay, IsShiftedByTheOtherFThatADriveMixesIn) {
   Flight f = flight(of("K-39 atom"), 1000, 0.02, linear(0, 0, 3e-3, 0, 0, 0), 0);
   swing(f, 60e-6, 18.4e6);
   const std::vector<double> expected = Laboratory(f).carried(1), p = carried(f, 1);
-  EXPECT_LT(worst_difference(p, expected), 3e-6);
+  EXPECT_LT(worst_difference(p, expected), 5e-6);
   EXPECT_LT(p[1], 0.9);
   f.apart = 1e9;  // both F in one manifold
   EXPECT_LT(worst_difference(carried(f, 1), expected), 1e-6);
