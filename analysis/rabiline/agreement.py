@@ -7,13 +7,13 @@ import numpy as np
 
 from .covariance import ChiSquared, chi_squared, enough
 from .curves import Curve, spread_of
-from .errors import BadInput
+from .errors import InputError
 from .results import Axis, Results
 
 MISSING = "the points share particles, and their covariance is not in the file"
 
 
-class NotComparable(BadInput):
+class NotComparable(InputError):
     """Two results that have nothing to compare, and why."""
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .covariance import Spread
-from .errors import BadInput
+from .errors import InputError
 from .results import Axis, Results
 from .units import law_name
 
@@ -15,7 +15,7 @@ RESONANT = {"Hz", "T", "A"}  # units of what brings a frequency and a field toge
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
 
 
-class NoResonance(BadInput):
+class NoResonance(InputError):
     """A curve in which no dip or peak can be measured, and why."""
 
 

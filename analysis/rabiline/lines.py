@@ -11,7 +11,7 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 from scipy import optimize, stats
 
-from .errors import BadInput
+from .errors import InputError
 
 STARTS = 6  # of a comb of fringes
 AS_GOOD = 9.0  # of chi²: three standard deviations
@@ -21,7 +21,7 @@ REST = 0.01  # of chi²: what is nearer to the least than that is there
 HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
 
 
-class NoLine(BadInput):
+class NoLine(InputError):
     """Why a form cannot be fitted."""
 
 
