@@ -210,8 +210,8 @@ def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesse
 
 def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
                    start: Mapping[str, float]) -> list[tuple[float, list[float], Sequence[float]]]:
-    """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of fringes also for the best start of each
-    of a few other centres."""
+    """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of
+    fringes also for the best start of each of a few other centres."""
     candidates = x if x.size <= 201 else x[::x.size // 200]
     trials = form.starts(float(np.median(np.diff(x))), float(np.ptp(x)))
     of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre

@@ -311,7 +311,7 @@ def _detector(file: results.Results, name: str | None) -> str:
 
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:
     try:
-        return curves(file, detector and _detector(file, detector))
+        return curves(file, None if detector is None else _detector(file, detector))
     except NoResonance as problem:
         raise FileError(file.path, str(problem)) from None
 

@@ -146,6 +146,11 @@ def test_a_path_is_no_empty_text_and_has_no_zero_byte(result: Path) -> None:
                 call(name)
 
 
+def test_a_detector_without_a_name_is_none_of_the_result(result: Path) -> None:
+    with pytest.raises(InputError, match=r"no detector `` \(there is screen\)"):
+        rabiline.open(result).plot(kind="scan", detector="")
+
+
 def test_whole_numbers_have_their_ends() -> None:
     assert asked.whole_number("count", np.int64(5), 1, 10) == 5
     with pytest.raises(ValueError, match="`count` is 1 to 10, not 11"):
