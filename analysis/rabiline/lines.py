@@ -146,6 +146,8 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     own = len(chosen.parameters)
     sigma = np.sqrt(np.diag(covariance))
     _check_start(chosen, lines, start, x)
+    if _of_constant(y, sigma) < 1:
+        raise NoLine("the curve is flat within its errors, there is no line in it")
     guesses = _first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
@@ -249,9 +251,13 @@ def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.
     spread[unknown, unknown] = np.inf
     left = (model(found.x, x) - y) / sigma
     freedom = y.size - first.size
-    constant = float(np.sum(((y - np.average(y, weights=sigma**-2)) / sigma)**2))
-    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), constant, freedom, model(found.x, x),
-                   lambda at: model(found.x, at))
+    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), _of_constant(y, sigma), freedom,
+                   model(found.x, x), lambda at: model(found.x, at))
+
+
+def _of_constant(y: np.ndarray, sigma: np.ndarray) -> float:
+    """chi² of the best constant."""
+    return float(np.sum(((y - np.average(y, weights=sigma**-2)) / sigma)**2))
 
 
 def _lost(name: str) -> NoLine:

@@ -98,6 +98,8 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
 def test_a_flat_curve_has_no_line_and_another_form_is_told() -> None:
     with pytest.raises(NoLine, match="the curve is flat"):
         fit_line(X, np.ones(X.size), np.eye(X.size) * 1e-6, "ramsey")
+    with pytest.raises(NoLine, match="the curve is flat within its errors"):
+        fit_line(X, 0.01 + 1e-6 * lorentz(X - 29000, 40.0), np.eye(X.size) * 1e-8, "rabi")
     box = np.where(np.abs(X - 29000) < 30, 0.0, 1.0)
     assert "the form does not describe the curve: believe the centre of a symmetric line" in described(fit_line(X, box, np.eye(X.size) * 1e-6, "gauss"), "Hz")[-1]
     bell = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
