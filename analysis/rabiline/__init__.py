@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-_FROM = {"load": "experiment", "Experiment": "experiment", "InputError": "experiment", "StorageError": "experiment",
+_FROM = {"load": "experiment", "Experiment": "experiment", "InputError": "errors", "StorageError": "errors",
          "ExperimentWarning": "experiment", "open": "files", "__version__": "experiment"}
 __all__ = ["load", "open", "Experiment", "InputError", "StorageError", "ExperimentWarning"]
 
@@ -21,3 +21,7 @@ def __getattr__(name: str) -> object:
     if name not in _FROM:
         raise AttributeError(f"module `rabiline` has no `{name}`")
     return getattr(import_module(f".{_FROM[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*_FROM, *(name for name in globals() if name.startswith("__"))})

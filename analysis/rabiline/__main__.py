@@ -10,6 +10,7 @@ import signal
 import sys
 
 STOPPED = 130  # as shells have it
+UNMAPPED = "failed to map segment"  # of a library that memory has no room for
 
 
 def _leave(*_: object) -> None:
@@ -32,6 +33,8 @@ from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, Sequence
+
+from .argument_types import file_name
 
 VERBS = {  # and the module of each, imported when it is called
     "new": ("starters", "write a starter file for an experiment"),
@@ -62,23 +65,26 @@ PICTURES = {"pictures": "", "apparatus": "-apparatus"}  # always drawn, and what
 
 
 class Once(argparse._StoreAction):
-    """An option with one value: given twice, the second would undo the first."""
+    """An option with one value: given twice, the second would undo the first, and an empty one is no name."""
 
     given = False
 
     def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> None:
         if self.given and self.option_strings:
             parser.error(f"{self.option_strings[-1]} is given twice")
+        if rest[1] == "" and self.dest != "title":
+            parser.error(f"argument {'/'.join(self.option_strings) or self.metavar}: it is empty")
         self.given = True
         super().__call__(parser, *rest)
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated."""
+    """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated. No name is empty."""
 
     def __init__(self, **about: object) -> None:
         super().__init__(**about, allow_abbrev=False)
         self.register("action", None, Once)
+        self.register("type", Path, file_name)
 
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
@@ -100,7 +106,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _explained(words: list[str]) -> int:
     """Runs it; what went wrong is told in a line."""
-    from .errors import BadInput
+    from .errors import InputError, StorageError
+    from .writing import explained
     try:
         try:
             _run(words)
@@ -108,15 +115,16 @@ def _explained(words: list[str]) -> int:
             sys.stdout.flush()
     except BrokenPipeError:  # `summary | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except BadInput as problem:
-        print(f"rabiline: {problem}", file=sys.stderr)
+    except (InputError, StorageError) as problem:
+        told = str(problem).strip()
+        print(told if getattr(problem, "diagnostics", ()) else f"rabiline: {told}", file=sys.stderr)  # these have place and caret
         return problem.exit_code
     except OSError as problem:
-        print(f"rabiline: {problem}", file=sys.stderr)
+        print(f"rabiline: {explained(problem)}", file=sys.stderr)
         return 3
     except Exception as problem:
-        if isinstance(problem, ValueError) and type(problem).__module__ == "rabiline._core":
-            print(str(problem).strip(), file=sys.stderr)
+        if isinstance(problem, MemoryError) or isinstance(problem, ImportError) and UNMAPPED in str(problem):
+            print("rabiline: not enough memory", file=sys.stderr)
             return 2
         print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
         return 1
@@ -172,9 +180,13 @@ def _with_negative_values(words: list[str]) -> list[str]:
 
 
 def _keep_inputs(options: argparse.Namespace) -> None:
-    """Raises InputError where the output is a file that is read."""
+    """Raises InputError where the output is a file that is read, and StorageError where it cannot be written."""
     output = getattr(options, "output", None)
-    if not output or not output.exists():
+    if not output:
+        return
+    from .writing import require_place
+    require_place(output)
+    if not output.exists():
         return
     given = [value for name, value in vars(options).items() if name != "output"]
     paths = [path for value in given for path in (value if isinstance(value, list) else [value]) if isinstance(path, Path)]

@@ -7,13 +7,13 @@ import numpy as np
 
 from .covariance import ChiSquared, chi_squared, enough
 from .curves import Curve, spread_of
-from .errors import BadInput
+from .errors import InputError
 from .results import Axis, Results
 
 MISSING = "the points share particles, and their covariance is not in the file"
 
 
-class NotComparable(BadInput):
+class NotComparable(InputError):
     """Two results that have nothing to compare, and why."""
 
 
@@ -51,11 +51,11 @@ def same_particles(one: Results, other: Results) -> bool:
 def _compare(one: Results, other: Results, detector: str) -> ChiSquared:
     if one.covariance_missing or other.covariance_missing:
         return ChiSquared(0.0, 0, np.nan, MISSING)
-    points = np.arange(len(one.laws))
+    points = [_in_order(file) for file in (one, other)]
     rows = [file.scan.detectors.index(detector) for file in (one, other)]
-    y = [file.scan.detected[row] for file, row in zip((one, other), rows)]
-    pooled = np.average(y, axis=0, weights=[one.particles, other.particles])
-    spreads = [spread_of(file, row, points).at(pooled, own) for file, row, own in zip((one, other), rows, y)]
+    y = [file.scan.detected[row][order] for file, row, order in zip((one, other), rows, points)]
+    pooled = np.average(y, axis=0, weights=[file.particles[order] for file, order in zip((one, other), points)])
+    spreads = [spread_of(file, row, order).at(pooled, own) for file, row, order, own in zip((one, other), rows, points, y)]
     counted = enough(pooled, 1 / (1 / spreads[0].particle + 1 / spreads[1].particle))
     return chi_squared(y[0] - y[1], spreads[0].minus(spreads[1]), counted=counted)
 
@@ -66,13 +66,19 @@ def _check(one: Results, other: Results) -> None:
                             f"{_names(one.scan.axes)}")
     for mine, its in zip(one.scan.axes, other.scan.axes):
         alike = mine.values.shape == its.values.shape and mine.labels == its.labels and np.allclose(
-            mine.values, its.values, rtol=0, atol=1e-9 * max(np.ptp(mine.values), np.abs(mine.values).max()))
+            np.sort(mine.values), np.sort(its.values), rtol=0, atol=1e-9 * max(np.ptp(mine.values), np.abs(mine.values).max()))
         if not alike:
             raise NotComparable(f"{other.path}: the points of its scan over {mine.parameter} are not those of "
                                 f"{one.path}")
     if set(one.scan.detectors) != set(other.scan.detectors):
         raise NotComparable(f"{other.path}: it has the detectors {', '.join(other.scan.detectors)}, {one.path} has "
                             f"{', '.join(one.scan.detectors)}")
+
+
+def _in_order(results: Results) -> np.ndarray:
+    """[points] The scan points by rising values of each axis, whichever way its scan ran."""
+    orders = [np.argsort(axis.values, kind="stable") for axis in results.scan.axes]
+    return np.arange(len(results.laws)).reshape(results.scan.shape)[np.ix_(*orders)].ravel() if orders else np.arange(1)
 
 
 def _names(axes: tuple[Axis, ...]) -> str:

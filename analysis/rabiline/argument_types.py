@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from argparse import ArgumentTypeError
 from math import nan
+from pathlib import Path
 
 LARGEST = 1e30  # of what is counted, or passes
 
@@ -28,6 +29,13 @@ def count(text: str, least: int = 1) -> int:
     if not (text.isascii() and text.isdigit() and int(text) >= least):
         raise ArgumentTypeError(f"`{text}` is no whole number, {least} or above")
     return int(text)
+
+
+def file_name(text: str) -> Path:
+    """A path; an empty one would be the folder."""
+    if not text:
+        raise ArgumentTypeError("the name of a file is empty")
+    return Path(text)
 
 
 def _number(text: str) -> float:

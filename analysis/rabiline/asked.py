@@ -5,6 +5,8 @@ import operator
 import os
 from typing import TYPE_CHECKING, Iterable
 
+from .errors import InputError
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -17,20 +19,24 @@ def text(name: str, value: object) -> str:
 
 
 def path(name: str, value: object) -> str | os.PathLike[str]:
-    """Raises TypeError."""
+    """Raises TypeError, and InputError where no file can have such a name."""
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"`{name}` is the path of a file, not {_kind(value)}")
+    if not os.fspath(value):
+        raise InputError(f"`{name}` is the path of a file, and is empty")
+    if "\0" in os.fspath(value):
+        raise InputError(f"`{name}` is the path of a file, and has a zero byte in it")
     return value
 
 
-def whole_number(name: str, value: object) -> int:
-    """0 or above; raises TypeError and ValueError."""
+def whole_number(name: str, value: object, least: int = 0, most: int | None = None) -> int:
+    """Raises TypeError and ValueError."""
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"`{name}` is a whole number, not {_kind(value)}") from None
-    if number < 0:
-        raise ValueError(f"`{name}` is 0 or above, not {number}")
+    if number < least or most is not None and number > most:
+        raise ValueError(f"`{name}` is {least} {'or above' if most is None else f'to {most}'}, not {number}")
     return number
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import asked
 from .hdf5 import FileError
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
     """From a file, or from a frame whose columns are named as in one, or have their units in `attrs["units"]`. Raises FileError, and
     TypeError for what is neither."""
     path, lines = _lines_of(source)
-    rows = [(number, tuple(cell.strip() for cell in next(csv.reader([line])))) for number, line in enumerate(lines, 1)
+    rows = [(number, _cells(path, number, line)) for number, line in enumerate(lines, 1)
             if line.strip(" \t,") and not line.lstrip().startswith("#")]
     if not rows:
         raise FileError(path, "an empty table")
@@ -77,6 +78,13 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
     return Table(path, header, columns, tuple(rows[1:]))
 
 
+def _cells(path: Path, number: int, line: str) -> tuple[str, ...]:
+    try:
+        return tuple(cell.strip() for cell in next(csv.reader([line])))
+    except csv.Error as problem:
+        raise FileError(path, f"line {number}: {problem}") from None
+
+
 def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
     """What messages call it, and what is written in it."""
     if "pandas" in sys.modules and isinstance(source, sys.modules["pandas"].DataFrame):
@@ -85,7 +93,7 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
         return Path("DataFrame"), frame.to_csv(index=frame.index.name is not None, na_rep="nan").splitlines()
     if not isinstance(source, (str, Path)):
         raise TypeError(f"a table is the path of a file or a pandas.DataFrame, not {type(source).__name__}")
-    path = Path(source)
+    path = Path(asked.path("data", source))
     try:
         if not path.exists():
             raise FileError(path, "no such file")

@@ -18,8 +18,8 @@ import numpy as np
 
 from .counts import Counts
 from .covariance import Spread
-from .errors import BadInput
-from .experiment import Experiment, InputError
+from .errors import InputError
+from .experiment import Experiment
 
 NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
@@ -34,7 +34,7 @@ USUAL = "field", "amplitude", "gradient", "frequency", "current", "pole_field", 
 SEEDS = 20011, 20021, 20023, 20029  # of the groups
 
 
-class NoFit(BadInput):
+class NoFit(InputError):
     """Why there is nothing to fit, or no fit."""
 
 

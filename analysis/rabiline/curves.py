@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .covariance import Spread
-from .errors import BadInput
+from .errors import InputError
 from .results import Axis, Results
 from .units import law_name
 
@@ -15,7 +15,7 @@ RESONANT = {"Hz", "T", "A"}  # units of what brings a frequency and a field toge
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
 
 
-class NoResonance(BadInput):
+class NoResonance(InputError):
     """A curve in which no dip or peak can be measured, and why."""
 
 
@@ -93,14 +93,16 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
     number = scan.detectors.index(detector) if detector is not None else 0
     along = max(range(len(scan.axes)), key=lambda i: (not scan.axes[i].labels, scan.axes[i].values.size))
     flat = np.moveaxis(np.arange(np.prod(scan.shape)).reshape(scan.shape), along, -1)
-    rows = flat.reshape(-1, flat.shape[-1])
+    order = np.argsort(scan.axes[along].values, kind="stable")  # a scan may run downwards, or to and fro
+    axis = replace(scan.axes[along], values=scan.axes[along].values[order])
+    rows = flat.reshape(-1, flat.shape[-1])[:, order]
     others = [axis for i, axis in enumerate(scan.axes) if i != along]
     return [
         Curve(
             label=_label(results, rows, row, others),
             law=_common(results.laws, points),
             species=_common(results.species, points),
-            axis=scan.axes[along],
+            axis=axis,
             points=points,
             y=scan.detected[number, points],
             errors=scan.errors[number, points],
@@ -234,7 +236,7 @@ def _baseline(curve: Curve) -> tuple[np.ndarray, int]:
     if curve.axis.labels or curve.y.size < 5:
         raise NoResonance("a resonance needs a numeric axis with at least five points")
     if not (np.isfinite(curve.y).all() and (np.diff(curve.x) > 0).all()):
-        raise NoResonance("a resonance needs finite fractions at rising values")
+        raise NoResonance("a resonance needs finite fractions at values that differ")
     y, tenth = curve.y, max(2 if curve.y.size >= 9 else 1, curve.y.size // 10)
     near = np.zeros(y.size, dtype=bool)
     near[:tenth] = near[-tenth:] = True

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .results import Results
     from .tracks import Tracks
 
-InputError, StorageError, __version__ = _core.InputError, _core.StorageError, _core.version
+__version__ = _core.version
+MOST_TRACKS = 10000
 Value = Union[str, float, int, bool, Sequence, Mapping]  # numbers are in SI; texts have their unit
 
 
@@ -52,7 +53,7 @@ def load(source: str | Path) -> Experiment:
     """An experiment or a model from a file, or from its text, which has several lines. Raises InputError with everything
     that is wrong, each with its line, and TypeError."""
     text = source if isinstance(source, str) and "\n" in source else None
-    return Experiment(text, Path() if text else Path(source))
+    return Experiment(text, Path() if text else Path(asked.path("source", source)))
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,9 @@ class Experiment:
     def __reduce__(self) -> tuple[type[Experiment], tuple[object, ...]]:
         """Copies and other processes read it again."""
         return Experiment, (self.text, self.path, self.changes, self.scans, self.without_scan)
+
+    def __repr__(self) -> str:
+        return f"<experiment {self.title}>"
 
     @property
     def title(self) -> str:
@@ -161,9 +165,9 @@ class Experiment:
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
-        in s. Raises InputError for a model, TypeError, and ValueError for a negative number."""
+        in s. Raises InputError for a model, TypeError, and ValueError for a negative number and for none or too many particles."""
         from . import tracks
-        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first), asked.whole_number("count", count)))
+        return tracks.read(_core.trace(self._setup, asked.whole_number("first", first), asked.whole_number("count", count, 1, MOST_TRACKS)))
 
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""

@@ -34,8 +34,11 @@ def read_field(path: Path) -> FieldLine:
     """Raises FileError where the file is no such table, and OSError."""
     if path.exists() and not path.is_file():  # a pipe would be waited for
         raise FileError(path, "is not a file")
-    with path.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.reader(file))
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.reader(file))
+    except (UnicodeDecodeError, csv.Error):
+        rows = []
     if not rows or rows[0][:len(COLUMNS)] != COLUMNS:
         raise FileError(path, "this is no table of `rabiline probe --along`")
     try:

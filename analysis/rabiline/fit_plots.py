@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from . import style
+from .fit_report import is_undetermined
 from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale, format_value
 
@@ -66,8 +67,10 @@ def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]
 
 def _numbers(fit: CountsFit) -> list[str]:
     unknown = {i for direction in fit.degenerate for i in direction.involved}
-    width = [f"{name} not known by itself" if i in unknown else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −")
-             for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors))]
+    width = []
+    for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors)):
+        lost = "not known by itself" if i in unknown else "not determined" if is_undetermined(fit, i) else ""
+        width.append(f"{name} {lost}" if lost else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −"))
     return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"] if fit.freedom > 0 else [])]
 
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from .fitting import CountsFit
 
 LEAST_P = 1e-3
+LOST = 10  # times a parameter: an error that leaves nothing of it
+BORNE_OUT = 3  # a factor between an error by the curvature and one by the profile that leaves them one
 
 
 def report(fit: CountsFit) -> Iterable[str]:
@@ -23,10 +25,13 @@ def report(fit: CountsFit) -> Iterable[str]:
         if any(i in direction.involved for direction in fit.degenerate):
             yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit)}"
             continue
+        if is_undetermined(fit, i):
+            yield f"  {name:<{width}}  not determined by these counts"
+            continue
         low, high = fit.intervals[i]
         yield (f"  {name:<{width}}  {format_value(fit.values[i], unit, fit.errors[i])}"
                f"   (profile {_signed(low - fit.values[i], unit)}, {_signed(high - fit.values[i], unit)})")
-    for name, value, error in fit.combined:
+    for name, value, error in ((name, value, error) for name, value, error in fit.combined if np.isfinite(value)):
         yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
     for direction in fit.degenerate:
         yield f"  {direction}"
@@ -49,6 +54,14 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield from _about_held(fit, one)
     if fit.p < LEAST_P:
         yield "  the experiment does not describe these counts: errors mean little"
+
+
+def is_undetermined(fit: CountsFit, number: int) -> bool:
+    """Whether the error of a parameter is many times as large as the parameter is, and as it was at the start, and no profile bears it out."""
+    size = max(abs(fit.values[number]), *np.abs(fit.start[number:number + 1]), 0.0)
+    low, high = fit.intervals[number]
+    borne_out = 1 / BORNE_OUT < (high - low) / (2 * fit.errors[number]) < BORNE_OUT
+    return bool(fit.errors[number] > LOST * size and not borne_out)
 
 
 def _about_unit(fit: CountsFit) -> Iterable[str]:

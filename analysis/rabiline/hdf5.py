@@ -7,6 +7,7 @@ damaged or changed is refused.
 from __future__ import annotations
 
 import hashlib
+import shlex
 import unicodedata
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from typing import Iterator
 import h5py
 import numpy as np
 
-from .errors import BadInput
+from .errors import InputError, StorageError
 
 FORMAT_VERSION = 3  # the newest layout of files that is understood here; files without a version are older
 SEALED_SINCE = 3  # the format version
@@ -27,14 +28,14 @@ LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
 
 
-class FileError(BadInput):
+class FileError(InputError):
     """A file that cannot be used: which one and why."""
 
     def __init__(self, path: Path | str, reason: str) -> None:
         super().__init__(f"{path}: {reason}")
 
 
-class UnreadableFile(FileError):
+class UnreadableFile(FileError, StorageError):
     """A file that should be a result and cannot be read: missing, damaged, forged, or no HDF5."""
 
     exit_code = 3
@@ -104,11 +105,11 @@ class Group:
 
     def _member(self, name: str) -> h5py.Group | h5py.Dataset:
         try:
-            if isinstance(self._group.get(name, getlink=True), h5py.ExternalLink):
-                raise self.error(f"`{name}` lies in another file")
-            return self._group[name]
+            if not isinstance(self._group.get(name, getlink=True), h5py.ExternalLink):
+                return self._group[name]
         except (KeyError, OSError, RuntimeError):
             raise self.error(f"`{name}` is missing") from None
+        raise self.error(f"`{name}` lies in another file")
 
     def _read(self, name: str) -> np.ndarray:
         member = self._member(name)
@@ -140,6 +141,8 @@ def open_entry(source: Path | str | bytes) -> Iterator[Group]:
             raise UnreadableFile(path, "has no seal at its end: it was cut short, or changed since rabiline wrote it")
         try:
             yield Group(file, path).group("entry")
+        except InputError:
+            raise
         except (ArithmeticError, LookupError, OSError, RuntimeError, TypeError, ValueError) as problem:
             raise UnreadableFile(path, f"cannot be used: {problem}") from problem
 
@@ -189,7 +192,7 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
         return h5py.File(path, "r"), sealed
     except (OSError, RuntimeError):
         whole = "cannot be opened: damaged or unfinished" if h5py.is_hdf5(path) else \
-            f"not an HDF5 file; `rabiline run {path.name}` makes one of an experiment" if path.suffix in (".yaml", ".yml") else "not an HDF5 file"
+            f"not an HDF5 file; `rabiline run {shlex.quote(str(path))}` makes one of an experiment" if path.suffix in (".yaml", ".yml") else "not an HDF5 file"
         raise UnreadableFile(path, whole) from None
 
 

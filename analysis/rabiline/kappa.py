@@ -7,7 +7,7 @@ from typing import Iterable
 import numpy as np
 from scipy import interpolate, stats
 
-from .errors import BadInput
+from .errors import InputError
 from .laws_report import Beam, against_data
 from .likelihood import SEED, TRIALS, Model, p_value, trials
 from .observed import Observation
@@ -23,7 +23,7 @@ NEAR = 40.0  # above the least -2 ln L, where its roughness is looked at
 MOST_NOISE = 1.0  # of -2 ln L by Monte Carlo errors, where each strength has its own
 
 
-class NoBound(BadInput):
+class NoBound(InputError):
     """Counts or a scan that give no bound, and why."""
 
 

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve
-from .errors import BadInput
+from .errors import InputError
 from .results import Detector, Levels
 from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of, title_pad
 from .style import LAWS, OTHERS, Look
@@ -27,7 +27,7 @@ LEGEND_LINE = 0.145  # inches
 LOWEST_PANEL = 0.9  # inches: below that ticks and titles meet
 
 
-class TooSmall(BadInput):
+class TooSmall(InputError):
     """A size was asked for into which the panels do not fit."""
 
 

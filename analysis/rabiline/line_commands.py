@@ -14,12 +14,15 @@ from .counts import read_counts
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
-from .lines import FORMS, LineFit, fit_line, ramsey_over
+from .lines import FORMS, Form, LineFit, NoLine, fit_line, ramsey_over
 from .units import base_of, format_value, parse_quantity
 
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
+DEFAULT = "rabi"
 FAR_OFF = 3.0  # chi² per degree of freedom from which on a form is another one
+RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
+BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
 UNKNOWN = 10  # times itself: an error that leaves nothing
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
@@ -29,10 +32,10 @@ def arguments(parser: ArgumentParser) -> None:
     parser.set_defaults(command=fit_a_line)
     parser.description = fit_a_line.__doc__
     parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
-    parser.add_argument("--form", choices=[*FORMS], default="rabi",
+    parser.add_argument("--form", choices=[*FORMS],
                         help="rabi by default; ramsey is averaged over the times of flight that a result keeps")
     parser.add_argument("--lines", type=count, default=1, metavar="N", help="how many, alike but for centre and contrast")
-    parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help="where a parameter starts, in SI")
+    parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help='where a parameter starts: "centre=29 kHz"; a plain number is in SI')
     known = parser.add_mutually_exclusive_group()
     known.add_argument("--per-field", metavar="RATE", help='turns the centres into fields: "29.1646935 MHz/T"')
     known.add_argument("--field", metavar="B", help='turns the centres into moments and g factors: "10 mT"')
@@ -43,11 +46,7 @@ def arguments(parser: ArgumentParser) -> None:
 
 def fit_a_line(options: argparse.Namespace) -> Figure | None:
     """A closed form of a line fitted to a result or to measured counts: centre, width, contrast."""
-    try:
-        start = {name: float(value) for name, _, value in (text.partition("=") for text in options.start)}
-    except ValueError:
-        raise InputError("--start is NAME=VALUE, a number in SI") from None
-    form: object = options.form
+    forms: dict[str, Form] = dict(FORMS)
     if is_hdf5(options.file):
         file = results.read(options.file)
         found = curves(file, options.detector)
@@ -56,21 +55,59 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         curve: Curve = found[0]
         x, y, covariance, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
         transits = file.detectors[curve.detector].transits
-        if options.form == "ramsey" and transits:
+        if transits:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
-            form = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
+            forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
     else:
         counts = read_counts(options.file, options.detector)
         unit, factor = base_of(counts.unit)
         x, y, name, title = factor * counts.x, counts.counts, counts.parameter, options.file.name
         covariance = np.diag(np.maximum(y, 1.0))
-    fitted = fit_line(x, y, covariance, form, lines=options.lines, start=start)
+    start = dict(_start(text, unit) for text in options.start)
+    fitted = fit_line(x, y, covariance, forms[options.form or DEFAULT], lines=options.lines, start=start)
     words = [*described(fitted, unit), *derived(fitted, unit, options.per_field, options.field)]
     print("\n".join(words))
+    if options.form is None:
+        others = {name: form for name, form in forms.items() if name != DEFAULT}
+        print(f"           {DEFAULT} is the form by default: --form has {', '.join(others)} too")
+        if is_far_off(fitted) and (better := _better(fitted, others, x, y, covariance, options.lines)):
+            print(f"  help: the form {better.form} describes the curve far better, with chi² {better.chi_squared:.1f}: --form {better.form}")
     if not options.output:
         return None
     from .line_plots import draw_line
     return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, words)
+
+
+def _start(text: str, unit: str) -> tuple[str, float]:
+    """"centre=29 kHz" in SI; a parameter that the form does not have is refused where it is fitted."""
+    name, _, value = text.partition("=")
+    try:
+        return name, parse_quantity(value, unit_of(name, unit))
+    except ValueError as problem:
+        raise InputError(f"--start {text}: it is NAME=VALUE, such as centre=29 kHz ({problem})") from None
+
+
+def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarray, covariance: np.ndarray, lines: int) -> LineFit | None:
+    """The best fit with one of other forms, where it is better by far."""
+    found = []
+    for form in others.values():
+        try:
+            found.append(fit_line(x, y, covariance, form, lines=lines))
+        except NoLine:
+            pass
+    best = min(found, key=lambda one: one.chi_squared, default=fitted)
+    return best if BETTER * best.chi_squared < fitted.chi_squared else None
+
+
+def unit_of(name: str, unit: str) -> str:
+    """That of a parameter of a form over an axis with this unit."""
+    power = UNITS.get(name.split("_")[0], 0)
+    return unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
+
+
+def is_far_off(fitted: LineFit) -> bool:
+    """Whether the form is not that of the curve."""
+    return fitted.chi_squared > FAR_OFF * max(fitted.freedom, 1)
 
 
 def derived(fitted: LineFit, unit: str, per_field: str | None, field: str | None) -> list[str]:
@@ -116,15 +153,17 @@ def _quantity(option: str, text: str, unit: str) -> float:
 
 
 def described(fitted: LineFit, unit: str) -> list[str]:
-    """Values with their errors."""
-    lines = []
+    """The form, and its values with their errors."""
+    lines = [f"form       {fitted.form}"]
     for name, value, error in zip(fitted.names, fitted.values, fitted.errors):
-        power = UNITS.get(name.split("_")[0], 0)
-        shown = unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
+        shown = unit_of(name, unit)
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
+    if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
+        lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
-    if fitted.chi_squared > FAR_OFF * max(fitted.freedom, 1):
-        lines.append("           the form does not describe the curve: believe the centre of a symmetric line, and no errors")
+    if is_far_off(fitted):
+        believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
+        lines.append(f"           the form does not describe the curve: believe {believed}")
     return lines

@@ -11,16 +11,17 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 from scipy import optimize, stats
 
-from .errors import BadInput
+from .errors import InputError
 
 STARTS = 6  # of a comb of fringes
 AS_GOOD = 9.0  # of chi²: three standard deviations
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
+REST = 0.01  # of chi²: what is nearer to the least than that is there
 HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
 
 
-class NoLine(BadInput):
+class NoLine(InputError):
     """Why a form cannot be fitted."""
 
 
@@ -104,6 +105,7 @@ class LineFit:
     errors: np.ndarray  # [parameters] one standard deviation; infinite of what is not known, such as the strength of a weak field
     covariance: np.ndarray  # [parameters, parameters]
     chi_squared: float
+    constant: float  # chi² of the best constant
     freedom: int
     expected: np.ndarray  # [n]
     curve: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # the fitted y [m] at any x [m]
@@ -144,6 +146,8 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     own = len(chosen.parameters)
     sigma = np.sqrt(np.diag(covariance))
     _check_start(chosen, lines, start, x)
+    if _of_constant(y, sigma) < 1:
+        raise NoLine("the curve is flat within its errors, there is no line in it")
     guesses = _first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
@@ -163,8 +167,8 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     values[:lines], scale[:lines] = origin + unit * values[:lines], unit
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
     covariance = found.covariance * scale[:, None] * scale
-    return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance)), covariance, found.chi_squared, found.freedom,
-                   found.expected, found.curve, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
+    return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance).clip(0)), covariance, found.chi_squared, found.constant,
+                   found.freedom, found.expected, found.curve, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
 
 
 def _check_start(form: Form, lines: int, start: Mapping[str, float], x: np.ndarray) -> None:
@@ -186,16 +190,18 @@ def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres
     return float(np.sum(((columns @ found - y) / sigma)**2)), found
 
 
-def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[list[float], Sequence[float]]]) -> LineFit:
-    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other."""
-    fits = []
-    for i, guess in enumerate(guesses):
+def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]]) -> LineFit:
+    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other. Raises
+    NoLine where all are worse than a start."""
+    fits, problems = [], []
+    for _, centres, shared in guesses:
         try:
-            fits.append(refined(*guess))
-        except NoLine:
-            if i + 1 == len(guesses) and not fits:
-                raise
+            fits.append(refined(centres, shared))
+        except NoLine as problem:
+            problems.append(problem)
     fits.sort(key=lambda fit: fit.chi_squared)
+    if problems and (not fits or fits[0].chi_squared > guesses[0][0]):
+        raise problems[0]
     centres = [fits[0].values[0]]
     for fit in fits[1:]:
         if fit.chi_squared < fits[0].chi_squared + AS_GOOD and all(abs(fit.values[0] - centre) > SAME for centre in centres):
@@ -205,9 +211,9 @@ def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesse
 
 
 def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
-                   start: Mapping[str, float]) -> list[tuple[list[float], Sequence[float]]]:
-    """Centres one after the other, each where it helps most, for the best of the form's starts; of fringes also for the best start of each
-    of a few other centres."""
+                   start: Mapping[str, float]) -> list[tuple[float, list[float], Sequence[float]]]:
+    """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of
+    fringes also for the best start of each of a few other centres."""
     candidates = x if x.size <= 201 else x[::x.size // 200]
     trials = form.starts(float(np.median(np.diff(x))), float(np.ptp(x)))
     of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
@@ -223,23 +229,38 @@ def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, 
             found = _linear(form, x, y, sigma, tried, shared)[0]
             if found < of.get(tried[0], (np.inf,))[0]:
                 of[tried[0]] = (found, tried, shared)
-    return [(centres, shared) for _, centres, shared in sorted(of.values(), key=lambda row: row[0])[:STARTS]]
+    return sorted(of.values(), key=lambda row: row[0])[:STARTS]
 
 
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.ndarray], np.ndarray], first: np.ndarray, x: np.ndarray,
              y: np.ndarray, covariance: np.ndarray) -> LineFit:
     sigma = np.sqrt(np.diag(covariance))
-    found = optimize.least_squares(lambda values: (model(values, x) - y) / sigma, first, x_scale="jac", ftol=1e-6)  # weak fields have no strength
-    if not (found.success and np.isfinite(found.x).all()):
-        raise NoLine(f"the fit of the form {name} does not converge")
-    sizes = np.maximum(np.linalg.norm(found.jac, axis=0), 1e-300)
-    u, singular, rows = np.linalg.svd(found.jac / sizes, full_matrices=False)
+    # The 1 behind the residuals ends fits of curves without noise, whose chi² would fall for ever: a weak field has no strength.
+    found = optimize.least_squares(lambda values: np.append((model(values, x) - y) / sigma, 1.0), first, x_scale="jac", ftol=1e-6)
+    jacobian = found.jac[:-1]
+    sizes = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    if not (np.isfinite(found.x).all() and np.isfinite(jacobian).all()):
+        raise _lost(name)
+    u, singular, rows = np.linalg.svd(jacobian / sizes, full_matrices=False)
     kept = singular > LEAST * singular[0]
+    if not found.success and np.sum((u[:, kept].T @ found.fun[:-1])**2) > REST:
+        raise _lost(name)
     linear = (rows[kept].T / singular[kept]) @ u[:, kept].T / sizes[:, None] / sigma
     spread = linear @ covariance @ linear.T
     unknown = (np.abs(rows[~kept]) > 0.1).any(axis=0)
     spread[unknown, unknown] = np.inf
     left = (model(found.x, x) - y) / sigma
     freedom = y.size - first.size
-    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), freedom, model(found.x, x),
-                   lambda at: model(found.x, at))
+    return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), _of_constant(y, sigma), freedom,
+                   model(found.x, x), lambda at: model(found.x, at))
+
+
+def _of_constant(y: np.ndarray, sigma: np.ndarray) -> float:
+    """chi² of the best constant."""
+    return float(np.sum(((y - np.average(y, weights=sigma**-2)) / sigma)**2))
+
+
+def _lost(name: str) -> NoLine:
+    help_ = "\n  help: a weak field makes a line of the form sinc2, in which its strength and the contrast are one: --form sinc2" if name == "rabi" else \
+        "\n  help: name where it starts, such as --start centre=VALUE, or another --form"
+    return NoLine(f"the fit of the form {name} does not converge{help_}")

@@ -59,7 +59,7 @@ class Finding:
         return EXPECTATIONS.get(self.expectation, self.expectation.replace("_", " "))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Motions:
     """One file of a model."""
 
@@ -69,6 +69,9 @@ class Motions:
     axis: Axis | None  # what is scanned
     points: tuple[tuple[Motion, ...], ...]  # [points][motions]
     findings: tuple[Finding, ...]
+
+    def __repr__(self) -> str:
+        return f"<motions of {self.title}>"
 
 
 def has_motions(path: Path | str) -> bool:

@@ -124,7 +124,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across[0].values.size:
-        figure = scan_plots.draw_maps(_grids(lines, [axis for axis in files[0].scan.axes if axis is not first], across[0]), across[0],
+        figure = scan_plots.draw_maps(_grids(lines, [axis for axis in files[0].scan.axes if axis.parameter != first.parameter], across[0]), across[0],
                                       title, marks)
     else:
         several = any(len(file.scan.detectors) > 1 for file in files) and options.detector is None
@@ -311,7 +311,7 @@ def _detector(file: results.Results, name: str | None) -> str:
 
 def _curves(file: results.Results, detector: str | None) -> list[Curve]:
     try:
-        return curves(file, detector and _detector(file, detector))
+        return curves(file, None if detector is None else _detector(file, detector))
     except NoResonance as problem:
         raise FileError(file.path, str(problem)) from None
 

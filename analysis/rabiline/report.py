@@ -86,8 +86,7 @@ def _warnings(results: Results) -> Iterable[str]:
 def _extent(axis: Axis) -> str:
     if axis.labels:
         return "; ".join(map(law_name, axis.labels))
-    first, last = (axis.text(value) for value in (axis.values[0], axis.values[-1]))
-    return f"{first} to {last}, {axis.values.size} points"
+    return f"{axis.text(axis.values.min())} to {axis.text(axis.values.max())}, {axis.values.size} points"
 
 
 def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:

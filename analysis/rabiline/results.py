@@ -110,7 +110,7 @@ class FieldCheck:
     tolerance: float  # what steps were chosen for
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Results:
     """One file of `rabiline run`."""
 
@@ -133,6 +133,9 @@ class Results:
     warnings: tuple[str, ...] = ()  # what the run warned of
     field_check: FieldCheck | None = None  # None where nothing flies in steps
 
+    def __repr__(self) -> str:
+        return f"<result of {self.title}>"
+
     @property
     def covariance_missing(self) -> bool:
         """Whether scan points share particles and the file does not say how they correlate, as with very many
@@ -154,7 +157,7 @@ class Results:
         return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
 
     def to_csv(self, path: Path | str) -> None:
-        """A line for each scan point of each detector, in SI, with the units in the header. Raises OSError, and errors.InputError
+        """A line for each scan point of each detector, in SI, with the units in the header. Raises StorageError, and InputError
         for the name of a result or an experiment and a file that is no such table."""
         tables.to_csv(self, path)
 
@@ -175,7 +178,7 @@ class Results:
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
         detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
-        errors.InputError for what there is not or an ending that is no picture's, and OSError."""
+        InputError for what there is not or an ending that is no picture's, and StorageError."""
         from . import pictures, style
         figure = pictures.plot_of(self, kind, options)
         if output is not None:

@@ -347,8 +347,9 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
 def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:
     low = min(np.min(curve.y - curve.errors) for curve in curves)
     high = max(np.max(curve.y + curve.errors) for curve in curves)
-    if all(np.ptp(curve.y) == 0 for curve in curves):  # nothing changes: bars alone are no range
-        return -0.05 * max(high, 1.0), 1.05 * max(high, 1.0)
+    if all(np.ptp(curve.y) == 0 for curve in curves):  # nothing changes: bars alone are no range, but of small fractions they are seen
+        top = 1.05 * max(high, 1.0) if high > 0.5 or not any(curve.y.any() for curve in curves) else 1.5 * high
+        return -0.05 * top, top
     if high - low > 0.2:
         low = min(low, 0.0)
     margin = 0.06 * (high - low) or 0.05

@@ -4,9 +4,11 @@ from __future__ import annotations
 import argparse
 import re
 from argparse import ArgumentParser
+from contextlib import ExitStack
 from pathlib import Path
 
 from .errors import InputError
+from .writing import whole
 
 STARTERS = {  # the names of `rabiline new`, and the shipped files
     "ramsey": "ramsey", "rabi": "rabi-flop", "neutrons": "polarised-neutrons", "stern-gerlach": "stern-gerlach",
@@ -40,13 +42,10 @@ def new(options: argparse.Namespace) -> None:
     for path in beside:
         if path.exists():
             raise InputError(f"{path} is there already")
-    for path, content in beside.items():
-        whole = path.with_name(f".{path.name}.new")
-        try:
-            whole.write_text(content, encoding="utf-8")
-            whole.replace(path)
-        finally:
-            whole.unlink(missing_ok=True)
+    with ExitStack() as together:  # all of them or none
+        for path, content in beside.items():
+            together.enter_context(whole(path)).write_text(content, encoding="utf-8")
+    for path in beside:
         print(f"wrote {path}")
     print(f"next: rabiline check {target}; rabiline draw {target} -o apparatus.png; rabiline run {target}")
 

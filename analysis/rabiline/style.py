@@ -1,7 +1,6 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
-import os
 import textwrap
 import warnings
 from contextlib import contextmanager
@@ -18,7 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 
+from . import asked
 from .errors import InputError
+from .writing import require_place, whole
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
 # Okabe and Ito, Color Universal Design (2008), without the yellow that white paper swallows
@@ -255,32 +256,26 @@ def looks(laws: Sequence[str]) -> list[Look]:
 
 
 def require_name(path: Path | str) -> None:
-    """Raises InputError where a picture cannot have this name, and OSError where there is no folder for it."""
-    path = Path(path)
+    """Raises InputError where a picture cannot have this name, and StorageError where it cannot be written."""
+    path = Path(asked.path("output", path))
     if path.suffix.lower() not in ENDINGS:
         raise InputError(f"{path}: a picture's name ends in .png, .pdf or .svg")
-    if not path.parent.is_dir():
-        raise OSError(f"{path}: there is no folder {path.parent} (create it with: mkdir -p {path.parent})")
+    require_place(path)
 
 
 def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
-    """Writes the figure, as what its ending says, and forgets it. Raises OSError, ValueError where it has too many dots, and InputError
+    """Writes the figure, as what its ending says, and forgets it. Raises StorageError, ValueError where it has too many dots, and InputError
     for an ending that is no picture's or where its size leaves no room between the letters."""
     require_name(path)
-    path = Path(path)
-    new = path.with_name(f".{path.name}.{os.getpid()}") if path.is_file() or not path.exists() else path
     try:
-        with here(), warnings.catch_warnings():
+        with whole(path) as new, here(), warnings.catch_warnings():
             warnings.filterwarnings("error", "constrained_layout not applied")
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
-            figure.savefig(new, format=path.suffix[1:].lower(), facecolor="white", dpi=dpi)
-        new.replace(path)  # which is whole, or as it was
+            figure.savefig(new, format=Path(path).suffix[1:].lower(), facecolor="white", dpi=dpi)
     except UserWarning:
         width, height = 25.4 * figure.get_size_inches()
         raise InputError(f"--size: {width:.0f}x{height:.0f} leaves no room for curves between the letters; make it larger") from None
     finally:
-        if new != path:
-            new.unlink(missing_ok=True)
         plt.close(figure)
 
 

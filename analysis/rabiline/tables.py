@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import csv
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
 
+from . import asked
 from .errors import InputError
+from .writing import whole
 
 if TYPE_CHECKING:
     import pandas
@@ -38,17 +39,22 @@ def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
 
 
 def to_csv(results: Results, to: Path | str | TextIO) -> None:
-    """A line for each scan point of each detector, numbers in SI. Raises InputError for a file that is no such table: it is not
-    written over."""
-    if not hasattr(to, "write"):
-        _require_own(Path(to))
+    """A line for each scan point of each detector, numbers in SI. Raises InputError for a file that is no such table, which is not
+    written over, and StorageError."""
+    if hasattr(to, "write"):
+        _write(results, to)
+        return
+    _require_own(Path(asked.path("path", to)))
+    with whole(to) as new, new.open("w", newline="", encoding="utf-8") as file:
+        _write(results, file)
+
+
+def _write(results: Results, file: TextIO) -> None:
     table = columns(results)
-    with nullcontext(to) if hasattr(to, "write") else open(to, "w", newline="", encoding="utf-8") as file:
-        file.write(f"# {results.title}\n# {results.program}\n")
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
-        writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row]
-                         for row in zip(*table.values()))
+    file.write(f"# {results.title}\n# {results.program}\n")
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
+    writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row] for row in zip(*table.values()))
 
 
 def _require_own(path: Path) -> None:

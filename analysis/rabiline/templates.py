@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import BadInput
+from .errors import InputError
 from .likelihood import Model
 from .results import Axis, Results
 
@@ -20,7 +20,7 @@ UNSEEN = 0.5  # expected particles in all cells of a point together where none w
 # expectation after no count, with Jeffreys' prior (1946); it is gamma distributed with this k
 
 
-class NoTemplates(BadInput):
+class NoTemplates(InputError):
     """A result that has no templates to compare, and why."""
 
 

@@ -86,7 +86,7 @@ class Part:
     drives: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tracks:
     """One file of `rabiline trace`."""
 
@@ -96,9 +96,12 @@ class Tracks:
     tracks: tuple[Track, ...]  # by particle number
     parts: tuple[Part, ...] = ()  # what they pass
 
+    def __repr__(self) -> str:
+        return f"<{len(self.tracks)} track{'s' if len(self.tracks) > 1 else ''} of {self.title}>"
+
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
-        errors.InputError for an option that there is not or an ending that is no picture's, and OSError."""
+        InputError for an option that there is not or an ending that is no picture's, and StorageError."""
         from . import pictures, style
         figure = pictures.plot_of(self, "tracks", options)
         if output is not None:

@@ -16,6 +16,8 @@ TextFile read_text_file(const std::filesystem::path& path) {
   constexpr int patience = 5000;  // [ms]
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (status.type() == std::filesystem::file_type::none)  // a folder that nobody may look into, a long name
+    return {"", "the file cannot be opened: " + error.message(), ""};
   if (!std::filesystem::exists(status)) return {"", "there is no such file", ""};
   if (std::filesystem::is_directory(status))
     return {"", "this is a folder, not a file", "name the file in it"};

@@ -27,10 +27,11 @@ py::dict as_dict(const Diagnostic& diagnostic) {
 }  // namespace
 
 void add_errors(py::module_& module) {
-  static const py::handle input_error =
-      py::exception<InputError>(module, "InputError", PyExc_ValueError).release();
+  const py::module_ package = py::module_::import("rabiline.errors");
+  const py::tuple bases = py::make_tuple(package.attr("InputError"), py::handle(PyExc_ValueError));
+  static const py::handle input_error = py::exception<InputError>(module, "InputError", bases).release();
   static const py::handle storage_error =
-      py::exception<StorageError>(module, "StorageError", PyExc_OSError).release();
+      py::exception<StorageError>(module, "StorageError", package.attr("StorageError")).release();
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));

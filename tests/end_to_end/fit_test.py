@@ -14,7 +14,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
 from rabiline.curve_model import NOISE, SPREAD, CurveModel, NoFit, noise_of, unknown  # noqa: E402
-from rabiline.errors import BadInput  # noqa: E402
+from rabiline.errors import InputError  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
 from rabiline.held import Held, held  # noqa: E402
@@ -227,6 +227,18 @@ def test_counts_far_from_the_line_are_asked_for_their_unit(ramsey: rabiline.Expe
         fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["ana.at"])
 
 
+def test_an_error_that_leaves_nothing_of_a_parameter_is_told_in_words(fitted: CountsFit) -> None:
+    i = fitted.names.index("guide.field")
+    errors, intervals = fitted.errors.copy(), list(fitted.intervals)
+    errors[i], intervals[i] = 8.0, (fitted.values[i] - 0.05, fitted.values[i] + 0.05)
+    lost = replace(fitted, errors=errors, intervals=tuple(intervals))
+    line = next(line for line in str(lost).splitlines() if line.split()[0] == "guide.field")
+    assert line.endswith("not determined by these counts") and "not determined" not in str(fitted)
+    assert any("guide.field not determined" in axes.get_title() for axes in lost.plot().axes)
+    intervals[i] = (fitted.values[i] - 7.0, fitted.values[i] + 9.0)  # a parameter near 0 may have such an error
+    assert "not determined" not in str(replace(lost, intervals=tuple(intervals)))
+
+
 @pytest.mark.parametrize(("text", "name", "value", "says"), [
     (WIRE, "source.speed.temperature", -5.0, "the fit tries -5 K for `source.speed.temperature`: `temperature` must be greater than zero\n"),
     (RAMSEY, "C1.amplitude+C2.amplitude", -1e-6, "the fit tries -1e-06 T for `C1.amplitude`: `amplitude` must be zero or greater\n"),
@@ -273,5 +285,5 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
 def test_a_table_that_cannot_be_used_is_told_with_its_line(ramsey: rabiline.Experiment, tmp_path: Path, table: str,
                                                            reason: str) -> None:
     (tmp_path / "a.csv").write_text(table)
-    with pytest.raises(BadInput, match=reason):
+    with pytest.raises(InputError, match=reason):
         ramsey.fit(tmp_path / "a.csv", ["guide.field"])

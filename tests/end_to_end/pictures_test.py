@@ -16,7 +16,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline import motions, pictures, style  # noqa: E402
 from rabiline.apparatus import draw_apparatus  # noqa: E402
-from rabiline.errors import BadInput  # noqa: E402
+from rabiline.errors import InputError  # noqa: E402
 
 pytestmark = pytest.mark.slow
 BEAMLINES = Path(__file__).parents[2] / "beamline"
@@ -87,7 +87,7 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     for kind, options in kinds:
         try:
             figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {"title": LONG, **options})
-        except BadInput:
+        except InputError:
             continue  # what this file does not have, or a size that is too small for it
     return figures
 

@@ -110,6 +110,28 @@ def test_errors_keep_line_and_caret() -> None:
         rabiline.open("nothing.h5")
 
 
+def test_errors_of_the_program_are_those_of_the_package(ramsey: rabiline.Experiment) -> None:
+    from rabiline import errors
+    with pytest.raises(errors.InputError) as caught:
+        ramsey.set({"B.feld": 1})
+    assert isinstance(caught.value, ValueError) and caught.value.diagnostics
+    with pytest.raises(errors.StorageError, match="cannot be written"):
+        ramsey.run().write("/nowhere/a.h5")
+    with pytest.raises(rabiline.InputError, match="`path` is the path of a file, and is empty"):
+        ramsey.run().write("")
+    with pytest.raises(rabiline.InputError, match="`source` is the path of a file, and has a zero byte in it"):
+        rabiline.load("a\0b")
+    with pytest.raises(rabiline.InputError, match="the file cannot be opened: File name too long"):  # so it is in a folder that is closed
+        rabiline.load(300 * "a")
+
+
+def test_from_one_to_ten_thousand_particles_are_traced(ramsey: rabiline.Experiment) -> None:
+    for count in (0, 10001, 10**9):
+        with pytest.raises(ValueError, match=f"^`count` is 1 to 10000, not {count}$"):
+            ramsey.scan().trace(count)
+    assert len(ramsey.scan().trace(1).tracks) == 1
+
+
 def test_mistakes_in_what_is_set_or_scanned_are_shown_as_the_caller_wrote_them(ramsey: rabiline.Experiment) -> None:
     with pytest.raises(rabiline.InputError) as caught:
         ramsey.scan().set({"B.field": "9 mTT"})
@@ -148,7 +170,7 @@ def test_what_is_of_the_wrong_kind_is_told_in_one_line(ramsey: rabiline.Experime
 
 
 def test_numbers_of_paths_are_not_negative(ramsey: rabiline.Experiment) -> None:
-    with pytest.raises(ValueError, match="^`count` is 0 or above, not -3$"):
+    with pytest.raises(ValueError, match="^`count` is 1 to 10000, not -3$"):
         ramsey.trace(-3)
     assert len(ramsey.trace(np.int64(2)).tracks) == 2
 

@@ -14,7 +14,7 @@ from rabiline.errors import InputError
 from rabiline.hdf5 import FileError
 from rabiline.line_commands import derived, described
 from rabiline.line_plots import draw_line
-from rabiline.lines import FORMS, NoLine, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
+from rabiline.lines import FORMS, LineFit, NoLine, _best, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
 X = 29000 + np.linspace(-120, 120, 121)
@@ -98,8 +98,10 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
 def test_a_flat_curve_has_no_line_and_another_form_is_told() -> None:
     with pytest.raises(NoLine, match="the curve is flat"):
         fit_line(X, np.ones(X.size), np.eye(X.size) * 1e-6, "ramsey")
+    with pytest.raises(NoLine, match="the curve is flat within its errors"):
+        fit_line(X, 0.01 + 1e-6 * lorentz(X - 29000, 40.0), np.eye(X.size) * 1e-8, "rabi")
     box = np.where(np.abs(X - 29000) < 30, 0.0, 1.0)
-    assert "the form does not describe the curve" in described(fit_line(X, box, np.eye(X.size) * 1e-6, "gauss"), "Hz")[-1]
+    assert "the form does not describe the curve: believe the centre of a symmetric line" in described(fit_line(X, box, np.eye(X.size) * 1e-6, "gauss"), "Hz")[-1]
     bell = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
     assert described(bell, "Hz")[-1].startswith("chi²")
 
@@ -174,3 +176,63 @@ def test_a_table_of_counts_that_cannot_be_is_told_its_line(tmp_path: Path, table
 def test_more_counts_than_were_emitted_may_be_background_where_a_time_is_stated(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("f [kHz],counts,emitted,seconds\n1,1,5,1\n2,14,10,1\n")
     assert read_counts(tmp_path / "a.csv").counts.tolist() == [1, 14]
+
+
+def weak_table(path: Path, form: str = "rabi") -> Path:
+    """Counts without noise over kilohertz about 29.165 kHz: of a field of 50 Hz for 100 µs, or of two such."""
+    x = np.linspace(24e3, 34e3, 161)
+    shape = rabi(x - 29165.0, 50.0, 1e-4) if form == "rabi" else ramsey(x - 29165.0, 1100.0, 1.25e-4, 1e-3, 0.05)
+    counts = np.rint(1000 + 4000 * shape / shape.max())
+    path.write_text("RF.frequency [Hz],counts\n" + "".join(f"{at},{n:.0f}\n" for at, n in zip(x, counts)))
+    return path
+
+
+def test_a_clean_line_of_a_weak_field_has_its_centre_in_the_form_by_default(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    assert main(["fit-line", str(weak_table(tmp_path / "a.csv"))]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("form       rabi\ncentre     29.16") and "the field is weak: its strength and the contrast cannot be told apart; --form sinc2" in said
+    assert "rabi is the form by default" in said and "does not describe" not in said
+
+
+@pytest.mark.parametrize("strength", [1.0, 10.0, 40.0])
+def test_weaker_and_weaker_fields_converge(strength: float) -> None:
+    x = np.linspace(24e3, 34e3, 81)
+    found = fit_line(x, 0.01 + 1e-4 * rabi(x - 29165.0, strength, 1e-4) / rabi(np.zeros(1), strength, 1e-4), np.eye(x.size) * 1e-12, "rabi")
+    assert found["centre"][0] == pytest.approx(29165, abs=1) and found["time"][0] == pytest.approx(1e-4, rel=0.1)
+
+
+def test_no_fit_is_worse_than_its_best_start() -> None:
+    def refined(centres: list[float], _: object) -> LineFit:
+        if centres == [1.0]:
+            raise NoLine("lost")
+        return fit_line(X, lorentz(X - 29000, 20.0), np.eye(X.size) * 1e-6, "gauss")
+
+    with pytest.raises(NoLine, match="lost"):
+        _best(refined, [(38.0, [1.0], ()), (90.0, [2.0], ())])
+
+
+def test_fringes_in_the_form_by_default_are_pointed_to_ramsey(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    table = str(weak_table(tmp_path / "a.csv", "ramsey"))
+    assert main(["fit-line", table]) == 0
+    said = capsys.readouterr().out
+    assert "believe none of these numbers" in said and "help: the form ramsey describes the curve far better" in said
+    assert main(["fit-line", table, "--form", "lorentz"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("form       lorentz\n") and "by default" not in said
+
+
+def test_a_start_has_a_unit_or_is_in_si(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    table = str(weak_table(tmp_path / "a.csv"))
+    for start in ("centre=29 kHz", "centre=29000", "time=90 us"):
+        assert main(["fit-line", table, "--start", start]) == 0
+        assert "centre     29.16" in capsys.readouterr().out
+    for start, reason in (("centre=29 ms", "ms is not a unit of the kind of Hz"), ("centre=x", "could not convert"), ("centre", "it has no number")):
+        assert main(["fit-line", table, "--start", start]) == 2
+        assert f"--start {start}: it is NAME=VALUE, such as centre=29 kHz ({reason}" in capsys.readouterr().err
+
+
+def test_the_picture_names_the_form() -> None:
+    found = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
+    figure = draw_line(X, found.expected, np.ones(X.size), found, "f", "Hz", "", described(found, "Hz"))
+    assert figure.axes[0].get_title().startswith("form gauss")
+    plt.close("all")
