@@ -22,6 +22,7 @@ GROUPS = 256  # of particles, from which `rabiline run` estimates the covariance
 WEIGHED = GROUPS // 16
 DIRECTIONS = GROUPS // 4
 COUNTED = 10  # particles that must tell points apart before their number is as good as normally distributed
+LEAST_P = 1e-3  # of chi²: a model with less is rejected
 LEAST_RIDGE = 0.01  # a hundred times the mean point's weight is the most that a point can have
 
 
@@ -137,8 +138,12 @@ class ChiSquared:
     def __str__(self) -> str:
         if not self.freedom:
             return f"no chi²: {self.reason}"
-        p = f"p = {self.p:.2g}" if self.p >= 1e-6 else "p < 1e-6"
-        return f"chi² {self.value:.1f} for {self.freedom} degrees of freedom, {p}"
+        return f"chi² {self.value:.1f} for {self.freedom} degrees of freedom, {p_in_words(self.p)}"
+
+
+def p_in_words(p: float) -> str:
+    """"p = 0.12", or that it is next to none."""
+    return f"p = {p:.2g}" if p >= 1e-6 else "p < 1e-6"
 
 
 def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | None = None,

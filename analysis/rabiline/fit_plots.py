@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from . import style
+from .covariance import LEAST_P, p_in_words
+from .fit_report import REJECTED
 from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale, format_value
 
@@ -68,7 +70,8 @@ def _numbers(fit: CountsFit) -> list[str]:
     unknown = {i for direction in fit.degenerate for i in direction.involved}
     width = [f"{name} not known by itself" if i in unknown else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −")
              for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors))]
-    return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.2g}"] if fit.freedom > 0 else [])]
+    return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
+            *([REJECTED] if fit.p < LEAST_P else [])]
 
 
 def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ from scipy import optimize, stats
 from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
+from .covariance import LEAST_P
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
-LEAST_P = 1e-3  # of counts that are taken for a constant rate
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 
 

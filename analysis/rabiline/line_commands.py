@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from . import results
 from .argument_types import count
 from .counts import read_counts
+from .covariance import LEAST_P, p_in_words
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
@@ -19,7 +20,6 @@ from .units import base_of, format_value, parse_quantity
 
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
-FAR_OFF = 3.0  # chi² per degree of freedom from which on a form is another one
 UNKNOWN = 10  # times itself: an error that leaves nothing
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
@@ -122,9 +122,9 @@ def described(fitted: LineFit, unit: str) -> list[str]:
         power = UNITS.get(name.split("_")[0], 0)
         shown = unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
-    if fitted.chi_squared > FAR_OFF * max(fitted.freedom, 1):
+    if fitted.p < LEAST_P:
         lines.append("           the form does not describe the curve: believe the centre of a symmetric line, and no errors")
     return lines
