@@ -198,19 +198,19 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
 
 
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
-    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a
-    standard deviation: nearer than that, slopes that are known to a tenth do, and what moves is the simulation's own noise.
-    Where all are many times those explored, some lead there first: all then fly once."""
+    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a step, or
+    the noise of slopes matters on the way: nearer than that, what moves is the simulation's own noise. Where all are many times those
+    explored, some lead there first: all then fly once."""
     k = len(model.names)
     some = [round(np.sqrt(model.explored * model.particles))] if model.particles > MANY * model.explored else []
     for particles in [*some, *(model.particles for _ in range(MOST_ITERATIONS))]:
         problem = replace(problem, surface=problem.surface.whole(model, particles))
         mu, _, each = problem.mean(values)
-        fisher = problem.fisher(values, problem.modes(mu, each))
+        modes = problem.modes(mu, each)
+        fisher = problem.fisher(values, modes)
         found, _ = problem.least(values)
-        reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
-        if moves < 1 and reach < 1 and particles == model.particles:
+        if moves < 1 and particles == model.particles and _is_there(problem, fisher, values, found, modes):
             return found, problem
         values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
         if moves < 1:
@@ -219,6 +219,19 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
         steps = np.array([model.step(values[:k], i, fisher.errors[i]) for i in range(k)])
         problem = replace(problem, surface=Surface.about(model, values[:k], steps))
     raise NoFit("the fit does not come to rest with all particles: start nearer, or free fewer parameters")
+
+
+def _is_there(problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, modes: np.ndarray) -> bool:
+    """Whether the noise of the slopes puts the minimum that is `found` from `values` on elsewhere by next to nothing, in standard deviations;
+    where not all directions are known, whether it is within one."""
+    way = found - values
+    if not problem.fisher(found, modes).directions[2].all():
+        return bool(way @ fisher.matrix @ way < values.size)
+    mu, slopes, each = problem.mean(values)
+    steps = problem.surface.steps
+    off = each * np.einsum("gkn,k->gn", problem.surface.noise, way[:steps.size] / steps)
+    scores = slopes @ problem.weigh(off.T, mu, modes)
+    return bool(np.sum(scores * (fisher.inverse @ scores)) < REST**2 * values.size)
 
 
 def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, intervals: bool) -> CountsFit:
