@@ -287,15 +287,16 @@ def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarra
 
 def _interval(problem: Problem, values: np.ndarray, number: int, error: float, least: float) -> tuple[float, float]:
     """Where Q, least over all others, is one above its least value."""
-    def rise(by: float) -> float:
+    def beyond(by: float) -> float:
+        """By how many standard deviations Q has risen, which is nearly in proportion to `by`, less one."""
         moved = np.array(values)
         moved[number] += by * error
-        return problem.least(moved, (number,))[1] - least - 1
+        return float(np.sqrt(max(problem.least(moved, (number,))[1] - least, 0.0))) - 1
 
     ends = []
     for side in (-1.0, 1.0):
         try:
-            ends.append(side * optimize.brentq(lambda by: rise(side * by), 0.0, 4.0, xtol=1e-3))
+            ends.append(side * optimize.brentq(lambda by: beyond(side * by), 0.0, 4.0, xtol=1e-3))
         except ValueError:
             ends.append(side * np.inf)
     return float(values[number] + ends[0] * error), float(values[number] + ends[1] * error)
