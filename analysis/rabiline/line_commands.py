@@ -120,7 +120,8 @@ def described(fitted: LineFit, unit: str) -> list[str]:
     lines = []
     for name, value, error in zip(fitted.names, fitted.values, fitted.errors):
         power = UNITS.get(name.split("_")[0], 0)
-        shown = unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
+        inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
+        shown = unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"

@@ -16,6 +16,7 @@ from rabiline.fit import fit
 from rabiline.level_plots import draw_levels
 from rabiline.lines import rabi
 from rabiline.pictures import plot_of
+from rabiline.profile_plots import draw_profiles, profile_of
 from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
@@ -110,6 +111,13 @@ def test_a_title_is_written_as_it_stands(tmp_path: Path) -> None:
     figure = plot_of(file, "scan", {"title": "from $5 to $6_{a"})
     figure.draw_without_rendering()
     assert figure._suptitle.get_text() == "from $5 to $6_{a"
+
+
+def test_profiles_that_coincide_are_all_to_be_seen(tmp_path: Path) -> None:
+    file = results.read(write_results(tmp_path / "a.h5", [laws("quantum", DORADO)], np.ones(2), law=["quantum", DORADO], bins=4))
+    figure = draw_profiles([profile_of(file, "screen", i, "x", name) for i, name in enumerate(("quantum", "dorado"))], "x", "a title")
+    wide, narrow = (patch.get_linewidth() for patch in figure.axes[0].patches)
+    assert wide > narrow + 1
 
 
 def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
