@@ -22,6 +22,7 @@ GROUPS = 256  # of particles, from which `rabiline run` estimates the covariance
 WEIGHED = GROUPS // 16
 DIRECTIONS = GROUPS // 4
 COUNTED = 10  # particles that must tell points apart before their number is as good as normally distributed
+LEAST_P = 1e-3  # of chi²: a model with less is rejected
 LEAST_RIDGE = 0.01  # a hundred times the mean point's weight is the most that a point can have
 
 
@@ -63,9 +64,11 @@ class Spread:
 
     def of_sum(self, along: np.ndarray) -> float:
         """One standard error of along @ y."""
-        if self.correlation is None:
-            return float(np.sqrt(np.sum((along * self.errors)**2)))
-        return float(np.sqrt(max(0.0, along @ self.covariance @ along)))
+        return float(np.sqrt(max(0.0, along @ self.with_sum(along))))
+
+    def with_sum(self, along: np.ndarray) -> np.ndarray:
+        """[n] The covariance of each point with along @ y."""
+        return along * self.errors**2 if self.correlation is None else self.covariance @ along
 
     def at(self, expected: np.ndarray, y: np.ndarray) -> Spread:
         """The errors as they are where `expected` [n] is true instead of the measured `y`: binomial variances p (1 - p)
@@ -143,8 +146,12 @@ class ChiSquared:
     def __str__(self) -> str:
         if not self.freedom:
             return f"no chi²: {self.reason}"
-        p = f"p = {self.p:.2g}" if self.p >= 1e-6 else "p < 1e-6"
-        return f"chi² {self.value:.1f} for {self.freedom} degrees of freedom, {p}"
+        return f"chi² {self.value:.1f} for {self.freedom} degrees of freedom, {p_in_words(self.p)}"
+
+
+def p_in_words(p: float) -> str:
+    """"p = 0.12", or that it is next to none."""
+    return f"p = {p:.2g}" if p >= 1e-6 else "p < 1e-6"
 
 
 def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | None = None,

@@ -10,8 +10,11 @@ is that of all particles, where a fit has come to rest.
 """
 from __future__ import annotations
 
+import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from threading import Event
 from typing import Callable, Sequence
 
 import numpy as np
@@ -120,7 +123,7 @@ class CurveModel:
             changed = self.changes(values)
             sizes = [{"particles": particles}] if whole else [{"particles": max(particles // len(SEEDS), 1), "seed": seed} for seed in SEEDS]
             try:
-                flown = [self._flown({**changed, **size}) for size in sizes]
+                flown = self._side_by_side([{**changed, **size} for size in sizes])
             except InputError as problem:
                 raise NoFit(self._out_of_range(values, problem)) from None
             groups = np.array([y for y, _ in flown])
@@ -139,9 +142,27 @@ class CurveModel:
         why = wrong.partition("\n")[0].partition(", but is `")[0]
         return f"the fit tries {f'{float(number):.4g} {unit}'.strip()} for `{name}`: {why}\n  help: start farther from there, or hold `{name}`"
 
-    def _flown(self, changes: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
-        """The curve [n] and its covariance [n, n]."""
-        result = self.scanned.set(changes).fly(self.threads).core
+    def _side_by_side(self, changes: Sequence[dict[str, object]]) -> list[tuple[np.ndarray, np.ndarray]]:
+        """The curve and its covariance of each, at once as far as there are threads: much of a small flight is its plan, which one thread makes."""
+        threads = self.threads or os.cpu_count() or 1
+        workers = min(len(changes), threads)
+        if workers == 1:
+            return [self._flown(one, self.threads) for one in changes]
+        stopped = Event()
+        with ThreadPoolExecutor(workers) as pool:
+            try:
+                return list(pool.map(lambda one: self._flown(one, threads // workers, stopped), changes))
+            except BaseException:
+                stopped.set()  # the others, too
+                raise
+
+    def _flown(self, changes: dict[str, object], threads: int, stopped: Event | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The curve [n] and its covariance [n, n]; ends early when it is `stopped`."""
+        def go_on(done: float, left: float) -> None:
+            if stopped.is_set():
+                raise InterruptedError
+
+        result = self.scanned.set(changes).fly(threads, go_on if stopped else False).core
         i = result.detectors.index(self.detector)
         y, covariance = result.detected[i], result.covariance[i]
         covariance = covariance.reshape(y.size, y.size)[np.ix_(self._rows, self._rows)] if covariance.size else None

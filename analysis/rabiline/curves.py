@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import signal
 
 from .covariance import Spread
 from .errors import InputError
@@ -13,6 +14,10 @@ from .units import law_name
 
 RESONANT = {"Hz", "T", "A"}  # units of what brings a frequency and a field together
 MOST_RESONANCES = 6  # in one curve; Ramsey fringes, for one, are many more
+WIDEST = 0.5  # of the scan, a dip or peak that has a baseline on both sides
+LOBES = 3  # from which on side lobes are known by how they fall off,
+FALLING = (0.2, 0.8)  # each by such a factor: a first side lobe is less than a fifth of its resonance
+EVEN = 1.5  # and by the distances between them, which differ by less than this factor
 
 
 class NoResonance(InputError):
@@ -142,22 +147,28 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     only the farthest is.
 
     Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance
-    where nothing stands out, and where any one of several cannot be measured: no number is better than a wrong one.
+    where nothing stands out, where any one of several cannot be measured, and where what stands out belongs to a resonance outside the
+    scan: no number is better than a wrong one.
     """
     along_baseline, sign = _baseline(curve)
     height = sign * (curve.y - along_baseline @ curve.y)
     farthest = int(np.argmax(height))
-    noise = max(float(curve.errors.min()), 1e-12,  # 1e-12: rounding
-                curve.spread.of_sum(_at(farthest, curve.y.size) - along_baseline))
-    if height[farthest] <= 5 * noise:
+    noise = _noise(curve, along_baseline)
+    if height[farthest] <= 5 * noise[farthest]:
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
     least = np.clip(5 * curve.errors, height[farthest] / 4, height[farthest])
     extremes = _extremes(height, least)
     if _are_fringes(height, extremes):
+        if not _is_inside(curve.x, extremes, farthest):
+            raise NoResonance("the highest fringe is the last one on its side: the central one may lie outside the scan")
         extremes = [farthest]
+    if _are_side_lobes(curve.x, height, 5 * float(np.median(noise))):
+        raise NoResonance("the dips or peaks fall off from one end of the scan as side lobes do: the resonance may lie outside")
     found = [_measured(curve, extreme, along_baseline, sign) for extreme in extremes]
     if len(found) > MOST_RESONANCES:
         raise NoResonance(f"{len(found)} dips or peaks: too many to measure each")
+    if max(resonance.width.value for resonance in found) > WIDEST * np.ptp(curve.x):
+        raise NoResonance("the scan shows no baseline: what stands out takes more than half of it")
     return found
 
 
@@ -170,6 +181,34 @@ def are_fringes(curve: Curve) -> bool:
 
 def _are_fringes(height: np.ndarray, extremes: list[int]) -> bool:
     return any(height[i:j].min() < -height.max() / 4 for i, j in zip(extremes, extremes[1:]))
+
+
+def _noise(curve: Curve, along_baseline: np.ndarray) -> np.ndarray:
+    """[n] Standard errors of the distances from the baseline."""
+    with_baseline = curve.spread.with_sum(along_baseline)
+    variances = curve.spread.errors**2 - 2 * with_baseline + along_baseline @ with_baseline
+    return np.maximum(np.sqrt(variances.clip(0)), max(float(curve.errors.min()), 1e-12))  # 1e-12: rounding
+
+
+def _is_inside(x: np.ndarray, extremes: list[int], farthest: int) -> bool:
+    """Whether a comb of fringes falls off on both sides of its farthest one, as far as the scan would have shown another."""
+    spacing = float(np.diff(x[extremes]).min())
+    return (extremes[0] < farthest or x[farthest] - x[0] > spacing) and (farthest < extremes[-1] or x[-1] - x[farthest] > spacing)
+
+
+def _are_side_lobes(x: np.ndarray, height: np.ndarray, least: float) -> bool:
+    """Whether dips or peaks, as far as they rise by `least` from their neighbourhood, fall off from one end of the scan on, at even
+    distances, the first no farther from the end than the next from it."""
+    tops = signal.find_peaks(height, prominence=least)[0]
+    above = height - height.min()  # what touches has no baseline between
+    for lobes, end in ((tops[:LOBES], x[0]), (tops[:-LOBES - 1:-1], x[-1])):
+        if lobes.size < LOBES:
+            return False
+        falls, distances = above[lobes[1:]] / above[lobes[:-1]], np.abs(np.diff(x[lobes]))
+        if (falls > FALLING[0]).all() and (falls < FALLING[1]).all() and distances.max() < EVEN * distances.min() \
+                and abs(x[lobes[0]] - end) < distances.max():
+            return True
+    return False
 
 
 def deepest(resonances: list[Resonance]) -> Resonance:

@@ -145,10 +145,10 @@ class Experiment:
         from .flown import Flown
         return Flown(result)
 
-    def fly(self, threads: int = 0) -> Results:
+    def fly(self, threads: int = 0, progress: Callable[[float, float], None] | bool = False) -> Results:
         """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
         from .flown import Flown
-        return Flown(_fly(self._setup, threads, "", "none", "", False))
+        return Flown(_fly(self._setup, threads, "", "none", "", progress))
 
     def field(self, places: Sequence[Sequence[float]], times: Sequence[float] | None = None) -> dict[str, np.ndarray]:
         """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,

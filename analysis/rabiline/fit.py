@@ -7,11 +7,10 @@ import lmfit
 import numpy as np
 
 from .agreement import with_model
-from .covariance import ChiSquared, Weights
+from .covariance import LEAST_P, ChiSquared, Weights
 from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
 
 MOST_POINTS = 8192  # of a curve: weights and covariances are squares of them
-LEAST_P = 1e-3  # of chi², for the covariance to be used in the weights
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
 
 
@@ -35,7 +34,7 @@ class Fit:
     steepnesses: tuple[Value, ...]
     misfit: float  # rms residual over rms error: about 1 or below where the model describes the curve
     chi_squared: ChiSquared  # of the curve and the model
-    weighted: bool  # by the covariance; else equally
+    weighted: bool  # by the covariance, where chi² says that the model may be right; else equally
 
 
 @np.errstate(all="ignore")  # of values that lead nowhere

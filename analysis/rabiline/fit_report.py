@@ -5,15 +5,16 @@ from typing import TYPE_CHECKING, Iterable
 
 import numpy as np
 
+from .covariance import LEAST_P, p_in_words
 from .held import PART, Held
 from .units import format_value
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
 
-LEAST_P = 1e-3
 LOST = 10  # times a parameter: an error that leaves nothing of it
 BORNE_OUT = 3  # a factor between an error by the curvature and one by the profile that leaves them one
+REJECTED = "the experiment does not describe these counts: errors mean little"
 
 
 def report(fit: CountsFit) -> Iterable[str]:
@@ -43,7 +44,7 @@ def report(fit: CountsFit) -> Iterable[str]:
             for j in range(i):
                 if abs(correlation[i, j]) > 0.3:
                     yield f"  correlation of {fit.names[j]} and {name}: {correlation[i, j]:+.2f}"
-    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, p = {fit.p:.3g}" if fit.freedom > 0 else \
+    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, {p_in_words(fit.p)}" if fit.freedom > 0 else \
         "  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
@@ -53,7 +54,7 @@ def report(fit: CountsFit) -> Iterable[str]:
     for one in fit.held:
         yield from _about_held(fit, one)
     if fit.p < LEAST_P:
-        yield "  the experiment does not describe these counts: errors mean little"
+        yield f"  {REJECTED}"
 
 
 def is_undetermined(fit: CountsFit, number: int) -> bool:

@@ -15,6 +15,7 @@ from scipy import optimize, stats
 from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
+from .covariance import LEAST_P
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
-LEAST_P = 1e-3  # of counts that are taken for a constant rate
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 
 
@@ -198,19 +198,19 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
 
 
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
-    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a
-    standard deviation: nearer than that, slopes that are known to a tenth do, and what moves is the simulation's own noise.
-    Where all are many times those explored, some lead there first: all then fly once."""
+    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a step, or
+    the noise of slopes matters on the way: nearer than that, what moves is the simulation's own noise. Where all are many times those
+    explored, some lead there first: all then fly once."""
     k = len(model.names)
     some = [round(np.sqrt(model.explored * model.particles))] if model.particles > MANY * model.explored else []
     for particles in [*some, *(model.particles for _ in range(MOST_ITERATIONS))]:
         problem = replace(problem, surface=problem.surface.whole(model, particles))
         mu, _, each = problem.mean(values)
-        fisher = problem.fisher(values, problem.modes(mu, each))
+        modes = problem.modes(mu, each)
+        fisher = problem.fisher(values, modes)
         found, _ = problem.least(values)
-        reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
-        if moves < 1 and reach < 1 and particles == model.particles:
+        if moves < 1 and particles == model.particles and _is_there(problem, fisher, values, found, modes):
             return found, problem
         values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
         if moves < 1:
@@ -219,6 +219,19 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
         steps = np.array([model.step(values[:k], i, fisher.errors[i]) for i in range(k)])
         problem = replace(problem, surface=Surface.about(model, values[:k], steps))
     raise NoFit("the fit does not come to rest with all particles: start nearer, or free fewer parameters")
+
+
+def _is_there(problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, modes: np.ndarray) -> bool:
+    """Whether the noise of the slopes puts the minimum that is `found` from `values` on elsewhere by next to nothing, in standard deviations;
+    where not all directions are known, whether it is within one."""
+    way = found - values
+    if not problem.fisher(found, modes).directions[2].all():
+        return bool(way @ fisher.matrix @ way < values.size)
+    mu, slopes, each = problem.mean(values)
+    steps = problem.surface.steps
+    off = each * np.einsum("gkn,k->gn", problem.surface.noise, way[:steps.size] / steps)
+    scores = slopes @ problem.weigh(off.T, mu, modes)
+    return bool(np.sum(scores * (fisher.inverse @ scores)) < REST**2 * values.size)
 
 
 def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, intervals: bool) -> CountsFit:
@@ -274,15 +287,16 @@ def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarra
 
 def _interval(problem: Problem, values: np.ndarray, number: int, error: float, least: float) -> tuple[float, float]:
     """Where Q, least over all others, is one above its least value."""
-    def rise(by: float) -> float:
+    def beyond(by: float) -> float:
+        """By how many standard deviations Q has risen, which is nearly in proportion to `by`, less one."""
         moved = np.array(values)
         moved[number] += by * error
-        return problem.least(moved, (number,))[1] - least - 1
+        return float(np.sqrt(max(problem.least(moved, (number,))[1] - least, 0.0))) - 1
 
     ends = []
     for side in (-1.0, 1.0):
         try:
-            ends.append(side * optimize.brentq(lambda by: rise(side * by), 0.0, 4.0, xtol=1e-3))
+            ends.append(side * optimize.brentq(lambda by: beyond(side * by), 0.0, 4.0, xtol=1e-3))
         except ValueError:
             ends.append(side * np.inf)
     return float(values[number] + ends[0] * error), float(values[number] + ends[1] * error)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from . import results
 from .argument_types import count
 from .counts import read_counts
+from .covariance import LEAST_P, p_in_words
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
@@ -20,7 +21,6 @@ from .units import base_of, format_value, parse_quantity
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
 DEFAULT = "rabi"
-FAR_OFF = 3.0  # chi² per degree of freedom from which on a form is another one
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
 UNKNOWN = 10  # times itself: an error that leaves nothing
@@ -70,7 +70,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
     if options.form is None:
         others = {name: form for name, form in forms.items() if name != DEFAULT}
         print(f"           {DEFAULT} is the form by default: --form has {', '.join(others)} too")
-        if is_far_off(fitted) and (better := _better(fitted, others, x, y, covariance, options.lines)):
+        if fitted.p < LEAST_P and (better := _better(fitted, others, x, y, covariance, options.lines)):
             print(f"  help: the form {better.form} describes the curve far better, with chi² {better.chi_squared:.1f}: --form {better.form}")
     if not options.output:
         return None
@@ -102,12 +102,8 @@ def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarr
 def unit_of(name: str, unit: str) -> str:
     """That of a parameter of a form over an axis with this unit."""
     power = UNITS.get(name.split("_")[0], 0)
-    return unit if power == 1 else "s" if power == -1 and unit == "Hz" else "m" if name in ("zone", "distance") else ""
-
-
-def is_far_off(fitted: LineFit) -> bool:
-    """Whether the form is not that of the curve."""
-    return fitted.chi_squared > FAR_OFF * max(fitted.freedom, 1)
+    inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
+    return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
 
 
 def derived(fitted: LineFit, unit: str, per_field: str | None, field: str | None) -> list[str]:
@@ -160,10 +156,10 @@ def described(fitted: LineFit, unit: str) -> list[str]:
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, without correlations")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
-    if is_far_off(fitted):
+    if fitted.p < LEAST_P:
         believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
         lines.append(f"           the form does not describe the curve: believe {believed}")
     return lines

@@ -125,7 +125,7 @@ class LineFit:
 @np.errstate(all="ignore")  # of starts that lead nowhere
 def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
              lines: int = 1, start: Mapping[str, float] | None = None) -> LineFit:
-    """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each and share the rest.
+    """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each, by rising centre, and share the rest.
     A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of independent points with these
     variances, and errors come from the whole covariance. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
@@ -163,12 +163,15 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
             [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance)
 
     found = _best(refined, guesses)
-    values, scale = found.values.copy(), np.ones(found.values.size)
+    rising = np.argsort(found.values[:lines])
+    sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
+    values, scale = found.values[sorting], np.ones(found.values.size)
     values[:lines], scale[:lines] = origin + unit * values[:lines], unit
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
-    covariance = found.covariance * scale[:, None] * scale
+    covariance = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
+    others = tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance).clip(0)), covariance, found.chi_squared, found.constant,
-                   found.freedom, found.expected, found.curve, tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others))
+                   found.freedom, found.expected, found.curve, others)
 
 
 def _check_start(form: Form, lines: int, start: Mapping[str, float], x: np.ndarray) -> None:

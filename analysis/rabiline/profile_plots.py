@@ -13,6 +13,8 @@ from .results import Results
 from .style import GREY, looks
 from .units import fitting_scale
 
+RIM = 2.0  # points, by which a line is wider than each that hides it
+
 
 @dataclass(frozen=True)
 class Profile:
@@ -41,10 +43,11 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str, heading: 
     edges = np.concatenate([profile.edges for profile in profiles])
     scale = fitting_scale(edges, "m")
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
-    for profile, look in zip(profiles, looks([profile.law for profile in profiles])):
+    for number, (profile, look) in enumerate(zip(profiles, looks([profile.law for profile in profiles]))):
         at = np.asarray(scale.apply(profile.edges))
         y, errors = profile.density * scale.factor, profile.errors * scale.factor
-        axes.stairs(y, at, color=look.colour, linewidth=1.2, linestyle="--" if look.open else "-", label=profile.label)
+        above = sum(_coincide(profile, other) for other in profiles[number + 1:])
+        axes.stairs(y, at, color=look.colour, linewidth=1.2 + RIM * above, linestyle="--" if look.open else "-", label=profile.label)
         hit = y > 0
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], errors[hit], fmt="none", ecolor=look.colour,
                       elinewidth=0.9)
@@ -60,6 +63,11 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str, heading: 
     foot = style.legend_below(figure, axes, min(3, len(profiles)), heading) if len(profiles) > 1 or profiles[0].label else 0.0
     axes.set_ylabel(style.upright(figure, f"detected / {of} per {scale.unit}\n(bars: 1 σ)", foot))
     return figure
+
+
+def _coincide(one: Profile, other: Profile) -> bool:
+    """Whether two profiles are the same, as where two laws say the same."""
+    return np.array_equal(one.edges, other.edges) and np.array_equal(one.density, other.density)
 
 
 def _span(profiles: Sequence[Profile], factor: float) -> tuple[float, float]:

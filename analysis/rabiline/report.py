@@ -7,8 +7,8 @@ from typing import Iterable, Sequence
 import numpy as np
 
 from .agreement import with_constant
-from .curves import Curve, NoResonance, Resonance, curves, half_maxima
-from .fit import fit
+from .curves import Curve, NoResonance, Resonance, curves
+from .reading import reading_of
 from .results import Axis, FieldCheck, Results
 from .units import format_value, law_name
 
@@ -26,11 +26,12 @@ def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, obj
         return {"kind": resonance.kind, **{name: {"value": value.value, "error": value.error} for name, value in (
             ("centre", resonance.centre), ("width", resonance.width), ("depth", resonance.depth))}}
 
-    def lines(curve: Curve) -> list[dict[str, object]]:
+    def lines(curve: Curve) -> dict[str, object]:
         try:
-            return [line(resonance) for resonance in fit(curve).resonances]
+            told = reading_of(curve)
         except NoResonance:
-            return []
+            return {"how": "", "found": []}
+        return {"how": told.how, "found": [line(resonance) for resonance in told.resonances]}
 
     every = [curve for name in detectors for curve in curves(results, name)] if results.scan.axes else []
     return {
@@ -43,7 +44,7 @@ def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, obj
                  for axis in results.scan.axes],
         "detected": {name: {"value": results.scan.detected[i].tolist(), "error": results.scan.errors[i].tolist()}
                      for i, name in enumerate(results.scan.detectors) if name in detectors},
-        "lines": [{"curve": curve.label, "detector": curve.detector, "found": lines(curve)} for curve in every],
+        "lines": [{"curve": curve.label, "detector": curve.detector, **lines(curve)} for curve in every],
         "fates": [{"fate": fate.fate, "where": fate.where, "particles": float(fate.particles.sum())}
                   for fate in results.fates],
     }
@@ -118,16 +119,18 @@ def _flat(curve: Curve) -> str:
 
 def _resonance(curve: Curve) -> Iterable[str]:
     try:
-        for resonance in half_maxima(curve):
-            yield f"half maximum  {_measured(resonance, curve.axis.units)}"
-        fitted = fit(curve)
-        for resonance, steepness in zip(fitted.resonances, fitted.steepnesses):
-            yield f"fit           {_measured(resonance, curve.axis.units)}, " \
-                  f"steepness {format_value(steepness.value, '', steepness.error)}"
-        weights = "weights from the covariance" if fitted.weighted else "equal weights"
-        yield f"              {fitted.chi_squared}; {weights}; misfit {fitted.misfit:.2f}"
+        told = reading_of(curve)
     except NoResonance as problem:
         yield f"no resonance: {problem}"
+        return
+    for resonance in told.at_half_maximum:
+        yield f"half maximum  {_measured(resonance, curve.axis.units)}"
+    if told.fit is None:
+        yield f"no fit        {told.why_no_fit}"
+        return
+    for resonance, steepness in zip(told.fit.resonances, told.fit.steepnesses):
+        yield f"fit           {_measured(resonance, curve.axis.units)}, steepness {format_value(steepness.value, '', steepness.error)}"
+    yield f"              {told.fit.chi_squared}; weights from the covariance; misfit {told.fit.misfit:.2f}"
 
 
 def _measured(resonance: Resonance, units: str) -> str:

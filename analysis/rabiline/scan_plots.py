@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from . import style
-from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
-from .fit import fit
+from .curves import Curve, NoResonance, Resonance, Value, are_fringes
+from .reading import Reading, reading_of
 from .results import Axis
 from .style import COUNTS, GREY, INK, Look, looks
 from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name
@@ -40,8 +40,8 @@ class Measured:
 def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float],
               measured: Measured | None = None) -> Figure:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
-    peaks of a curve are fitted, or measured at half maximum where the fit fails. Where there are several, of one curve
-    or of different ones, their numbers stand in the legend."""
+    peaks of a curve have the numbers of their `reading`. Where there are several, of one curve or of different ones, these
+    stand in the legend."""
     pieces = pieces_of(curves) if measured is None else []
     if len(pieces) > 1:
         return _draw_pieces(curves, labels, title, marks, pieces)
@@ -74,9 +74,9 @@ def _draw_pieces(curves: Sequence[Curve], labels: Sequence[str], title: str, mar
         scale = parts[0].axis.scale
         _draw_panel(axes, parts, labels, {name: value for name, value in marks.items()
                                           if parts[0].x.min() <= value <= parts[0].x.max()}, beside=False)
-        found = [words for part in parts for resonance in _measured(part) for words in _in_words(resonance, scale, part.axis.units)]
-        seen = len(found) == 2 and figure.get_figwidth() / len(pieces) > ROOM
-        axes.set_title("\n".join(found if seen else []), fontsize="small")
+        readings = [told for part in parts if (told := _reading(part))]
+        seen = sum(len(told.resonances) for told in readings) == 1 and figure.get_figwidth() / len(pieces) > ROOM
+        axes.set_title("\n".join(_in_words(readings[0], scale, parts[0].axis.units)).replace(", FWHM", "\nFWHM") if seen else "", fontsize="small")
         axes.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
         axes.set_ylim(*limits)
         axes.spines["left"].set_visible(number == 0)
@@ -161,23 +161,23 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     names stand above."""
     axis = curves[0].axis
     scale = _scale(curves)
-    resonances = [_measured(curve) for curve in curves]
-    several = sum(map(len, resonances)) != 1 or any(found and are_fringes(curve) for curve, found in zip(curves, resonances))
+    readings = [_reading(curve) for curve in curves]
+    several = sum(len(told.resonances) for told in readings if told) != 1 or any(told and are_fringes(curve) for curve, told in zip(curves, readings))
     beside = beside and not several and not any(curve.rate for curve in curves)  # they would write over each other
-    drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), resonances))
+    drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), readings))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
-    below = [i for i, (curve, _, _, found) in enumerate(drawn)
-             if not found and any(_coincide(curve, other) for other, *_ in drawn[i + 1:])]
-    for i, (curve, label, look, found) in enumerate(drawn):
+    below = [i for i, (curve, _, _, told) in enumerate(drawn)
+             if not told and any(_coincide(curve, other) for other, *_ in drawn[i + 1:])]
+    for i, (curve, label, look, told) in enumerate(drawn):
         if i in below:
             _draw_below(axes, curve, label, look, scale, below.index(i), len(below))
             continue
-        words = [] if beside else [", ".join(_in_words(resonance, scale, axis.units)) for resonance in found]
-        _draw_curve(axes, curve, "\n".join([label, *words]), look, scale)
-        for resonance in found:
+        words = _in_words(told, scale, axis.units) if told else []
+        _draw_curve(axes, curve, "\n".join([label, *([] if beside else words)]), look, scale)
+        for resonance in told.resonances if told else []:
             _draw_width(axes, resonance, look, scale)
             if beside:
-                _write_beside(axes, "\n".join(_in_words(resonance, scale, axis.units)), resonance, curve, look, scale)
+                _write_beside(axes, "\n".join(words).replace(", FWHM", "\nFWHM"), resonance, curve, look, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
@@ -244,14 +244,12 @@ def title_pad(rows: int) -> float:
     return 6 + ROW * rows
 
 
-def _measured(curve: Curve) -> Sequence[Resonance]:
-    """All dips or peaks by rising x; none for a flat line, which is a result too."""
-    for measure in (lambda: fit(curve).resonances, lambda: half_maxima(curve)):
-        try:
-            return measure()
-        except NoResonance:
-            continue
-    return ()
+def _reading(curve: Curve) -> Reading | None:
+    """None of a flat line, which is a result too, and of what shows no dip or peak."""
+    try:
+        return reading_of(curve)
+    except NoResonance:
+        return None
 
 
 def _coincide(one: Curve, other: Curve) -> bool:
@@ -289,14 +287,17 @@ def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     return "bars: 1 σ" + (", correlated" if any(np.isfinite(curve.spread.freedom) for curve in curves) else "")
 
 
-def _in_words(resonance: Resonance, scale: Scale, unit: str) -> tuple[str, str]:
-    """Centre and width with their errors."""
+def _in_words(told: Reading, scale: Scale, unit: str) -> list[str]:
+    """A line of centre and width with their errors for each dip or peak, and where they come from."""
+    return [*(_numbers(resonance, scale, unit) for resonance in told.resonances), told.how]
+
+
+def _numbers(resonance: Resonance, scale: Scale, unit: str) -> str:
     centre, width = resonance.centre, resonance.width
     if scale.origin == 0 and unit:  # in the unit of the axis
         centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
         unit = scale.unit
-    return (f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−"),
-            f"FWHM {format_value(width.value, unit, width.error)}")
+    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {format_value(width.value, unit, width.error)}"
 
 
 def _edges(resonance: Resonance, scale: Scale) -> tuple[float, float]:

@@ -85,6 +85,19 @@ def test_few_particles_explore_and_all_conclude(ramsey: rabiline.Experiment, fri
     assert (np.abs(few.values - every.values) < 0.2 * every.errors).all() and few.errors == pytest.approx(every.errors, rel=0.1)
 
 
+def test_all_particles_fly_once_where_the_noise_of_slopes_does_not_matter() -> None:
+    """On any number of threads, with the same bits."""
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml").scan()
+    truth = {"C.field": 6.05e-6, "first.amplitude+second.amplitude": 0.48e-6}
+    counts = measured(clock, "first.frequency", np.linspace(9192631271.5, 9192632271.5, 41), "Hz", truth, 100000)
+    flown: list[int] = []
+    one, two = (fit_counts(clock.set(particles=200000), counts, list(truth), intervals=False, threads=threads,
+                           told=lambda _, particles, __: flown.append(particles)) for threads in (1, 2))
+    assert flown.count(200000) == 2  # once in each fit
+    assert one.values.tolist() == two.values.tolist() and one.covariance.tolist() == two.covariance.tolist()
+    assert all(abs(one[name][0] - true) < 3.5 * one[name][1] for name, true in truth.items())
+
+
 def test_what_groups_of_particles_differ_in_is_the_noise_of_a_slope() -> None:
     generator, n = np.random.default_rng(8), 2000
     slope = np.sin(np.linspace(0, 9, n))

@@ -95,6 +95,21 @@ def test_centres_become_fields_and_moments_with_their_covariance() -> None:
         derived(fitted, "Hz", "29 MHz", None)
 
 
+def test_lines_are_numbered_by_rising_centre_whichever_is_deeper() -> None:
+    for depths in ((0.6, 0.3), (0.3, 0.6)):
+        y = 1 - sum(depth * FORMS["lorentz"].f(X - centre, 20.0) for depth, centre in zip(depths, (28900, 29100)))
+        found = fit_line(X, y, np.eye(X.size) * 1e-6, "lorentz", lines=2)
+        assert [found[f"centre_{i}"][0] for i in (1, 2)] == pytest.approx([28900, 29100], abs=0.1)
+        assert [-found[f"contrast_{i}"][0] for i in (1, 2)] == pytest.approx(depths, abs=0.01) and found.others == ()
+        assert all(error < 1 for error in found.errors[:2])
+
+
+def test_times_over_a_field_have_a_unit() -> None:
+    x = np.linspace(0.2, 0.3, 101)
+    (line,) = (line for line in described(fit_line(x, 1 - 0.5 * FORMS["sinc2"].f(x - 0.25, 60.0), np.eye(x.size) * 1e-6, "sinc2"), "T") if line.startswith("time"))
+    assert line.endswith(" 1/T")
+
+
 def test_a_flat_curve_has_no_line_and_another_form_is_told() -> None:
     with pytest.raises(NoLine, match="the curve is flat"):
         fit_line(X, np.ones(X.size), np.eye(X.size) * 1e-6, "ramsey")

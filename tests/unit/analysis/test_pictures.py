@@ -10,10 +10,13 @@ import pytest
 from matplotlib.figure import Figure
 from rabiline import results, style
 from rabiline.__main__ import main
-from rabiline.curves import curves
+from rabiline.curves import curves, half_maxima
 from rabiline.errors import InputError
+from rabiline.fit import fit
 from rabiline.level_plots import draw_levels
+from rabiline.lines import rabi
 from rabiline.pictures import plot_of
+from rabiline.profile_plots import draw_profiles, profile_of
 from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
@@ -36,8 +39,30 @@ def test_one_dip_has_its_numbers_beside_it(tmp_path: Path) -> None:
     axis = frequencies()
     figure = drawn(write_results(tmp_path / "a.h5", [axis], dip(axis.values), law=[DORADO], bins=4))
     (numbers,) = written(figure)
-    assert numbers.startswith("centre 291.6") and "\nFWHM 7." in numbers
+    assert numbers.startswith("centre 291.6") and "\nFWHM 7." in numbers and numbers.endswith("\nfitted")
     assert legend(figure) == ["dorado (hypothesis), torque, κ = 1"]
+
+
+@pytest.mark.parametrize("particles", [10_000, 1_000_000])
+def test_numbers_of_a_fit_that_chi_squared_rejects_are_not_drawn(tmp_path: Path, particles: int) -> None:
+    """Rabi's line has side lobes, which a bell has not: its width is that of the curve."""
+    axis = frequencies(201)
+    y = 1 - rabi(axis.values - 291.6e3, 2.5e3, 0.2e-3)
+    path = write_results(tmp_path / "a.h5", [axis], y, law=["quantum"], particles=particles, bins=4)
+    (curve,) = curves(results.read(path))
+    fitted = fit(curve)
+    assert fitted.chi_squared.p < 1e-6
+    (numbers,) = written(drawn(path))
+    assert numbers.endswith("\nread off at half maximum")
+    (seen,) = half_maxima(curve)
+    width = float(numbers.split("FWHM ")[1].split()[0])
+    assert width == pytest.approx(seen.width.value / 1e3, rel=1e-3) and width != pytest.approx(fitted.resonances[0].width.value / 1e3, rel=3e-3)
+
+
+def test_side_lobes_alone_have_no_numbers(tmp_path: Path) -> None:
+    axis = Axis("H0.frequency", np.linspace(296.8e3, 330e3, 301), "Hz")
+    figure = drawn(write_results(tmp_path / "a.h5", [axis], 1 - rabi(axis.values - 291.6e3, 2.5e3, 0.2e-3), law=["quantum"], particles=1_000_000, bins=4))
+    assert written(figure) == [] and legend(figure) == ["quantum"]
 
 
 def test_two_dips_have_both_their_numbers_in_the_legend(tmp_path: Path) -> None:
@@ -46,8 +71,8 @@ def test_two_dips_have_both_their_numbers_in_the_legend(tmp_path: Path) -> None:
     figure = drawn(write_results(tmp_path / "a.h5", [axis], both, law=[DORADO], bins=4))
     assert written(figure) == []
     (words,) = legend(figure)
-    _, first, second = words.splitlines()
-    assert first.startswith("centre 291.") and second.startswith("centre 350.")
+    _, first, second, how = words.splitlines()
+    assert first.startswith("centre 291.") and second.startswith("centre 350.") and how == "fitted"
 
 
 def test_a_grid_of_three_axes_has_a_map_for_each_value_of_the_third(tmp_path: Path) -> None:
@@ -86,6 +111,13 @@ def test_a_title_is_written_as_it_stands(tmp_path: Path) -> None:
     figure = plot_of(file, "scan", {"title": "from $5 to $6_{a"})
     figure.draw_without_rendering()
     assert figure._suptitle.get_text() == "from $5 to $6_{a"
+
+
+def test_profiles_that_coincide_are_all_to_be_seen(tmp_path: Path) -> None:
+    file = results.read(write_results(tmp_path / "a.h5", [laws("quantum", DORADO)], np.ones(2), law=["quantum", DORADO], bins=4))
+    figure = draw_profiles([profile_of(file, "screen", i, "x", name) for i, name in enumerate(("quantum", "dorado"))], "x", "a title")
+    wide, narrow = (patch.get_linewidth() for patch in figure.axes[0].patches)
+    assert wide > narrow + 1
 
 
 def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
@@ -128,7 +160,7 @@ def test_files_side_by_side_share_their_limits_and_have_a_legend_each(tmp_path: 
     assert left.get_ylim() == right.get_ylim() and left.get_ylim()[0] < 0 < 1 < left.get_ylim()[1]
     assert [text.get_text() for text in left.get_legend().texts] == ["quantum"]
     (words,) = (text.get_text() for text in right.get_legend().texts)
-    assert "dorado" in words and "centre 291.6" in words
+    assert "dorado" in words and "centre 291." in words
 
 
 @pytest.fixture

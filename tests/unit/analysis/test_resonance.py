@@ -10,6 +10,7 @@ from rabiline import results
 from rabiline.covariance import Spread
 from rabiline.curves import Curve, NoResonance, Resonance, curves, half_maxima
 from rabiline.fit import fit
+from rabiline.lines import rabi
 from synthetic import DORADO, Axis, binomial_errors, dip, frequencies, laws, write_results
 
 pytestmark = pytest.mark.slow
@@ -192,6 +193,36 @@ def test_side_lobes_are_no_dips_and_a_comb_of_fringes_is_refused() -> None:
     fringes = curve_of(1 - np.exp(-(x / 15) ** 2) * np.cos(np.pi * x / 3) ** 2, np.diag(np.full(x.size, 1e-6)), x)
     with pytest.raises(NoResonance, match="too many"):
         half_maxima(fringes)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+@pytest.mark.parametrize("begin", [0.9, 1.0, 1.2, 2.0])  # 1/time from the resonance
+@pytest.mark.parametrize("tip", [0.5, 1.0, 3.0])  # pi
+def test_side_lobes_without_their_resonance_are_not_measured(side: int, begin: float, tip: float) -> None:
+    x = np.linspace(begin, begin + 8, 161)
+    y = 1 - rabi(x, tip / 2, 1.0) + np.random.default_rng(1938).normal(0, 1e-5, x.size)
+    with pytest.raises(NoResonance):
+        half_maxima(curve_of(y[::side], np.diag(np.full(x.size, 1e-10)), side * x[::side]))
+
+
+@pytest.mark.parametrize("begin", [-6.0, -3.0, -1.2])
+def test_a_resonance_with_its_side_lobes_is_measured_wherever_the_scan_begins(begin: float) -> None:
+    x = np.linspace(begin, begin + 10, 201)
+    assert half_maximum(curve_of(1 - rabi(x, 0.5, 1.0), np.diag(np.full(x.size, 1e-8)), x)).centre.value == pytest.approx(0, abs=1e-2)
+
+
+def test_fringes_that_rise_towards_the_end_of_a_scan_have_no_central_one() -> None:
+    for x in (np.linspace(300.0, 2300.0, 401), np.linspace(-2300.0, -300.0, 401)):
+        y = 0.1 + 0.06 * np.exp(-np.abs(x) / 900) * np.cos(2 * np.pi * x / 500)
+        with pytest.raises(NoResonance, match="central one may lie outside"):
+            half_maxima(curve_of(y, np.diag(np.full(x.size, 1e-8)), x))
+
+
+def test_between_two_lines_there_is_no_third() -> None:
+    x = np.linspace(-1.0, 1.0, 101)
+    y = 1 - 1e-3 / (1 + (x - 2)**2) - 1e-3 / (1 + (x + 2)**2)
+    with pytest.raises(NoResonance, match="more than half"):
+        half_maxima(curve_of(y, np.full((x.size, x.size), 9e-10) + np.diag(np.full(x.size, 1e-14)), x))
 
 
 def test_the_top_of_a_curve_without_its_baseline_is_refused() -> None:
