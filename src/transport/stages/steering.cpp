@@ -90,6 +90,7 @@ std::vector<double> stops_of(const Steering& s, const std::vector<int>& levels, 
   beam.padded = (beam.count + 7) / 8 * 8;
   beam.y = s.begin;
   std::fill_n(beam.vy, beam.padded, speed);
+  std::fill_n(beam.slowness, beam.padded, 1 / speed);
   for (int i = 0; i < beam.count; ++i) {
     beam.level[i] = static_cast<std::uint64_t>(levels[static_cast<std::size_t>(i)]);
     beam.weight[i] = 1;
