@@ -25,6 +25,16 @@ Form form_of(const Experiment& experiment, std::uint64_t max_memory, bool keep_m
   return form_of(experiment, moments, max_memory == 0 ? default_memory : max_memory, threads);
 }
 
+std::string told_refusal(const Experiment& experiment, const Plan& plan, int threads,
+                         std::uint64_t max_memory) {
+  try {
+    require_memory(experiment, plan, threads, max_memory);
+    return {};
+  } catch (const std::invalid_argument& refusal) {
+    return fmt::format("refused    by `rabiline run`: {}\n", refusal.what());
+  }
+}
+
 void require_memory(const Experiment& experiment, const Plan& plan, int threads, std::uint64_t max_memory) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(plan)) * threads +

@@ -11,4 +11,7 @@ Form form_of(const Experiment&, std::uint64_t max_memory, bool keep_moments, int
 /// what follows from all that need more memory than may be used [bytes]; 0: than there is.
 void require_memory(const Experiment&, const Plan&, int threads, std::uint64_t max_memory);
 
+/// What such a run is refused with, as a line of `check`; nothing where it is not.
+std::string told_refusal(const Experiment&, const Plan&, int threads, std::uint64_t max_memory);
+
 }  // namespace rabiline
