@@ -21,10 +21,11 @@ seed: 1
 
 
 @pytest.mark.parametrize("kilobytes", [64, 160])
-@pytest.mark.parametrize("verb", [("check",), ("run", "--particles", "10", "-o", "small.h5")])
-def test_a_small_stack_is_enough(tmp_path: Path, verb: tuple[str, ...], kilobytes: int) -> None:
-    size = kilobytes << 10
-    done = subprocess.run([PROGRAM, verb[0], str(RAMSEY), *verb[1:]], cwd=tmp_path, text=True, capture_output=True, timeout=300,
+@pytest.mark.parametrize("verb", [("check",), ("run", "--no-scan", "--particles", "10", "-o", "small.h5")])
+@pytest.mark.parametrize("name", ["ramsey", "caesium-clock", "hydrogen-source"])
+def test_a_small_stack_is_enough(tmp_path: Path, name: str, verb: tuple[str, ...], kilobytes: int) -> None:
+    size, file = kilobytes << 10, ROOT / "beamline" / f"{name}.yaml"
+    done = subprocess.run([PROGRAM, verb[0], str(file), *verb[1:]], cwd=tmp_path, text=True, capture_output=True, timeout=300,
                           preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_STACK, (size, size)))
     assert done.returncode == DONE, done.stderr
 
