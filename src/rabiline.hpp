@@ -82,6 +82,10 @@ struct Report {
 /// `max_memory`: as in RunSettings.
 Report check(const Setup&, std::uint64_t max_memory = 0);
 
+/// A line for people, or nothing: that the counts of an experiment do not depend on its scan, though levels
+/// may. `check` has it in its text.
+std::string note_of(const Setup&);
+
 /// Thrown by what returns a whole or nothing where it was asked to stop.
 struct Stopped : std::exception {
   const char* what() const noexcept override { return "stopped"; }

@@ -177,7 +177,7 @@ def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | 
     used = values >= COUNTED
     freedom = int(used.sum())
     if not freedom:
-        return ChiSquared(0.0, 0, np.nan, f"all points count the same particles, or all but {COUNTED}")
+        return ChiSquared(0.0, 0, np.nan, f"the points differ by fewer than {COUNTED} particles")
     along = vectors[:, used].T @ (basis.T @ (residual[kept] / errors))
     squares = float(np.sum(along**2 / values[used]))
     if np.isinf(spread.freedom):

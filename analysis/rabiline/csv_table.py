@@ -74,7 +74,7 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
         raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
-            raise FileError(path, f"line {line}: {len(cells)} value{'' if len(cells) == 1 else 's'} in {len(columns)} columns")
+            raise FileError(path, f"line {line}: {_counted(len(cells), 'value')} in {_counted(len(columns), 'column')}")
     return Table(path, header, columns, tuple(rows[1:]))
 
 
@@ -106,6 +106,10 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
         raise FileError(path, "neither an HDF5 file nor a table in UTF-8: save it as that") from None
     except OSError as problem:
         raise FileError(path, problem.strerror or str(problem)) from None
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _column(text: str) -> tuple[str, str]:

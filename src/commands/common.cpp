@@ -53,6 +53,21 @@ void require_known_options(const CLI::App& app, const std::vector<std::string>& 
   }
 }
 
+/// An empty text is no value: a variable of a shell that is not set leaves one.
+void require_values(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  const CLI::App* verb = app.get_subcommand(arguments.front());
+  for (std::size_t i = 1; i < arguments.size(); ++i) {
+    const bool joined = arguments[i].ends_with('=');  // `--threads=`
+    if (!joined && !arguments[i].empty()) continue;
+    const std::string name = joined ? arguments[i].substr(0, arguments[i].size() - 1) : arguments[i - 1];
+    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    if (option != nullptr && option->get_items_expected_min() > 0)
+      throw ArgumentError(
+          fmt::format("`{}` is set to nothing\n  help: write a value behind it, or omit it", name));
+  }
+}
+
 /// Calls it; what went wrong is told, and its exit code returned.
 int explained(const std::function<int()>& call) {
   try {
@@ -173,7 +188,7 @@ void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
   say(to, "{}", render(warnings));
 }
 
-void print_summary(const Result& result, const std::filesystem::path& output) {
+void print_summary(const Result& result, const std::filesystem::path& output, std::string_view note) {
   const std::size_t points = result.emitted.size();
   say(stdout, "{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
       points == 1 ? "" : "s", result.particles, result.provenance.seconds);
@@ -185,7 +200,7 @@ void print_summary(const Result& result, const std::filesystem::path& output) {
     else
       say(stdout, "  {}: from {:.4g} to {:.4g} of the emitted particles\n", d.name, *least, *most);
   }
-  say(stdout, "wrote {}\n", output.string());
+  say(stdout, "{}wrote {}\n", note, output.string());
 }
 
 void require_place(const std::filesystem::path& output, const std::vector<InputText>& inputs) {
@@ -216,9 +231,10 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   app.set_version_flag("--version", std::string("rabiline ") + version);
   app.require_subcommand(1);
   app.footer(
-      "A first run:   rabiline run beamline/suggested-experiment.yaml -o results.h5\n"
-      "What is in it: rabiline check beamline/suggested-experiment.yaml\n"
-      "All keys:      rabiline describe\n"
+      "A starter file: rabiline new ramsey\n"
+      "What is in it:  rabiline check ramsey.yaml\n"
+      "A first run:    rabiline run ramsey.yaml -o results.h5\n"
+      "All keys:       rabiline describe\n"
       "Exit codes: 0 done, 2 bad input or arguments, 3 a file could not be written or read, 4 stopped with a "
       "checkpoint, 1 a mistake of the program.");
   int exit = exit_code::done;
@@ -236,6 +252,7 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   require_known_verb(app, arguments);
   if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
   require_known_options(app, arguments);
+  require_values(app, arguments);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     app.parse(reversed);

@@ -61,7 +61,8 @@ auto blaming(const char* option, Call call) {
   }
 }
 
-void print_summary(const Result&, const std::filesystem::path& output);
+/// `note`: a line of its own, or nothing.
+void print_summary(const Result&, const std::filesystem::path& output, std::string_view note = {});
 
 /// Before anything is computed: results never replace what they are computed from, and must find their place.
 /// Throws ArgumentError and StorageError.

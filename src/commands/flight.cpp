@@ -195,7 +195,7 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   }
   const std::span ineffective = std::span(result->provenance.warnings).subspan(told);
   for (const std::string& warning : ineffective) say(stderr, "warning: {}\n", warning);
-  print_summary(*result, output);
+  print_summary(*result, output, note_of(setup));
   return options.strict && !ineffective.empty() ? exit_code::bad_input : exit_code::done;
 }
 

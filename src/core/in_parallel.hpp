@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/processors.hpp"
+#include "core/thread_stacks.hpp"
 
 namespace rabiline {
 
@@ -30,6 +31,7 @@ void in_parallel(std::size_t count, int threads, const Work& work) {
   };
   {
     const auto workers = static_cast<std::size_t>(threads > 0 ? threads : processors());
+    widen_thread_stacks();
     std::vector<std::jthread> others;
     try {
       while (others.size() + 1 < std::min(workers, count)) others.emplace_back(take);

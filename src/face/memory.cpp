@@ -25,6 +25,20 @@ Form form_of(const Experiment& experiment, std::uint64_t max_memory, bool keep_m
   return form_of(experiment, moments, max_memory == 0 ? default_memory : max_memory, threads);
 }
 
+std::size_t points_at_once(const Experiment& experiment, const Form& form) {
+  return (experiment.points.size() + form.slabs - 1) / form.slabs;
+}
+
+std::string told_refusal(const Experiment& experiment, const Form& form, int threads,
+                         std::uint64_t max_memory) {
+  try {
+    require_memory(experiment, form.plan, points_at_once(experiment, form), threads, max_memory);
+    return {};
+  } catch (const std::invalid_argument& refusal) {
+    return fmt::format("refused    by `rabiline run`: {}\n", refusal.what());
+  }
+}
+
 void require_memory(const Experiment& experiment, const Plan& plan, std::size_t at_once, int threads,
                     std::uint64_t max_memory) {
   const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +

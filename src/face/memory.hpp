@@ -13,4 +13,10 @@ Form form_of(const Experiment&, std::uint64_t max_memory, bool keep_moments, int
 void require_memory(const Experiment&, const Plan&, std::size_t at_once, int threads,
                     std::uint64_t max_memory);
 
+/// Scan points of which the result is in memory together, where it goes to its file slab by slab.
+std::size_t points_at_once(const Experiment&, const Form&);
+
+/// What such a run is refused with, as a line of `check`; nothing where it is not.
+std::string told_refusal(const Experiment&, const Form&, int threads, std::uint64_t max_memory);
+
 }  // namespace rabiline

@@ -1,7 +1,6 @@
 #include "rabiline.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <span>
 #include <stdexcept>
 
@@ -20,6 +19,7 @@
 #include "face/record.hpp"
 #include "face/warnings.hpp"
 #include "plan/explain.hpp"
+#include "rules/blind_screens.hpp"
 #include "rules/field_lint.hpp"
 #include "rules/part_effects.hpp"
 #include "rules/warnings.hpp"
@@ -105,14 +105,6 @@ Snapshot beginning_of(const Plan& plan, const Snapshot* start) {
   return out;
 }
 
-/// Whether a file begins as HDF5 does (HDF5 File Format Specification, section II.A).
-bool is_hdf5(const std::filesystem::path& path) {
-  std::error_code error;
-  std::string begin(8, '\0');
-  return std::filesystem::is_regular_file(path, error) &&
-         std::ifstream(path, std::ios::binary).read(begin.data(), 8) && begin == "\x89HDF\r\n\x1a\n";
-}
-
 /// The changes of a result come first; its scan stays unless there is another.
 std::pair<LoadedFile, Changes> text_of(const std::filesystem::path& file, const Changes& changes) {
   if (!is_hdf5(file)) return {load_file(file), changes};
@@ -177,8 +169,14 @@ Report check(const Setup& setup, std::uint64_t max_memory) {
   const Form form = form_of(loaded.experiment, max_memory, false, 0);
   const double planning = processor_time() - begin;
   return {explain(loaded.experiment, form.plan) + told_cost(loaded.experiment, form, planning) +
-              report_of_parts(loaded.base) + report_of_fields(loaded.base),
+              told_refusal(loaded.experiment, form, processors(), max_memory) +
+              note_on_blind_screens(loaded.experiment) + report_of_parts(loaded.base) +
+              report_of_fields(loaded.base),
           warnings_before(loaded, loaded.experiment, form.plan)};
+}
+
+std::string note_of(const Setup& setup) {
+  return setup.is_model() ? std::string() : note_on_blind_screens(experiment_of(setup).experiment);
 }
 
 Probed probe(const Setup& setup, const std::array<double, 3>& place, double time) {
@@ -247,8 +245,8 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
-  const std::size_t slabs = settings.points ? form.slabs : 1;
-  require_memory(loaded.experiment, plan, (setup.points() + slabs - 1) / slabs,
+  require_memory(loaded.experiment, plan,
+                 settings.points ? points_at_once(loaded.experiment, form) : setup.points(),
                  options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()),
                  settings.max_memory);
   if (settings.start != nullptr && !fits(*settings.start, plan))

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "input/beamline_reader.hpp"
 #include "rules/warnings.hpp"
 #include "simulation/precision.hpp"
 
@@ -75,11 +76,16 @@ void warn_unless_precise(const Beamline& beamline, const Result& result, Provena
                                                 told(reached.centre_error), told(wanted.centre_error->value))
                                   : "there is no line in `detected` that chance could not have made";
   }
+  const double needed = static_cast<double>(beamline.particles) * over * over;
+  const std::string help = !std::isfinite(over) ? "scan where `detected` changes, or omit `centre_error`"
+                           : particle_numbers.contains(std::ceil(needed))
+                               ? fmt::format("`particles` of {:.2g} may be enough", needed)
+                               : fmt::format(
+                                     "that cannot be reached: it needs {:.2g} particles, and {:g} are the "
+                                     "most; let `until` ask for less",
+                                     needed, particle_numbers.high);
   provenance.warnings.push_back(fmt::format(
-      "all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed,
-      std::isfinite(over) ? fmt::format("`particles` of {:.2g} may be enough",
-                                        static_cast<double>(beamline.particles) * over * over)
-                          : "scan where `detected` changes, or omit `centre_error`"));
+      "all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed, help));
 }
 
 }  // namespace rabiline

@@ -145,7 +145,9 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
   const auto metres = [](double x) { return pretty_quantity(x, Dimension::length); };
   constexpr std::size_t most = 100000;
   if (places.size() < 3 || places.size() > most)
-    return why = fmt::format("there are {} places along {}, but a map has 4 or more", places.size(), name),
+    return why = fmt::format("there {} along {}, but a map has 4 or more",
+                             places.size() == 1 ? "is 1 place" : fmt::format("are {} places", places.size()),
+                             name),
            std::nullopt;
   for (std::size_t i = 1; i < places.size(); ++i)
     if (!(places[i] > places[i - 1]))

@@ -96,10 +96,25 @@ std::string name_of_part(const Node& node) {
   return name && name->value.is_scalar() ? fmt::format("the part `{}`", name->value.scalar) : "this part";
 }
 
+/// `- uniform_field:`, the word for a part where a key is to stand.
+const Entry* kind_as_key(const Node& node) {
+  if (node.find(tag_key<Part>)) return nullptr;
+  for (const Entry& entry : node.entries)
+    for (const Word& word : words_of<Part>())
+      if (entry.key == word.word) return &entry;
+  return nullptr;
+}
+
 bool read_part(const Node& node, Reading& reading, PlacedPart& out) {
   if (!node.is_mapping()) {
     reading.error(node.place, fmt::format("a part is a mapping of keys, but {} stands here", quote(node)),
                   "write `- {name: B, kind: uniform_field, at: 0.3 m, ...}`");
+    return false;
+  }
+  if (const Entry* kind = kind_as_key(node)) {
+    reading.error(
+        kind->key_place, fmt::format("a part says what it is by `kind`, but `{}` is a key here", kind->key),
+        fmt::format("write `kind: {}`, with the other keys below `kind`, not further right", kind->key));
     return false;
   }
   const Entry* name = node.find("name");

@@ -47,8 +47,9 @@ class Loader {
     out_.sources.push_back(source);
     Node root = parse_document(source, text);
     if (root.is_null())
-      throw InputError({{Place{source, 0, 0, 1}, "the file is empty",
-                         "start from a copy of beamline/suggested-experiment.yaml"}});
+      throw InputError(
+          {{Place{source, 0, 0, 1}, "the file is empty",
+            "`rabiline new ramsey` writes a file to start from, and `rabiline new --help` names others"}});
     include_geometry(root, path);
     return root;
   }

@@ -71,12 +71,30 @@ std::optional<std::string_view> Keys::word_elsewhere(std::span<const Word> words
   return std::nullopt;
 }
 
+bool Keys::is_near_a_known(std::string_view key) const {
+  return !closest(std::string(key), {known_.begin(), known_.end()}).empty();
+}
+
+void Keys::indent_below(const Entry& open, std::string_view key) {
+  for (Diagnostic& d : reading_->errors)
+    if (same_place(d.place, open.key_place))
+      d.suggestion = fmt::format("keys that belong to `{0}` stand further right than `{0}`: indent `{1}`",
+                                 open.key, key);
+}
+
 void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
-  const Entry* before = nullptr;
-  bool in_bracket = false;  // that a comma has cut
+  const Entry *before = nullptr, *open = nullptr;  // the latter: a key without a value
+  bool in_bracket = false;                         // that a comma has cut
   for (const Entry& entry : node_->entries) {
     const Entry* const last = std::exchange(before, &entry);
-    if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+    if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) {
+      open = entry.value.is_null() ? &entry : nullptr;
+      continue;
+    }
+    if (open && !is_near_a_known(entry.key)) {  // most likely a key of what has no value
+      if (last == open) indent_below(*open, entry.key);
+      continue;
+    }
     const bool goes_on = std::exchange(in_bracket, false) && entry.value.is_null();
     if (goes_on || (last && ends_in_bracket(*last, entry))) {
       in_bracket = true;

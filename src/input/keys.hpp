@@ -36,6 +36,10 @@ class Keys {
   Reading& reading() { return *reading_; }
 
  private:
+  bool is_near_a_known(std::string_view key) const;
+  /// Says so of a key without a value, below which another's keys stand.
+  void indent_below(const Entry& open, std::string_view key);
+
   const Node* node_;
   std::string what_;
   Place blame_;

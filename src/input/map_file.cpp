@@ -36,8 +36,10 @@ void require_axes(const MapNodes& nodes, const std::array<MapSymmetry, 3>& symme
       throw MapFault(fmt::format("the map does not end at the plane {} = 0", name),
                      fmt::format("omit `{}`, or give the half of the map on one side of the plane", name));
     if (axis.nodes < (mirrored ? 3 : 4))
-      throw MapFault(fmt::format("there are {} places along {}, but a map has 4 or more", axis.nodes, name),
-                     "use a finer grid");
+      throw MapFault(
+          fmt::format("there {} along {}, but a map has 4 or more",
+                      axis.nodes == 1 ? "is 1 place" : fmt::format("are {} places", axis.nodes), name),
+          "use a finer grid");
   }
 }
 

@@ -135,6 +135,10 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
     if (text.empty() || text.starts_with('#')) continue;
     split(text, cells);
     if (columns.empty()) {
+      if (text.find_first_of(";\t") != text.npos)
+        throw MapFault(fmt::format("line {}: a comma stands between columns, not a {}", number,
+                                   text.find(';') == text.npos ? "tab" : "semicolon"),
+                       "separate the columns of all rows by commas; numbers have a decimal point");
       columns = columns_of(cells);
       order = order_of(columns);
       rows.axes = order.size() / 2;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "input/file.hpp"
@@ -57,7 +58,9 @@ class SpectrumReader {
       if (unit_.empty()) return nullptr;
     }
     if (errors_ == 0) check_whole();
-    return errors_ == 0 ? std::make_shared<const Spectrum>(std::move(spectrum_)) : nullptr;
+    if (errors_ > 0) return nullptr;
+    scale_flux();
+    return std::make_shared<const Spectrum>(std::move(spectrum_));
   }
 
  private:
@@ -156,6 +159,13 @@ class SpectrumReader {
             "one sharp speed is `{kind: single, value: ...}`");
     else if (std::all_of(spectrum_.flux.begin(), spectrum_.flux.end(), [](double f) { return f == 0; }))
       error(1, 1, "the flux is zero in every row");
+  }
+
+  /// Fluxes count relative to each other. A power of two takes them near 1, so that no sum or square of them
+  /// overflows and none loses a bit.
+  void scale_flux() {
+    const int exponent = std::ilogb(*std::max_element(spectrum_.flux.begin(), spectrum_.flux.end()));
+    for (double& flux : spectrum_.flux) flux = std::ldexp(flux, -exponent);
   }
 
   std::shared_ptr<const SourceText> source_;

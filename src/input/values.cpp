@@ -63,12 +63,12 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
   }
   const std::string_view si = si_unit_of(row.dimension);
   const bool angle = row.dimension == Dimension::angle;
-  reading.error(
-      node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
-      with_meaning(node.scalar.ends_with('%') ? fmt::format("write {} such as `{}`", wanted, example_for(row))
-                   : angle                    ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
-                           : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si),
-                   row));
+  reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
+                with_meaning(node.scalar.ends_with('%') || !row.range.contains(got.value)
+                                 ? fmt::format("write {} such as `{}`", wanted, example_for(row))
+                             : angle ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
+                                     : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si),
+                             row));
 }
 
 }  // namespace
@@ -127,11 +127,12 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
   if (!row.range.contains(parsed.value)) {
     const bool percent = row.range.words == range::fraction.words && parsed.value > 1 &&
                          parsed.value <= 100 && !node.scalar.ends_with('%');
-    reading.error(node.place,
-                  fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
-                  percent ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
-                  : row.key == "at" ? "places along the beam are counted from the source, which is at `0 m`"
-                                    : std::string{});
+    reading.error(
+        node.place,
+        fmt::format("`{}` must be {}, but is {}", row.key, row.range.wanted_of(parsed.value), quote(node)),
+        percent           ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
+        : row.key == "at" ? "places along the beam are counted from the source, which is at `0 m`"
+                          : std::string{});
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.
@@ -146,7 +147,9 @@ bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_
     reading.error(
         node.place,
         fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
-        "write it like `10000` or `1e4`");
+        node.is_scalar() && node.scalar.find(',') != std::string::npos
+            ? "numbers have no commas between thousands: write it like `10000` or `1e4`"
+            : "write it like `10000` or `1e4`");
     return false;
   }
   if (node.scalar.size() > 1 && node.scalar.front() == '0' && is_all_digits(node.scalar)) {

@@ -11,6 +11,9 @@
 
 namespace rabiline {
 
+namespace range {
+inline constexpr double infinite = 1e300;  // what lies beyond is refused
+}
 /// Which values a number may take, in SI; `words` completes "must be ...".
 struct Range {
   double low;
@@ -21,9 +24,14 @@ struct Range {
   constexpr bool contains(double x) const {
     return (low_included ? x >= low : x > low) && (high_included ? x <= high : x < high);
   }
+  /// What such a number must be, for one that it does not contain.
+  constexpr std::string_view wanted_of(double x) const {
+    if (high == range::infinite && x > high) return "at most 1e300 in SI units";
+    if (low == -range::infinite && x < low) return "at least -1e300 in SI units";
+    return words;
+  }
 };
 namespace range {
-inline constexpr double infinite = 1e300;
 inline constexpr Range any{-infinite, infinite, true, true, "finite"};
 inline constexpr Range positive{0, infinite, false, true, "greater than zero"};
 inline constexpr Range not_negative{0, infinite, true, true, "zero or greater"};

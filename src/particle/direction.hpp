@@ -60,9 +60,11 @@ static_assert(DirectionDistribution<GaussianDirection>);
 template <>
 inline constexpr auto parameters<GaussianDirection> = std::tuple{
     param("x", &GaussianDirection::x, Dimension::angle, range::below_right_angle,
-          "standard deviation of the slope dx/dy, as an angle: 2 mrad is a slope of 0.002"),
+          "standard deviation of the slope dx/dy; the angle in radians is the slope: 2 mrad is 0.002, and 10 "
+          "deg is 0.1745, not tan 10 deg"),
     param("z", &GaussianDirection::z, Dimension::angle, range::below_right_angle,
-          "standard deviation of the slope dz/dy, as an angle: 2 mrad is a slope of 0.002"),
+          "standard deviation of the slope dz/dy; the angle in radians is the slope: 2 mrad is 0.002, and 10 "
+          "deg is 0.1745, not tan 10 deg"),
 };
 
 /// Uniform in solid angle inside a cone around +y.
@@ -97,9 +99,11 @@ static_assert(DirectionDistribution<BoxDirection>);
 template <>
 inline constexpr auto parameters<BoxDirection> = std::tuple{
     param("x", &BoxDirection::x, Dimension::angle, range::below_right_angle,
-          "largest slope dx/dy to either side, as an angle: 2 mrad is a slope of 0.002"),
+          "largest slope dx/dy to either side; the angle in radians is the slope: 2 mrad is 0.002, and 10 "
+          "deg is 0.1745, not tan 10 deg"),
     param("z", &BoxDirection::z, Dimension::angle, range::below_right_angle,
-          "largest slope dz/dy to either side, as an angle: 2 mrad is a slope of 0.002"),
+          "largest slope dz/dy to either side; the angle in radians is the slope: 2 mrad is 0.002, and 10 "
+          "deg is 0.1745, not tan 10 deg"),
 };
 
 /// Lambert's law, what leaves a thin hole: flux per solid angle ~ cos(theta).

@@ -15,8 +15,11 @@ class SectionBuilder;
 enum class Sense { co, counter, positive, negative };
 template <>
 inline constexpr auto choices<Sense> = std::array{
-    Choice<Sense>{"co", Sense::co, "turns with the Larmor precession of the species in a field along +z"},
-    Choice<Sense>{"counter", Sense::counter, "turns against it"},
+    Choice<Sense>{
+        "co", Sense::co,
+        "turns with the Larmor precession of the species in a field along +z, and so against it in one along "
+        "-z"},
+    Choice<Sense>{"counter", Sense::counter, "turns the other way: with the precession in a field along -z"},
     Choice<Sense>{"positive", Sense::positive, "turns right-handed about +z, from +x towards +y"},
     Choice<Sense>{"negative", Sense::negative, "turns left-handed about +z, from +x towards -y"},
 };

@@ -79,53 +79,104 @@ bool turns_against(const Drive& d) { return d.turns_one_way() && d.rotation * d.
 
 std::string hertz(double omega) { return pretty_quantity(std::abs(omega) / two_pi, Dimension::frequency); }
 
-/// The key that says how fast a field turns: that of its clock.
-std::pair<std::string, std::string> clock_key(const PlacedPart& part) {
+/// The part whose clock it is that a field turns by.
+const std::string& owner_of_clock(const PlacedPart& part) {
   const std::string* clock = clock_of(part.part);
-  return {clock ? *clock : part.placement.name, "frequency"};
+  return clock ? *clock : part.placement.name;
+}
+
+/// Of a field that turns against the precession: what turns it round.
+Fault fault_of_sense(const Beamline& beamline, const PlacedPart& part, bool so_is_its_clock) {
+  const std::string &name = part.placement.name, &owner = owner_of_clock(part);
+  std::string message =
+      fmt::format("the field of `{}` turns against the precession there and cannot be resonant", name);
+  if (!so_is_its_clock)
+    return warning(name, "oscillator", std::move(message),
+                   fmt::format("spins precess the other way at `{}`, whose clock it follows: give `{}` a "
+                               "`frequency` and a `sense` of its own, and omit `oscillator`",
+                               owner, name));
+  const auto* clock = std::get_if<RotatingField>(&find_part(beamline, owner)->part);
+  const auto help = [](std::optional<Sense> sense) -> std::string_view {
+    switch (sense.value_or(Sense::co)) {
+      case Sense::co:
+        return "write `sense: counter`: `co` is for a field along +z, and here it is along -z";
+      case Sense::counter:
+        return "write `sense: co`";
+      case Sense::positive:
+        return "write `sense: negative`";
+      case Sense::negative:
+        break;
+    }
+    return "write `sense: positive`";
+  };
+  return warning(owner, "sense", std::move(message), std::string(help(clock ? clock->sense : std::nullopt)));
+}
+
+/// A field with a clock, as all species together see it.
+struct Idle {
+  const PlacedPart* part;
+  const Drive* nearest;  // to its resonance
+  bool far = true, against = true;
+};
+std::vector<Idle> judged(const std::vector<Drive>& drives, const Beamline& beamline) {
+  const auto distance = [](const Drive& d) { return std::abs(std::abs(d.rotation) - std::abs(d.larmor())); };
+  std::vector<Idle> out;
+  for (const PlacedPart& part : beamline.parts) {
+    Idle idle{&part, nullptr};
+    for (const Drive& d : drives) {
+      if (d.part != &part) continue;
+      idle.far = idle.far && is_far(d);
+      idle.against = idle.against && turns_against(d);
+      if (!idle.nearest || distance(d) < distance(*idle.nearest)) idle.nearest = &d;
+    }
+    if (idle.nearest) out.push_back(idle);
+  }
+  return out;
 }
 
 }  // namespace
 
 Faults idle_drives_of(const Beamline& beamline) {
-  std::vector<Drive> all;
+  std::vector<Drive> drives;
   for (const Species* species : points_of(beamline))
-    for (const Drive& drive : drives_of(beamline, *species)) all.push_back(drive);
+    for (const Drive& drive : drives_of(beamline, *species)) drives.push_back(drive);
+  const std::vector<Idle> all = judged(drives, beamline);
   Faults out;
-  for (const PlacedPart& part : beamline.parts) {
-    const Drive* nearest = nullptr;
-    bool far = true, against = true;
-    for (const Drive& d : all) {
-      if (d.part != &part) continue;
-      far = far && is_far(d);
-      against = against && turns_against(d);
-      const auto distance = [](const Drive& x) {
-        return std::abs(std::abs(x.rotation) - std::abs(x.larmor()));
-      };
-      if (!nearest || distance(d) < distance(*nearest)) nearest = &d;
-    }
-    if (!nearest) continue;
-    const std::string& name = part.placement.name;
-    const std::pair<std::string, std::string> clock = clock_key(part);
-    const auto& subject = clock.first;
-    const auto& key = clock.second;
-    const auto blames_this_clock = [&](const Fault& f) { return f.subject == subject && f.key == key; };
-    if (far && std::ranges::any_of(out, blames_this_clock)) continue;
-    if (far)
-      out.push_back(
-          warning(subject, key,
+  const auto tell_once = [&](Fault fault) {
+    if (std::ranges::none_of(
+            out, [&](const Fault& f) { return f.subject == fault.subject && f.key == fault.key; }))
+      out.push_back(std::move(fault));
+  };
+  for (const Idle& idle : all) {
+    const std::string& name = idle.part->placement.name;
+    const std::string& owner = owner_of_clock(*idle.part);
+    const Drive& nearest = *idle.nearest;
+    if (idle.far && nearest.larmor() == 0)
+      tell_once(warning(name, "at",
+                        fmt::format("`{}` stands where there is no static field for spins to precess in, and "
+                                    "cannot be resonant",
+                                    name),
+                        "let a static field, such as a `uniform_field`, reach over it"));
+    else if (idle.far)
+      tell_once(
+          warning(owner, "frequency",
                   fmt::format("`{}` at {} is far from every resonance: spins precess at {} there, 1/T is {}",
-                              name, hertz(nearest->rotation), hertz(nearest->larmor()),
-                              pretty_quantity(nearest->width(), Dimension::frequency)),
+                              name, hertz(nearest.rotation), hertz(nearest.larmor()),
+                              pretty_quantity(nearest.width(), Dimension::frequency)),
                   "is one of the units wrong?"));
-    else if (against)
-      out.push_back(warning(name, "sense",
-                            fmt::format("the field of `{}` turns against the precession there and cannot be "
-                                        "resonant",
-                                        name),
-                            "write `sense: co`"));
+    else if (idle.against)
+      tell_once(fault_of_sense(beamline, *idle.part, std::ranges::all_of(all, [&](const Idle& other) {
+                                 return other.against || other.part->placement.name != owner;
+                               })));
   }
   return out;
+}
+
+bool is_driven(const Beamline& beamline, const Fault& fault) {
+  return std::ranges::any_of(beamline.parts, [&](const PlacedPart& part) {
+    return is_on(part.part) &&
+           (part.placement.name == fault.subject || owner_of_clock(part) == fault.subject);
+  });
 }
 
 namespace {

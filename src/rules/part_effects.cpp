@@ -36,6 +36,12 @@ Effects effects_of(const PlacedPart& part, const Law& law, const Species& specie
 
 }  // namespace
 
+bool moves_paths(const PlacedPart& part, const Beamline& beamline) {
+  return traits_of(part.part).field && std::ranges::any_of(beamline.species, [&](const Component& component) {
+           return effects_of(part, beamline.law, component.species).paths;
+         });
+}
+
 std::string report_of_parts(const Beamline& beamline) {
   std::string out;
   for (const PlacedPart& part : beamline.parts) {

@@ -6,6 +6,9 @@
 
 namespace rabiline {
 
+/// Whether its field moves any species of the beam.
+bool moves_paths(const PlacedPart&, const Beamline&);
+
 /// A line for each part with a field; empty where there is none.
 std::string report_of_parts(const Beamline&);
 

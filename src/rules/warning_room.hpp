@@ -14,6 +14,13 @@ inline Fault warning(std::string subject, std::string key, std::string message, 
 Faults blunders_of(const Beamline&);
 /// Fields that are far from every resonance, or turn the wrong way, at one scan point.
 Faults idle_drives_of(const Beamline&);
+/// Whether any field that such a fault is about has a size at this scan point.
+bool is_driven(const Beamline&, const Fault&);
+/// Species whose moment is too small for every magnet there is, where an atom of that name exists, at one
+/// scan point.
+Faults nuclei_among_atoms_of(const Beamline&);
+/// Whether any magnet is on there.
+bool is_deflected(const Beamline&, const Fault&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

@@ -22,19 +22,25 @@ void add_once(const Faults& from, Faults& out) {
       out.push_back(fault);
 }
 
-/// Those of the first point that every other one has too.
-Faults at_every_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
+/// Those of the first point or the last that every other one has too, but for points that they do not
+/// concern.
+Faults at_every_point(const ScanPoints& points, Faults (*find)(const Beamline&),
+                      bool (*concerns)(const Beamline&, const Fault&)) {
   Faults out = find(points.front());
+  for (Fault& fault : find(points[points.size() - 1]))
+    if (std::ranges::none_of(out, [&](const Fault& other) { return is_same(fault, other); }))
+      out.push_back(std::move(fault));
   for (const Beamline& point : points) {
     if (out.empty()) break;
     const Faults here = find(point);
     std::erase_if(out, [&](const Fault& fault) {
-      return std::none_of(here.begin(), here.end(),
-                          [&](const Fault& other) { return is_same(fault, other); });
+      return concerns(point, fault) &&
+             std::ranges::none_of(here, [&](const Fault& other) { return is_same(fault, other); });
     });
   }
   return out;
 }
+bool is_always_asked(const Beamline&, const Fault&) { return true; }
 
 /// Those of any of some hundred points between the first and the last.
 Faults at_any_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
@@ -52,8 +58,9 @@ Faults at_any_point(const ScanPoints& points, Faults (*find)(const Beamline&)) {
 
 std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   Faults out;
-  add_once(at_every_point(experiment.points, &blunders_of), out);
-  add_once(at_every_point(experiment.points, &idle_drives_of), out);
+  add_once(at_every_point(experiment.points, &blunders_of, &is_always_asked), out);
+  add_once(at_every_point(experiment.points, &idle_drives_of, &is_driven), out);
+  add_once(at_every_point(experiment.points, &nuclei_among_atoms_of, &is_deflected), out);
   add_once(warnings_of_stages(experiment, plan), out);
   add_once(at_any_point(experiment.points, &approximations_of), out);
   add_once(warnings_of_atoms(experiment, plan), out);

@@ -40,7 +40,11 @@ std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Rea
     sources.push_back(make_source_text(changes.dashes + name, *value));
     if (!is_one_line(sources.back(), reading)) return;
     const Node node = parse_value(sources.back(), 0, sources.back()->lines[0].size());
-    out.push_back({name, node.place, node});
+    if (node.is_null())
+      reading.error({sources.back(), 1, 1, 1}, fmt::format("`{}` is set to nothing", changes.dashes + name),
+                    "write a number behind it, or omit it");
+    else
+      out.push_back({name, node.place, node});
   };
   add_count("particles", changes.particles);
   add_count("seed", changes.seed);

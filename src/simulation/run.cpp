@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "core/thread_stacks.hpp"
 #include "simulation/dealer.hpp"
 #include "simulation/flown.hpp"
 #include "simulation/tree_runner.hpp"
@@ -116,6 +117,7 @@ class Runner {
   }
 
   void start(std::vector<std::jthread>& threads) try {
+    widen_thread_stacks();
     for (ThreadSums& share : shares_) threads.emplace_back([this, &share] { work(share); });
   } catch (const std::system_error& error) {
     fail(std::make_exception_ptr(std::invalid_argument(

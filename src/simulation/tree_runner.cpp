@@ -95,16 +95,16 @@ void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const Rando
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_.fly(batch, chain, node.reachable_levels, isa_, key, node.transit.get());
+  branches_->fly(batch, chain, node.reachable_levels, isa_, key, node.transit.get());
   if (node.transit) {
-    if (branches_.book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
+    if (branches_->book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
     const BatchView& b = batch.view();
     for (int i = 0; i < b.count; ++i)
       if (b.flying[i] != 0 && !node.transit->cells().contains(b.slowness[i]))
         stragglers_.push_back(b.particle[i]);
   }
   for (const PlanNode::Reweighting& reweighting : node.reweightings) {
-    branches_.book(*path_of(reweighting.stage), sums.data(), reweighting.shift);
+    branches_->book(*path_of(reweighting.stage), sums.data(), reweighting.shift);
     for (const ChainLink& link : chain) {
       if (!reads_earlier_catch(link, chain)) continue;
       StageContext context{isa_, key, batch, sums.data() + link.sums + reweighting.shift};

@@ -1,6 +1,7 @@
 #pragma once
 // One block of particles through one tree of the plan.
 #include <map>
+#include <memory>
 
 #include "plan/plan.hpp"
 #include "transport/branches.hpp"
@@ -29,7 +30,7 @@ class TreeRunner {
   const Isa isa_;
   int batch_size_;
   std::vector<std::unique_ptr<Batch>> batches_;
-  Branches branches_;
+  const std::unique_ptr<Branches> branches_ = std::make_unique<Branches>();  // large for a stack
   TransitBook transits_;
   Batch outside_;  // what was caught outside the cells of moments
   std::map<const PlanNode*, MomentBuffer> moments_;

@@ -107,13 +107,28 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
                 {{"long_name", "numbers of the particles outside the cells"}});
 }
 
+namespace {
+
+/// What a run that was to keep its flight has said of it, or how to keep it.
+std::string why_not_kept(const hdf5::FileReader& file) {
+  constexpr std::string_view said = "nothing is kept for `rabiline rescan`: ";
+  constexpr std::size_t most_text = std::size_t{1} << 26;
+  if (file.contains("entry/simulation/warnings"))
+    for (const std::string& warning : file.texts("entry/simulation/warnings", most_text))
+      if (warning.starts_with(said))
+        return fmt::format("fly the other scan with `rabiline run`, as none follows from this flight: {}",
+                           warning.substr(said.size(), warning.find('\n') - said.size()));
+  return "fly it again with `--transit totals`, which keeps them or says why it cannot";
+}
+
+}  // namespace
+
 KeptFlight read_kept_flight(const std::filesystem::path& path) {
   const hdf5::FileReader file(path);
   Origin origin = read_origin(file, path);
   if (!file.contains("entry/flight"))
-    refuse_result(path,
-                  "keeps no moments of its flight, so other scans do not follow from it\n"
-                  "  help: fly it again with `--transit totals`; `rabiline check` says where moments serve");
+    refuse_result(path, "keeps no moments of its flight, so other scans do not follow from it\n  help: " +
+                            why_not_kept(file));
   return {std::move(origin.inputs), std::move(origin.changes), read_record(path, file)};
 }
 

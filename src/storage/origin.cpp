@@ -1,10 +1,19 @@
 #include "storage/origin.hpp"
 
+#include <fstream>
+
 #include <fmt/format.h>
 
 #include "storage/hdf5_reader.hpp"
 
 namespace rabiline {
+
+bool is_hdf5(const std::filesystem::path& path) {
+  std::error_code error;
+  std::string begin(8, '\0');
+  return std::filesystem::is_regular_file(path, error) &&
+         std::ifstream(path, std::ios::binary).read(begin.data(), 8) && begin == "\x89HDF\r\n\x1a\n";
+}
 
 Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& path) {
   constexpr std::size_t most_text = std::size_t{1} << 26, most_inputs = 16;

@@ -15,6 +15,9 @@ class FileReader;
 
 namespace rabiline {
 
+/// Whether a file begins as HDF5 does (HDF5 File Format Specification, section II.A).
+bool is_hdf5(const std::filesystem::path&);
+
 /// What a result was made from.
 struct Origin {
   std::vector<InputText> inputs;

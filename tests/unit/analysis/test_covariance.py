@@ -168,7 +168,7 @@ def test_the_weights_count_few_directions_by_their_own_variance(shared: Scans) -
 def test_a_flat_line_to_the_bit_has_no_chi_squared() -> None:
     all_alike = np.full((X.size, X.size), 0.9 * 0.1 / PARTICLES)
     agreement = with_constant(curve_of(np.full(X.size, 0.9), all_alike))
-    assert str(agreement) == f"no chi²: all points count the same particles, or all but {COUNTED}"
+    assert str(agreement) == f"no chi²: the points differ by fewer than {COUNTED} particles"
     agreement = with_constant(curve_of(np.ones(X.size), 0 * all_alike))
     assert str(agreement) == "no chi²: no point tells 10 or more particles apart"
 

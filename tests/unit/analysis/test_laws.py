@@ -246,6 +246,7 @@ def test_a_number_that_is_none_is_one_line(capsys: pytest.CaptureFixture) -> Non
     ("H0.frequency (kHz),counts,wind\n", "what is the column `wind`?"),
     ("H0.frequency (furlong),counts\n", "line 1, column `H0.frequency`: "),
     ("H0.frequency (kHz),counts\n266.6\n", "line 2: 1 value in 2 columns"),
+    ("counts\n266.6,3,4\n", "line 2: 3 values in 1 column"),
     ("H0.frequency (kHz),counts\n266.6,many\n", "line 2: `many` is no number (counts)"),
     ("H0.frequency (kHz),counts\n266.6,-1\n", "line 2: counts = -1 is out of range"),
     ("H0.frequency (kHz),counts\n266.6,1.5\n", "counts must be whole numbers"),

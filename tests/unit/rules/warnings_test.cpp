@@ -88,6 +88,82 @@ TEST_P(WarnsOf, ABlunderOnceAndOnlyWhereEveryPointMakesIt) {
 INSTANTIATE_TEST_SUITE_P(Warnings, WarnsOf, testing::ValuesIn(blunders),
                          [](const auto& test) { return test.param.what; });
 
+TEST(Warnings, LeaveOutPointsAtWhichADriveHasNoSize) {
+  const auto at = [](double frequency, double amplitude) {
+    Beamline b = standard();
+    std::get<RotatingField>(b.parts[2].part).frequency = frequency;
+    std::get<RotatingField>(b.parts[2].part).amplitude = amplitude;
+    return b;
+  };
+  for (const auto& [first, last] : {std::pair{0.0, 0.3e-6}, {0.3e-6, 0.0}}) {
+    const std::vector<Fault> faults = warned({at(291.6, first), at(291.6, last)});
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].key, "frequency");
+  }
+  EXPECT_TRUE(warned({at(291.6, 0), at(291.6, 0)}).empty());
+  EXPECT_TRUE(warned({at(291.6, 0), at(291.6e3, 0.3e-6)}).empty());
+}
+
+/// Two zones of one clock in fields of a size and its sign.
+Beamline two_zones(double field, Sense sense, double second_field) {
+  Beamline b = standard();
+  std::get<Polarizer>(b.parts[0].part).field = field;
+  std::get<UniformField>(b.parts[1].part).field = field;
+  std::get<RotatingField>(b.parts[2].part).sense = sense;
+  RotatingField second = std::get<RotatingField>(b.parts[2].part);
+  second.oscillator = "H0", second.frequency.reset(), second.sense.reset();
+  second.phase = {Phase::Kind::locked, 0};
+  b.parts.insert(b.parts.begin() + 3, place("C", 0.6, UniformField{0.25, second_field, {}}));
+  b.parts.insert(b.parts.begin() + 4, place("H1", 0.62, second));
+  return b;
+}
+TEST(Warnings, SayHowAFieldThatTurnsAgainstThePrecessionIsTurnedRound) {
+  const std::pair<double, Sense> wrong[] = {
+      {-10e-3, Sense::co}, {10e-3, Sense::counter}, {10e-3, Sense::negative}, {-10e-3, Sense::positive}};
+  const char* help[] = {"`sense: counter`", "`sense: co`", "`sense: positive`", "`sense: negative`"};
+  const Sense right[] = {Sense::counter, Sense::co, Sense::positive, Sense::negative};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto& [field, sense] = wrong[i];
+    const std::vector<Fault> faults = warned({two_zones(field, sense, field)});
+    ASSERT_EQ(faults.size(), 1U);  // of both, where the sense stands
+    EXPECT_EQ(faults[0].subject, "H0");
+    EXPECT_EQ(faults[0].key, "sense");
+    EXPECT_NE(faults[0].help.find(help[i]), std::string::npos) << faults[0].help;
+    EXPECT_TRUE(warned({two_zones(field, right[i], field)}).empty());
+  }
+  const std::vector<Fault> faults = warned({two_zones(10e-3, Sense::co, -10e-3)});
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "H1");
+  EXPECT_EQ(faults[0].key, "oscillator");
+}
+
+TEST(Warnings, TellThatADriveStandsInNoStaticField) {
+  Beamline b = standard();
+  b.parts.erase(b.parts.begin() + 1);
+  const std::vector<Fault> faults = warned({b});
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "H0");
+  EXPECT_NE(faults[0].message.find("no static field"), std::string::npos);
+}
+
+/// Silver through a magnet of so many T/m onto bins of 20 um.
+Beamline silver(const std::string& species, double gradient) {
+  Beamline b = test::atoms(species, 600, UnpolarisedSpin{});
+  b.source.opening = Rectangle{0.8e-3, 0.03e-3};
+  b.parts = {place("magnet", 0.05, test::magnet(0.035, gradient)),
+             place("plate", 0.09, Detector{Rectangle{2e-3, 2e-3}, {40, 100}, {}})};
+  return b;
+}
+TEST(Warnings, TellThatANucleusIsTooWeakForTheMagnetsOfItsAtom) {
+  const std::vector<Fault> faults = warned({silver("Ag-107", 0), silver("Ag-107", 1000)});
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "species");
+  EXPECT_EQ(faults[0].help, "did you mean `Ag-107 atom`?");
+  EXPECT_TRUE(warned({silver("Ag-107", 1000), silver("Ag-107", 1e7)}).empty());
+  EXPECT_TRUE(warned({silver("Ag-107 atom", 1000)}).empty());
+  EXPECT_TRUE(warned({silver("Xe-129", 1000)}).empty());  // which has no such atom here
+}
+
 /// Two rotating fields with a magnet of 1e-9 T/m between them.
 TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
   Beamline b = standard();
