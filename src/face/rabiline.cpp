@@ -245,10 +245,9 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       progress.centre_error = precision.reached().centre_error;
       settings.progress(progress);
     };
-  require_memory(loaded.experiment, plan,
-                 settings.points ? points_at_once(loaded.experiment, form) : setup.points(),
-                 options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()),
-                 settings.max_memory);
+  require_memory(
+      loaded.experiment, plan, settings.points ? points_at_once(loaded.experiment, form) : setup.points(),
+      options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()), settings.max_memory);
   if (settings.start != nullptr && !fits(*settings.start, plan))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   std::vector<Diagnostic> warnings;
