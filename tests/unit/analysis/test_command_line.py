@@ -1,7 +1,6 @@
 """The commands: pictures that are there, errors that are one line, exit codes."""
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -14,7 +13,6 @@ import pytest
 from PIL import Image
 from rabiline import results
 from rabiline.__main__ import main
-from rabiline.lines import rabi
 from synthetic import DORADO, Axis, dip, fly, frequencies, laws, write_results, write_tracks
 
 pytestmark = pytest.mark.slow
@@ -97,18 +95,6 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
            "    no resonance" in text
     assert "weights from the covariance; misfit 0.0" in text
     assert "the ledger closes" in text
-
-
-def test_the_summary_has_no_numbers_of_a_fit_that_chi_squared_rejects(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    axis = frequencies(201)
-    name = str(write_results(tmp_path / "a.h5", [axis], 1 - rabi(axis.values - 291.6e3, 2.5e3, 0.2e-3), law=["quantum"], bins=4))
-    assert main(["summary", name]) == 0
-    text = capsys.readouterr().out
-    assert "half maximum  dip at 291.6" in text and "no fit        no line shape describes this: chi²" in text and "p < 1e-6\n" in text
-    assert "fit           dip" not in text
-    assert main(["summary", "--json", name]) == 0
-    (line,) = json.loads(capsys.readouterr().out)["lines"]
-    assert line["how"] == "read off at half maximum" and line["found"][0]["kind"] == "dip"
 
 
 def test_the_summary_repeats_what_the_run_warned_of(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -1,6 +1,7 @@
-"""What stands in the pictures of scans and levels."""
+"""What stands in the pictures of scans and levels, and with them in a summary."""
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,6 +58,18 @@ def test_numbers_of_a_fit_that_chi_squared_rejects_are_not_drawn(tmp_path: Path,
     (seen,) = half_maxima(curve)
     width = float(numbers.split("FWHM ")[1].split()[0])
     assert width == pytest.approx(seen.width.value / 1e3, rel=1e-3) and width != pytest.approx(fitted.resonances[0].width.value / 1e3, rel=3e-3)
+
+
+def test_the_summary_has_no_numbers_of_a_fit_that_chi_squared_rejects(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    axis = frequencies(201)
+    name = str(write_results(tmp_path / "a.h5", [axis], 1 - rabi(axis.values - 291.6e3, 2.5e3, 0.2e-3), law=["quantum"], bins=4))
+    assert main(["summary", name]) == 0
+    text = capsys.readouterr().out
+    assert "half maximum  dip at 291.6" in text and "no fit        no line shape describes this: chi²" in text and "p < 1e-6\n" in text
+    assert "fit           dip" not in text
+    assert main(["summary", "--json", name]) == 0
+    (line,) = json.loads(capsys.readouterr().out)["lines"]
+    assert line["how"] == "read off at half maximum" and line["found"][0]["kind"] == "dip"
 
 
 def test_side_lobes_alone_have_no_numbers(tmp_path: Path) -> None:
