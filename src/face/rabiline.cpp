@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "core/isa.hpp"
+#include "core/processors.hpp"
 #include "core/version.hpp"
 #include "face/cost.hpp"
 #include "face/machine.hpp"

@@ -1,13 +1,16 @@
 #include "storage/disk_file.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <new>
 
 namespace rabiline::hdf5 {
 namespace {
 
+/// What HDF5 copies from an access to the files that are opened by it.
+struct Info {
+  DiskFile* disk = nullptr;
+};
 /// What HDF5 has of an open file; its own part comes first.
 struct Opened {
   H5FD_t own{};
@@ -18,10 +21,10 @@ Opened& opened(H5FD_t* file) { return *reinterpret_cast<Opened*>(file); }
 const Opened& opened(const H5FD_t* file) { return *reinterpret_cast<const Opened*>(file); }
 
 H5FD_t* open_disk(const char* /*name*/, unsigned /*flags*/, hid_t access, haddr_t /*most*/) {
-  const void* disk = H5Pget_driver_info(access);
-  if (disk == nullptr) return nullptr;
+  const auto* info = static_cast<const Info*>(H5Pget_driver_info(access));
+  if (info == nullptr) return nullptr;
   auto made = std::make_unique<Opened>();
-  std::memcpy(&made->disk, disk, sizeof made->disk);
+  made->disk = info->disk;
   return &made.release()->own;
 }
 herr_t close_disk(H5FD_t* file) {
@@ -66,7 +69,7 @@ hid_t registered() {
   driver.name = "rabiline";
   driver.maxaddr = (haddr_t{1} << 62) - 1;
   driver.fc_degree = H5F_CLOSE_STRONG;
-  driver.fapl_size = sizeof(DiskFile*);
+  driver.fapl_size = sizeof(Info);
   driver.open = open_disk;
   driver.close = close_disk;
   driver.query = query_disk;
@@ -109,7 +112,7 @@ NewFile& DiskFile::closed() {
 Handle access_to(DiskFile& disk, std::string_view where) {
   static const hid_t driver = registered();
   Handle access = property_list(H5P_FILE_ACCESS, where);
-  DiskFile* const info = &disk;
+  const Info info{&disk};
   check(H5Pset_driver(access.id(), driver, &info), where);
   return access;
 }

@@ -44,8 +44,8 @@ void write_signal(const Signal& signal, Put put) {
 template <class Put>
 GroupWriter write_plot(const GroupWriter& parent, const std::string& name, const std::string& title,
                        const Signal& signal, const std::vector<const Axis*>& axes, Put put) {
-  std::vector<std::string> axis_names;
-  for (const Axis* axis : axes) axis_names.push_back(axis->name);
+  std::vector<std::string> axis_names(axes.size());
+  std::ranges::transform(axes, axis_names.begin(), [](const Axis* axis) { return axis->name; });
   if (axes.empty()) axis_names = {"."};
   GroupWriter data = parent.group(name, "NXdata");
   data.attribute("signal", signal.name);
