@@ -105,7 +105,7 @@ def test_the_caesium_clock_shows_the_second_and_its_quadratic_shift(run):
     assert abs(quadratic_shift(6e-6) - 427.45 * 0.06**2) < 1e-3
     # All levels: those with other m add 1 % of ripples. The two with m = 0 alone: 1 % of the shift is 0.015 and 1.5 Hz.
     selected = ("--set", "source.spin={kind: levels, levels: [F=4 m=0, F=3 m=0]}")
-    for field, tolerance, particles, *more in ((6, 0.01, 5000, *selected), (60, 0.01, 5000, *selected), (6, 0.2, 20000)):
+    for field, tolerance, particles, *more in ((6, 0.01, 5000, *selected), (60, 0.01, 5000, *selected), (6, 0.2, 100000)):
         line = 9192631770 + quadratic_shift(field * 1e-6)
         x, y = clock(run, "--set", f"C.field={field} uT", "--scan",
                      f"first.frequency={hz(line - 97)}:{hz(line + 103)}:41", *more, particles=particles)

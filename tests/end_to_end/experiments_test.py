@@ -251,7 +251,7 @@ def test_shared_out_weights_and_drawn_levels_agree(run, name, tmp_path):
     enough = counts.min(axis=0) > 25
     deviations = ((counts[0] - counts[1]) / np.where(enough, bars, 1))[enough]
     assert np.abs(deviations).max() < 5.2  # of up to 1e5 bins
-    assert (deviations**2).mean() < 1.3
+    assert (deviations**2).mean() < 1 + max(0.3, 4.5 * np.sqrt(2 / deviations.size))
 
 
 def test_errors_of_shared_out_weights_are_how_results_scatter(run):
