@@ -9,18 +9,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from runs import BEAM_OF_POINTS
 
 PROGRAM = os.environ["RABILINE_PROGRAM"]
-BEAMLINE = """
-rabiline: 1
-title: Rabi's apparatus
-species: {name: point, mass: 20 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: 5.86e10 rad/s/T, source: invented}
-law: {name: quantum, outcomes: split}
-source:
-  speed: {kind: effusive, temperature: 900 K}
-  opening: {width: 0.2 mm, height: 0.1 mm}
-  direction: {kind: box, x: 0.1 mrad, z: 0.1 mrad}
-geometry: magnets.yaml
+BEAMLINE = BEAM_OF_POINTS + """geometry: magnets.yaml
 parts:
   - {name: C, kind: uniform_field, at: 0.25 m, length: 0.20 m, field: 1 mT}
   - {name: RF, kind: rotating_field, at: 0.30 m, length: 0.05 m, amplitude: 1 uT, frequency: 9.3265 MHz, sense: co, phase: random}

@@ -41,6 +41,18 @@ scan: [{parameter: law, values: [quantum, classical, dorado]},
 """
 
 
+# Of points that magnets split by their levels; what else a file needs follows.
+BEAM_OF_POINTS = """rabiline: 1
+title: Rabi's apparatus
+species: {name: point, mass: 20 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: 5.86e10 rad/s/T, source: invented}
+law: {name: quantum, outcomes: split}
+source:
+  speed: {kind: effusive, temperature: 900 K}
+  opening: {width: 0.2 mm, height: 0.1 mm}
+  direction: {kind: box, x: 0.1 mrad, z: 0.1 mrad}
+"""
+
+
 def rabiline(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, text=True, capture_output=True, timeout=300)
 

@@ -9,19 +9,10 @@ from pathlib import Path
 
 import h5py
 import pytest
-from runs import DONE, NOT_WRITTEN, PROGRAM, STOPPED, rabiline
+from runs import BEAM_OF_POINTS, DONE, NOT_WRITTEN, PROGRAM, STOPPED, rabiline
 
 # Two detectors, a monitor of several planes with a tally, a ledger by level: everything that a point can have.
-BEAMLINE = """
-rabiline: 1
-title: Rabi's apparatus
-species: {name: point, mass: 20 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: 5.86e10 rad/s/T, source: invented}
-law: {name: quantum, outcomes: split}
-source:
-  speed: {kind: effusive, temperature: 900 K}
-  opening: {width: 0.2 mm, height: 0.1 mm}
-  direction: {kind: box, x: 0.1 mrad, z: 0.1 mrad}
-  rate: 1e6 /s
+BEAMLINE = BEAM_OF_POINTS + """  rate: 1e6 /s
 parts:
   - {name: A, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: 1 T, gradient: 8 T/m}
   - {name: C, kind: uniform_field, at: 0.25 m, length: 0.20 m, field: 1 mT}
