@@ -51,9 +51,9 @@ std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) con
     carry_levels(plane, asked.spins);
     return asked.spins.is_idle() ? std::nullopt : std::optional(asked);
   }
-  asked.spins.from_level = spins_.start_before(plane) == UnitVector{};
+  asked.spins.start = spins_.start_before(plane);
   asked.spins.zones = spins_.zones_before_levels(plane);
-  if (asked.spins.from_level && asked.spins.is_idle()) return std::nullopt;
+  if (asked.spins.from_level() && asked.spins.is_idle()) return std::nullopt;
   asked.spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return asked;
 }
@@ -70,7 +70,7 @@ SpinStretch LevelQuestions::at_detector(const Plane& plane) const {
     return stretch;
   }
   if (straight_) spins.zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
-  if (straight_ && quantum_) spins.from_level = spins_.start_before(plane) == UnitVector{};
+  if (straight_ && quantum_) spins.start = spins_.start_before(plane);
   if (spins.levels > 2) spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return stretch;
 }

@@ -79,23 +79,24 @@ std::vector<SpinZone> SpinHistory::zones_before(const Stretch& stretch) const {
 
 std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const {
   const std::vector<SpinZone> zones = zones_before(plane);
-  const UnitVector start = start_before(plane);
-  const bool starts_along_z = start.x == 0 && start.y == 0;
+  const std::optional<UnitVector> start = start_before(plane);
+  const bool starts_along_z = start && start->x == 0 && start->y == 0;
   const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
   const auto first =
       starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
   return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
 }
 
-UnitVector SpinHistory::start_before(const Plane& plane) const {
+std::optional<UnitVector> SpinHistory::start_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane.y, &plane);
   const Stretch* stepped = last_stretch(plane.y);
   if (stepped != nullptr && (last == nullptr || last->y < stepped->end))
-    return stepped->outlook.sorts ? UnitVector{} : UnitVector{1, 0, 0};
+    return stepped->outlook.sorts ? std::optional(UnitVector{}) : std::nullopt;
   if (last == nullptr) return axis_of(source_.spin);
-  if (std::holds_alternative<MagnetTerm>(last->term)) return {};
+  if (std::holds_alternative<MagnetTerm>(last->term)) return UnitVector{};
   const auto* align = std::get_if<AlignTerm>(&last->term);
-  return align != nullptr ? UnitVector{align->axis.x, align->axis.y, align->axis.z} : UnitVector{1, 0, 0};
+  return align != nullptr ? std::optional(UnitVector{align->axis.x, align->axis.y, align->axis.z})
+                          : std::nullopt;
 }
 
 }  // namespace rabiline

@@ -1,5 +1,6 @@
 #pragma once
 // What acts on the spins of a straight flight before they reach a plane.
+#include <optional>
 #include <vector>
 
 #include "plan/stretches.hpp"
@@ -27,9 +28,9 @@ class SpinHistory {
   std::vector<SpinZone> zones_before(const Stretch&) const;
   /// Where spins were last set anew or brought up to date before the plane, 0 at the source [m].
   double known_before(const Plane&) const;
-  /// The axis of the levels behind the source, an alignment or a filter, whichever came last before the
-  /// plane; behind a filter it differs from particle to particle, and counts as one across z.
-  UnitVector start_before(const Plane&) const;
+  /// The axis of the levels behind the source or an alignment, whichever came last before the plane; nothing
+  /// where it differs from particle to particle, as behind a filter.
+  std::optional<UnitVector> start_before(const Plane&) const;
 
  private:
   const Plane* last_known_spin(double y, const Plane* before) const;

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <optional>
 
-#include "core/portable_math.hpp"
+#include "plan/spin_turning.hpp"
 #include "plan/transit_links.hpp"
-#include "plan/zones.hpp"
 #include "transport/cost.hpp"
 
 namespace rabiline {
@@ -23,54 +22,9 @@ constexpr std::size_t most_moments = std::size_t{1} << 21;
 /// point.
 constexpr double beyond = 2;
 
-constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
-                           turns_too_fast = "spins turn faster than the moments that were kept resolve",
+constexpr std::string_view turns_too_fast = "spins turn faster than the moments that were kept resolve",
                            mixed_by_particle = "levels of atoms are mixed for each particle",
                            shorter_by_particle = "that is shorter here";
-
-/// A field across z that turns about it by one clock, with the same size and rate for every particle at a
-/// place.
-bool turns_alike(const DriveTerm& drive) { return drive.in_xy && !is_shaped_otherwise(drive); }
-bool follow_one_clock(const DriveTerm& a, const DriveTerm& b) {
-  return a.omega == b.omega && a.oscillator == b.oscillator && a.random_turn == b.random_turn;
-}
-
-bool is_along_z(const UnitVector& axis) { return axis.x == 0 && axis.y == 0; }
-
-/// The angle by which spins turn at most, over the slowness [rad m/s], where that is all that their flip
-/// probability depends on: from a level, through fields and filters that stand still in the laboratory or in
-/// the one frame that turns evenly about the level's axis. What a filter lets pass is linear in the weight
-/// and the weighted spin that reach it. A probability has no faster harmonic, whatever the shape of the
-/// fields: it is a function of the slowness of that exponential type, and its derivatives are bounded by
-/// Bernstein's inequality.
-std::optional<double> turning_along(const SpinPath& path) {
-  if ((!path.from_level && path.filters.empty()) || path.of_atom || path.transitions != nullptr ||
-      path.way != nullptr || path.levels < 2)
-    return {};
-  const DriveTerm* clock = nullptr;
-  double angle = 0, since_drive = 0, of_static = 0;
-  bool in_laboratory = !is_along_z(path.start), alike = true;
-  for (const FilteredZones& before : path.filters)
-    in_laboratory = in_laboratory || before.filter.axis[0] != 0 || before.filter.axis[1] != 0;
-  path.each_zone([&](const SpinZone& zone) {
-    const double length = zone.end - zone.begin;
-    if (zone.drives == 0) {
-      if (clock != nullptr) since_drive += std::abs(zone.spin_rate - clock->omega) * length;
-      of_static += std::abs(zone.spin_rate) * length;
-      in_laboratory = in_laboratory || zone.turned;
-      return;
-    }
-    const DriveTerm& drive = zone.drive[0];
-    if (clock == nullptr) clock = &drive;
-    const bool follows = zone.kind == ZoneKind::rotating || zone.kind == ZoneKind::profiled;
-    alike = alike && follows && !zone.turned && turns_alike(drive) && follow_one_clock(drive, *clock);
-    angle += since_drive + portable::hypot(zone.spin_rate - drive.omega, drive.spin_rate) * length;
-    since_drive = 0;
-  });
-  if (!alike || (clock != nullptr && in_laboratory)) return {};
-  if (clock == nullptr) return in_laboratory ? of_static : 0;
-  return angle;
-}
 
 class TransitMaker {
  public:
@@ -81,6 +35,7 @@ class TransitMaker {
         points_(static_cast<std::size_t>(of.points)),
         weights_differ_(sums_of(tree.source).weights_differ),
         has_ledger_(tree.ledger_levels > 0),
+        pulsed_(tree.source.pulse.kind != PulseKind::none),
         everywhere_(of.wanted.everywhere || of.wanted.cells != nullptr),
         given_(of.wanted.cells),
         place_(of.place),
@@ -123,12 +78,12 @@ class TransitMaker {
         one.reweightings.push_back({nodes[i].stage, nodes[i].points, nodes[i].sums - one.sums});
         one.points.insert(one.points.end(), nodes[i].points.begin(), nodes[i].points.end());
       }
-      const auto turning = angle_along(one);
+      std::string_view why_not = mixed_by_particle;
+      const auto turning =
+          path_of(one.stage)->transitions == nullptr ? angle_along(one, why_not) : std::nullopt;
       const auto cells = turning ? cells_for(*turning) : std::nullopt;
       if (!cells) {
-        nodes[group.front()].why_one_by_one = turning                                      ? turns_too_fast
-                                              : path_of(one.stage)->transitions != nullptr ? mixed_by_particle
-                                                                                           : no_closed_form;
+        nodes[group.front()].why_one_by_one = turning ? turns_too_fast : why_not;
         continue;
       }
       const auto levels = static_cast<std::size_t>(path_of(one.stage)->levels);
@@ -166,8 +121,8 @@ class TransitMaker {
     std::string_view why_not;
     const auto links = links_behind(node, why_not);
     if (!links) return by_particle(node, why_not);
-    const auto turning = angle_along(node);
-    if (!turning) return by_particle(node, no_closed_form);
+    const auto turning = angle_along(node, why_not);
+    if (!turning) return by_particle(node, why_not);
     const auto cells = cells_for(*turning);
     if (!cells) return by_particle(node, turns_too_fast);
     const auto layout =
@@ -196,11 +151,11 @@ class TransitMaker {
   }
 
   /// Of the fastest cosine of all ways [rad m/s]; nothing where these are no closed form of the slowness.
-  static std::optional<double> angle_along(const PlanNode& node) {
+  std::optional<double> angle_along(const PlanNode& node, std::string_view& why_not) const {
     double angle = 0;
     for (const PlanNode::Reweighting& reweighting : node.reweightings) {
       const SpinPath& path = *path_of(reweighting.stage);
-      const std::optional<double> turning = turning_along(path);
+      const std::optional<double> turning = turning_along(path, pulsed_, why_not);
       if (!turning) return {};
       angle = std::max(angle, *turning * (path.levels - 1));
     }
@@ -253,7 +208,7 @@ class TransitMaker {
   const SpeedRange speeds_;
   const double mean_;  // [m/s]
   const std::size_t points_;
-  const bool weights_differ_, has_ledger_, everywhere_;
+  const bool weights_differ_, has_ledger_, pulsed_, everywhere_;
   const std::vector<SlownessCells>* const given_;
   std::size_t& place_;
   std::size_t& sums_;

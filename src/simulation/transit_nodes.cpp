@@ -109,9 +109,10 @@ Eigen::MatrixXd TransitNodes::shares(const SpinPath& path, const RandomKey& key,
       b.slowness[i] = slowness_[begin + i];
       b.vy[i] = 1 / b.slowness[i];
     }
-    std::fill_n(b.sx, count, path.start.x);
-    std::fill_n(b.sy, count, path.start.y);
-    std::fill_n(b.sz, count, path.start.z);
+    const UnitVector start = path.start.value_or(UnitVector{});
+    std::fill_n(b.sx, count, start.x);
+    std::fill_n(b.sy, count, start.y);
+    std::fill_n(b.sz, count, start.z);
     std::fill_n(b.level, count, from);
     std::fill_n(b.weight, count, quanta_per_particle);
     share_levels(path, key, best_isa(), b, b.weight, shared);

@@ -55,7 +55,7 @@ void require_followed(std::uint64_t lost) {
 SpinPathView SpinPath::view(const RandomKey& key) const {
   return {key,
           levels,
-          from_level,
+          from_level(),
           zones.data(),
           static_cast<int>(zones.size()),
           polynomials.data(),

@@ -1,6 +1,7 @@
 #pragma once
 // How the spins of a straight flight are carried from where they were last known to where they are asked for.
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/unit_vector.hpp"
@@ -20,7 +21,9 @@ struct FilteredZones {
 
 struct SpinPath {
   int levels = 0;           // that are told apart at its end; 0: a vector law, whose spin has a projection
-  bool from_level = false;  // quantum, and nothing has turned the spin before: one zone has a closed form
+  /// The axis of the levels that particles are in at its beginning, under `quantum`; nothing where it differs
+  /// from particle to particle. A spin image along z has a closed form through one zone.
+  std::optional<UnitVector> start{};
   std::vector<SpinZone> zones{};
   std::vector<double> polynomials{};          // MajoranaTable::coefficients
   bool of_atom = false;                       // whose levels no field turns
@@ -30,9 +33,9 @@ struct SpinPath {
   /// of its own behind the levels, that of the last one first: so those that come to a place are the first
   /// ones.
   std::vector<FilteredZones> filters{};
-  UnitVector start{};  // in front of filters: the axis of the levels that particles are in
   bool operator==(const SpinPath&) const = default;
 
+  bool from_level() const { return start == UnitVector{}; }
   int outcomes() const { return levels + static_cast<int>(filters.size()); }
   /// Nothing on the way acts on spins.
   bool is_idle() const {

@@ -78,7 +78,7 @@ std::size_t SpinStretch::sums() const { return layout_of(*this).size(); }
 void SpinStretch::list_sums(SumSink& sink) const { sink.levels(part, spins.levels, 0); }
 double SpinStretch::y() const { return behind_everything; }
 double SpinStretch::cost(double speed) const {
-  if (spins.from_level && spins.zones.size() <= 1 && spins.levels == 2) return cost::closed_form;
+  if (spins.from_level() && spins.zones.size() <= 1 && spins.levels == 2) return cost::closed_form;
   return spins.cost(speed);
 }
 bool SpinStretch::follows_paths() const { return spins.is_idle(); }
@@ -100,7 +100,7 @@ void SpinStretch::explain(PlanReport& report) const {
               spins.way != nullptr           ? describe(*spins.way)
               : spins.transitions != nullptr ? "coherent through the fields below, which drive them"
               : spins.zones.empty()          ? "as they arrive"
-              : spins.from_level && spins.zones.size() == 1 && spins.zones.front().kind == ZoneKind::rotating
+              : spins.from_level() && spins.zones.size() == 1 && spins.zones.front().kind == ZoneKind::rotating
                   ? "closed form"
                   : "coherent through the zones below",
               report.reuse);

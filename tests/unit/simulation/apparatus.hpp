@@ -19,7 +19,7 @@ struct Apparatus {
   bool ramsey = false, aimed = false;
   bool tallied = false;  // by two planes behind the second magnet, and the screen
   DriveProfile profile{};
-  double twist = 0;
+  double twist = 0, resonant_field = 1e-3;  // [rad], [T]
   std::uint64_t particles = 30000;
 
   Beamline at(double frequency) const {
@@ -58,7 +58,6 @@ struct Apparatus {
     b.particles = particles;
     return b;
   }
-  static constexpr double resonant_field = 1e-3;
   double resonance() const { return 5.86e10 * resonant_field / (2 * std::numbers::pi); }
   std::vector<Beamline> scan(int points) const {
     std::vector<Beamline> out;

@@ -66,6 +66,59 @@ TEST(Moments, OfACoilThatTiltsSpins) {
   }
   expect_as_alone(scan);
 }
+/// A spin across z arrives at a clock with a phase that is its slowness times omega y.
+TEST(Moments, OfSpinsThatStartAcrossZ) {
+  for (const int twice : {1, 3})
+    for (const bool levels_at_screen : {false, true}) {
+      Apparatus apparatus;
+      apparatus.species = point_of_spin(twice);
+      apparatus.particles = 10000;
+      apparatus.resonant_field = 1e-5;
+      std::vector<Beamline> scan = apparatus.scan(7);
+      for (Beamline& b : scan) {
+        b.source.spin = PolarisedSpin{{0.6, 0.64, 0.48}, 0.7};
+        std::erase_if(b.parts, [&](const PlacedPart& part) {
+          return part.placement.name == "A" || (levels_at_screen && part.placement.name == "B");
+        });
+        for (PlacedPart& part : b.parts)
+          if (auto* drive = std::get_if<RotatingField>(&part.part)) drive->phase = {Phase::Kind::locked, 0};
+      }
+      expect_as_alone(scan, {true});
+      for (Beamline& b : scan) b.source.pulse = RectanglePulse{1e-4};
+      EXPECT_FALSE(has_moments(plan_of(scan, {true}).trees.front().next));
+    }
+}
+/// The second one turns against the first, the third oscillates.
+TEST(Moments, OfFieldsWithClocksOfTheirOwn) {
+  Apparatus apparatus;
+  apparatus.particles = 10000;
+  apparatus.resonant_field = 1e-5;
+  std::vector<Beamline> scan = apparatus.scan(7);
+  for (Beamline& b : scan) {
+    const auto first = std::find_if(b.parts.begin(), b.parts.end(), [](const PlacedPart& part) {
+      return std::holds_alternative<RotatingField>(part.part);
+    });
+    auto& drive = std::get<RotatingField>(first->part);
+    drive.phase = {Phase::Kind::angle, 1};
+    RotatingField other = drive;
+    *other.frequency *= 0.9;
+    other.sense = Sense::counter;
+    other.length = 0.02;
+    OscillatingField whole;
+    whole.length = 0.06;
+    whole.amplitude = 3 * drive.amplitude;
+    whole.direction = {0.6, 0, 0.8};
+    whole.frequency = 1.1 * *drive.frequency;
+    whole.phase = {Phase::Kind::locked, 0};
+    const double behind = first->placement.at + drive.length;
+    b.parts.insert(first + 1, {place("other", behind, other), place("whole", behind + 0.02, whole)});
+  }
+  expect_as_alone(scan, {true});
+  for (Beamline& b : scan)
+    for (PlacedPart& part : b.parts)
+      if (auto* drive = std::get_if<RotatingField>(&part.part)) drive->phase = {Phase::Kind::random, 0};
+  EXPECT_FALSE(has_moments(plan_of(scan, {true}).trees.front().next));
+}
 TEST(Moments, OfParticlesThatWeighDifferently) {
   Apparatus apparatus;
   apparatus.aimed = true;

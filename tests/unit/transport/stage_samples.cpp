@@ -25,7 +25,7 @@ SpinPath spins(int levels, std::vector<SpinZone> zones) {
 }
 SpinPath of_two(std::vector<SpinZone> zones, bool from_level) {
   return {.levels = 2,
-          .from_level = from_level,
+          .start = from_level ? std::optional(UnitVector{}) : std::nullopt,
           .zones = std::move(zones),
           .polynomials = majorana_table(1).coefficients};
 }
