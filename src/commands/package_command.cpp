@@ -66,6 +66,7 @@ void start_package(const std::vector<std::string>& arguments) {
   const std::string path =
       package_folder().string() + (before != nullptr && *before != '\0' ? fmt::format(":{}", before) : "");
   setenv("PYTHONPATH", path.c_str(), 1);
+  setenv("PYTHONSAFEPATH", "1", 1);  // else a `csv.py` in the current folder would be run for Python's own
   std::vector<std::string> words{RABILINE_PYTHON, "-m", "rabiline"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;

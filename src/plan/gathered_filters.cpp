@@ -90,7 +90,7 @@ class FilterGatherer {
  private:
   LevelProjection asked_;
   Stages behind_;
-  std::vector<SpinZone> since_filter_;
+  SpinZones since_filter_;
   bool levels_known_ = false, behind_magnet_ = false;
   bool has_screen_ = false;  // whose levels are asked for behind everything
 };

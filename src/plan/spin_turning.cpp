@@ -117,7 +117,7 @@ std::optional<double> turning_along(const SpinPath& path, bool pulsed, std::stri
   SpinTurning turning(pulsed);
   turning.start_along(*path.start);
   double end = 0;
-  const auto pass = [&](const std::vector<SpinZone>& zones) {
+  const auto pass = [&](const SpinZones& zones) {
     for (const SpinZone& zone : zones) {
       turning.pass(zone);
       end = zone.end;

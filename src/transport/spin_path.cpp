@@ -63,7 +63,7 @@ SpinPathView SpinPath::view(const RandomKey& key) const {
           way != nullptr ? &way->course() : nullptr};
 }
 
-double cost_of(const std::vector<SpinZone>& zones, double speed) {
+double cost_of(const SpinZones& zones, double speed) {
   double sum = 0;
   for (const SpinZone& zone : zones)
     sum += zone.step > 0 ? (zone.end - zone.begin) / speed / zone.step * 4 * cost::step : cost::zone;

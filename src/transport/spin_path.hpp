@@ -8,23 +8,24 @@
 #include "spin/driven_levels.hpp"
 #include "transport/kernels.hpp"
 #include "transport/level_way.hpp"
+#include "transport/spin_zones.hpp"
 #include "transport/stages/filter.hpp"
 
 namespace rabiline {
 
 /// A filter on the way, and the fields in front of it since the last one.
 struct FilteredZones {
-  std::vector<SpinZone> zones;
+  SpinZones zones;
   Filter filter;
   bool operator==(const FilteredZones&) const = default;
 };
 
 struct SpinPath {
-  int levels = 0;           // that are told apart at its end; 0: a vector law, whose spin has a projection
+  int levels = 0;  // that are told apart at its end; 0: a vector law, whose spin has a projection
   /// The axis of the levels that particles are in at its beginning, under `quantum`; nothing where it differs
   /// from particle to particle. A spin image along z has a closed form through one zone.
   std::optional<UnitVector> start{};
-  std::vector<SpinZone> zones{};
+  SpinZones zones{};
   std::vector<double> polynomials{};          // MajoranaTable::coefficients
   bool of_atom = false;                       // whose levels no field turns
   const DrivenLevels* transitions = nullptr;  // of an atom that fields drive; a plan makes each once
@@ -54,7 +55,7 @@ struct SpinPath {
 };
 
 /// Time for the turning of spins in zones [s].
-double cost_of(const std::vector<SpinZone>&, double speed);
+double cost_of(const SpinZones&, double speed);
 
 /// Throws std::invalid_argument where kernels name a particle whose levels could not be followed: shares
 /// would be wrong.

@@ -158,7 +158,7 @@ Experiment clock(int points, std::uint64_t particles) {
 std::vector<RabiLine> lines_of(const Plan& plan) {
   std::vector<RabiLine> lines;
   for (const SpinStretch* stretch : stages_of<SpinStretch>(plan)) {
-    const SpinZone& zone = stretch->spins.zones.at(0);
+    const SpinZone& zone = stretch->spins.zones.front();
     const double w1 = zone.drive[0].spin_rate, rate = std::hypot(w1, zone.spin_rate - zone.drive[0].omega);
     lines.push_back({w1 * w1 / (rate * rate), 0.5 * rate * (zone.end - zone.begin)});
   }

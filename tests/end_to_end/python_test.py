@@ -280,6 +280,14 @@ def test_both_command_lines_know_the_same_commands_of_the_package() -> None:
     assert set(VERBS) == {line.split()[0] for line in listed.partition("Python:")[2].splitlines() if line.startswith("  ")}
 
 
+def test_scripts_of_the_user_do_not_stand_in_for_modules_of_python(tmp_path: Path) -> None:
+    """A `csv.py` that calls `rabiline plot` itself would start it without end."""
+    for module in ("csv", "numbers", "random", "types"):
+        (tmp_path / f"{module}.py").write_text("raise SystemExit('mine was run')\n")
+    done = subprocess.run([PROGRAM, "new"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0 and "clock" in done.stdout, done.stderr
+
+
 def test_check_speaks_json_too(tmp_path: Path) -> None:
     import json
     (tmp_path / "a.yaml").write_text((BEAMLINES / "ramsey.yaml").read_text().replace("field: 10 mT}", "field: 10 mm}"))

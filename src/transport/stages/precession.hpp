@@ -1,15 +1,13 @@
 #pragma once
 // Spins brought up to date on a straight flight.
-#include <vector>
-
-#include "transport/kernels.hpp"
+#include "transport/spin_zones.hpp"
 #include "transport/stage_concept.hpp"
 
 namespace rabiline {
 
 /// Carries spins through the fields of a straight flight, for what comes next to ask about them.
 struct Precession {
-  std::vector<SpinZone> zones;
+  SpinZones zones;
   bool operator==(const Precession&) const = default;
 
   static constexpr StageTraits traits{.spins = SpinEffect::carried};
