@@ -285,8 +285,8 @@ def test_scripts_of_the_user_do_not_stand_in_for_modules_of_python(tmp_path: Pat
     for module in ("csv", "numbers", "random", "types"):
         (tmp_path / f"{module}.py").write_text("raise SystemExit('mine was run')\n")
     alone = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run([PROGRAM, "new", "clock", "-o", "a.yaml"], cwd=tmp_path, env=alone, capture_output=True, text=True)
-    assert done.returncode == 0 and (tmp_path / "a.yaml").exists(), done.stderr
+    done = subprocess.run([PROGRAM, "fit-line", "missing.csv"], cwd=tmp_path, env=alone, capture_output=True, text=True)
+    assert "missing.csv" in done.stderr and "mine was run" not in done.stderr, done.stderr
 
 
 def test_check_speaks_json_too(tmp_path: Path) -> None:
