@@ -159,7 +159,9 @@ TEST(Warnings, TellThatANucleusIsTooWeakForTheMagnetsOfItsAtom) {
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0].subject, "species");
   EXPECT_EQ(faults[0].help, "did you mean `Ag-107 atom`?");
-  EXPECT_TRUE(warned({silver("Ag-107", 1000), silver("Ag-107", 1e7)}).empty());
+  EXPECT_EQ(
+      std::ranges::count(warned({silver("Ag-107", 1000), silver("Ag-107", 1e7)}), "species", &Fault::subject),
+      0);
   EXPECT_TRUE(warned({silver("Ag-107 atom", 1000)}).empty());
   EXPECT_TRUE(warned({silver("Xe-129", 1000)}).empty());  // which has no such atom here
 }
@@ -204,6 +206,21 @@ TEST(Warnings, TellThatParticlesPassAFringeWhereItsCurveDoesNotTellTheField) {
     ASSERT_EQ(faults.size(), 1U);
     EXPECT_EQ(faults[0].subject, "B");
     EXPECT_EQ(faults[0].key, "fringe");
+  }
+}
+
+TEST(Warnings, TellThatAMagnetHasMoreFieldThanThereIs) {
+  for (const double gradient : {1e3, -1e9}) {
+    Beamline b = standard();
+    b.parts.push_back(
+        place("M", 0.9, GradientMagnet{0.1, 0.5, gradient, {0, 0, 1}, Rectangle{5e-3, 5e-3}, {}}));
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::any_of(faults,
+                                  [](const Fault& f) {
+                                    return f.subject == "M" && f.key == "gradient" &&
+                                           f.message.find("no magnet has more") != std::string::npos;
+                                  }),
+              gradient < 0);
   }
 }
 
