@@ -209,6 +209,25 @@ TEST(Warnings, TellThatParticlesPassAFringeWhereItsCurveDoesNotTellTheField) {
   }
 }
 
+TEST(Warnings, TellThatParticlesRiseInsideOfAFieldToWhereItsFringeDoesNotTellIt) {
+  for (const bool wide : {false, true}) {
+    Beamline b = test::suggested(0);
+    b.law = QuantumLaw{};
+    b.chamber.reset();
+    b.gravity = Gravity{9.81, {0, 0, -1}};
+    // A throw that is on the axis at 0.3 m and 0.5 m, and 2 mm above it between.
+    b.source.speed = SingleSpeed{5};
+    b.source.opening = Rectangle{0, 0};
+    b.source.direction = ParallelDirection{};
+    b.source.tilt.x = std::atan(9.81 * 0.16 / 2 / 5);
+    b.source.offset.z = -9.81 * 0.06 * 0.1 / 2;
+    UniformField field{0.2, 10e-6, {}};
+    field.fringe = wide ? Fringe{TanhFringe{10e-3}} : Fringe{SineFringe{10e-3}};
+    b.parts = {place("B", 0.3, field), place("screen", 0.6, Detector{Rectangle{1, 1}, {1, 1}, {}})};
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::count(faults, "fringe", &Fault::key), wide ? 0 : 1);
+  }
+}
 TEST(Warnings, TellThatAMagnetHasMoreFieldThanThereIs) {
   for (const double gradient : {1e3, -1e9}) {
     Beamline b = standard();
