@@ -351,7 +351,8 @@ class Compiler {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels);
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels,
+                      channels_of(sections_));
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish(outlook));
     flies_free_from(touching.back().end);
