@@ -131,7 +131,7 @@ class Results:
     emitted: np.ndarray  # [points] particles
     simulation: dict[str, str]  # provenance: seed, version, threads, ...
     warnings: tuple[str, ...] = ()  # what the run warned of
-    field_check: FieldCheck | None = None  # None where nothing flies in steps
+    field_check: FieldCheck | None = None  # None where nothing flies in steps or through a magnet
 
     def __repr__(self) -> str:
         return f"<result of {self.title}>"

@@ -6,8 +6,7 @@ namespace rabiline {
 class SectionBuilder;
 
 /// A straight channel with absorbing walls. A straight flight that is inside a convex opening at both ends
-/// never touches it between, a parabola may; in fields that turn the path a round one is a wall all along, a
-/// rectangular one is asked about at its ends.
+/// never touches it between, a parabola may; in fields that turn the path it is a wall all along.
 struct Collimator {
   static constexpr std::string_view kind = "collimator",
                                     meaning = "a straight channel of some length with absorbing walls";

@@ -103,7 +103,7 @@ class Compiler {
     std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
-    add_deflection(plane, magnet, species_, levels(), tables_, chain_);
+    add_deflection(plane, magnet, species_, levels(), law_traits(beamline_.law).tolerance, tables_, chain_);
     flies_free_from(magnet.end);
   }
   void flies_free_from(double y) {
@@ -351,7 +351,8 @@ class Compiler {
     const double begin = touching.front().begin;
     stop_at_chamber(begin);
     chain_.push_back(Drift{begin});
-    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels);
+    RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels,
+                      channels_of(sections_));
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish(outlook));
     flies_free_from(touching.back().end);

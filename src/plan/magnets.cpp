@@ -15,7 +15,8 @@ double full_moment(const Species& species) {
 namespace {
 
 /// F = mu_z dB_z/ds, mu_z = gamma hbar m: the acceleration is that of m = I.
-Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels) {
+Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
+                         double tolerance) {
   Deflection d;
   d.begin = plane.y;
   d.end = magnet.end;
@@ -23,6 +24,7 @@ Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Spe
   d.along_x = magnet.shape.along_x;
   d.along_z = magnet.shape.along_z;
   d.levels = levels;
+  d.tolerance = tolerance;
   d.part = plane.part;
   d.has_gap = magnet.walls.rectangle;
   d.x0 = magnet.offset.x + magnet.walls.x;
@@ -34,7 +36,7 @@ Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Spe
 
 /// F = mu(|B|) grad |B|, of levels from their table, of a vector mu = gamma hbar I S_z.
 Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
-                     SampledTables& tables) {
+                     double tolerance, SampledTables& tables) {
   Steering s;
   s.begin = plane.y;
   s.end = magnet.end;
@@ -49,6 +51,7 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   s.mass = species.mass;
   s.moment = full_moment(species);
   s.levels = levels;
+  s.tolerance = tolerance;
   s.part = plane.part;
   if (levels > 0 && species.structure) {
     const MomentTable& table = tables.moments(*species.structure);
@@ -61,13 +64,13 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
 }  // namespace
 
 void add_deflection(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
-                    SampledTables& tables, std::vector<Stage>& chain) {
+                    double tolerance, SampledTables& tables, std::vector<Stage>& chain) {
   const bool constant_force = magnet.shape.kind == MagnetKind::gradient && !(levels > 0 && species.structure);
   if (!constant_force) {
-    chain.push_back(steering_of(plane, magnet, species, levels, tables));
+    chain.push_back(steering_of(plane, magnet, species, levels, tolerance, tables));
     return;
   }
-  const Deflection d = deflection_of(plane, magnet, species, levels);
+  const Deflection d = deflection_of(plane, magnet, species, levels, tolerance);
   if (d.has_gap)
     chain.push_back(
         Passage{aperture_of(plane.y, Rectangle{2 * d.half_x, 2 * d.half_z}, {d.x0, d.z0}), plane.part});

@@ -6,6 +6,7 @@
 
 #include "core/portable_math.hpp"
 #include "plan/courses.hpp"
+#include "plan/geometry.hpp"
 
 namespace rabiline {
 namespace {
@@ -42,6 +43,19 @@ RegionGap gap_of(const GapTerm& gap) {
           gap.height,
           portable::cos(gap.tilt.y),
           portable::sin(gap.tilt.y)};
+}
+
+std::vector<ChannelStretch> channels_of(const Sections& sections) {
+  std::vector<ChannelStretch> out;
+  for (const Plane& plane : sections.planes) {
+    const auto* plate = std::get_if<PlateTerm>(&plane.term);
+    if (!plate || plate->length <= 0) continue;
+    const Aperture a = aperture_of(plane.y, *plate);
+    if (a.radius >= 0) continue;  // a round one is a wall of the section
+    out.push_back(
+        {plane.y - plate->length, plane.y, plane.part, {a.x0, a.z0, a.half_x, a.half_z, a.cosine, a.sine}});
+  }
+  return out;
 }
 
 void RegionMaker::begin(const Section& section) {
@@ -113,6 +127,18 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   if (!section_->gaps.empty()) zone.wall_part = section_->gaps.front().part;
 }
 
+/// Its walls are the zone's where no round one is narrower.
+void RegionMaker::keep_in_channels(RegionZone& zone) {
+  constexpr double slack = 1e-12;  // [m] places closer than that are one
+  zone.channel_begin = static_cast<int>(region_.channels.size());
+  for (const ChannelStretch& c : channels_) {
+    if (c.begin > zone.field.begin + slack || c.end < zone.field.end - slack) continue;
+    region_.channels.push_back(c.channel);
+    if (std::min(c.channel.half_x, c.channel.half_z) < zone.wall_radius) zone.wall_part = c.part;
+  }
+  zone.channel_end = static_cast<int>(region_.channels.size());
+}
+
 RegionZone RegionMaker::zone_up_to(double end) {
   const Section& section = *section_;
   RegionZone zone;
@@ -123,6 +149,7 @@ RegionZone RegionMaker::zone_up_to(double end) {
   zone.wall_part = section.wall.part;
   zone.wall_x = section.wall.offset.x;
   zone.wall_z = section.wall.offset.z;
+  keep_in_channels(zone);
   if (const Vector3 field = zones_.static_field(section);
       field != Vector3{} && !is_parallel(field, spins_.aligned))
     spins_.tip = 1;

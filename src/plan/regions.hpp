@@ -11,6 +11,14 @@ struct SpinOutlook {
   double tip = 1;            // largest sine of their angle with it; 1 for a beam that nothing has aligned
 };
 
+/// A channel along the beam [m], of a part.
+struct ChannelStretch {
+  double begin = 0, end = 0;
+  int part = 0;
+  RegionChannel channel;
+};
+std::vector<ChannelStretch> channels_of(const Sections&);
+
 /// The gap of a magnet, as kernels see it.
 RegionGap gap_of(const GapTerm&);
 
@@ -18,10 +26,15 @@ RegionGap gap_of(const GapTerm&);
 class RegionMaker {
  public:
   /// All must outlive it; `speed` [m/s] is what steps are reckoned with, `slowness` how many times slower the
-  /// slowest particles are.
+  /// slowest particles are. `channels` are those along the whole beam: planes stand at both ends of each.
   RegionMaker(const Turning& turning, const ZoneMaker& zones, double speed, double slowness,
-              SpinOutlook& spins, const FieldCoupling& feels)
-      : turning_(turning), zones_(zones), speed_(speed), slowness_(slowness), spins_(spins) {
+              SpinOutlook& spins, const FieldCoupling& feels, std::vector<ChannelStretch> channels)
+      : turning_(turning),
+        zones_(zones),
+        speed_(speed),
+        slowness_(slowness),
+        spins_(spins),
+        channels_(std::move(channels)) {
     region_.feels = feels;
   }
 
@@ -40,11 +53,13 @@ class RegionMaker {
   double tip_in(const SpinZone&, double stay) const;
   RegionZone zone_up_to(double end);
   void fly_through_field(RegionZone&);
+  void keep_in_channels(RegionZone&);
 
   const Turning& turning_;
   const ZoneMaker& zones_;
   const double speed_, slowness_;
   SpinOutlook& spins_;
+  const std::vector<ChannelStretch> channels_;
   const Section* section_ = nullptr;
   double begin_ = 0;
   RegionEdge pending_;  // stands before the zone that comes next

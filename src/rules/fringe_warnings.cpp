@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/portable_math.hpp"
 #include "field/fringe_limit.hpp"
@@ -13,6 +14,7 @@ namespace rabiline {
 namespace {
 
 constexpr int particles = 64;
+constexpr double most_inside = 0.1;  // [s] that flights inside of one stage may take, about
 
 struct Fringed {
   ShapedTerm term;
@@ -22,6 +24,7 @@ struct Fringed {
   std::vector<char> strays;  // [flown] 1: farther than that
 
   void look(int particle, double x, double y, double z) {
+    if (y < begin || y > end) return;
     double own[3];
     own_place(term, x, y, z, own);
     const double distance = term.fringed.along ? portable::hypot(own[0], own[1], 0) : std::abs(own[0]);
@@ -34,7 +37,10 @@ std::vector<Fringed> fringed_fields(const Beamline& beamline) {
   std::vector<Fringed> out;
   for (const Section& section : sections_of(beamline).sections) {
     const auto add = [&](const ShapedTerm& term) {
-      if (term.kind == ShapedKind::fringed)
+      if (term.kind != ShapedKind::fringed) return;
+      if (const auto same = std::ranges::find(out, term, &Fringed::term); same != out.end())
+        same->end = section.end;
+      else
         out.push_back({term, section.begin, section.end, good_up_to(term.fringed), 0, {}});
     };
     std::ranges::for_each(section.shaped, add);
@@ -44,19 +50,69 @@ std::vector<Fringed> fringed_fields(const Beamline& beamline) {
   return out;
 }
 
-/// Free flight from the batch's plane on to `next`.
+/// Free flight from the batch's plane on to `next`: a parabola is looked at between its ends, too.
 void look_between(const BatchView& batch, double next, std::vector<Fringed>& fields) {
+  const int places = batch.fall == Fall{} ? 1 : 16;
   for (Fringed& field : fields) {
     const double from = std::max(batch.y, field.begin), to = std::min(next, field.end);
     if (from > to) continue;
     for (int i = 0; i < batch.count; ++i) {
       if (batch.flying[i] == 0) continue;
-      for (const double y : {from, to}) {
-        const double dt = (y - batch.y) / batch.vy[i];
+      for (int k = 0; k <= places; ++k) {
+        const double y = std::lerp(from, to, static_cast<double>(k) / places),
+                     dt = (y - batch.y) / batch.vy[i];
         field.look(i, batch.x[i] + (batch.vx[i] + 0.5 * batch.fall.x * dt) * dt, y,
                    batch.z[i] + (batch.vz[i] + 0.5 * batch.fall.z * dt) * dt);
       }
     }
+  }
+}
+
+/// What one particle passes.
+struct Looker {
+  int particle;
+  std::vector<Fringed>& fields;
+  double last[3] = {};
+  bool has_last = false;
+
+  /// There, and halfway from the last place.
+  void look(const double* place) {
+    for (Fringed& field : fields) {
+      field.look(particle, place[0], place[1], place[2]);
+      if (has_last)
+        field.look(particle, std::midpoint(place[0], last[0]), std::midpoint(place[1], last[1]),
+                   std::midpoint(place[2], last[2]));
+    }
+    std::copy_n(place, 3, last);
+    has_last = true;
+  }
+};
+
+/// Where a stage bends paths, each of the first particles flies through it alone, and is looked at where its
+/// steps end: as many as there is time for.
+void look_inside(const Stage& stage, const RandomKey& key, const Batch& batch, std::vector<Fringed>& fields) {
+  const BatchView& from = batch.view();
+  const double cost = 8 * cost_of(stage, from.vy[0]);  // a vector takes as long as its lanes
+  const int looked_at =
+      static_cast<int>(std::clamp(most_inside / cost, 1.0, static_cast<double>(from.count)));
+  std::vector<Sum> sums(sums_needed(stage));
+  for (int i = 0; i < looked_at; ++i) {
+    if (from.flying[i] == 0) continue;
+    Batch alone;
+    BatchView& to = alone.view();
+    to.count = 1;
+    to.padded = 8;
+    to.y = from.y;
+    to.fall = from.fall;
+    for (const auto column : real_columns) (to.*column)[0] = (from.*column)[i];
+    for (const auto column : word_columns) (to.*column)[0] = (from.*column)[i];
+    Looker looker{i, fields};
+    const StepRecorder recorder{[](void* self, double, const double* place, const double*, const double*) {
+                                  static_cast<Looker*>(self)->look(place);
+                                },
+                                &looker};
+    StageContext context{best_isa(), key, alone, sums.data(), &recorder};
+    advance(stage, context);
   }
 }
 
@@ -73,6 +129,8 @@ void fly(const PlanTree& tree, std::vector<Fringed>& fields) {
     const SpinPath* asked = path_of(stage);
     if (!nodes->front().reweightings.empty() || (asked != nullptr && asked->way != nullptr))
       continue;  // weights alone
+    if (std::holds_alternative<TurningRegion>(stage) || std::holds_alternative<SortingField>(stage))
+      look_inside(stage, tree.source.key, batch, fields);
     std::vector<Sum> sums(sums_needed(stage));
     StageContext context{best_isa(), tree.source.key, batch, sums.data()};
     advance(stage, context);

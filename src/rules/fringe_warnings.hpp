@@ -9,7 +9,8 @@
 namespace rabiline {
 
 /// Flies the first particles of each species through the first scan point, and warns of fringes that they
-/// pass farther from the axis than the curve tells what the field is (field/fringe_limit.hpp).
+/// pass farther from the axis than the curve tells what the field is (field/fringe_limit.hpp): at both ends
+/// of straight flights, and at every step of those through fields.
 std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan&);
 
 }  // namespace rabiline

@@ -13,7 +13,7 @@ namespace {
 double acceleration_in(const Plane& plane, const MagnetTerm& magnet, const Species& species, double speed) {
   SampledTables tables;
   std::vector<Stage> chain;
-  add_deflection(plane, magnet, species, 0, tables, chain);
+  add_deflection(plane, magnet, species, 0, usual_tolerance, tables, chain);
   double largest = 0;
   for (const Stage& stage : chain) {
     if (const auto* constant = std::get_if<Deflection>(&stage))

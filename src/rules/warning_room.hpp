@@ -21,6 +21,8 @@ bool is_driven(const Beamline&, const Fault&);
 Faults nuclei_among_atoms_of(const Beamline&);
 /// Whether any magnet is on there.
 bool is_deflected(const Beamline&, const Fault&);
+/// Deflecting magnets with fields that nobody can make, at one scan point.
+Faults impossible_magnets_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

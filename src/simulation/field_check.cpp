@@ -14,12 +14,13 @@
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "simulation/level_check.hpp"
+#include "simulation/magnet_check.hpp"
 #include "simulation/zone_rates.hpp"
 
 namespace rabiline {
 namespace {
 
-constexpr int particles_checked = 16, most_regions = 8;
+constexpr int particles_checked = 16, most_stretches = 8;
 constexpr long most_evaluations = 4'000'000;
 constexpr double most_operations = 1e8;  // for levels of atoms
 
@@ -77,12 +78,7 @@ Vector3 pull_of_level(const Problem& p, const FieldHere<double>& field) {
   const FieldCoupling& feels = p.region.feels;
   double pull = p.part * feels.pull;
   if (feels.moments.coefficients != nullptr) {
-    const MomentLaw& law = feels.moments;
-    const double place = size / (size + law.scale) * law.cells,
-                 cell = std::min(std::floor(place), static_cast<double>(law.cells - 1)), t = place - cell;
-    const double* c = law.coefficients + 4 * (static_cast<std::ptrdiff_t>(p.level) * law.cells +
-                                              static_cast<std::ptrdiff_t>(cell));
-    pull = (((c[3] * t + c[2]) * t + c[1]) * t + c[0]) / feels.mass;
+    pull = moment_at(feels.moments, p.level, size) / feels.mass;
   }
   return (pull / size) * b;
 }
@@ -160,13 +156,13 @@ class Checker {
     propagate(tree.next, batch);
   }
   std::optional<FieldCheck> found() const {
-    return regions_ > 0 || found_.particles > 0 || too_long_ ? std::optional(found_) : std::nullopt;
+    return stretches_ > 0 || found_.particles > 0 || too_long_ ? std::optional(found_) : std::nullopt;
   }
 
  private:
   void propagate(const std::vector<PlanNode>& nodes, const Batch& at_begin) {
     for (const PlanNode& node : nodes) {
-      if (regions_ >= most_regions) return;
+      if (stretches_ >= most_stretches) return;
       if (const SpinPath* path = path_of(node.stage); path != nullptr && path->way != nullptr)
         compare(*path, at_begin.view());
       if (!node.reweightings
@@ -183,6 +179,10 @@ class Checker {
         compare(*region, at_begin.view(), batch.view());
       if (const auto* sorting = std::get_if<SortingField>(&node.stage))
         compare(sorting->region, at_begin.view(), batch.view());
+      if (const auto* magnet = std::get_if<Deflection>(&node.stage))
+        compare_in_magnet(*magnet, at_begin.view(), batch.view());
+      if (const auto* magnet = std::get_if<Steering>(&node.stage))
+        compare_in_magnet(*magnet, at_begin.view(), batch.view());
       propagate(node.next, batch);
     }
   }
@@ -222,7 +222,7 @@ class Checker {
 
   void compare(const TurningRegion& region, const BatchView& before, const BatchView& behind) {
     if (changes_state(region)) return;
-    ++regions_;
+    ++stretches_;
     found_.tolerance = region.feels.tolerance;
     for (int i = 0; i < before.count; ++i) {
       if (before.flying[i] == 0 || behind.flying[i] == 0) continue;
@@ -254,9 +254,32 @@ class Checker {
     if (!region.feels.follows_level) found_.spin = std::max(found_.spin, distance(6));
   }
 
+  /// The level, or S along the field, is that of before.
+  template <class Magnet>
+  void compare_in_magnet(const Magnet& magnet, const BatchView& before, const BatchView& behind) {
+    ++stretches_;
+    found_.tolerance = magnet.tolerance;
+    const double length = magnet.end - magnet.begin;
+    for (int i = 0; i < before.count; ++i) {
+      if (before.flying[i] == 0 || behind.flying[i] == 0) continue;
+      const auto there = integrated_through(magnet, before, i, evaluations_, most_evaluations);
+      if (!there) continue;
+      ++found_.particles;
+      found_.place =
+          std::max(found_.place, portable::hypot(there->x - behind.x[i], there->z - behind.z[i], 0) / length);
+      found_.direction =
+          std::max(found_.direction,
+                   portable::hypot(there->vx - behind.vx[i], there->vz - behind.vz[i], 0) / behind.vy[i]);
+      if (magnet.levels > 0)
+        found_.levels = std::max(found_.levels, before.level[i] == behind.level[i] ? 0.0 : 1.0);
+      else
+        found_.spin = std::max(found_.spin, std::abs(before.sz[i] - behind.sz[i]));
+    }
+  }
+
   const Isa isa_;
   RandomKey key_;
-  int regions_ = 0;
+  int stretches_ = 0;
   long evaluations_ = 0;
   double operations_ = most_operations;
   bool too_long_ = false;  // for even one atom, where nothing else took of the operations

@@ -1,5 +1,8 @@
 #include "simulation/zone_rates.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -35,6 +38,14 @@ void add_field_at(const ShapedTerm& term, const SpinZone& zone, const double* ph
   const double share = portable::cos(zone.drive[term.drive].omega * t + phases[term.drive]);
   for (int k = 0; k < 3; ++k) sum.field[k] += share * peak.field[k];
   for (int k = 0; k < 9; ++k) sum.slope[k] += share * peak.slope[k];
+}
+
+double moment_at(const MomentLaw& law, std::uint64_t level, double size) {
+  const double place = size / (size + law.scale) * law.cells,
+               cell = std::min(std::floor(place), static_cast<double>(law.cells - 1)), t = place - cell;
+  const double* c = law.coefficients +
+                    4 * (static_cast<std::ptrdiff_t>(level) * law.cells + static_cast<std::ptrdiff_t>(cell));
+  return ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
 }
 
 double phase_of(const DriveTerm& drive, const RandomKey& key, std::uint64_t particle) {

@@ -3,6 +3,7 @@
 #include "core/vector3.hpp"
 #include "field/shaped_term.hpp"
 #include "transport/kernels.hpp"
+#include "transport/moment_law.hpp"
 
 namespace rabiline {
 
@@ -16,6 +17,9 @@ ZoneRates rates_of(const SpinZone&, const double* phases, const Vector3& place, 
 /// Adds a field that stands, or swings with the angle of a drive of the zone.
 void add_field_at(const ShapedTerm&, const SpinZone&, const double* phases, const Vector3& place, double t,
                   FieldHere<double>&);
+
+/// [J/T] of a level where |B| has that size.
+double moment_at(const MomentLaw&, std::uint64_t level, double size);
 
 /// A drive's phase at the particle's emission, as kernels draw it.
 double phase_of(const DriveTerm&, const RandomKey&, std::uint64_t particle);

@@ -313,7 +313,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
   const bool has_gaps = zone.gap_begin < zone.gap_end;
-  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
+  mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   if (has_gaps) going = going & stepper.in_gaps(start.place);
   const bool switched = is_switched(zone.field) || stepper.follows_courses();
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
@@ -343,7 +343,8 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
       lookout.look(now.place.y, steps_on, zone, [&](real y, mask crosses) {
         return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
       });
-    const real farthest = farthest2(zone, old.place, old.velocity, now.place, now.velocity, trial);
+    const FarOut farthest =
+        farthest_out(region, zone, old.place, old.velocity, now.place, now.velocity, trial);
     const mask in_gap = has_gaps ? stepper.in_gaps(now.place) : ~mask{};
     const mask inside = (now.place.y >= begin) & in_wall(zone, farthest) & in_gap;
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
@@ -368,7 +369,8 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   if (any(beyond))
     v.state = choose(beyond, stepper.at_plane(before, last_h, select(v.forward, end, begin)), v.state);
   v.state.place.y = select(v.forward, end, select(v.backwards, begin, v.state.place.y));
-  v.stop_at_wall(zone, v.forward | v.backwards, before.place, before.velocity, v.state, v.state.t - before.t);
+  v.stop_at_wall(region, zone, v.forward | v.backwards, before.place, before.velocity, v.state,
+                 v.state.t - before.t);
   v.state = choose(chosen, v.state, start);
   return v;
 }

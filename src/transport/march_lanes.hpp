@@ -99,10 +99,10 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
              span = broadcast(zone.table.span);
   const real speed = sqrt(dot(start.velocity, start.velocity));
   const real deadline = start.t + region.most_way / speed;
-  const bool walled = zone.wall_radius < __builtin_inf();
+  const bool walled = zone.wall_radius < __builtin_inf(), in_channel = zone.channel_begin < zone.channel_end;
   const real wall = broadcast(zone.wall_radius);
   State now = start;
-  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
+  mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   while (any(going)) {
     curve.begin(now);
@@ -113,9 +113,10 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
     while (any(on_way)) {
       real safe = min(reach.time_to(end - at.place.y, at.velocity.y),
                       reach.time_to(at.place.y - begin, -at.velocity.y));
-      if (walled) {
+      if (walled || in_channel) {
         const real across = sqrt(fma(at.velocity.x, at.velocity.x, at.velocity.z * at.velocity.z));
-        safe = min(safe, reach.time_to(wall - sqrt(from_axis2(zone, at.place)), across));
+        if (walled) safe = min(safe, reach.time_to(wall - sqrt(from_axis2(zone, at.place)), across));
+        if (in_channel) safe = min(safe, reach.time_to(-far_out(region, zone, at.place).beyond, across));
       }
       const mask through = tau + safe >= span;  // nothing is met in this span any more
       const real next = select(through, span, min(span, tau + max(safe, reach.finely)));
@@ -126,7 +127,8 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       if (!any(on_way)) break;
       const Motion to = curve.motion(next);
       const real t = now.t + next;
-      const real farthest = farthest2(zone, at.place, at.velocity, to.place, to.velocity, next - tau);
+      const FarOut farthest =
+          farthest_out(region, zone, at.place, at.velocity, to.place, to.velocity, next - tau);
       const mask goes_on = (to.place.y >= begin) & in_wall(zone, farthest) & (t < deadline);
       const mask stays = goes_on & (to.place.y < end), left = on_way & ~stays;
       const mask forward = (to.place.y >= end) & left, backwards = (to.place.y < begin) & left;
@@ -155,7 +157,7 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       v.state = choose(leaves, there, v.state);
       if (any(crossed)) {
         const Motion from = curve.motion(low);
-        v.stop_at_wall(zone, crossed, from.place, from.velocity, v.state, when - low);
+        v.stop_at_wall(region, zone, crossed, from.place, from.velocity, v.state, when - low);
       }
       going = going & ~leaves;
     }

@@ -47,6 +47,12 @@ struct RegionGap {
   double cosine = 1, sine = 0;
   bool operator==(const RegionGap&) const = default;
 };
+/// A straight channel with a rectangular opening, which stops what touches its walls.
+struct RegionChannel {
+  double x = 0, z = 0, half_x = 0, half_z = 0;  // [m] its centre and halves
+  double cosine = 1, sine = 0;                  // of its turn about the beam, from +z towards +x
+  bool operator==(const RegionChannel&) const = default;
+};
 /// One zone of a region with its wall and course.
 struct RegionZone {
   SpinZone field;
@@ -61,8 +67,9 @@ struct RegionZone {
   int shaped_begin = 0, shaped_end = 0;  // of the region's fields that differ from place to place
   int electric_end = 0;                  // of its electric ones, which begin at shaped_end
   int gap_begin = 0, gap_end = 0;        // of the gaps of magnets
-  double uniform[3] = {};                // [T] the sum of all static fields that do not
-  double longest = 0;                    // [m] way in one step through a field
+  int channel_begin = 0, channel_end = 0;
+  double uniform[3] = {};  // [T] the sum of all static fields that do not
+  double longest = 0;      // [m] way in one step through a field
   bool operator==(const RegionZone&) const = default;
 };
 /// How one species feels an electric field E, to first order in v/c. Its spin sees the motional field
@@ -119,6 +126,7 @@ struct Region {
   bool take_off_spin_component = false;  // closure torque
   const ShapedTerm* shaped = nullptr;
   const RegionGap* gaps = nullptr;
+  const RegionChannel* channels = nullptr;
   FieldCoupling feels;
   double most_way = 0;            // [m] flown in one zone at one visit; what goes on for longer gives up
   std::uint64_t most_visits = 0;  // of zones

@@ -84,22 +84,83 @@ RABILINE_LANES Jump next_jump(const Steering& s, const Force& force, const Acros
           select(speed2 > broadcast(0), sqrt(max(speed2, broadcast(0))), never)};
 }
 
-/// [s] of the next step: what is left in equal steps, none longer than the force allows, none shorter than
-/// `least`. Where the force jumps ahead of a lane that comes back there seldom, steps end just short of it
-/// and a last, tiny one crosses it.
-RABILINE_LANES real next_step(const Steering& s, const Force& force, const Across& at, real left,
-                              real least) {
-  const real rate = sqrt(fma(fma(at.vx, at.vx, at.vz * at.vz), force.sharpness, force.rate));
+/// Of the next step what the force allows: `length` [s], and `rate` [1/s], w at its begin.
+struct NextStep {
+  real length, rate;
+};
+RABILINE_LANES real rate_of(const Force& force, const Across& at) {
+  return sqrt(fma(fma(at.vx, at.vx, at.vz * at.vz), force.sharpness, force.rate));
+}
+/// What is left in equal steps, none longer than the force allows, none shorter than `least`. Where the force
+/// jumps ahead of a lane that comes back there seldom, steps end just short of it and a last, tiny one
+/// crosses it: there none is shorter than `hair`.
+RABILINE_LANES NextStep next_step(const Steering& s, const Force& force, const Across& at, real left,
+                                  real least, real hair) {
+  const real rate = rate_of(force, at);
   real finest = least, until = left;
   if (s.shape.jumps()) {
     const Jump jump = next_jump(s, force, at);
     const mask seldom =
         jump.speed > steering::seldom * least * sqrt(fma(force.ax, force.ax, force.az * force.az));
-    finest = select(seldom, least * steering::hair, least);
+    finest = select(seldom, hair, least);
     until = select(seldom, max(finest, jump.time * (1 - 1.0 / 64)), left);
   }
   const real steps = min(left * rate * (1 / steering::step_angle), left / finest);
-  return min(left / max(broadcast(1), -floor(-steps)), until);
+  return {min(left / max(broadcast(1), -floor(-steps)), until), rate};
+}
+
+/// What steps may be off by.
+struct Allowed {
+  real drift;  // [m/s] of the velocity over the whole magnet, and of the place over the time in it
+  real stay;   // [s] in the whole magnet
+};
+
+/// How a step of the length h from one place to another may be off, by bounds of what its steps were measured
+/// to be off by, c (w h)^4 of the change of the velocity: what that is worth at the magnet's end, and the
+/// place itself. A force that turned over within the step is not bounded by w.
+RABILINE_LANES mask may_be_off(const Steering& s, const Force& before, const Across& to, const Force& behind,
+                               real rate, real h, const Allowed& allowed) {
+  constexpr double of_velocity = 1e-2, of_place = 1e-3;
+  const real late = rate_of(behind, to), angle2 = max(rate * rate, late * late) * (h * h);
+  const real force = max(abs(before.ax) + abs(before.az), abs(behind.ax) + abs(behind.az));
+  const mask off = force * angle2 * max(of_velocity * angle2 * allowed.stay, of_place * h) > allowed.drift;
+  if (!s.shape.jumps()) return off;
+  const mask turned_over = fma(before.ax, behind.ax, before.az * behind.az) < broadcast(0);
+  return off | (turned_over & (2.0 * force * h > allowed.drift * steering::of_jump));
+}
+
+/// By how much a step was off, over what it may be: the force on the path, which its ends tell to fifth
+/// order, integrated by Lobatto's rule of sixth.
+RABILINE_LANES real error_of(const Steering& s, const Fall& fall, words level, real part, const Across& from,
+                             const Force& before, const Across& to, const Force& behind, real h,
+                             const Allowed& allowed) {
+  constexpr double first = 0.27639320225002103, of_ends = 1.0 / 12, of_middle = 5.0 / 12;
+  const auto place_at = [&](double c, real x0, real v0, real a0, real x1, real v1, real a1) {
+    const double c2 = c * c, c3 = c2 * c, c4 = c2 * c2, c5 = c4 * c;
+    const real by_v = (c - 6 * c3 + 8 * c4 - 3 * c5) * v0 + (-4 * c3 + 7 * c4 - 3 * c5) * v1;
+    const real by_a = (0.5 * c2 - 1.5 * c3 + 1.5 * c4 - 0.5 * c5) * a0 + (0.5 * c3 - c4 + 0.5 * c5) * a1;
+    return x0 + (10 * c3 - 15 * c4 + 6 * c5) * (x1 - x0) + h * (by_v + h * by_a);
+  };
+  const auto force_on_path = [&](double c) {
+    const real none = broadcast(0);
+    const Across there{place_at(c, from.x, from.vx, before.ax, to.x, to.vx, behind.ax),
+                       place_at(c, from.z, from.vz, before.az, to.z, to.vz, behind.az), none, none};
+    return force_at(s, fall, level, part, there);
+  };
+  const Force early = force_on_path(first), late = force_on_path(1 - first);
+  const auto off = [&](real x0, real v0, real a0, real a1, real a2, real x1, real v1, real a3) {
+    const real dv = h * (of_ends * (a0 + a3) + of_middle * (a1 + a2)) - (v1 - v0);
+    const real dx = h * (v0 + h * (of_ends * a0 + of_middle * ((1 - first) * a1 + first * a2))) - (x1 - x0);
+    return max(abs(dv) * allowed.stay, abs(dx));
+  };
+  const real worst = max(off(from.x, from.vx, before.ax, early.ax, late.ax, to.x, to.vx, behind.ax),
+                         off(from.z, from.vz, before.az, early.az, late.az, to.z, to.vz, behind.az));
+  real whole = h;
+  if (s.shape.jumps()) {
+    const mask jumped = fma(before.ax, behind.ax, before.az * behind.az) < broadcast(0);
+    whole = select(jumped, h + steering::of_jump * allowed.stay, h);
+  }
+  return worst / (allowed.drift * whole);
 }
 
 /// Flies lanes through the magnet; returns which of them came through.
@@ -107,15 +168,38 @@ RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, re
                             real stay, Across& at) {
   const auto outside_walls = [&] { return is_free<mask>(s.walls, at.x, at.z); };
   flying = flying & outside_walls();
-  const real least = stay * (1 / steering::most_steps);
-  real left = select(flying, stay, broadcast(0));
+  const double share = s.share();
+  const real least = stay * (1 / steering::most_steps / share), hair = least * steering::hair;
+  const Allowed allowed{(0.1 * s.tolerance) * (s.end - s.begin) / stay, stay * (1 / share)};
+  const double fine = steering::most_fine * share,
+               most_fine = fine > steering::fewest_fine ? fine : steering::fewest_fine;
+  real left = select(flying, stay, broadcast(0)), longest = broadcast(__builtin_inf());
   Force force = force_at(s, fall, level, part, at);
-  while (any(left > broadcast(0))) {
+  for (double taken = 0; any(left > broadcast(0)); ++taken) {
     const mask goes = left > broadcast(0);
-    const real h = select(goes, next_step(s, force, at, left, least), broadcast(0));
+    const real finest = taken < most_fine ? hair : least;
+    const NextStep next = next_step(s, force, at, left, least, finest);
+    const real h = select(goes, min(next.length, longest), broadcast(0));
+    const Across from = at;
+    const Force before = force;
     step(s, fall, level, part, h, at, force);
+    real done = h;
+    longest = broadcast(__builtin_inf());
+    const mask unsure = goes & may_be_off(s, before, at, force, next.rate, h, allowed);
+    if (any(unsure)) {
+      const real error = error_of(s, fall, level, part, from, before, at, force, h, allowed);
+      const mask rejected = unsure & (error > broadcast(1)) & (h > finest);
+      const real better = h * max(broadcast(0.1), min(broadcast(4), 0.9 / sqrt(sqrt(error))));
+      longest = select(unsure, max(better, finest), longest);
+      done = select(rejected, broadcast(0), h);
+      at = {select(rejected, from.x, at.x), select(rejected, from.z, at.z), select(rejected, from.vx, at.vx),
+            select(rejected, from.vz, at.vz)};
+      force = {select(rejected, before.ax, force.ax), select(rejected, before.az, force.az),
+               select(rejected, before.rate, force.rate),
+               select(rejected, before.sharpness, force.sharpness)};
+    }
     flying = flying & (outside_walls() | ~goes);
-    left = select(goes & flying & (h < left), left - h, broadcast(0));
+    left = select(goes & flying & (done < left), left - done, broadcast(0));
   }
   return flying;
 }

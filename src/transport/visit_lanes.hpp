@@ -13,27 +13,43 @@ inline void record(const StepRecorder& recorder, const State& s) {
   recorder.record(recorder.self, lane(s.t, 0), place, velocity, spin);
 }
 
-/// The squared distance from the axis of a zone's wall, and whether that is inside it, or beyond it; what is
-/// no number is neither.
+/// The squared distance from the axis of a zone's round wall.
 RABILINE_LANES real from_axis2(const RegionZone& zone, const Vector& r) {
   const real x = r.x - zone.wall_x, z = r.z - zone.wall_z;
   return fma(x, x, z * z);
 }
-RABILINE_LANES mask in_wall(const RegionZone& zone, real distance2) {
-  return distance2 <= broadcast(zone.wall_radius * zone.wall_radius);
+/// How far out lanes are: that, and how far they are beyond the nearest wall of a channel [m].
+struct FarOut {
+  real round2, beyond;
+};
+/// Whether that is inside of a zone's walls, or beyond them; what is no number is neither.
+RABILINE_LANES mask in_wall(const RegionZone& zone, const FarOut& out) {
+  return (out.round2 <= broadcast(zone.wall_radius * zone.wall_radius)) & (out.beyond <= broadcast(0));
 }
-RABILINE_LANES mask beyond_wall(const RegionZone& zone, real distance2) {
-  return distance2 > broadcast(zone.wall_radius * zone.wall_radius);
+RABILINE_LANES mask beyond_wall(const RegionZone& zone, const FarOut& out) {
+  return (out.round2 > broadcast(zone.wall_radius * zone.wall_radius)) | (out.beyond > broadcast(0));
 }
-/// The largest squared distance from the axis of a zone's wall within a step of the time h and at its end, by
-/// the cubic that has r^2 and its slope at both ends: between them a path may graze the wall.
-RABILINE_LANES real farthest2(const RegionZone& zone, const Vector& place, const Vector& velocity,
-                              const Vector& next_place, const Vector& next_velocity, real h) {
-  const auto slope = [&](const Vector& r, const Vector& v) {
-    return 2.0 * h * fma(r.x - zone.wall_x, v.x, (r.z - zone.wall_z) * v.z);
-  };
-  const real from = from_axis2(zone, place), to = from_axis2(zone, next_place),
-             rises = slope(place, velocity), falls = slope(next_place, next_velocity);
+/// Along the two axes of a channel.
+RABILINE_LANES real across_channel(const RegionChannel& channel, real x, real z) {
+  return fma(x, broadcast(channel.cosine), -(z * channel.sine));
+}
+RABILINE_LANES real up_channel(const RegionChannel& channel, real x, real z) {
+  return fma(x, broadcast(channel.sine), z * channel.cosine);
+}
+RABILINE_LANES FarOut far_out(const Region& region, const RegionZone& zone, const Vector& r) {
+  real beyond = broadcast(-1);
+  for (int i = zone.channel_begin; i < zone.channel_end; ++i) {
+    const RegionChannel& channel = region.channels[i];
+    const real x = r.x - channel.x, z = r.z - channel.z;
+    const real wall = max(abs(across_channel(channel, x, z)) - channel.half_x,
+                          abs(up_channel(channel, x, z)) - channel.half_z);
+    beyond = i == zone.channel_begin ? wall : max(beyond, wall);
+  }
+  return {from_axis2(zone, r), beyond};
+}
+/// The largest that something comes to which rises by `to - from` within a step, and at its end: by the cubic
+/// with these slopes at both ends, in units of the step.
+RABILINE_LANES real highest(real from, real to, real rises, real falls) {
   const mask turns = (rises > broadcast(0)) & (falls < broadcast(0));
   if (!any(turns)) return to;
   const real grown = to - from, cubic = rises + falls - 2.0 * grown,
@@ -41,6 +57,33 @@ RABILINE_LANES real farthest2(const RegionZone& zone, const Vector& place, const
   const real root = sqrt(max(fma(square, square, -3.0 * cubic * rises), broadcast(0)));
   const real tau = rises / select(turns, root - square, broadcast(1));
   return select(turns, max(to, fma(fma(fma(cubic, tau, square), tau, rises), tau, from)), to);
+}
+/// The farthest out within a step of the time h and at its end: between them a path may graze a wall. From
+/// the axis of a round one by r^2, from the middle of a channel by the place itself, so that parabolas are
+/// exact.
+RABILINE_LANES FarOut farthest_out(const Region& region, const RegionZone& zone, const Vector& place,
+                                   const Vector& velocity, const Vector& next_place,
+                                   const Vector& next_velocity, real h) {
+  const auto slope = [&](const Vector& r, const Vector& v) {
+    return 2.0 * h * fma(r.x - zone.wall_x, v.x, (r.z - zone.wall_z) * v.z);
+  };
+  const real from = from_axis2(zone, place), to = from_axis2(zone, next_place),
+             rises = slope(place, velocity), falls = slope(next_place, next_velocity);
+  FarOut out{highest(from, to, rises, falls), broadcast(-1)};
+  for (int i = zone.channel_begin; i < zone.channel_end; ++i) {
+    const RegionChannel& channel = region.channels[i];
+    const auto beyond = [&](auto along, double half) {
+      const real begin = along(channel, place.x - channel.x, place.z - channel.z),
+                 end = along(channel, next_place.x - channel.x, next_place.z - channel.z),
+                 leaves = h * along(channel, velocity.x, velocity.z),
+                 arrives = h * along(channel, next_velocity.x, next_velocity.z);
+      return max(highest(begin, end, leaves, arrives), highest(-begin, -end, -leaves, -arrives)) - half;
+    };
+    const real wall = max(beyond([](const auto&... at) { return across_channel(at...); }, channel.half_x),
+                          beyond([](const auto&... at) { return up_channel(at...); }, channel.half_z));
+    out.beyond = i == zone.channel_begin ? wall : max(out.beyond, wall);
+  }
+  return out;
 }
 
 /// Where the lanes of one pack are seen next: at the first plane ahead that they have not crossed yet.
@@ -68,7 +111,7 @@ struct Lookout {
       const mask crosses = flying & (now >= y);
       if (!any(crosses)) return;
       const State there = at(y, crosses);
-      put(there, crosses & in_wall(zone, from_axis2(zone, there.place)));
+      put(there, crosses & in_wall(zone, far_out(region, zone, there.place)));
       next = next + select(crosses, broadcast_word(1), words{});
     }
   }
@@ -104,10 +147,11 @@ struct Visit {
 
   /// What crosses the zone's edge outside of its wall, or touched that since the last step before, met the
   /// wall.
-  RABILINE_LANES void stop_at_wall(const RegionZone& zone, mask crossed, const Vector& place,
-                                   const Vector& velocity, const State& at_edge, real since) {
-    const mask meets =
-        crossed & beyond_wall(zone, farthest2(zone, place, velocity, at_edge.place, at_edge.velocity, since));
+  RABILINE_LANES void stop_at_wall(const Region& region, const RegionZone& zone, mask crossed,
+                                   const Vector& place, const Vector& velocity, const State& at_edge,
+                                   real since) {
+    const mask meets = crossed & beyond_wall(zone, farthest_out(region, zone, place, velocity, at_edge.place,
+                                                                at_edge.velocity, since));
     wall = wall | meets;
     forward = forward & ~meets;
     backwards = backwards & ~meets;
@@ -124,7 +168,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
   const Propagator whole_step = stepper.steps_of(h);
   const real deadline = start.t + region.most_way / sqrt(dot(start.velocity, start.velocity));
   State now = stepper.enter(start), last = now, before = now;
-  mask going = chosen & in_wall(zone, from_axis2(zone, start.place));
+  mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   for (int steps = 1; any(going); ++steps) {
@@ -134,7 +178,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
       now.spin = of_unit_length(now.spin);
       if (stepper.in_frame()) now.frame = of_unit_length(now.frame);
     }
-    const real farthest = farthest2(zone, old.place, old.velocity, now.place, now.velocity, h);
+    const FarOut farthest = farthest_out(region, zone, old.place, old.velocity, now.place, now.velocity, h);
     const mask goes_on = (now.place.y >= begin) & in_wall(zone, farthest) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
       if constexpr (looks) {
@@ -162,7 +206,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
   v.state = stepper.leave(last);
   if (any(crossed)) {
     v.state = choose(crossed, to_edge(stepper, before, h, select(v.forward, end, begin)), v.state);
-    v.stop_at_wall(zone, crossed, before.place, before.velocity, v.state, v.state.t - before.t);
+    v.stop_at_wall(region, zone, crossed, before.place, before.velocity, v.state, v.state.t - before.t);
   }
   v.state = choose(chosen, v.state, start);
   return v;

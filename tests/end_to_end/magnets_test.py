@@ -55,3 +55,32 @@ def test_the_force_on_a_level_turns_over_where_the_field_of_its_magnet_vanishes(
         until = min(left, (side * v + np.sqrt(v * v + 2 * pull * abs(z))) / pull)
         z, v, left = (z + v * until - side * pull * until**2 / 2 if until == left else 0.0), v - side * pull * until, left - until
     assert lands("30 mT") == pytest.approx(z - 0.3e-3 + v * behind, rel=3e-6, abs=1e-9)
+
+
+CHECKED = """rabiline: 1
+species: Cs-133 atom
+law: {{name: quantum, tolerance: {tolerance}}}
+source:
+  speed: {{kind: effusive, temperature: 400 K}}
+  opening: {{radius: 0.5 mm}}
+  direction: {{kind: box, x: 2 mrad, z: 2 mrad}}
+parts:
+  - {{name: A, at: 0.1 m, length: 0.2 m, {magnet}}}
+  - {{name: D, kind: detector, at: 0.6 m, radius: 1 m, bins: [1, 1]}}
+particles: 100
+seed: 1
+"""
+
+
+@pytest.mark.parametrize("magnet", ["kind: multipole_magnet, poles: 6, radius: 5 mm, pole_field: 1 T", "kind: two_wire_magnet, half_distance: 3 mm, wire_radius: 2 mm, field: 1 T",
+                                    "kind: gradient_magnet, field: 0.5 T, gradient: 100 T/m"])
+def test_every_run_holds_its_magnets_against_an_independent_integration_to_any_tolerance(tmp_path: Path, magnet: str) -> None:
+    for tolerance in (1e-6, 1e-10):
+        (tmp_path / "a.yaml").write_text(CHECKED.format(magnet=magnet, tolerance=tolerance))
+        done = run("run", tmp_path / "a.yaml", "-o", tmp_path / "a.h5")
+        assert done.returncode == 0, done.stderr
+        assert "are off by" not in done.stderr
+        with h5py.File(tmp_path / "a.h5") as file:
+            check = {name: number[()] for name, number in file["entry/field_check"].items()}
+        assert check["particles"] > 5 and check["tolerance"] == tolerance and check["levels"] == check["spin"] == 0
+        assert 1e-14 < check["place"] < tolerance and 1e-14 < check["direction"] < tolerance

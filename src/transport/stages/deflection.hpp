@@ -13,6 +13,7 @@ struct Deflection {
   int levels = 0;                   // quantum: how many levels; 0: a vector law
   bool has_gap = false;
   double x0 = 0, z0 = 0, half_x = 0, half_z = 0;  // [m] free between the walls
+  double tolerance = 1e-6;                        // of the law; a parabola keeps any
   int part = 0;
   bool operator==(const Deflection&) const = default;
 

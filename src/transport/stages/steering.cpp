@@ -43,6 +43,7 @@ double Steering::cost(double speed) const { return outlook_of(*this, speed).step
 bool Steering::follows_paths() const { return true; }
 Steering Steering::piece(double from, double to) const {
   Steering cut = *this;
+  if (whole == 0) cut.whole = end - begin;
   cut.begin = from;
   cut.end = to;
   return cut;
@@ -77,8 +78,8 @@ SteeringOutlook outlook_of(const Steering& s, double speed) {
   const double turn =
       s.moments.coefficients != nullptr ? out.gradient * out.gradient / (at.size + s.moments.scale) : 0.0;
   out.rate = std::sqrt(std::abs(s.moment) / s.mass * (at.bend + turn));
-  out.steps =
-      std::clamp(out.rate * (s.end - s.begin) / speed / steering::step_angle, 1.0, steering::most_steps);
+  out.steps = std::clamp(out.rate * (s.end - s.begin) / speed / steering::step_angle, 1.0,
+                         steering::most_steps + steering::most_fine);
   return out;
 }
 

@@ -20,6 +20,8 @@ struct Steering {
   double moment = 0;            // [J/T] the largest; signed, that of m = I or S along the field, if constant
   int levels = 0;               // quantum: how many levels; 0: a vector law
   MomentLaw moments;
+  double tolerance = 1e-6;  // of direction, and place over the length of the magnet
+  double whole = 0;         // [m] length of the magnet that this is a piece of; 0: all of it
   int part = 0;
   bool operator==(const Steering&) const = default;
 
@@ -34,6 +36,8 @@ struct Steering {
   bool follows_paths() const;
   /// A part of it from one place to another.
   Steering piece(double from, double to) const;
+  /// Of the magnet.
+  double share() const { return whole > 0 ? (end - begin) / whole : 1; }
 };
 static_assert(StageKind<Steering>);
 /// Its path takes VEFRL steps, symplectic and of fourth order (I. Omelyan, I. Mryglod, R. Folk, Comput. Phys.
@@ -41,14 +45,19 @@ static_assert(StageKind<Steering>);
 /// bend and sharpness of FieldSize, v the speed across the beam; of moments that depend on the field, d^2 =
 /// |grad B|^2/(B + scale), e = |grad B|/(B + scale) and |mu| the largest, else d = e = 0. What is left of the
 /// magnet is shared out in equal steps. For particles a few mm from the beam the exit was then measured to be
-/// off by less than 1e-9 m + 1e-6 of the deflection (tests/unit/transport/steering_test.cpp). No flight takes
-/// more than most_steps but for those that end where the force jumps: at the zero of a constant gradient, and
-/// close to the axis of a quadrupole. What comes there again within `seldom` of the shortest steps is not
-/// followed that finely; what comes seldom crosses it in `hair` of one.
-/// Walls are asked about at the begin and behind every step: between them a path may cut a convex wall by
-/// (v h)^2/8R, less than step_angle^2/8 of its radius R.
+/// off by less than 1e-9 m + 1e-6 of the deflection (tests/unit/transport/steering_test.cpp).
+/// A step may be off by a tenth of its share of the tolerance, and by a thousandth of the tolerance where the
+/// force jumps: at the zero of a constant gradient, and on the axis of a quadrupole. Where a bound by h w is
+/// more than that, the force is integrated along the step by a rule of sixth order, and a step that differs
+/// by more is taken anew, shorter. w asks for no step below 1/most_steps of the magnet, but close to where
+/// the force jumps. What comes there again within `seldom` of these is not followed that finely; what comes
+/// seldom crosses it in `hair` of one, as no step is shorter. Behind most_fine steps none is below
+/// 1/most_steps any more: so much work is the most that one particle takes. Walls are asked about at the
+/// begin and behind every step: between them a path may cut a convex wall by (v h)^2/8R, less than
+/// step_angle^2/8 of its radius R.
 namespace steering {
-inline constexpr double step_angle = 0.06, most_steps = 4096, seldom = 32, hair = 0x1p-16;
+inline constexpr double step_angle = 0.06, most_steps = 4096, seldom = 32, hair = 0x1p-16, of_jump = 0.01;
+inline constexpr double most_fine = 16384, fewest_fine = 64;  // of a whole magnet, of a piece
 }  // namespace steering
 
 /// The batch must be referred to the magnet's begin. Returns the weight that stopped at its walls [quanta].

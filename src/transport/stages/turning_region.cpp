@@ -212,6 +212,7 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
   view.take_off_spin_component = region.take_off_spin_component;
   view.shaped = region.shaped.data();
   view.gaps = region.gaps.data();
+  view.channels = region.channels.data();
   view.feels = region.feels;
   view.most_way = region.most_way;
   view.most_visits = 64 + 4 * region.zones.size();
@@ -293,7 +294,8 @@ void TurningRegion::list_sums(SumSink& sink) const {
   if (!shaped.empty()) sink.fate(fate::left_map, no_part, RegionSums::left_map());
   sink.fate(fate::overflowed, no_part, RegionSums::overflowed());
   for (std::size_t i = 0; i < zones.size(); ++i)
-    if (std::isfinite(zones[i].wall_radius) || zones[i].gap_begin < zones[i].gap_end)
+    if (std::isfinite(zones[i].wall_radius) || zones[i].gap_begin < zones[i].gap_end ||
+        zones[i].channel_begin < zones[i].channel_end)
       sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
   std::size_t screen = layout.screens();
   for (std::size_t i = 0; i < edges.size(); ++i) {

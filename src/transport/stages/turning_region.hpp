@@ -24,6 +24,7 @@ struct TurningRegion {
   double most_way = 0;  // [m] in one zone at one visit
   std::vector<ShapedTerm> shaped{};
   std::vector<RegionGap> gaps{};
+  std::vector<RegionChannel> channels{};
   FieldCoupling feels{};
   StretchOutlook outlook{};
   bool operator==(const TurningRegion&) const = default;

@@ -159,7 +159,9 @@ TEST(Warnings, TellThatANucleusIsTooWeakForTheMagnetsOfItsAtom) {
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0].subject, "species");
   EXPECT_EQ(faults[0].help, "did you mean `Ag-107 atom`?");
-  EXPECT_TRUE(warned({silver("Ag-107", 1000), silver("Ag-107", 1e7)}).empty());
+  EXPECT_EQ(
+      std::ranges::count(warned({silver("Ag-107", 1000), silver("Ag-107", 1e7)}), "species", &Fault::subject),
+      0);
   EXPECT_TRUE(warned({silver("Ag-107 atom", 1000)}).empty());
   EXPECT_TRUE(warned({silver("Xe-129", 1000)}).empty());  // which has no such atom here
 }
@@ -204,6 +206,40 @@ TEST(Warnings, TellThatParticlesPassAFringeWhereItsCurveDoesNotTellTheField) {
     ASSERT_EQ(faults.size(), 1U);
     EXPECT_EQ(faults[0].subject, "B");
     EXPECT_EQ(faults[0].key, "fringe");
+  }
+}
+
+TEST(Warnings, TellThatParticlesRiseInsideOfAFieldToWhereItsFringeDoesNotTellIt) {
+  for (const bool wide : {false, true}) {
+    Beamline b = test::suggested(0);
+    b.law = QuantumLaw{};
+    b.chamber.reset();
+    b.gravity = Gravity{9.81, {0, 0, -1}};
+    // A throw that is on the axis at 0.3 m and 0.5 m, and 2 mm above it between.
+    b.source.speed = SingleSpeed{5};
+    b.source.opening = Rectangle{0, 0};
+    b.source.direction = ParallelDirection{};
+    b.source.tilt.x = std::atan(9.81 * 0.16 / 2 / 5);
+    b.source.offset.z = -9.81 * 0.06 * 0.1 / 2;
+    UniformField field{0.2, 10e-6, {}};
+    field.fringe = wide ? Fringe{TanhFringe{10e-3}} : Fringe{SineFringe{10e-3}};
+    b.parts = {place("B", 0.3, field), place("screen", 0.6, Detector{Rectangle{1, 1}, {1, 1}, {}})};
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::count(faults, "fringe", &Fault::key), wide ? 0 : 1);
+  }
+}
+TEST(Warnings, TellThatAMagnetHasMoreFieldThanThereIs) {
+  for (const double gradient : {1e3, -1e9}) {
+    Beamline b = standard();
+    b.parts.push_back(
+        place("M", 0.9, GradientMagnet{0.1, 0.5, gradient, {0, 0, 1}, Rectangle{5e-3, 5e-3}, {}}));
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::any_of(faults,
+                                  [](const Fault& f) {
+                                    return f.subject == "M" && f.key == "gradient" &&
+                                           f.message.find("no magnet has more") != std::string::npos;
+                                  }),
+              gradient < 0);
   }
 }
 

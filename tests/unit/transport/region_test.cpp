@@ -1,7 +1,9 @@
 // Regions that turn the velocity: edges, walls, planes inside, particles that turn back.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "constants.hpp"
 #include "physics/suggested.hpp"
@@ -93,6 +95,52 @@ TEST(Region, AlignsAtAPolarizerThatTouchesTheField) {
   std::size_t in = 0;
   while (t.y[in] < 0.1001) ++in;
   EXPECT_NEAR(t.vx[end], t.vx[in], 1e-9);
+}
+
+/// A chord of 60 degrees of the circle within a channel that is turned about the beam: paths bulge out of its
+/// ends by 0.7 mm.
+Beamline chord(const Rectangle& channel) {
+  Beamline b = circle(radius);
+  const double slope = std::tan(std::numbers::pi / 6);
+  b.source.opening = Rectangle{0.3e-3, 0.3e-3};
+  b.source.direction = BoxDirection{3e-3, 3e-3};
+  b.source.tilt.z = -std::numbers::pi / 6;
+  b.source.offset.x = -0.1 * slope;
+  b.parts.insert(b.parts.begin() + 1, place("channel", 0.1, Collimator{radius, channel, {}, {0.3}}));
+  return b;
+}
+/// By how much a particle of that beam comes beyond the walls [m], on a circle by points of its path.
+double beyond_walls(const Track& t, const Rectangle& channel) {
+  const double rate = 1000 / radius;
+  const double to_field = 0.1 / t.vy[0], x0 = t.x[0] + t.vx[0] * to_field, z0 = t.z[0] + t.vz[0] * to_field;
+  double worst = -1;
+  for (double angle = 0;; angle += 1e-4) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const double y = (t.vy[0] * s + t.vx[0] * (1 - c)) / rate, time = angle / rate;
+    const double x = x0 + (t.vx[0] * s - t.vy[0] * (1 - c)) / rate, z = z0 + t.vz[0] * time;
+    if (y > radius) return worst;
+    const double u = x * std::cos(0.3) - z * std::sin(0.3), v = x * std::sin(0.3) + z * std::cos(0.3);
+    worst = std::max({worst, std::abs(u) - channel.width / 2, std::abs(v) - channel.height / 2});
+  }
+}
+TEST(Region, StopsInARectangularChannelWhatTouchesItsWallsBetweenItsEnds) {
+  const Rectangle channel{1.4e-3, 1.2e-3};
+  for (const bool in_steps : {false, true}) {
+    Beamline b = chord(channel);
+    if (in_steps) b.gravity = Gravity{1e-3, {0, 0, -1}};
+    b.particles = 200;
+    int stopped = 0;
+    for (std::uint64_t particle = 0; particle < b.particles; ++particle) {
+      const Track t = trace(b, particle, best_isa());
+      const double beyond = beyond_walls(t, channel);
+      if (std::abs(beyond) < 1e-7) continue;
+      EXPECT_EQ(t.fate, beyond > 0 ? "stopped" : "detected") << particle << ' ' << beyond << ' ' << in_steps;
+      if (beyond > 0) EXPECT_EQ(t.where, "channel");
+      stopped += beyond > 0 ? 1 : 0;
+    }
+    EXPECT_GT(stopped, 40);
+    EXPECT_LT(stopped, 160);
+  }
 }
 
 TEST(Region, OfNoFieldFliesStraight) {

@@ -1,0 +1,46 @@
+// Deflecting magnets that nobody can build.
+#include <cmath>
+
+#include "rules/warning_room.hpp"
+
+namespace rabiline {
+namespace {
+
+/// About what lasts for microseconds in a coil that bursts: 1200 T (D. Nakamura et al., Rev. Sci. Instrum.
+/// 89, 095106 (2018)).
+constexpr double most_field = 1200, beside_beam = 1e-3;  // [T], [m]
+
+/// [T] at the walls of its gap, or 1 mm from the beam where it has none; of others as it is stated.
+double largest_field(const MagnetTerm& magnet) {
+  const MagnetShape& shape = magnet.shape;
+  if (shape.kind != MagnetKind::gradient) return std::abs(shape.field);
+  const MagnetWalls& walls = magnet.walls;
+  const double way = walls.rectangle
+                         ? std::abs(shape.along_x) * walls.half_x + std::abs(shape.along_z) * walls.half_z
+                         : beside_beam;
+  return std::abs(shape.field) + std::abs(shape.gradient) * way;
+}
+
+}  // namespace
+
+Faults impossible_magnets_of(const Beamline& beamline) {
+  Faults out;
+  for (const Plane& plane : sections_of(beamline).planes) {
+    const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+    if (!magnet || !(largest_field(*magnet) > most_field)) continue;
+    const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
+    const bool gradient = magnet->shape.kind == MagnetKind::gradient;
+    out.push_back(
+        warning(name, gradient ? "gradient" : "field",
+                fmt::format("the field of `{}` comes to {}{}: no magnet has more than {:.0f} T", name,
+                            pretty_quantity(largest_field(*magnet), Dimension::magnetic_field),
+                            !gradient                 ? ""
+                            : magnet->walls.rectangle ? " at the walls of its gap"
+                                                      : " 1 mm from the beam",
+                            most_field),
+                gradient ? "a gradient in T/m, such as 1000 T/m" : ""));
+  }
+  return out;
+}
+
+}  // namespace rabiline
