@@ -156,7 +156,7 @@ struct Result {
   std::vector<std::string> ledger_levels;  // of the ledger by prepared level; empty where there is none
   std::vector<double> emitted_by_level;    // [points][levels] in particles; NaN where a point has no ledger
   std::optional<FlightRecord> flight;      // for other scans of it, where moments serve all points
-  std::optional<FieldCheck> field_check;   // where particles were flown in steps
+  std::optional<FieldCheck> field_check;   // where particles were flown in steps or through magnets
   std::vector<ResolvedParameter> parameters;
   Provenance provenance;
 };

@@ -84,19 +84,20 @@ RABILINE_LANES Jump next_jump(const Steering& s, const Force& force, const Acros
           select(speed2 > broadcast(0), sqrt(max(speed2, broadcast(0))), never)};
 }
 
-/// Of the next step what the force allows: `length` [s], and `rate` [1/s], w at its begin.
-struct NextStep {
-  real length, rate;
-};
-RABILINE_LANES real rate_of(const Force& force, const Across& at) {
-  return sqrt(fma(fma(at.vx, at.vx, at.vz * at.vz), force.sharpness, force.rate));
+/// [1/s^2] w^2.
+RABILINE_LANES real rate2_of(const Force& force, const Across& at) {
+  return fma(fma(at.vx, at.vx, at.vz * at.vz), force.sharpness, force.rate);
 }
+/// The length of the next step [s], and w^2 where it begins.
+struct NextStep {
+  real length, rate2;
+};
 /// What is left in equal steps, none longer than the force allows, none shorter than `least`. Where the force
 /// jumps ahead of a lane that comes back there seldom, steps end just short of it and a last, tiny one
 /// crosses it: there none is shorter than `hair`.
 RABILINE_LANES NextStep next_step(const Steering& s, const Force& force, const Across& at, real left,
                                   real least, real hair) {
-  const real rate = rate_of(force, at);
+  const real rate2 = rate2_of(force, at), rate = sqrt(rate2);
   real finest = least, until = left;
   if (s.shape.jumps()) {
     const Jump jump = next_jump(s, force, at);
@@ -106,7 +107,7 @@ RABILINE_LANES NextStep next_step(const Steering& s, const Force& force, const A
     until = select(seldom, max(finest, jump.time * (1 - 1.0 / 64)), left);
   }
   const real steps = min(left * rate * (1 / steering::step_angle), left / finest);
-  return {min(left / max(broadcast(1), -floor(-steps)), until), rate};
+  return {min(left / max(broadcast(1), -floor(-steps)), until), rate2};
 }
 
 /// What steps may be off by.
@@ -115,13 +116,13 @@ struct Allowed {
   real stay;   // [s] in the whole magnet
 };
 
-/// How a step of the length h from one place to another may be off, by bounds of what its steps were measured
+/// Which lanes may have been off in a step of the length h, by bounds of what its steps were measured
 /// to be off by, c (w h)^4 of the change of the velocity: what that is worth at the magnet's end, and the
 /// place itself. A force that turned over within the step is not bounded by w.
 RABILINE_LANES mask may_be_off(const Steering& s, const Force& before, const Across& to, const Force& behind,
-                               real rate, real h, const Allowed& allowed) {
+                               real rate2, real h, const Allowed& allowed) {
   constexpr double of_velocity = 1e-2, of_place = 1e-3;
-  const real late = rate_of(behind, to), angle2 = max(rate * rate, late * late) * (h * h);
+  const real angle2 = max(rate2, rate2_of(behind, to)) * (h * h);
   const real force = max(abs(before.ax) + abs(before.az), abs(behind.ax) + abs(behind.az));
   const mask off = force * angle2 * max(of_velocity * angle2 * allowed.stay, of_place * h) > allowed.drift;
   if (!s.shape.jumps()) return off;
@@ -185,7 +186,7 @@ RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, re
     step(s, fall, level, part, h, at, force);
     real done = h;
     longest = broadcast(__builtin_inf());
-    const mask unsure = goes & may_be_off(s, before, at, force, next.rate, h, allowed);
+    const mask unsure = goes & may_be_off(s, before, at, force, next.rate2, h, allowed);
     if (any(unsure)) {
       const real error = error_of(s, fall, level, part, from, before, at, force, h, allowed);
       const mask rejected = unsure & (error > broadcast(1)) & (h > finest);

@@ -147,6 +147,8 @@ std::vector<StageSample> samples_of<Steering>() {
       s.walls = {.rectangle = true, .half_x = 3e-3, .half_z = 3e-3, .circles = {}};
       s.walls.z = s.shape.height;
       samples.push_back({"atoms in " + what, s, 8});
+      s.tolerance = 1e-10;
+      samples.push_back({"atoms closely in " + what, s, 8});
       if (kind != MagnetKind::multipole) break;
     }
   return samples;
@@ -233,6 +235,13 @@ std::vector<StageSample> samples_of<TurningRegion>() {
       samples.push_back({"zone " + std::to_string(static_cast<int>(kind)) + ", edge " +
                              std::to_string(static_cast<int>(edge)),
                          region(kind, edge, edge == EdgeKind::open || edge == EdgeKind::align)});
+  const auto in_channel = [](TurningRegion r) {
+    r.channels = {{1e-4, 0, 3e-3, 2e-3, 0.6, 0.8}};
+    r.zones.back().channel_end = 1;
+    return r;
+  };
+  samples.push_back({"channel", in_channel(region(ZoneKind::general, EdgeKind::plate, false))});
+  samples.push_back({"channel in a field that grows", in_channel(shaped_region(ZoneKind::precession))});
   const struct {
     const char* what;
     ZoneCourse course;
