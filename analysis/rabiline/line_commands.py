@@ -22,6 +22,7 @@ PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
 DEFAULT = "rabi"
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
+FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
 UNKNOWN = 10  # times itself: an error that leaves nothing
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
@@ -33,7 +34,7 @@ def arguments(parser: ArgumentParser) -> None:
     parser.description = fit_a_line.__doc__
     parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
     parser.add_argument("--form", choices=[*FORMS],
-                        help="rabi by default; ramsey is averaged over the times of flight that a result keeps")
+                        help="rabi by default; ramsey is averaged over the times of flight that a result keeps, or over normal ones where it tells few apart")
     parser.add_argument("--lines", type=count, default=1, metavar="N", help="how many, alike but for centre and contrast")
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help='where a parameter starts: "centre=29 kHz"; a plain number is in SI')
     known = parser.add_mutually_exclusive_group()
@@ -57,7 +58,8 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         transits = file.detectors[curve.detector].transits
         if transits:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
-            forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
+            if np.count_nonzero(caught > LEAST_SHARE * caught.sum()) >= FEWEST_CELLS:
+                forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
     else:
         counts = read_counts(options.file, options.detector)
         unit, factor = base_of(counts.unit)

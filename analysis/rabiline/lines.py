@@ -12,13 +12,17 @@ import numpy as np
 from scipy import optimize, stats
 
 from .errors import InputError
+from .fringes import centres_of, periods_of
 
 STARTS = 6  # of a comb of fringes
 AS_GOOD = 9.0  # of chi²: three standard deviations
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
-REST = 0.01  # of chi²: what is nearer to the least than that is there
-HERMITE, HERMITE_WEIGHTS = np.polynomial.hermite_e.hermegauss(21)
+REST = 0.05  # of chi²: what is nearer to the least than that is there, within a quarter of the errors
+DEVIATIONS = 6.0  # on both sides of the mean flight time, and between the phases that the sum over these times repeats itself
+MOST_TIMES = 400
+TIPS = 0.25, 0.12  # turns in each field
+RATIOS = 0.4, 0.15, 0.05, 0.01  # of the time in a field to that between the two, where a fit starts
 
 
 class NoLine(InputError):
@@ -32,7 +36,8 @@ class Form:
     name: str
     parameters: tuple[str, ...]  # of f, beside `centre`
     f: Callable[..., np.ndarray]  # f(x - centre, *parameters)
-    starts: Callable[[float, float], Sequence[Sequence[float]]]  # from the spacing and the extent of x
+    starts: Callable[[Sequence[float]], Sequence[Sequence[float]]]  # from widths of the line, or periods of its fringes
+    period: Callable[[Sequence[float]], float] | None = None  # of the fringes that the parameters make; None: it has none
 
 
 def lorentz(d: np.ndarray, width: float) -> np.ndarray:
@@ -59,8 +64,11 @@ def rabi(d: np.ndarray, strength: float, time: float) -> np.ndarray:
 def ramsey(d: np.ndarray, strength: float, pulse: float, time: float, spread: float) -> np.ndarray:
     """[n] Ramsey's two fields (Phys. Rev. 78, 695, 1950), d [n] and `strength` in Hz, each for the time `pulse`, averaged over flight times that are normal
     with a relative deviation `spread`."""
-    times = np.clip(1 + spread * HERMITE, 0.05, None)
-    return _two_fields(d, strength, pulse * times, time * times, HERMITE_WEIGHTS / HERMITE_WEIGHTS.sum())
+    turned = 2 * np.pi * spread * (np.abs(d).max(initial=0.0) * (time + 2 * pulse) + 2 * strength * pulse)  # the phase of one deviation
+    deviations = np.linspace(-DEVIATIONS, DEVIATIONS, int(min(DEVIATIONS * (turned + DEVIATIONS) / np.pi, MOST_TIMES)) + 2)
+    weights = np.exp(-deviations**2 / 2)
+    times = np.clip(1 + spread * deviations, 0.05, None)
+    return _two_fields(d, strength, pulse * times, time * times, weights / weights.sum())
 
 
 def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
@@ -72,8 +80,13 @@ def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
 
     mean = float(slowness @ weights)
     return Form("ramsey", ("strength", "zone", "distance"), f,
-                lambda step, extent: [(1 / (4 * tau), tau / mean, time / mean) for time in np.geomspace(1 / extent, 1 / (2 * step), 8)
-                                      for tau in (time / 5, time / 20)])
+                lambda periods: [(tip / tau, tau / mean, time / mean) for tau, time in _times(periods) for tip in TIPS],
+                lambda shared: 1 / (shared[2] * mean))
+
+
+def _times(periods: Sequence[float]) -> list[tuple[float, float]]:
+    """In a field and between the two, for fringes of these periods: two pulses of a quarter turn add 4/pi of their time to that between."""
+    return [(ratio * time, time) for period in periods for ratio in RATIOS for time in [1 / (period * (1 + 4 / np.pi * ratio))]]
 
 
 def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -84,14 +97,13 @@ def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndar
 
 
 FORMS = {form.name: form for form in (
-    Form("lorentz", ("width",), lorentz, lambda step, extent: [(w,) for w in np.geomspace(2 * step, extent, 10)]),
-    Form("gauss", ("width",), gauss, lambda step, extent: [(w,) for w in np.geomspace(2 * step, extent, 10)]),
-    Form("sinc2", ("time",), sinc2, lambda step, extent: [(0.886 / w,) for w in np.geomspace(2 * step, extent, 10)]),
-    Form("rabi", ("strength", "time"), rabi,
-         lambda step, extent: [(0.6 * w, 0.8 / w) for w in np.geomspace(2 * step, extent, 10)]),
+    Form("lorentz", ("width",), lorentz, lambda widths: [(w,) for w in widths]),
+    Form("gauss", ("width",), gauss, lambda widths: [(w,) for w in widths]),
+    Form("sinc2", ("time",), sinc2, lambda widths: [(0.886 / w,) for w in widths]),
+    Form("rabi", ("strength", "time"), rabi, lambda widths: [(0.6 * w, 0.8 / w) for w in widths]),
     Form("ramsey", ("strength", "pulse", "time", "spread"), ramsey,
-         lambda step, extent: [(1 / (4 * tau), tau, time, spread) for time in np.geomspace(1 / extent, 1 / (2 * step), 8)
-                               for tau in (time / 5, time / 20, time / 100) for spread in (0.02, 0.2, 0.4)]),
+         lambda periods: [(tip / tau, tau, time, spread) for tau, time in _times(periods) for tip in TIPS for spread in (0.02, 0.08, 0.2, 0.4)],
+         lambda shared: 1 / shared[2]),
 )}
 
 
@@ -216,23 +228,25 @@ def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesse
 def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
                    start: Mapping[str, float]) -> list[tuple[float, list[float], Sequence[float]]]:
     """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of
-    fringes also for the best start of each of a few other centres."""
+    fringes each centre that stands out."""
+    step, extent = float(np.median(np.diff(x))), float(np.ptp(x))
+    trials = [[start.get(name, value) for name, value in zip(form.parameters, trial)]
+              for trial in form.starts(periods_of(x, y, sigma) if form.period else np.geomspace(2 * step, extent, 10))]
+    if form.period and lines == 1 and "centre" not in start:
+        return [(chi_squared, [centre], shared) for chi_squared, centre, shared in centres_of(form.f, trials, form.period, x, y, sigma)[:STARTS]]
     candidates = x if x.size <= 201 else x[::x.size // 200]
-    trials = form.starts(float(np.median(np.diff(x))), float(np.ptp(x)))
-    of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
-    for trial in trials:
-        shared = [start.get(name, value) for name, value in zip(form.parameters, trial)]
+    found = []
+    for shared in trials:
         centres: list[float] = []
         for i in range(lines):
             given = start.get("centre" if lines == 1 else f"centre_{i + 1}")
             tried = [given] if given is not None else candidates
             centres.append(min(tried, key=lambda c: _linear(form, x, y, sigma, [*centres, c], shared)[0]))
-        for tried in [centres] if lines > 1 or not form.name.startswith("ramsey") or start else [centres, *([c] for c in x[1:-1][
-                (y[1:-1] - y[:-2]) * (y[2:] - y[1:-1]) <= 0])]:  # the tops and bottoms of fringes
-            found = _linear(form, x, y, sigma, tried, shared)[0]
-            if found < of.get(tried[0], (np.inf,))[0]:
-                of[tried[0]] = (found, tried, shared)
-    return sorted(of.values(), key=lambda row: row[0])[:STARTS]
+        found.append((_linear(form, x, y, sigma, centres, shared)[0], centres, shared))
+    of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
+    for one in sorted(found, key=lambda row: row[0]):
+        of.setdefault(one[1][0], one)
+    return list(of.values())[:STARTS]
 
 
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.ndarray], np.ndarray], first: np.ndarray, x: np.ndarray,

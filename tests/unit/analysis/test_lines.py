@@ -142,6 +142,19 @@ def test_the_central_fringe_is_found_or_told_among_its_neighbours() -> None:
     assert "or another fringe" in "".join(described(replace(found, others=((29358.9, 30.0),)), "Hz"))
 
 
+@pytest.mark.parametrize("spread", [0.02, 0.1, 0.25])
+@pytest.mark.parametrize("tip", [0.12, 0.25])
+@pytest.mark.parametrize("contrast", [0.3, -0.3])
+def test_clean_fringes_are_found_wherever_they_are(spread: float, tip: float, contrast: float) -> None:
+    """Of few and of many fringes, by pulses of an eighth and of a quarter turn."""
+    time, pulse = 4e-3, 0.8e-3
+    period = 1 / (time + 4 / np.pi * pulse)
+    x, centre = np.linspace(-3 * period, 3 * period, 91), 0.45 * period
+    y = 0.4 + contrast * ramsey(x - centre, tip / pulse, pulse, time, spread)
+    found = fit_line(x, y, np.eye(x.size) * 4e-6, "ramsey")
+    assert found.values[0] == pytest.approx(centre, abs=1e-3 * period)
+
+
 @pytest.mark.parametrize(("start", "reason"), [
     ({"centre": 1e308}, "`centre` starts at 1e\\+308, far outside the scan"), ({"strength": np.nan}, "`strength` starts at nan, and must be above 0"),
     ({"time": -1.0}, "`time` starts at -1, and must be above 0"), ({"width": 1.0}, "has no start for `width` \\(it has centre, strength, time\\)")])

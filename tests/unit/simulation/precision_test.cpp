@@ -80,7 +80,7 @@ TEST(Until, GivesTheSameBitsForAnyThreadsAndHoweverOftenTheRunWasStopped) {
     std::optional<Snapshot> last;
     interrupted.snapshot = [&](const Snapshot& s) {
       last = s;
-      stop = ++seen == 20;
+      stop = ++seen == 5;
     };
     const std::optional<Snapshot> begin = snapshot;
     if (begin) {

@@ -135,7 +135,9 @@ TEST(Region, StopsInARectangularChannelWhatTouchesItsWallsBetweenItsEnds) {
       const double beyond = beyond_walls(t, channel);
       if (std::abs(beyond) < 1e-7) continue;
       EXPECT_EQ(t.fate, beyond > 0 ? "stopped" : "detected") << particle << ' ' << beyond << ' ' << in_steps;
-      if (beyond > 0) EXPECT_EQ(t.where, "channel");
+      if (beyond > 0) {
+        EXPECT_EQ(t.where, "channel");
+      }
       stopped += beyond > 0 ? 1 : 0;
     }
     EXPECT_GT(stopped, 40);
