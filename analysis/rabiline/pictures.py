@@ -92,6 +92,9 @@ def plot(options: argparse.Namespace) -> Figure:
     chosen: dict[str, object] = {"title": options.title} if options.title else {}
     if kind == "scan" and len(opened.scan.detectors) > 1 and len(curves(opened)) > MOST_CURVES:
         chosen["detector"] = opened.scan.detectors[0]
+    if isinstance(opened, results.Results) and len(opened.scan.detectors) > 1 and (kind in ("image", "profiles") or "detector" in chosen):
+        first, *others = opened.scan.detectors
+        print(f"shown: {first}; `rabiline plot-{kind} {opened.path} --detector NAME` shows {' or '.join(others)}")
     return plot_of(opened, kind, chosen)
 
 

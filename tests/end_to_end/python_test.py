@@ -280,6 +280,14 @@ def test_both_command_lines_know_the_same_commands_of_the_package() -> None:
     assert set(VERBS) == {line.split()[0] for line in listed.partition("Python:")[2].splitlines() if line.startswith("  ")}
 
 
+def test_a_picture_of_one_detector_of_several_says_how_others_are_shown(tmp_path: Path) -> None:
+    proton = (BEAMLINES / "proton-in-a-field.yaml", "--particles", "100", "--progress", "none")
+    subprocess.run([PROGRAM, "run", *proton, "--no-scan", "-o", tmp_path / "a.h5"], check=True, capture_output=True)
+    done = subprocess.run([PROGRAM, "plot", tmp_path / "a.h5", "-o", tmp_path / "a.png"], check=True, capture_output=True, text=True)
+    first, *others = rabiline.open(tmp_path / "a.h5").scan.detectors
+    assert f"shown: {first}; " in done.stdout and "--detector NAME" in done.stdout and all(other in done.stdout for other in others)
+
+
 def test_scripts_of_the_user_do_not_stand_in_for_modules_of_python(tmp_path: Path) -> None:
     """A `csv.py` that calls `rabiline plot` itself would start it without end."""
     for module in ("csv", "numbers", "random", "types"):
