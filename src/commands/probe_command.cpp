@@ -90,6 +90,7 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
         "--along: where the line begins and ends is missing\n  help: add `--from '0 m' --to '1 m'`");
   const double from = read_quantity("--from", a.from, Dimension::length),
                to = read_quantity("--to", a.to, Dimension::length);
+  if (from == to) throw ArgumentError("--along: the line has no length: it begins where it ends");
   fmt::print(out,
              "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
              "Ez [V/m]\n");

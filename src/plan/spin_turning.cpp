@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view no_closed_form = "the fields before it are no closed form of the slowness alone",
                            phases_differ =
-                               "phases of the fields at a spin across z differ from particle to particle";
+                               "it depends on phases of the fields, which differ from particle to particle";
 
 bool is_along_z(const double* axis) { return axis[0] == 0 && axis[1] == 0; }
 

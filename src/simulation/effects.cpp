@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -34,6 +35,9 @@ std::uint64_t mixed(std::uint64_t digest, double number) {
 void Effects::add(const Result& points) {
   const Seen seen = seen_in(points);
   anything_ = anything_ || !seen.empty();
+  for (const DetectorResult& d : points.detectors)
+    detected_ =
+        detected_ || std::any_of(d.detected.begin(), d.detected.end(), [](double x) { return x > 0; });
   const std::size_t count = points.emitted.size();
   for (std::size_t point = 0; point < count; ++point) {
     std::uint64_t digest = 0;
@@ -56,6 +60,10 @@ std::vector<std::string> Effects::warnings(const Result& result) const {
         check->place, check->direction, check->spin, check->levels, check->particles, check->tolerance));
   const std::size_t points = seen_.size();
   if (!anything_) return out;
+  if (!result.detectors.empty() && !detected_)
+    out.emplace_back(
+        "nothing was detected: no particle came to a detector\n"
+        "  help: `rabiline summary` of the result tells where they ended, `rabiline draw` shows paths");
   std::size_t stride = points;
   for (const ScanAxis& axis : result.axes) {
     const std::size_t length = axis.values.size();

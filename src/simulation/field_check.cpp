@@ -15,6 +15,7 @@
 #include "field/shaped_field.hpp"
 #include "simulation/level_check.hpp"
 #include "simulation/magnet_check.hpp"
+#include "simulation/scaled_steps.hpp"
 #include "simulation/zone_rates.hpp"
 
 namespace rabiline {
@@ -120,14 +121,11 @@ bool integrate(Problem& problem, Row& state) {
   gsl_odeiv2_system system{derivative, nullptr, numbers, &problem};
   // Each number against its own size.
   const double sizes[numbers] = {length, length, length / speed, speed, speed, speed, 1, 1, 1};
-  const std::unique_ptr<gsl_odeiv2_driver, decltype(&gsl_odeiv2_driver_free)> driver(
-      gsl_odeiv2_driver_alloc_scaled_new(&system, gsl_odeiv2_step_rk8pd, length / 64, error, 0, 0, 0, sizes),
-      gsl_odeiv2_driver_free);
-  gsl_odeiv2_driver_set_hmax(driver.get(), problem.zone.longest > 0 ? problem.zone.longest : length);
+  ScaledSteps steps(sizes, error, length / 64);
+  const double longest = problem.zone.longest > 0 ? problem.zone.longest : length;
   double y = zone.begin;
   while (y < zone.end)
-    if (gsl_odeiv2_driver_apply(driver.get(), &y, next_bend(problem, y, state), state.data()) != GSL_SUCCESS)
-      return false;
+    if (steps.go(system, y, next_bend(problem, y, state), longest, state.data()) != GSL_SUCCESS) return false;
   return true;
 }
 

@@ -1,18 +1,20 @@
 #include "simulation/magnet_check.hpp"
 
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_odeiv2.h>
 
 #include <cmath>
 #include <complex>
-#include <memory>
 
+#include "core/portable_math.hpp"
+#include "simulation/scaled_steps.hpp"
 #include "simulation/zone_rates.hpp"
 
 namespace rabiline {
 namespace {
 
 using Complex = std::complex<double>;
+
+double size_of(Complex z) { return portable::hypot(z.real(), z.imag()); }
 
 /// [T] and [T/m] of |B|, its slope as that along x + i times that along z, in the magnet's frame.
 struct SizeHere {
@@ -29,8 +31,8 @@ SizeHere size_at(const MagnetShape& m, Complex place) {
   const bool wires = m.kind == MagnetKind::two_wire;
   if (!wires && place == Complex()) return {};
   const double size =
-      std::abs(m.field) * (wires ? (m.half_distance * m.half_distance + m.height * m.height) / std::abs(poles)
-                                 : std::pow(std::abs(place) / m.radius, m.power));
+      std::abs(m.field) * (wires ? (m.half_distance * m.half_distance + m.height * m.height) / size_of(poles)
+                                 : portable::pow(size_of(place) / m.radius, m.power));
   return {size, size * std::conj(wires ? -2.0 * place / poles : static_cast<double>(m.power) / place)};
 }
 
@@ -59,11 +61,9 @@ std::optional<AcrossBeam> integrated(const BatchView& batch, int i, double lengt
   gsl_odeiv2_system system{Problem<Force>::derivative, nullptr, 4, &problem};
   constexpr double error = 1e-12;
   const double speed = batch.vy[i], stay = length / speed, sizes[4] = {length, length, speed, speed};
-  const std::unique_ptr<gsl_odeiv2_driver, decltype(&gsl_odeiv2_driver_free)> driver(
-      gsl_odeiv2_driver_alloc_scaled_new(&system, gsl_odeiv2_step_rk8pd, stay / 64, error, 0, 0, 0, sizes),
-      gsl_odeiv2_driver_free);
+  ScaledSteps steps(sizes, error, stay / 64);
   double t = 0, q[4] = {batch.x[i], batch.z[i], batch.vx[i], batch.vz[i]};
-  if (gsl_odeiv2_driver_apply(driver.get(), &t, stay, q) != GSL_SUCCESS) return {};
+  if (steps.go(system, t, stay, stay, q) != GSL_SUCCESS) return {};
   return AcrossBeam{q[0], q[1], q[2], q[3]};
 }
 
