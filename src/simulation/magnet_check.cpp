@@ -38,13 +38,13 @@ SizeHere size_at(const MagnetShape& m, Complex place) {
 
 /// An initial value problem in time, of [x, z, vx, vz].
 template <class Force>  // [m/s^2] at (x, z), as a Complex
-struct Problem {
+struct PathProblem {
   Force force;
   long& evaluations;
   long most;
 
   static int derivative(double, const double* q, double* dq, void* with) {
-    Problem& p = *static_cast<Problem*>(with);
+    PathProblem& p = *static_cast<PathProblem*>(with);
     const Complex a = p.force(Complex(q[0], q[1]));
     dq[0] = q[2];
     dq[1] = q[3];
@@ -57,8 +57,8 @@ struct Problem {
 template <class Force>
 std::optional<AcrossBeam> integrated(const BatchView& batch, int i, double length, long& evaluations,
                                      long most, Force force) {
-  Problem<Force> problem{force, evaluations, most};
-  gsl_odeiv2_system system{Problem<Force>::derivative, nullptr, 4, &problem};
+  PathProblem<Force> problem{force, evaluations, most};
+  gsl_odeiv2_system system{PathProblem<Force>::derivative, nullptr, 4, &problem};
   constexpr double error = 1e-12;
   const double speed = batch.vy[i], stay = length / speed, sizes[4] = {length, length, speed, speed};
   ScaledSteps steps(sizes, error, stay / 64);
