@@ -6,6 +6,7 @@ from typing import Callable, Sequence
 import numpy as np
 
 PERIODS = 6  # the strongest of a periodogram
+FEW = 1.0, 1.5, 2.0, 3.0  # in the scan, which a periodogram does not tell from the line below them
 FINE = 4  # times as fine as the extent of a scan tells periods apart
 PLACES = 20  # of the form on each fringe, between which it is straight
 MOST_PLACES = 4000
@@ -13,8 +14,8 @@ MANY = 201  # points from which on only those where the curve turns may be the c
 
 
 def periods_of(x: np.ndarray, y: np.ndarray, sigma: np.ndarray) -> list[float]:
-    """The strongest periods of a curve y [n] with errors sigma [n] over rising x [n], the strongest first, in the unit of x. What changes over the
-    whole of the scan, as the line below the fringes does, is taken off as a parabola."""
+    """The strongest periods of a curve y [n] with errors sigma [n] over rising x [n], the strongest first, in the unit of x; then those of a few
+    fringes. What changes over the whole of the scan, as the line below the fringes does, is taken off as a parabola."""
     extent, step = float(np.ptp(x)), float(np.median(np.diff(x)))
     at = 2 * (x - x[0]) / extent - 1
     rest = y - np.polynomial.polynomial.polyval(at, np.polynomial.polynomial.polyfit(at, y, 2, w=1 / sigma))
@@ -22,7 +23,7 @@ def periods_of(x: np.ndarray, y: np.ndarray, sigma: np.ndarray) -> list[float]:
     power = np.array([abs(np.sum(np.hanning(x.size + 2)[1:-1] * rest * np.exp(2j * np.pi * rate * (x - x[0])))) for rate in rates])
     beside = np.concatenate([[0.0], power, [0.0]])
     tops = np.flatnonzero((power >= beside[:-2]) & (power >= beside[2:]))
-    return [1 / rates[i] for i in sorted(tops, key=lambda i: -power[i])[:PERIODS]]
+    return [*(1 / rates[i] for i in sorted(tops, key=lambda i: -power[i])[:PERIODS]), *(extent / few for few in FEW)]
 
 
 def centres_of(f: Callable[..., np.ndarray], trials: Sequence[Sequence[float]], period: Callable[[Sequence[float]], float], x: np.ndarray, y: np.ndarray,

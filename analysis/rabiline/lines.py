@@ -14,7 +14,8 @@ from scipy import optimize, stats
 from .errors import InputError
 from .fringes import centres_of, periods_of
 
-STARTS = 6  # of a comb of fringes
+STARTS, HOPS = 6, 5  # of a comb of fringes: centres to begin with, and how often those beside the best are tried
+BESIDE = -1.0, -0.5, 0.5, 1.0  # fringes: bright ones and dark ones
 AS_GOOD = 9.0  # of chi²: three standard deviations
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
@@ -81,12 +82,17 @@ def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
     mean = float(slowness @ weights)
     return Form("ramsey", ("strength", "zone", "distance"), f,
                 lambda periods: [(tip / tau, tau / mean, time / mean) for tau, time in _times(periods) for tip in TIPS],
-                lambda shared: 1 / (shared[2] * mean))
+                lambda shared: _period(shared[1], shared[2]) / mean)
 
 
 def _times(periods: Sequence[float]) -> list[tuple[float, float]]:
-    """In a field and between the two, for fringes of these periods: two pulses of a quarter turn add 4/pi of their time to that between."""
-    return [(ratio * time, time) for period in periods for ratio in RATIOS for time in [1 / (period * (1 + 4 / np.pi * ratio))]]
+    """In a field and between the two, for fringes of these periods."""
+    return [(ratio * time, time) for period in periods for ratio in RATIOS for time in [_period(ratio, 1.0) / period]]
+
+
+def _period(pulse: float, time: float) -> float:
+    """Of the fringes near their centre: two pulses of a quarter turn add 4/pi of their time to that between."""
+    return 1 / (time + 4 / np.pi * pulse)
 
 
 def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -103,7 +109,7 @@ FORMS = {form.name: form for form in (
     Form("rabi", ("strength", "time"), rabi, lambda widths: [(0.6 * w, 0.8 / w) for w in widths]),
     Form("ramsey", ("strength", "pulse", "time", "spread"), ramsey,
          lambda periods: [(tip / tau, tau, time, spread) for tau, time in _times(periods) for tip in TIPS for spread in (0.02, 0.08, 0.2, 0.4)],
-         lambda shared: 1 / shared[2]),
+         lambda shared: _period(shared[1], shared[2])),
 )}
 
 
@@ -174,7 +180,13 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
         return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
             [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance)
 
-    found = _best(refined, guesses)
+    def beside(fit: LineFit) -> list[tuple[float, list[float], Sequence[float]]]:
+        shared = np.exp(fit.values[lines:lines + own])
+        if chosen.period is None or lines > 1 or "centre" in start:
+            return []
+        return [(fit.chi_squared, [origin + unit * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
+
+    found = _best(refined, guesses, beside)
     rising = np.argsort(found.values[:lines])
     sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
     values, scale = found.values[sorting], np.ones(found.values.size)
@@ -205,18 +217,28 @@ def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres
     return float(np.sum(((columns @ found - y) / sigma)**2)), found
 
 
-def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]]) -> LineFit:
-    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other. Raises
-    NoLine where all are worse than a start."""
+def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]],
+          beside: Callable[[LineFit], list[tuple[float, list[float], Sequence[float]]]] = lambda fit: []) -> LineFit:
+    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other. What is `beside` the
+    best is tried with its other parameters, as long as that helps. Raises NoLine where all are worse than a start."""
     fits, problems = [], []
-    for _, centres, shared in guesses:
-        try:
-            fits.append(refined(centres, shared))
-        except NoLine as problem:
-            problems.append(problem)
-    fits.sort(key=lambda fit: fit.chi_squared)
+
+    def take(starts: Sequence[tuple[float, list[float], Sequence[float]]]) -> None:
+        for _, centres, shared in starts:
+            try:
+                fits.append(refined(centres, shared))
+            except NoLine as problem:
+                problems.append(problem)
+        fits.sort(key=lambda fit: fit.chi_squared)
+
+    take(guesses)
     if problems and (not fits or fits[0].chi_squared > guesses[0][0]):
         raise problems[0]
+    for _ in range(HOPS):
+        best = fits[0]
+        take(beside(best))
+        if best.chi_squared - fits[0].chi_squared < REST:
+            break
     centres = [fits[0].values[0]]
     for fit in fits[1:]:
         if fit.chi_squared < fits[0].chi_squared + AS_GOOD and all(abs(fit.values[0] - centre) > SAME for centre in centres):
@@ -253,7 +275,10 @@ def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.
              y: np.ndarray, covariance: np.ndarray) -> LineFit:
     sigma = np.sqrt(np.diag(covariance))
     # The 1 behind the residuals ends fits of curves without noise, whose chi² would fall for ever: a weak field has no strength.
-    found = optimize.least_squares(lambda values: np.append((model(values, x) - y) / sigma, 1.0), first, x_scale="jac", ftol=1e-6)
+    try:
+        found = optimize.least_squares(lambda values: np.append((model(values, x) - y) / sigma, 1.0), first, x_scale="jac", ftol=1e-6)
+    except ValueError:  # of parameters or slopes that are infinite or no numbers
+        raise _lost(name) from None
     jacobian = found.jac[:-1]
     sizes = np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
     if not (np.isfinite(found.x).all() and np.isfinite(jacobian).all()):

@@ -155,6 +155,16 @@ def test_clean_fringes_are_found_wherever_they_are(spread: float, tip: float, co
     assert found.values[0] == pytest.approx(centre, abs=1e-3 * period)
 
 
+@pytest.mark.parametrize(("pulses", "fringes", "off"), [(1 / 20, 4, 0.23), (1 / 60, 10, 0.23), (1 / 60, 10, -0.31), (1 / 60, 30, 0.23), (1 / 60, 30, -0.31)])
+def test_fringes_of_nearly_one_speed_end_at_none_of_their_neighbours(pulses: float, fringes: int, off: float) -> None:
+    """They fall off by so little from one to the next that a start beside the centre has to go on to it."""
+    time, extent = 0.02, fringes / 0.02
+    x = np.linspace(-extent / 2, extent / 2, max(41, 8 * fringes + 1))
+    y = 0.1 + 0.8 * ramsey(x - off * extent, 1 / (4 * pulses * time), pulses * time, time, 0.01)
+    found = fit_line(x, y, np.eye(x.size) * 1e-6, "ramsey")
+    assert found["centre"][0] == pytest.approx(off * extent, abs=0.05 / time)
+
+
 @pytest.mark.parametrize(("start", "reason"), [
     ({"centre": 1e308}, "`centre` starts at 1e\\+308, far outside the scan"), ({"strength": np.nan}, "`strength` starts at nan, and must be above 0"),
     ({"time": -1.0}, "`time` starts at -1, and must be above 0"), ({"width": 1.0}, "has no start for `width` \\(it has centre, strength, time\\)")])
@@ -227,6 +237,11 @@ def test_weaker_and_weaker_fields_converge(strength: float) -> None:
     x = np.linspace(24e3, 34e3, 81)
     found = fit_line(x, 0.01 + 1e-4 * rabi(x - 29165.0, strength, 1e-4) / rabi(np.zeros(1), strength, 1e-4), np.eye(x.size) * 1e-12, "rabi")
     assert found["centre"][0] == pytest.approx(29165, abs=1) and found["time"][0] == pytest.approx(1e-4, rel=0.1)
+
+
+def test_a_start_that_leads_beyond_all_numbers_does_not_converge() -> None:
+    with pytest.raises(NoLine, match="does not converge"):
+        fit_line(X, lorentz(X - 29000, 20.0), np.eye(X.size), lambda x, a: np.full(x.size, np.inf), start={"a": 1.0})
 
 
 def test_no_fit_is_worse_than_its_best_start() -> None:
