@@ -1,5 +1,7 @@
+#include <immintrin.h>
+
 #include "bench/limits.hpp"
-#include "core/random_lanes.hpp"
+#include "transport/vector_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {
@@ -103,6 +105,38 @@ RABILINE_LANES real flip(const RabiLine& line, real slowness) {
   return line.most * sin_squared(line.half_turn_per_slowness * slowness);
 }
 
+/// A place in the table of a period, between two of its rows.
+struct PeriodRow {
+  const double* columns;
+  __m512i at;
+  real share;
+  PeriodRow(const bench::PeriodTable& table, real angle) : columns(table.rows.data()) {
+    constexpr int phases = bench::PeriodTable::phases;
+    const real place = angle * (phases / 6.283185307179586), row = floor(place);
+    share = place - row;
+    const __m512i number = _mm512_and_epi64(_mm512_cvttpd_epi64(row), _mm512_set1_epi64(phases - 1));
+    at = _mm512_slli_epi64(number, 4);
+  }
+  real operator[](int number) const {
+    return fma(share, real(_mm512_i64gather_pd(at, columns + 2 * number + 1, 8)),
+               real(_mm512_i64gather_pd(at, columns + 2 * number, 8)));
+  }
+};
+/// |d_1 u_1* exp(-i a) + d_2 u_2* exp(i a)|^2.
+RABILINE_LANES real flip(const PeriodRow& in, const PeriodRow& out, real angle) {
+  const auto passed = [&](int begin, int end, real& re, real& im) {
+    const real u_re = in[begin], u_im = in[begin + 1], d_re = out[end], d_im = out[end + 1];
+    re = fma(d_re, u_re, d_im * u_im);
+    im = fnma(d_re, u_im, d_im * u_re);
+  };
+  real re_1, im_1, re_2, im_2, s, c;
+  passed(0, 4, re_1, im_1);
+  passed(2, 6, re_2, im_2);
+  sincos(angle, s, c);
+  const real re = fma(c, re_1 + re_2, s * (im_1 - im_2)), im = fma(c, im_1 + im_2, s * (re_2 - re_1));
+  return fma(re, re, im * im);
+}
+
 /// Two packs in flight hide each other's latencies.
 template <class Slowness>
 FlipSums beam(const Slowness& slowness, const RabiLine& line, std::uint64_t particles) {
@@ -145,6 +179,23 @@ FlipSums paired_normal_beam(const Emission& e, const RabiLine& line, std::uint64
 
 FlipSums flux_weighted_beam(const Emission& e, const RabiLine& line, std::uint64_t particles) {
   return beam(FluxWeightedSlowness{{e}}, line, particles);
+}
+
+FlipSums oscillating_beam(const Emission& e, const PeriodTable& table, const DriveTerm& drive, double begin,
+                          double end, std::uint64_t particles) {
+  const NormalSlowness draw{{e}};
+  Accumulator sum;
+  for (std::uint64_t i = 0; i < particles; i += lane_count) {
+    const real slowness = draw(i),
+               in = fma(broadcast(table.omega * begin), slowness,
+                        oscillator_phase(drive, e.key, numbers_from(i))),
+               stay = slowness * (end - begin);
+    sum.add(flip(PeriodRow(table, in), PeriodRow(table, fma(broadcast(table.omega), stay, in)),
+                 table.half_rate * stay));
+  }
+  FlipSums sums;
+  sum.flush(sums);
+  return sums;
 }
 
 void scan_of_normal_beam(const Emission& e, const std::vector<RabiLine>& lines, std::uint64_t particles,

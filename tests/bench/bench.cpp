@@ -58,6 +58,9 @@ void scan_program(benchmark::State& state) {
 void dorado_program(benchmark::State& state) {
   program(state, suggested_experiment(dorado_points, dorado_particles), dorado_steps());
 }
+void period_program(benchmark::State& state) {
+  program(state, oscillating_field(beam_particles), beam_particles);
+}
 void rabi_program(benchmark::State& state, int points, int twice_spin) {
   program(state, rabis_apparatus(points, rabi_particles, twice_spin, {20, 20}),
           double{rabi_particles} * points);
@@ -91,6 +94,14 @@ void beam_limit(benchmark::State& state, FlipSums (*limit)(const Emission&, cons
   const Plan plan = make_plan(two_level_beamline(1, beam_particles));
   const RabiLine line = lines_of(plan).at(0);
   time_it(state, beam_particles, [&] { return limit(emission_of(plan), line, beam_particles); });
+}
+void period_limit(benchmark::State& state) {
+  const Plan plan = make_plan(oscillating_field(beam_particles));
+  const SpinZone& zone = oscillating_zone_of(plan);
+  const PeriodTable table(zone.spin_rate, zone.drive[0].spin_rate, zone.drive[0].omega);
+  time_it(state, beam_particles, [&] {
+    return oscillating_beam(emission_of(plan), table, zone.drive[0], zone.begin, zone.end, beam_particles).p;
+  });
 }
 void scan_limit(benchmark::State& state) {
   const Plan plan = make_plan(two_level_beamline(frequencies, scan_particles));
@@ -135,6 +146,7 @@ void register_all() {
     benchmark::RegisterBenchmark("beam/paired limit", beam_limit, paired_normal_beam);
     benchmark::RegisterBenchmark("beam/flux-weighted limit", beam_limit, flux_weighted_beam);
     benchmark::RegisterBenchmark("scan/limit", scan_limit);
+    benchmark::RegisterBenchmark("period/limit", period_limit);
     benchmark::RegisterBenchmark("dorado/limit", dorado_limit);
     benchmark::RegisterBenchmark("spin/limit", spin_limit);
     benchmark::RegisterBenchmark("wires/limit", wires_flight, wires_by_hand);
@@ -149,6 +161,7 @@ void register_all() {
   };
   flown("beam/program", beam_program);
   flown("scan/program", scan_program);
+  flown("period/program", period_program);
   flown("dorado/program", dorado_program);
   flown("spin/program", profile_program);
   for (const int twice_spin : {1, 3}) {
@@ -181,6 +194,8 @@ const std::vector<Row> rows{
      "beam/program"},
     {"  against flux-weighted speeds [particles]", "beam/flux-weighted limit", "beam/program"},
     {"frequency scan, tracks reused [particles x frequencies]", "scan/limit", "scan/program", 0.25, 0.6},
+    {"whole oscillating field at random phases, by its period [particles]", "period/limit", "period/program",
+     0.4, 0.7},
     {"Rabi's apparatus, 201 points against one, spin 1/2", "rabi 1/2/one", "rabi 1/2/scan"},
     {"  spin 3/2 [particles x frequencies]", "rabi 3/2/one", "rabi 3/2/scan"},
     {"Rabi's apparatus, 1e7 particles, one slit: 201 points over 2, spin 1/2", "wire 1/2/2", "wire 1/2/201",

@@ -42,6 +42,22 @@ void check_beam() {
   }
 }
 
+/// The fraction of spins that a whole oscillating field flips.
+void check_period() {
+  constexpr std::uint64_t particles = 8192;
+  const Experiment experiment = oscillating_field(particles);
+  const Plan plan = make_plan(experiment);
+  const SpinZone& zone = oscillating_zone_of(plan);
+  const DriveTerm& drive = zone.drive[0];
+  const PeriodTable table(zone.spin_rate, drive.spin_rate, drive.omega);
+  RunOptions options;
+  options.isa = best_isa();
+  const Result result = finish(experiment, plan, run(plan, options).sums);
+  expect_near(
+      oscillating_beam(emission_of(plan), table, drive, zone.begin, zone.end, particles).p / particles,
+      result.detectors.at(0).levels.at(1), 1e-6, "whole oscillating field");
+}
+
 /// A few steps of one particle in the suggested experiment's fields.
 void check_flight() {
   Beamline beamline = suggested_experiment(1, 1).points.front();
@@ -96,6 +112,7 @@ void check_limits() {
   check_map();
   check_steps();
   check_beam();
+  check_period();
   check_flight();
 }
 

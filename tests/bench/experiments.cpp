@@ -139,6 +139,32 @@ const SpinZone& profiled_zone_of(const Plan& plan) {
   throw std::logic_error("no zone with a profile");
 }
 
+Experiment oscillating_field(std::uint64_t particles) {
+  Beamline b = test::suggested(larmor);
+  b.law = QuantumLaw{};
+  b.source.speed = GaussianSpeed{1000, 100};
+  b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
+  b.chamber.reset();
+  b.particles = particles;
+  OscillatingField rf;
+  rf.length = 0.2;
+  rf.amplitude = 0.3e-3;
+  rf.frequency = 1.001 * larmor;
+  rf.approximation = Approximation::none;
+  rf.phase = {Phase::Kind::random, 0};
+  b.parts = {b.parts.at(1), test::place("RF", 0.35, rf), b.parts.at(3)};
+  Experiment experiment;
+  experiment.points = {b};
+  return experiment;
+}
+
+const SpinZone& oscillating_zone_of(const Plan& plan) {
+  for (const SpinStretch* stretch : stages_of<SpinStretch>(plan))
+    for (const SpinZone& zone : stretch->spins.zones)
+      if (zone.kind == ZoneKind::periodic) return zone;
+  throw std::logic_error("no zone of a period");
+}
+
 MagnetShape two_wires() {
   MagnetShape shape;
   shape.kind = MagnetKind::two_wire;

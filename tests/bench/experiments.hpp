@@ -19,6 +19,11 @@ Experiment suggested_experiment(int points, std::uint64_t particles);
 Experiment profiled_field(std::uint64_t particles);
 /// The zone of that field.
 const SpinZone& profiled_zone_of(const Plan&);
+/// Polarised neutrons of normal speeds through a whole oscillating field, each at a phase of its own, under
+/// `quantum`.
+Experiment oscillating_field(std::uint64_t particles);
+/// The zone of that field.
+const SpinZone& oscillating_zone_of(const Plan&);
 /// The magnet of Kusch, Millman and Rabi's beam of potassium: two wires 1 cm apart.
 MagnetShape two_wires();
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench/period_table.hpp"
 #include "field/magnet_shape.hpp"
 #include "field/map_shape.hpp"
 #include "transport/kernels.hpp"
@@ -30,6 +31,11 @@ FlipSums flux_weighted_beam(const Emission&, const RabiLine&, std::uint64_t part
 /// Each particle's speed is drawn once and serves all lines; sums[line].
 void scan_of_normal_beam(const Emission&, const std::vector<RabiLine>&, std::uint64_t particles,
                          FlipSums* sums);
+
+/// As normal_beam, with a random phase for each particle in a whole oscillating field from `begin` to `end`
+/// [m].
+FlipSums oscillating_beam(const Emission&, const PeriodTable&, const DriveTerm&, double begin, double end,
+                          std::uint64_t particles);
 
 /// Place, velocity and spin in the laboratory.
 struct Particle {
