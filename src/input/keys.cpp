@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "input/words.hpp"
+
 namespace rabiline {
 
 namespace {
@@ -120,8 +122,9 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
     const std::string owner = owner_of ? owner_of(entry.key) : std::string{};
     std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
     if (!owner.empty()) message += fmt::format(" ({} has)", owner);
-    const std::string near =
-        owner.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
+    std::string near = key_meant_by(entry.key, known_);
+    if (near.empty() || node_->find(near))
+      near = owner.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
     std::string help;
     if (!near.empty())
       help = fmt::format("did you mean `{}`?", near);

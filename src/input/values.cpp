@@ -236,7 +236,8 @@ bool ValueType<LevelName>::read(const Node& node, const Row& row, Reading& readi
     out = *name;
   else
     reading.error(node.place, fmt::format("`{}` names levels, but {} stands here", row.key, quote(node)),
-                  "write a level as `F=4 m=0`, or by its name in a strong field, `m_J=1/2 m_I=-7/2`");
+                  "write a level as `F=4 m=0`, or by its name in a strong field, `m_J=1/2 m_I=-7/2`; a spin "
+                  "alone has none and is `polarised`, or given by `populations`");
   return name.has_value();
 }
 

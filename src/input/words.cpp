@@ -116,11 +116,69 @@ constexpr std::array meanings{
     Meaning{"time", "time_of_flight start_time"},
     Meaning{"velocity", "speed"},
     Meaning{"lambda", "wavelength"},
+    Meaning{"up", "polarised populations"},
+    Meaning{"down", "polarised populations"},
     Meaning{"yes", "true"},
     Meaning{"on", "true"},
     Meaning{"no", "false"},
     Meaning{"off", "false"},
     Meaning{"geometric", "logarithmic"},
+};
+
+/// The same of keys.
+constexpr std::array key_meanings{
+    Meaning{"type", "kind"},
+    Meaning{"id", "name"},
+    Meaning{"position", "at"},
+    Meaning{"pos", "at"},
+    Meaning{"place", "at"},
+    Meaning{"begin", "at from"},
+    Meaning{"start", "at from"},
+    Meaning{"from", "at"},
+    Meaning{"y", "at"},
+    Meaning{"z", "at"},
+    Meaning{"distance", "at"},
+    Meaning{"min", "from"},
+    Meaning{"end", "length to"},
+    Meaning{"stop", "length to"},
+    Meaning{"to", "length"},
+    Meaning{"max", "to"},
+    Meaning{"steps", "points"},
+    Meaning{"number", "points particles"},
+    Meaning{"n", "points particles"},
+    Meaning{"events", "particles"},
+    Meaning{"atoms", "particles"},
+    Meaning{"neutrons", "particles"},
+    Meaning{"samples", "particles"},
+    Meaning{"beamline", "parts"},
+    Meaning{"elements", "parts"},
+    Meaning{"components", "parts"},
+    Meaning{"particle", "species"},
+    Meaning{"atom", "species"},
+    Meaning{"beam", "source"},
+    Meaning{"description", "title"},
+    Meaning{"b", "field"},
+    Meaning{"b0", "field"},
+    Meaning{"b1", "amplitude"},
+    Meaning{"magnetic_field", "field"},
+    Meaning{"strength", "field amplitude"},
+    Meaning{"f", "frequency"},
+    Meaning{"nu", "frequency"},
+    Meaning{"axis", "direction"},
+    Meaning{"diameter", "radius"},
+    Meaning{"aperture", "opening radius"},
+    Meaning{"slit", "opening"},
+    Meaning{"velocity", "speed"},
+    Meaning{"v", "speed value mean"},
+    Meaning{"t", "temperature"},
+    Meaning{"spread", "sigma"},
+    Meaning{"std", "sigma"},
+    Meaning{"width", "sigma"},
+    Meaning{"divergence", "direction"},
+    Meaning{"polarisation", "spin degree"},
+    Meaning{"polarization", "spin degree"},
+    Meaning{"gamma", "gyromagnetic_ratio"},
+    Meaning{"pixels", "bins"},
 };
 
 /// What is said of the beam and is no part of it, and where it belongs.
@@ -139,14 +197,15 @@ bool has(std::span<const Word> words, std::string_view word) {
   return std::ranges::find(words, word, &Word::word) != words.end();
 }
 
-/// Those of the words that are meant.
-std::vector<std::string> meant_by(std::string_view said, std::span<const Word> words) {
+/// Those that are meant and that `is_known` knows.
+std::vector<std::string> meant_by(std::string_view said, std::span<const Meaning> table,
+                                  const auto& is_known) {
   std::vector<std::string> out;
-  const auto known = std::ranges::find(meanings, said, &Meaning::said);
-  if (known == meanings.end()) return out;
-  for (std::string_view rest = known->meant; !rest.empty();) {
+  const auto found = std::ranges::find(table, said, &Meaning::said);
+  if (found == table.end()) return out;
+  for (std::string_view rest = found->meant; !rest.empty();) {
     const std::string_view word = rest.substr(0, rest.find(' '));
-    if (has(words, word)) out.emplace_back(word);
+    if (is_known(word)) out.emplace_back(word);
     rest.remove_prefix(std::min(rest.size(), word.size() + 1));
   }
   return out;
@@ -172,7 +231,8 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
   std::ranges::replace_if(
       said, [](char c) { return c == ' ' || c == '-'; }, '_');
   if (has(words, said)) return fmt::format("did you mean `{}`?", said);
-  if (const std::vector<std::string> meant = meant_by(said, words); !meant.empty())
+  const auto is_word = [&](std::string_view meant) { return has(words, meant); };
+  if (const std::vector<std::string> meant = meant_by(said, meanings, is_word); !meant.empty())
     return fmt::format("did you mean {}?", list_of(meant));
   const auto elsewhere = std::ranges::find(no_parts, said, &Meaning::said);
   if (has(words, of_parts) && elsewhere != no_parts.end()) return std::string(elsewhere->meant);
@@ -180,6 +240,12 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
   for (const Word& w : words) known.emplace_back(w.word);
   const std::string near = closest(word, known);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
+}
+
+std::string key_meant_by(std::string_view said, std::span<const std::string_view> keys) {
+  const auto is_key = [&](std::string_view meant) { return std::ranges::find(keys, meant) != keys.end(); };
+  const std::vector<std::string> meant = meant_by(lower(said), key_meanings, is_key);
+  return meant.empty() ? std::string{} : meant.front();
 }
 
 }  // namespace rabiline

@@ -17,5 +17,7 @@ std::string list_of(std::span<const Word>);
 std::string list_of(const std::vector<std::string>&);
 /// "did you mean `b`?", by its letters or by what it means; empty where none is near.
 std::string suggest(std::string_view word, std::span<const Word>);
+/// Which of the keys people mean by a word; empty where none is.
+std::string key_meant_by(std::string_view said, std::span<const std::string_view> keys);
 
 }  // namespace rabiline
