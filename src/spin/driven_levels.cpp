@@ -71,10 +71,13 @@ std::vector<Stretch> stretches_of(const CoupledSpins& spins, std::vector<LevelZo
     stretch.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), spins.levels()) / planck;
     if (drive && drive->amplitude != 0 && end > begin) {
       stretch.drive = drive;
-      if (sense_of(*drive) == 0 && drive->oscillator.frequency < 0) {  // cos p = cos(-p)
-        stretch.drive->oscillator.frequency *= -1;
-        stretch.drive->oscillator.phase *= -1;
+      Oscillator& clock = stretch.drive->oscillator;
+      if (sense_of(*drive) == 0 && clock.frequency < 0) {  // cos p = cos(-p)
+        clock.frequency *= -1;
+        clock.phase *= -1;
       }
+      if (sense_of(*drive) < 0)
+        clock.phase *= -1;  // photons have exp(-i (omega t + p)), the field -omega t + p
       stretch.states = driven_states(spins, levels, *stretch.drive);
     }
     stretches.push_back(std::move(stretch));

@@ -49,11 +49,12 @@ inline Eigen::Vector3d driving_field(const RotatingTerm& drive, double y, double
   if (drive.envelope.shape == Shape::gaussian)
     share = std::exp(
         -std::pow((y - drive.envelope.begin - drive.envelope.length / 2) / drive.envelope.sigma, 2) / 2);
-  const double p = two_pi * drive.oscillator.frequency * slowness * y + drive.oscillator.phase,
+  const int sense = sense_of(drive);  // the phase is an azimuth whatever the sense
+  const double p = (sense < 0 ? -1 : 1) * two_pi * drive.oscillator.frequency * slowness * y +
+                   drive.oscillator.phase,
                size = drive.amplitude * share;
-  const int sense = sense_of(drive);
   if (sense == 0) return size * std::cos(p) * Eigen::Vector3d(drive.first.x, drive.first.y, drive.first.z);
-  return size * Eigen::Vector3d(std::cos(p), sense * std::sin(p), 0);
+  return size * Eigen::Vector3d(std::cos(p), std::sin(p), 0);
 }
 
 /// The states at a field, with the signs that small steps in the field lead to.
