@@ -116,6 +116,7 @@ class FollowedAtom {
         state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
       else
         state = renamed(state, last, direction, entry, axis_of(entry, direction),
+                        before != nullptr ? begin - time_at(before->field.end) : 0,
                         before != nullptr && before->field.end == section.field.begin);
       double s = begin;
       for (const double edge : edges) {
@@ -133,7 +134,7 @@ class FollowedAtom {
         met || !fields.ends_in_field || length_of(last) == 0) {
       constexpr Vector3 along_z{0, 0, 1};
       const Vector3 next = met ? fields.behind * along_z : Vector3{};
-      state = renamed(state, last, direction, next, along_z, met);
+      state = renamed(state, last, direction, next, along_z, 0, met);
       last = next;
       direction = along_z;
     }
@@ -236,14 +237,25 @@ class FollowedAtom {
   }
   /// Where static fields meet, behind what drove before and before what drives then, levels keep their names
   /// while the size changes, and the direction changes at once in the smaller of both fields; in none where
-  /// there is a gap between them.
+  /// there is a gap of the time `stay` between them.
   State renamed(const State& state, const Vector3& from, const Vector3& old, const Vector3& to,
-                const Vector3& next, bool touches) const {
+                const Vector3& next, double stay, bool touches) const {
     const double size = length_of(from), least = touches ? std::min(size, length_of(to)) : 0;
     const State named = spins_.states(old, size, size).adjoint() * state,
-                turned =
-                    spins_.states(next, least, least).adjoint() * (spins_.states(old, size, least) * named);
+                turned = spins_.states(next, least, least).adjoint() *
+                         rested(spins_.states(old, size, least) * named, touches ? 0 : stay);
     return spins_.states(next, least, length_of(to)) * turned;
+  }
+  /// After a time in no field.
+  State rested(const State& state, double stay) const {
+    if (stay == 0) return state;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> own(spins_.zero());
+    State along = own.eigenvectors().adjoint() * state;
+    for (Eigen::Index k = 0; k < along.size(); ++k) {
+      const double angle = own.eigenvalues()(k) * stay;
+      along(k) *= Complex(portable::cos(angle), -portable::sin(angle));
+    }
+    return own.eigenvectors() * along;
   }
   /// One step from s: with H h = K_0 + K_1 u + ..., u from 0 to 1, the series' terms follow from one another.
   void advance(const CourseSection& section, double s, double h, State& state) const {

@@ -1,5 +1,6 @@
 #pragma once
-// What becomes of amplitudes where the field is another one at once and the state stays, for kernels only.
+// What becomes of amplitudes in no field, and where the field is another one at once and the state stays, for
+// kernels only.
 #include "transport/level_exponential_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
@@ -7,6 +8,13 @@ namespace rabiline::RABILINE_ISA {
 RABILINE_LANES mask differ(const Vector& a, const Vector& b) {
   const Vector d = add(a, broadcast(-1), b);
   return dot(d, d) > broadcast(0);
+}
+
+/// In no field levels have the energies of their F.
+[[gnu::noinline]] inline void rest(const LevelManifold& f, real stay, Amplitudes& a) {
+  real energy[most_row];
+  look_up(f, f.levels, broadcast(0), energy);
+  for (int k = 0; k < f.levels; ++k) turn_back(energy[k] * stay, k, a);
 }
 
 /// The frame turns: the state turns back by -W . F of the levels at that size of the field.

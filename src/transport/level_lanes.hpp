@@ -198,6 +198,8 @@ class LevelFlight {
 
   [[gnu::noinline]] inline void pass(const CourseSection& section, const CourseSection* last, mask counted) {
     const real over = 1.0 / path_.speed();
+    if (last != nullptr && last->field.end < section.field.begin)
+      rest(f_, (section.field.begin - last->field.end) * over, a);
     const real begin = path_.time_at(section.field.begin), end = path_.time_at(section.field.end),
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);

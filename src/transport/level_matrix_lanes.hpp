@@ -15,6 +15,14 @@ struct LevelMatrix {
   real re[most_couplings], im[most_couplings];
 };
 
+/// exp(-i angle) times one of them.
+RABILINE_LANES void turn_back(real angle, int level, Amplitudes& a) {
+  const Phasor p = phasor(angle);
+  const real re = fma(a.im[level], p.s, a.re[level] * p.c);
+  a.im[level] = fnma(a.re[level], p.s, a.im[level] * p.c);
+  a.re[level] = re;
+}
+
 /// B and dB/dt where a particle is.
 struct FieldAtTime {
   Vector b, rate;

@@ -108,12 +108,7 @@ RABILINE_LANES real shift_by(real square, real apart) {
 /// Amplitudes get the phases of the wave's frame at the time t, instead of those of the manifold's energies
 /// at B = 0; or the other way round.
 inline void change_frame(const LevelManifold& f, const LevelWave& wave, real t, double sign, Amplitudes& a) {
-  for (int k = 0; k < f.levels; ++k) {
-    const Phasor p = phasor((sign * (wave.rate[k] - f.taken_off[k])) * t);
-    const real re = fnma(a.im[k], p.s, a.re[k] * p.c);
-    a.im[k] = fma(a.re[k], p.s, a.im[k] * p.c);
-    a.re[k] = re;
-  }
+  for (int k = 0; k < f.levels; ++k) turn_back((sign * (f.taken_off[k] - wave.rate[k])) * t, k, a);
 }
 /// Levels of a field against the third axis are named as those of one along it: the axes turn about the first
 /// by half a turn.

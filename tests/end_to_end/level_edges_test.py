@@ -79,3 +79,19 @@ def test_a_spin_stays_where_a_tilted_field_meets_a_magnet(tmp_path: Path, magnet
     # d of J = 3/2 by 45 degrees; in 1 mT F are mixed a little.
     c, s = np.cos(np.pi / 8) ** 2, np.sin(np.pi / 8) ** 2
     assert np.abs(found[:4] - [c**3, 3 * c**2 * s, 3 * c * s**2, s**3]).max() < 1e-3
+
+
+@pytest.mark.parametrize("speed", [1000, 2000, 3000])
+def test_levels_keep_their_phase_in_a_gap_without_a_field(tmp_path: Path, speed: float) -> None:
+    def found(approximations: tuple[str, str], between: str) -> np.ndarray:
+        zones = [part for number, (at, own, how) in enumerate(((0.1, "frequency: 177.571 MHz, phase: locked", approximations[0]), (0.16, "oscillator: R1", approximations[1])), 1)
+                 for part in (f"name: C{number}, kind: uniform_field, at: {at} m, length: 3 cm, field: 10 uT",
+                              f"name: R{number}, kind: oscillating_field, at: {at + 0.01} m, length: 1 cm, amplitude: 3.57 uT, direction: z, {own}, approximation: {how}")]
+        guide = f"name: G, kind: uniform_field, at: 0.13 m, length: 3 cm, field: {between}"
+        return levels(tmp_path, [*zones, *([guide] if between else [])], "F=0 m=0", asked=0.3, species="H(2S) atom", speed=speed)
+
+    whole = found(("none", "none"), "")
+    assert 0.02 < whole[1] < 0.4
+    assert np.abs(whole - found(("none", "none"), "1 nT")).max() < 1e-6
+    for approximations in (("rotating_wave", "rotating_wave"), ("none", "rotating_wave"), ("rotating_wave", "none")):
+        assert np.abs(whole - found(approximations, "")).max() < 1e-3
