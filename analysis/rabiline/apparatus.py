@@ -329,6 +329,6 @@ def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
         placed.append((middle, begin + len(words) * letter / 2, row, words))
     axes.set_ylim(-0.6, max(len(rows), 3))
     for middle, at, row, words in placed:
-        axes.text(at, row + 0.1, words, ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
+        axes.text(at, row + 0.1, style.plain(words), ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
         axes.plot([middle, at], [-0.6, row + 0.05], color=GREY, linewidth=0.5)

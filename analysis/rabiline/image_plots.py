@@ -72,7 +72,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
     (right)."""
     size = _image_size(detector)
-    title = title or (f"{results.title}: {detector.name}" if results.title else detector.name)
+    title = title or (f"{results.title}: {detector.label}" if results.title else detector.label)
     title = in_lines(title, _width(size, len(shots)), TITLE)
     headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
     room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25
@@ -97,7 +97,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     rows[0][0].set_ylabel("z (mm)")
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
-    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top")
+    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
     return figure
 
 

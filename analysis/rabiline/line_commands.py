@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from . import results
 from .argument_types import count
 from .counts import read_counts
-from .covariance import LEAST_P, p_in_words
+from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
@@ -158,7 +158,7 @@ def described(fitted: LineFit, unit: str) -> list[str]:
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, {p_in_words(fitted.p)}, without correlations")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:

@@ -67,7 +67,7 @@ class Detector:
     """The histograms of one detector, in particles."""
 
     name: str
-    title: str
+    label: str  # as pictures call it
     x_edges: np.ndarray  # [nx + 1] m, from the beam's axis, or from the centre of a detector that the scan moves
     z_edges: np.ndarray  # [nz + 1] m
     offset_x: np.ndarray  # [points] m, from the beam's axis to where the edges are counted from
@@ -266,7 +266,7 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
     nx, nz = x_edges.size - 1, z_edges.size - 1
     return Detector(
         name=name,
-        title=image.text("title", name),
+        label=image.text("title", name).removeprefix(f"{entry.text('title')}: ") or name,
         x_edges=x_edges,
         z_edges=z_edges,
         offset_x=image.numbers("offset_x", (points,)) if "offset_x" in image else np.zeros(points),

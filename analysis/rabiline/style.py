@@ -6,12 +6,14 @@ import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
+from math import log10
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
 from matplotlib import pyplot as plt
 from matplotlib import rcParamsDefault
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -19,6 +21,7 @@ from matplotlib.lines import Line2D
 
 from . import asked
 from .errors import InputError
+from .units import SUPERSCRIPT
 from .writing import require_place, whole
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
@@ -144,6 +147,22 @@ def legend_below(figure: Figure, axes: Axes, columns: int, title: str = "") -> f
     return 0.0
 
 
+def plain(text: str) -> str:
+    """A text of the user, whose dollars are no formulas."""
+    return text.replace("$", r"\$")
+
+
+def logarithmic(axis: Axis) -> None:
+    """With plain numbers, as far as these are short."""
+    def minor(value: float, _: int) -> str:
+        low, high = axis.get_view_interval()
+        return f"{value:g}" if high < 10 * low else ""
+
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    axis.set_major_formatter(lambda value, _: f"{value:g}" if PLAIN[0] <= value < PLAIN[1] else f"10{str(round(log10(value))).translate(SUPERSCRIPT)}")
+    axis.set_minor_formatter(minor)
+
+
 def widest(labels: Sequence[str]) -> int:
     """Letters of the longest line of them all."""
     return max(len(line) for label in labels for line in label.splitlines() or [""])
@@ -225,6 +244,7 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
 
 ENDINGS = (".png", ".pdf", ".svg")
 TITLE = 11.5  # points
+PLAIN = 1e-4, 1e6  # numbers on a logarithmic axis that are written out
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
 WORDS = ("law", "species")  # whose values say by themselves what they are

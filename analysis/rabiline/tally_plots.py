@@ -43,7 +43,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
     mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
                             vmin=0, rasterized=True)
     if is_logarithmic(scanned.values):
-        panel.set_xscale("log")
+        style.logarithmic(panel.xaxis)
     if scanned.labels:
         panel.set_xticks(scanned.values, [law_name(label).replace(", ", "\n") for label in scanned.labels])
     elif scanned.values.size <= FEW:  # whose cells reach far beyond them
