@@ -94,11 +94,11 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     figure, panels = plt.subplots(3 + len(drawn), 1, figsize=(9.0, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained",
                                   height_ratios=(1.1, *(1.3 for _ in drawn), 2, 2))
     names, side, top = panels[0], panels[-2], panels[-1]
+    if fields:
+        pieces = [_where_it_acts(piece, fields) for piece in pieces]
     _write_names(names, pieces, end)
     for draw_field, panel in zip(drawn, panels[1:]):
         draw_field(panel, fields)
-    if fields:
-        pieces = [_where_it_acts(piece, fields) for piece in pieces]
     for axes, across in ((side, "z"), (top, "x")):
         half = _extent(pieces, across, tracks)
         _draw_view(axes, pieces, across, half, end)
@@ -205,15 +205,22 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"),
                                   (fields.drives, LAWS["dorado"][0], "|B|, oscillating:\namplitude")):
         if values.any():
-            shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
+            shown = np.where(values > 0 if far else _near_any(values), scale.apply(values), np.nan)
             axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)
     if far:
-        axes.set_yscale("log")
+        style.logarithmic(axes.yaxis)
+        axes.yaxis.set_major_formatter(lambda value, _: format_value(float(f"{value:.3g}"), "T"))
     else:
         axes.set_ylim(bottom=0)
-    axes.set_ylabel(scale.label("B on axis"))
+    axes.set_ylabel("B on axis" if far else scale.label("B on axis"))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(axis="y")
+
+
+def _near_any(values: np.ndarray) -> np.ndarray:
+    """[n] Where there is a field, or beside it: a line along zero would cover another one."""
+    there = np.concatenate([[False], values > 0, [False]])
+    return there[:-2] | there[1:-1] | there[2:]
 
 
 def _draw_electric(axes: Axes, fields: FieldsAlong) -> None:

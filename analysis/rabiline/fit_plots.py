@@ -48,8 +48,6 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     above.set_title(style.in_rows(figure, lines, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"))
     if style.size(0, 0) != (0, 0):
         style.legend_at_foot(figure, *above.get_legend_handles_labels())
-    elif fit.counts.across is None:
-        above.legend(loc="best")
     else:
         below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3)
     return figure

@@ -73,7 +73,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     (right)."""
     size = _image_size(detector)
     title = title or (f"{results.title}: {detector.label}" if results.title else detector.label)
-    title = in_lines(title, _width(size, len(shots)), TITLE)
+    title = in_lines(style.shortened(title), _width(size, len(shots)), TITLE)
     headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
     room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25
     figure, rows = _lay_out(size, len(shots), room)

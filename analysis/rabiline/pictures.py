@@ -277,7 +277,7 @@ def plot_transit(options: argparse.Namespace) -> Figure:
     transits = file.detectors[name].transits
     if not transits:
         raise InputError(f"{file.path}: has no times of flight to `{name}`: they are kept where a scan follows from "
-                         "moments of the slowness, or with `rabiline run --transit totals`")
+                         "moments of the slowness; a tally of the time_of_flight has them always")
     if not 1 <= options.species <= len(transits):
         raise InputError(f"--species {options.species}: there are 1 to {len(transits)}")
     transit = transits[options.species - 1]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Sequence
 import numpy as np
 
 from . import tables
+from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
 from .tallies import Tally, TallyAxis, read_tally
@@ -180,7 +181,8 @@ class Results:
         detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
         InputError for what there is not or an ending that is no picture's, and StorageError."""
         from . import pictures, style
-        figure = pictures.plot_of(self, kind, options)
+        with as_keywords():
+            figure = pictures.plot_of(self, kind, options)
         if output is not None:
             style.save(figure, output)
         return figure

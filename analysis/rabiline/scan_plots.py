@@ -253,7 +253,7 @@ def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
     x, size = scale.apply(curve.x), 6.0 if curve.axis.labels else SYMBOL
     above = of - 1 - turn
     in_turns = not curve.axis.labels and x.size >= TURNS * of
-    size, every = (size, (turn, of)) if in_turns else (size + RIM * above, (0, 1))
+    size, every = (size + (RIM if of > 1 else 0), (turn, of)) if in_turns else (size + RIM * above, (0, 1))
     width = 1.1 + RIM * above
     runs = [] if curve.axis.labels else runs_of(curve.x)
     style_of = "--" if look.open else "-"

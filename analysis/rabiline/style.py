@@ -1,6 +1,7 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
+import re
 import textwrap
 import warnings
 from contextlib import contextmanager
@@ -43,10 +44,19 @@ RULES = {
 }
 
 
+class PictureWarning(UserWarning):
+    """What a picture does not show as it should."""
+
+
 def write_title(figure: Figure, title: str) -> None:
     """Above the figure, in lines that fit its width."""
     size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
-    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
+    figure.suptitle(in_lines(shortened(title), figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
+
+
+def shortened(title: str) -> str:
+    """To what a picture has room for."""
+    return title if len(title) <= LONGEST else f"{title[:LONGEST - 1].rstrip()}…"
 
 
 def scaled(points: float) -> float:
@@ -158,8 +168,12 @@ def logarithmic(axis: Axis) -> None:
         low, high = axis.get_view_interval()
         return f"{value:g}" if high < 10 * low else ""
 
+    def major(value: float, _: int) -> str:
+        low, high = axis.get_view_interval()
+        return f"{value:g}" if PLAIN[0] <= low and high < PLAIN[1] else f"10{str(round(log10(value))).translate(SUPERSCRIPT)}"
+
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
-    axis.set_major_formatter(lambda value, _: f"{value:g}" if PLAIN[0] <= value < PLAIN[1] else f"10{str(round(log10(value))).translate(SUPERSCRIPT)}")
+    axis.set_major_formatter(major)
     axis.set_minor_formatter(minor)
 
 
@@ -236,7 +250,8 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
     before, _asked = _asked, asked or _asked
     small = {key: value * SMALLER for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
     try:
-        with plt.rc_context({**RULES, **(small if _asked and _asked[0] < NARROW else {})}):
+        with plt.rc_context({**RULES, **(small if _asked and _asked[0] < NARROW else {})}), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", GLYPH)  # told of once, where the picture is saved
             yield
     finally:
         _asked = before
@@ -244,7 +259,9 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
 
 ENDINGS = (".png", ".pdf", ".svg")
 TITLE = 11.5  # points
-PLAIN = 1e-4, 1e6  # numbers on a logarithmic axis that are written out
+GLYPH = r"Glyph (\d+) .* missing from"
+PLAIN = 5e-5, 2e5  # a logarithmic axis between these has its numbers written out
+LONGEST = 300  # letters of a title
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
 WORDS = ("law", "species")  # whose values say by themselves what they are
@@ -288,8 +305,9 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     for an ending that is no picture's or where its size leaves no room between the letters."""
     require_name(path)
     try:
-        with whole(path) as new, here(), warnings.catch_warnings():
+        with whole(path) as new, here(), warnings.catch_warnings(record=True) as told:
             warnings.filterwarnings("error", "constrained_layout not applied")
+            warnings.filterwarnings("always", GLYPH)
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
             figure.savefig(new, format=Path(path).suffix[1:].lower(), facecolor="white", dpi=dpi)
     except UserWarning:
@@ -297,6 +315,9 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
         raise InputError(f"--size: {width:.0f}x{height:.0f} leaves no room for curves between the letters; make it larger") from None
     finally:
         plt.close(figure)
+    missing = dict.fromkeys(chr(int(found[1])) for one in told if (found := re.match(GLYPH, str(one.message))))
+    if missing:
+        warnings.warn(f"{path}: the letters of pictures lack {' '.join(missing)}, of which boxes are left", PictureWarning, stacklevel=2)
 
 
 def row_for(rows: list[float], begin: float, end: float) -> int:
