@@ -16,6 +16,7 @@ from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, is_logarithmic, law_name
 
 FEW = 4  # levels whose names stand side by side, or values that are the ticks of their axis
+LEVELS = {"level": "level in which it is found", "prepared_level": "level in which it was prepared"}  # whose names have their m
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
 
 
@@ -74,7 +75,7 @@ def _heading(results: Results, point: int) -> str:
 
 
 def _name(axis: TallyAxis) -> str:
-    return axis.title.rsplit(" (", 1)[0] if axis.units else axis.title
+    return LEVELS.get(axis.name, axis.title.rsplit(" (", 1)[0] if axis.units else axis.title)
 
 
 def _label(axis: TallyAxis, scale: Scale) -> str:
@@ -149,4 +150,6 @@ def _write_numbers(panel: Axes, edges: list[np.ndarray], counts: np.ndarray, mos
 
 def _short(count: float, most: float) -> str:
     """A count without a power of ten, unless all are large."""
-    return f"{count / 1e3:.0f} k" if most >= 1e6 else f"{count:.0f}" if count >= 100 or count == round(count) else f"{count:.1f}"
+    if most >= 1e6:
+        return f"{count / 1e3:.0f} k"
+    return "<0.1" if 0 < count < 0.05 else f"{count:.0f}" if count >= 100 or count == round(count) else f"{count:.1f}"
