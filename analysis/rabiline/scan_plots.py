@@ -153,12 +153,13 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     near = SYMBOL / (PANEL * 72) * np.ptp(_fraction_limits(curves))
     for i, (curve, label, look, told) in enumerate(drawn):
         alike = [k for k, (other, *_) in enumerate(drawn) if _coincide(curve, other, near)]
+        place = _Place(alike.index(i), len(alike), np.any([np.abs(curve.y - drawn[k][0].y) <= near for k in alike if k != i], axis=0) | np.zeros(curve.y.size, bool))
         first = next((name for other, name in zip(curves, labels) if _is_same(curve, other)), label)
         if first != label:
-            _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, alike.index(i), len(alike))
+            _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, place)
             continue
         words = _in_words(told, scale, axis.units) if told else []
-        _draw_curve(axes, curve, "\n".join([style.plain(label), *([] if beside else words)]), look, scale, alike.index(i), len(alike))
+        _draw_curve(axes, curve, "\n".join([style.plain(label), *([] if beside else words)]), look, scale, place)
         for resonance in told.resonances if told else []:
             _draw_width(axes, resonance, look, scale)
             if beside:
@@ -248,17 +249,27 @@ def _is_same(one: Curve, other: Curve) -> bool:
     return np.array_equal(one.x, other.x) and np.array_equal(one.y, other.y) and np.array_equal(one.errors, other.errors)
 
 
-def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, turn: int, of: int) -> None:
-    """One `of` several that lie on each other: they have their symbols in turns, or smaller and smaller ones, and narrower and narrower lines."""
+@dataclass(frozen=True)
+class _Place:
+    """Of a curve among those that lie on each other."""
+
+    turn: int
+    of: int
+    covered: np.ndarray  # [n] the points at which another one is
+
+
+def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, place: _Place) -> None:
+    """Where several lie on each other, they have their symbols in turns, or smaller and smaller ones, and narrower and narrower lines."""
     x, size = scale.apply(curve.x), 6.0 if curve.axis.labels else SYMBOL
-    above = of - 1 - turn
-    in_turns = not curve.axis.labels and x.size >= TURNS * of
-    size, every = (size + (RIM if of > 1 else 0), (turn, of)) if in_turns else (size + RIM * above, (0, 1))
+    above = place.of - 1 - place.turn
+    in_turns = not curve.axis.labels and x.size >= TURNS * place.of
+    every = ~place.covered | (np.arange(x.size) % place.of == place.turn) | (not in_turns)
+    size += RIM * min(above, 1) if in_turns else RIM * above
     width = 1.1 + RIM * above
     runs = [] if curve.axis.labels else runs_of(curve.x)
     style_of = "--" if look.open else "-"
     axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style_of if len(runs) == 1 else "none",
-                  markersize=size, markevery=every, errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
+                  markersize=size, markevery=every.tolist(), errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
                   markerfacecolor="white" if look.open else look.colour, label=label)
     for run in runs if len(runs) > 1 else []:
         axes.plot(x[run], curve.y[run], color=look.colour, linewidth=width, linestyle=style_of)

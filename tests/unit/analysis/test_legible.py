@@ -47,10 +47,19 @@ def test_a_curve_that_is_another_one_says_so(tmp_path: Path) -> None:
 def test_curves_that_lie_on_each_other_have_their_symbols_in_turns(tmp_path: Path) -> None:
     y = np.full(41, 0.5)
     figure = drawn(of_laws(tmp_path / "a.h5", y, y + 1e-4, y - 1e-4))
-    assert [line.get_markevery() for line in symbols(figure)] == [(0, 3), (1, 3), (2, 3)]
+    shown = np.array([line.get_markevery() for line in symbols(figure)])
+    assert (shown.sum(axis=0) == 1).all() and shown.sum(axis=1).tolist() == [14, 14, 13]
     widths = [line.get_linewidth() for line in symbols(figure)]
     assert widths == sorted(widths, reverse=True) and len(set(widths)) == 3
     assert not any(line.get_linestyle() == "--" for line in figure.axes[0].lines)
+
+
+def test_where_a_curve_leaves_the_others_all_its_points_are_drawn(tmp_path: Path) -> None:
+    y = 1 - 0.8 * (1 - dip(frequencies(101).values))
+    figure = drawn(of_laws(tmp_path / "a.h5", np.ones(101), y))
+    by_colour = {line.get_color(): line for line in symbols(figure)}
+    shown = np.array(by_colour[style.LAWS["classical"][0]].get_markevery())
+    assert shown[y < 0.95].all() and not shown[y == 1].all()
 
 
 def test_few_points_that_lie_on_each_other_are_all_to_be_seen(tmp_path: Path) -> None:
