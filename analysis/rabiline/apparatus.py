@@ -38,6 +38,7 @@ DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
 COUNTERS = {"detector", "monitor"}
 FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
+NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
 THIN = 0.006  # of the length of the beam, drawn of what has none
 
 
@@ -96,7 +97,9 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     names, side, top = panels[0], panels[-2], panels[-1]
     if fields:
         pieces = [_where_it_acts(piece, fields) for piece in pieces]
-    _write_names(names, pieces, end)
+    rows = _write_names(names, pieces, end)
+    names.get_gridspec().set_height_ratios((NAME * rows, *(1.3 for _ in drawn), 2, 2))
+    figure.set_figheight(figure.get_figheight() - NAMES * (MOST_ROWS - rows) if rows < MOST_ROWS else figure.get_figheight())
     for draw_field, panel in zip(drawn, panels[1:]):
         draw_field(panel, fields)
     for axes, across in ((side, "z"), (top, "x")):
@@ -319,8 +322,8 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
                   linewidth=0.7, alpha=0.8, zorder=4, label=label)
 
 
-def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
-    """Names above their parts in rows, so that none lies over another."""
+def _write_names(axes: Axes, pieces: list[Piece], end: float) -> int:
+    """Names above their parts in rows, so that none lies over another; as many as that are."""
     axes.set_axis_off()
     letter = 0.0085 * end  # the width of one, near enough
     rows: list[float] = []
@@ -334,8 +337,9 @@ def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
             rows.append(0.0)
         rows[row] = begin + (len(words) + 1) * letter
         placed.append((middle, begin + len(words) * letter / 2, row, words))
-    axes.set_ylim(-0.6, max(len(rows), 3))
+    axes.set_ylim(-0.6, len(rows))
     for middle, at, row, words in placed:
         axes.text(at, row + 0.1, style.plain(words), ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
         axes.plot([middle, at], [-0.6, row + 0.05], color=GREY, linewidth=0.5)
+    return len(rows)

@@ -119,8 +119,8 @@ def _flat(curve: Curve) -> Iterable[str]:
     tested = with_constant(curve)
     yield f"{'not flat' if tested.p < LEAST_P else 'if flat':<13} {tested}"
     if 0 < tested.freedom < curve.y.size - 1 and np.isfinite(curve.spread.freedom):
-        yield (f"              its {curve.y.size} points share their particles: {tested.freedom} combinations of them differ by "
-               f"{COUNTED} particles or more, the degrees of freedom")
+        yield (f"              {tested.freedom} and not {curve.y.size - 1}: the points share their particles, and no more combinations of them differ by "
+               f"{COUNTED} particles")
 
 
 def _resonances_of(curve: Curve) -> Iterable[str]:

@@ -289,11 +289,13 @@ def _in_words(told: Reading, scale: Scale, unit: str) -> list[str]:
 
 
 def _numbers(resonance: Resonance, scale: Scale, unit: str) -> str:
-    centre, width = resonance.centre, resonance.width
-    if scale.origin == 0 and unit:  # in the unit of the axis
-        centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
-        unit = scale.unit
-    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {format_value(width.value, unit, width.error)}"
+    """The centre in the unit of the axis, the width in that too, or with a prefix of its own."""
+    centre, width = resonance.centre, format_value(resonance.width.value, unit, resonance.width.error)
+    if scale.origin == 0 and unit:
+        centre, unit = Value(centre.value / scale.factor, centre.error / scale.factor), scale.unit
+        if scale.base_unit == scale.unit and scale.factor != 1:  # such as gauss
+            width = format_value(resonance.width.value / scale.factor, unit, resonance.width.error / scale.factor)
+    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {width}"
 
 
 def _edges(resonance: Resonance, scale: Scale) -> tuple[float, float]:

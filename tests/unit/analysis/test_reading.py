@@ -41,7 +41,7 @@ def test_a_picture_and_a_summary_tell_one_width_of_fringes(tmp_path: Path) -> No
     x = np.linspace(-1000, 1000, 301)
     file = of(tmp_path, x, 0.02 + 0.1 * ramsey(x, 6.0e3, 40e-6, 4e-3, 0.25))
     (legend,) = (text.get_text() for text in plot_of(file, "scan").axes[0].get_legend().texts)
-    assert "FWHM 0.1139 ± 0.0032 kHz" in legend and "FWHM 113.9 ± 3.2 Hz" in summary(file, file.scan.detectors)
+    assert "FWHM 113.9 ± 3.2 Hz" in legend and "FWHM 113.9 ± 3.2 Hz" in summary(file, file.scan.detectors)
     assert "central fringe, half way to the extremes beside it" in legend
 
 
@@ -98,5 +98,5 @@ def test_degrees_of_freedom_are_explained_where_points_share_particles(tmp_path:
     x = np.linspace(-20e3, 20e3, 201)
     file = of(tmp_path, x, 0.5 * rabi(x, 2500, 0.2e-3))
     told = summary(file, file.scan.detectors)
-    assert "    not flat      chi²" in told and "its 201 points share their particles:" in told
+    assert "    not flat      chi²" in told and " and not 200: the points share their particles" in told
     assert len(half_maxima(only(file))) == 1
