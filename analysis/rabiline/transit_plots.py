@@ -15,6 +15,7 @@ from .units import fitting_scale
 
 MOST_STEPS = 60  # cells of the slowness follow the spins' turns and may be many more
 MOST_PATHS = 8
+LOW = 3.0  # inches of a picture without room for more words
 KEPT = 0.98  # of what is caught is shown, where cells are many
 FEW = 20  # cells that are no more than steps of what is not known any finer
 
@@ -46,7 +47,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     speeds.set_xlabel("speed along the beam (m/s)")
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
-    if caught.shape[1] < FEW:
+    if caught.shape[1] < FEW and figure.get_figheight() > LOW:
         axes.set_title(style.in_lines(f"{caught.shape[1]} cells: for the scan that is fine enough, and nothing finer is kept. A tally of the time_of_flight may have any "
                                       "bins", figure.get_figwidth() - 1, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"), color=GREY)
     heading, foot = f"level before and behind the fields{further}", 0.0

@@ -15,6 +15,7 @@ from rabiline.line_plots import draw_line
 from rabiline.lines import fit_line, gauss
 from rabiline.pictures import plot_of
 from rabiline.scan_plots import Panel, draw_beside, draw_scan
+from rabiline.transit_plots import draw_transit
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
 LAWS = ("quantum", "classical", DORADO)
@@ -168,3 +169,14 @@ def test_two_results_are_compared_in_a_picture_too(tmp_path: Path, capsys: pytes
     names = [str(write_results(tmp_path / f"{name}.h5", [axis], dip(axis.values), law=["quantum"], seed=seed, bins=4)) for name, seed in (("a", 1), ("b", 2))]
     assert main(["compare-scans", *names, "-o", str(tmp_path / "ab.png")]) == 0
     assert "screen: chi² 0.0" in capsys.readouterr().out and (tmp_path / "ab.png").stat().st_size > 5000
+
+
+@pytest.mark.parametrize("cells, noted", [(4, True), (100, False)])
+def test_few_cells_of_flight_times_are_told_to_be_no_finer(cells: int, noted: bool) -> None:
+    edges = np.linspace(1e-3, 2e-3, cells + 1)
+    caught = np.ones((2, cells))
+    figure = draw_transit(results.Transit("a title", ("+1/2 to +1/2", "+1/2 to -1/2"), edges, caught, np.sqrt(caught), 1.0), 1000.0, "a title")
+    assert figure.axes[0].get_title().startswith("4 cells: for the scan that is fine enough") == noted
+    steps = figure.axes[0].patches[0].get_data().edges
+    assert steps.size == cells + 1 or not noted
+    plt.close(figure)
