@@ -41,15 +41,18 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     above.grid(axis="y")
     residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
     below.axhspan(-1, 1, color=PALE)
-    below.plot(x, residuals, "o", color=INK, markersize=3)
+    for own, label, colour in _rows(fit, order):
+        below.plot(x[own], residuals[own], "o", color=colour if label else INK, markersize=3)
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
     above.set_title(style.in_rows(figure, lines, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"))
+    about = "points: counted, lines: simulated and fitted" if fit.counts.across else ""
     if style.size(0, 0) != (0, 0):
-        style.legend_at_foot(figure, *above.get_legend_handles_labels())
+        style.legend_at_foot(figure, *above.get_legend_handles_labels(), about)
     else:
-        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3)
+        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3, title=about or None,
+                     title_fontsize=style.points("legend.fontsize"))
     return figure
 
 
