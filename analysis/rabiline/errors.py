@@ -33,5 +33,5 @@ def as_keywords() -> Iterator[None]:
     try:
         yield
     except InputError as problem:
-        problem.args = tuple(re.sub(r"--([a-z]+(?:-[a-z]+)*)(?=(:| ?[\"`\d]| [A-Za-z])?)", keyword, text) if isinstance(text, str) else text for text in problem.args)
+        problem.args = tuple(re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)(?=(:| ?[\"`\d]| [A-Za-z])?)", keyword, text) if isinstance(text, str) else text for text in problem.args)
         raise

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
+from .pieces import pieces_of
 from .results import Detector, Results
 from .style import COUNTS, GREY, LAWS, TITLE, in_lines
 from .units import format_value, law_name
@@ -49,9 +50,9 @@ def about(results: Results, point: int) -> dict[str, str]:
 
 
 def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
-    """The scan's edge and the middle of its deepest dip or peak; the middle of the scan where there is none."""
+    """The edge of the scan, or of a stretch between its gaps, and the middle of its deepest dip or peak; the middle of the scan where there is none."""
     found: list[tuple[Resonance, Curve]] = []
-    for curve in curves:
+    for curve in (curve.piece(part) for curve in curves for part in pieces_of([curve])):
         try:
             found.append((deepest(half_maxima(curve)), curve))
         except NoResonance:

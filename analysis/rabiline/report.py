@@ -8,7 +8,7 @@ import numpy as np
 
 from .agreement import with_constant
 from .covariance import COUNTED, LEAST_P
-from .curves import Curve, NoResonance, Resonance, curves, labels_of
+from .curves import Curve, Resonance, curves, labels_of
 from .reading import LOBES, Comb, Reading, comb_of, readings_of
 from .results import Axis, FieldCheck, Results
 from .units import format_value, law_name

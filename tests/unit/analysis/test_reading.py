@@ -79,6 +79,13 @@ def test_stretches_of_a_scan_are_read_one_by_one_in_words_and_in_pictures(tmp_pa
     json.dumps(line)
 
 
+def test_images_of_a_scan_with_gaps_are_those_of_its_deepest_line(tmp_path: Path) -> None:
+    x = np.concatenate([np.linspace(centre - 3e-3, centre + 3e-3, 41) for centre in (0.09, 0.21, 0.56)])
+    y = 1 - sum(bell(x, depth, centre, 1.5e-3, 2) for depth, centre in ((0.15, 0.09), (0.25, 0.21), (0.2, 0.56)))
+    headings = " ".join(axes.get_title(loc="left") for axes in plot_of(of(tmp_path, x, y, "C.field", "T"), "image").axes)
+    assert "C.field = 207 mT" in headings and "C.field = 210 mT" in headings
+
+
 def test_side_lobes_of_a_strong_field_are_told_to_be_possible_ones(tmp_path: Path) -> None:
     x = np.linspace(-20e3, 20e3, 201)
     strong = reading_of(only(of(tmp_path, x, rabi(x, 3750, 0.2e-3))))  # a tip of 1.5 pi
