@@ -20,6 +20,7 @@ from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic,
 
 SYMBOL = 3.4  # points
 RIM = 1.4  # points, by which symbols or lines are larger than those that hide them
+THICK = 2.8  # points, by which the widest line of those that lie on each other is wider than the narrowest
 WHOLE = 0.4  # of the largest value: what begins below is shown from 0 on
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 TURNS = 5  # symbols of each curve, at least, where those that lie on each other have them in turns
@@ -264,13 +265,17 @@ def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
     above = place.of - 1 - place.turn
     in_turns = not curve.axis.labels and x.size >= TURNS * place.of
     every = ~place.covered | (np.arange(x.size) % place.of == place.turn) | (not in_turns)
-    size += RIM * min(above, 1) if in_turns else RIM * above
-    width = 1.1 + RIM * above
+    rim = min(RIM, THICK / max(place.of - 1, 1))
+    size += RIM if in_turns and place.of > 1 else RIM * above
+    width = 1.1 + rim * above
     runs = [] if curve.axis.labels else runs_of(curve.x)
     style_of = "--" if look.open else "-"
     axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style_of if len(runs) == 1 else "none",
                   markersize=size, markevery=every.tolist(), errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
                   markerfacecolor="white" if look.open else look.colour, label=label)
+    if in_turns and place.of > 1:  # above the lines of all
+        axes.plot(x[every], curve.y[every], look.marker, color=look.colour, markersize=size, markeredgewidth=0.8 if look.open else 0,
+                  markerfacecolor="white" if look.open else look.colour, zorder=3)
     for run in runs if len(runs) > 1 else []:
         axes.plot(x[run], curve.y[run], color=look.colour, linewidth=width, linestyle=style_of)
 
