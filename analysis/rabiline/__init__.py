@@ -14,12 +14,17 @@ from importlib import import_module
 
 _FROM = {"load": "experiment", "Experiment": "experiment", "InputError": "errors", "StorageError": "errors",
          "ExperimentWarning": "experiment", "open": "files", "__version__": "experiment"}
+_METHODS = {  # that are looked for in the module, and how they are called
+    'rabiline.load("experiment.yaml").{}()': ("run", "check", "fly", "trace", "set", "scan"),
+    'rabiline.load("experiment.yaml").fit("counts.csv", ["B.field"])': ("fit",),
+    'rabiline.open("result.h5")': ("read", "results"),
+    'rabiline.open("result.h5").{}()': ("plot", "summary", "to_csv", "to_dataframe", "to_xarray")}
 __all__ = ["load", "open", "Experiment", "InputError", "StorageError", "ExperimentWarning"]
 
 
 def __getattr__(name: str) -> object:
     if name not in _FROM:
-        raise AttributeError(f"module `rabiline` has no `{name}`")
+        raise AttributeError(f"module `rabiline` has no `{name}`" + next((f": call {call.format(name)}" for call, names in _METHODS.items() if name in names), ""))
     return getattr(import_module(f".{_FROM[name]}", __name__), name)
 
 

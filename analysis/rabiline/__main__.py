@@ -29,6 +29,7 @@ if __name__ == "__main__":
 
 import argparse
 import re
+import warnings
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -52,15 +53,15 @@ VERBS = {  # and the module of each, imported when it is called
     "plot-field": ("pictures", "the field along a line"),
     "summary": ("reports", "what a file holds, in words"),
     "export": ("reports", "the numbers of a scan as CSV"),
-    "compare": ("reports", "whether two results of one scan agree"),
-    "compare-scans": ("reports", "the same"),
+    "compare": ("compare_commands", "whether two results of one scan agree"),
+    "compare-scans": ("compare_commands", "the same"),
     "compare-laws": ("laws_commands", "how well laws of motion can be told apart"),
     "bound-kappa": ("laws_commands", "which strengths of the hypothesis counts allow"),
     "fit": ("fit_commands", "parameters of an experiment from measured counts"),
     "fit-line": ("fit_commands", "a closed form of a line to a result or to measured counts"),
     "forecast": ("fit_commands", "how well a measurement will know parameters"),
 }
-DRAWING = {"pictures", "apparatus", "fit_commands", "laws_commands"}  # what they give back is written to --output
+DRAWING = {"pictures", "apparatus", "compare_commands", "fit_commands", "laws_commands"}  # what they give back is written to --output
 PICTURES = {"pictures": "", "apparatus": "-apparatus"}  # always drawn, and what is added to the file's name
 
 
@@ -226,7 +227,11 @@ def _save(figure: object, path: Path, dpi: float) -> None:
     from . import style
     from .errors import InputError
     try:
-        style.save(figure, path, dpi)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", style.PictureWarning)
+            style.save(figure, path, dpi)
+        for one in told:
+            print(f"rabiline: warning: {one.message}", file=sys.stderr)
     except ValueError as problem:  # more pixels than matplotlib can draw
         raise InputError(f"{path}: {problem}") from None
 

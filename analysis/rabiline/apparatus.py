@@ -38,6 +38,7 @@ DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
 COUNTERS = {"detector", "monitor"}
 FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
+NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
 THIN = 0.006  # of the length of the beam, drawn of what has none
 
 
@@ -94,11 +95,13 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     figure, panels = plt.subplots(3 + len(drawn), 1, figsize=(9.0, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained",
                                   height_ratios=(1.1, *(1.3 for _ in drawn), 2, 2))
     names, side, top = panels[0], panels[-2], panels[-1]
-    _write_names(names, pieces, end)
-    for draw_field, panel in zip(drawn, panels[1:]):
-        draw_field(panel, fields)
     if fields:
         pieces = [_where_it_acts(piece, fields) for piece in pieces]
+    rows = _write_names(names, pieces, end)
+    names.get_gridspec().set_height_ratios((NAME * rows, *(1.3 for _ in drawn), 2, 2))
+    figure.set_figheight(figure.get_figheight() - NAMES * (MOST_ROWS - rows) if rows < MOST_ROWS else figure.get_figheight())
+    for draw_field, panel in zip(drawn, panels[1:]):
+        draw_field(panel, fields)
     for axes, across in ((side, "z"), (top, "x")):
         half = _extent(pieces, across, tracks)
         _draw_view(axes, pieces, across, half, end)
@@ -205,15 +208,22 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"),
                                   (fields.drives, LAWS["dorado"][0], "|B|, oscillating:\namplitude")):
         if values.any():
-            shown = np.where(values > 0, scale.apply(values), np.nan if far else 0.0)
+            shown = np.where(values > 0 if far else _near_any(values), scale.apply(values), np.nan)
             axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)
     if far:
-        axes.set_yscale("log")
+        style.logarithmic(axes.yaxis)
+        axes.yaxis.set_major_formatter(lambda value, _: format_value(float(f"{value:.3g}"), "T"))
     else:
         axes.set_ylim(bottom=0)
-    axes.set_ylabel(scale.label("B on axis"))
+    axes.set_ylabel("B on axis" if far else scale.label("B on axis"))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(axis="y")
+
+
+def _near_any(values: np.ndarray) -> np.ndarray:
+    """[n] Where there is a field, or beside it: a line along zero would cover another one."""
+    there = np.concatenate([[False], values > 0, [False]])
+    return there[:-2] | there[1:-1] | there[2:]
 
 
 def _draw_electric(axes: Axes, fields: FieldsAlong) -> None:
@@ -312,8 +322,8 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
                   linewidth=0.7, alpha=0.8, zorder=4, label=label)
 
 
-def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
-    """Names above their parts in rows, so that none lies over another."""
+def _write_names(axes: Axes, pieces: list[Piece], end: float) -> int:
+    """Names above their parts in rows, so that none lies over another; as many as that are."""
     axes.set_axis_off()
     letter = 0.0085 * end  # the width of one, near enough
     rows: list[float] = []
@@ -327,8 +337,9 @@ def _write_names(axes: Axes, pieces: list[Piece], end: float) -> None:
             rows.append(0.0)
         rows[row] = begin + (len(words) + 1) * letter
         placed.append((middle, begin + len(words) * letter / 2, row, words))
-    axes.set_ylim(-0.6, max(len(rows), 3))
+    axes.set_ylim(-0.6, len(rows))
     for middle, at, row, words in placed:
-        axes.text(at, row + 0.1, words, ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
+        axes.text(at, row + 0.1, style.plain(words), ha="center", va="bottom", fontsize=style.scaled(8), zorder=3,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
         axes.plot([middle, at], [-0.6, row + 0.05], color=GREY, linewidth=0.5)
+    return len(rows)

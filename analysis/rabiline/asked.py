@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Iterable
 
 from .errors import InputError
 
+MOST_THREADS = 1024
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -38,6 +40,18 @@ def whole_number(name: str, value: object, least: int = 0, most: int | None = No
     if number < least or most is not None and number > most:
         raise ValueError(f"`{name}` is {least} {'or above' if most is None else f'to {most}'}, not {number}")
     return number
+
+
+def threads(value: object) -> int:
+    """Of None, which is as many as the process may use, 0. Raises TypeError and ValueError."""
+    return 0 if value is None else whole_number("threads", value, 1, MOST_THREADS)
+
+
+def name(of: str, value: object) -> str | None:
+    """None, or a name. Raises TypeError, and InputError where it is empty."""
+    if value is not None and not text(f"`{of}`", value):
+        raise InputError(f"`{of}` is empty: leave it out, or give a name")
+    return value
 
 
 def places(value: object) -> list[tuple[float, ...]]:

@@ -146,7 +146,12 @@ class ChiSquared:
     def __str__(self) -> str:
         if not self.freedom:
             return f"no chi²: {self.reason}"
-        return f"chi² {self.value:.1f} for {self.freedom} degrees of freedom, {p_in_words(self.p)}"
+        return f"chi² {self.value:.1f} for {freedom_in_words(self.freedom)}, {p_in_words(self.p)}"
+
+
+def freedom_in_words(freedom: int) -> str:
+    """"3 degrees of freedom"."""
+    return f"{freedom} degree{'' if freedom == 1 else 's'} of freedom"
 
 
 def p_in_words(p: float) -> str:

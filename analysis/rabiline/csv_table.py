@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import asked
-from .hdf5 import FileError
+from .hdf5 import FileError, is_hdf5
 
 if TYPE_CHECKING:
     import pandas
@@ -103,7 +103,8 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
         return path, path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise FileError(path, "neither an HDF5 file nor a table in UTF-8: save it as that") from None
+        raise FileError(path, "a table of counts belongs here (CSV), and this is an HDF5 file" if is_hdf5(path) else
+                        "neither an HDF5 file nor a table in UTF-8: save it as that") from None
     except OSError as problem:
         raise FileError(path, problem.strerror or str(problem)) from None
 

@@ -162,7 +162,7 @@ class CurveModel:
             if stopped.is_set():
                 raise InterruptedError
 
-        result = self.scanned.set(changes).fly(threads, go_on if stopped else False).core
+        result = self.scanned.set(changes).fly(threads or None, go_on if stopped else False).core
         i = result.detectors.index(self.detector)
         y, covariance = result.detected[i], result.covariance[i]
         covariance = covariance.reshape(y.size, y.size)[np.ix_(self._rows, self._rows)] if covariance.size else None

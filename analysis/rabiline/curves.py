@@ -93,8 +93,9 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
     if not scan.axes:
         raise NoResonance("nothing is scanned in this file")
     if detector is None and len(scan.detectors) > 1:
+        names = labels_of(results)
         every = [curve for name in scan.detectors for curve in curves(results, name)]
-        return [replace(curve, label=": ".join(filter(None, (curve.detector, curve.label)))) for curve in every]
+        return [replace(curve, label=": ".join(filter(None, (names[curve.detector], curve.label)))) for curve in every]
     number = scan.detectors.index(detector) if detector is not None else 0
     along = max(range(len(scan.axes)), key=lambda i: (not scan.axes[i].labels, scan.axes[i].values.size))
     flat = np.moveaxis(np.arange(np.prod(scan.shape)).reshape(scan.shape), along, -1)
@@ -121,6 +122,12 @@ def curves(results: Results, detector: str | None = None) -> list[Curve]:
     ]
 
 
+def labels_of(results: Results) -> dict[str, str]:
+    """What pictures call each detector: its label, or its name where two have one label."""
+    labels = [results.detectors[name].label for name in results.scan.detectors]
+    return {name: label if labels.count(label) == 1 else name for name, label in zip(results.scan.detectors, labels)}
+
+
 def _rate(results: Results, detector: int) -> tuple[float, float] | None:
     """Counts per second by the detected fraction of a detector, by its number, where that is the same at all points."""
     if results.scan.count_rate is None:
@@ -144,7 +151,7 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     farthest point; its edges are where straight lines between points first cross half of it on either side. Two dips
     are two where the curve comes back between them to less than a quarter of the shallower one's depth; what stays
     below a quarter of the deepest one is a side lobe and not measured; of fringes, which swing to both sides of the baseline,
-    only the farthest is.
+    only the farthest is, whose depth is that to the mean of the extremes beside it.
 
     Errors come from the covariance, to first order, and for the edges from `Edge.resolution` on top. Raises NoResonance
     where nothing stands out, where any one of several cannot be measured, and where what stands out belongs to a resonance outside the
@@ -161,7 +168,7 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     if _are_fringes(height, extremes):
         if not _is_inside(curve.x, extremes, farthest):
             raise NoResonance("the highest fringe is the last one on its side: the central one may lie outside the scan")
-        extremes = [farthest]
+        return [_measured(curve, farthest, _between(curve.x, height, extremes, farthest), sign)]
     if _are_side_lobes(curve.x, height, 5 * float(np.median(noise))):
         raise NoResonance("the dips or peaks fall off from one end of the scan as side lobes do: the resonance may lie outside")
     found = [_measured(curve, extreme, along_baseline, sign) for extreme in extremes]
@@ -188,6 +195,15 @@ def _noise(curve: Curve, along_baseline: np.ndarray) -> np.ndarray:
     with_baseline = curve.spread.with_sum(along_baseline)
     variances = curve.spread.errors**2 - 2 * with_baseline + along_baseline @ with_baseline
     return np.maximum(np.sqrt(variances.clip(0)), max(float(curve.errors.min()), 1e-12))  # 1e-12: rounding
+
+
+def _between(x: np.ndarray, height: np.ndarray, extremes: list[int], farthest: int) -> np.ndarray:
+    """d(baseline)/dy [n] of the farthest fringe: the mean of the lowest points beside it, on either side no farther than the next fringe."""
+    spacing = float(np.diff(x[extremes]).min())
+    near = np.abs(x - x[farthest]) < spacing
+    left, right = near & (x < x[farthest]), near & (x > x[farthest])
+    lowest = [int(np.argmin(np.where(side, height, np.inf))) for side in (left, right)]
+    return sum(_at(place, x.size) for place in lowest) / 2
 
 
 def _is_inside(x: np.ndarray, extremes: list[int], farthest: int) -> bool:

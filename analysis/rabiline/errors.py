@@ -2,7 +2,11 @@
 these kinds too."""
 from __future__ import annotations
 
-from typing import Mapping, Sequence
+import re
+from contextlib import contextmanager
+from typing import Iterator, Mapping, Sequence
+
+VALUES = {"beside": "True", "in_space": "True", "size": "(width, height)"}  # of options in Python; all others are texts
 
 
 class InputError(Exception):
@@ -16,3 +20,18 @@ class StorageError(OSError):
     """A file that cannot be written, or a result that cannot be read."""
 
     exit_code = 3
+
+
+@contextmanager
+def as_keywords() -> Iterator[None]:
+    """What is told of options in this context is told as Python has them: detector="..." for `--detector` that is recommended, and the name
+    alone of what was given."""
+    def keyword(found: re.Match) -> str:
+        name = found[1].replace("-", "_")
+        return f"{name}={VALUES.get(name, chr(34) + '...' + chr(34))}" if found[2] is None else f"`{name}`"
+
+    try:
+        yield
+    except InputError as problem:
+        problem.args = tuple(re.sub(r"(?<![\w-])--([a-z]+(?:-[a-z]+)*)(?=(:| ?[\"`\d]| [A-Za-z])?)", keyword, text) if isinstance(text, str) else text for text in problem.args)
+        raise

@@ -17,6 +17,7 @@ except ImportError as problem:  # a build without pybind11
                       f"pybind11, or set PYTHONPATH to the folder `python` of the build ({problem})") from None
 
 from . import asked
+from .errors import as_keywords
 
 if TYPE_CHECKING:
     import numpy as np
@@ -129,11 +130,11 @@ class Experiment:
         """The plan with its derived numbers, and what deserves a word."""
         return Report(*(part if isinstance(part, str) else tuple(part) for part in _core.check(self._setup)))
 
-    def run(self, *, threads: int = 0, isa: str = "", transit: str = "auto", max_memory: str = "",
+    def run(self, *, threads: int | None = None, isa: str = "", transit: str = "auto", max_memory: str = "",
             progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:
         """Flies it, or solves the model. `progress` is called with what is done (0 to 1) and the seconds left; True shows a
         bar, None shows one for runs of over two seconds on a terminal or in a notebook. Ctrl-C stops the run.
-        `threads` and `isa` never change a result; `max_memory` ("2GiB", as of the command) has slabs of a long scan follow from
+        `threads`, all that there are by default, and `isa` never change a result; `max_memory` ("2GiB", as of the command) has slabs of a long scan follow from
         kept moments, to 1e-12. Warnings are given as ExperimentWarning. Raises InputError where something is wrong that only a
         flight tells, or for a size that is none, and TypeError."""
         if self.is_model:
@@ -145,7 +146,7 @@ class Experiment:
         from .flown import Flown
         return Flown(result)
 
-    def fly(self, threads: int = 0, progress: Callable[[float, float], None] | bool = False) -> Results:
+    def fly(self, threads: int | None = None, progress: Callable[[float, float], None] | bool = False) -> Results:
         """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
         from .flown import Flown
         return Flown(_fly(self._setup, threads, "", "none", "", progress))
@@ -172,7 +173,8 @@ class Experiment:
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
         from .fitting import fit_counts
-        return fit_counts(self, data, free, **options)
+        with as_keywords():
+            return fit_counts(self, data, free, **options)
 
     def _number(self, name: str) -> tuple[float, str]:
         asked.text("`name`", name)
@@ -210,12 +212,12 @@ class Experiment:
         return f"{number} {unit}".strip()
 
 
-def _fly(setup: object, threads: int, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:
+def _fly(setup: object, threads: int | None, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:
     if not (callable(progress) or progress in (None, True, False)):
         raise TypeError(f"`progress` is a function, True, False or None, not {type(progress).__name__}")
     bar = progress if callable(progress) else None if progress is False else _Bar(progress is True)
     words = (asked.text(f"`{name}`", value) for name, value in (("isa", isa), ("transit", transit), ("max_memory", max_memory)))
-    return _core.fly(setup, asked.whole_number("threads", threads), *words, bar, ["import rabiline"])
+    return _core.fly(setup, asked.threads(threads), *words, bar, ["import rabiline"])
 
 
 class _Bar:

@@ -17,6 +17,7 @@ from .style import INK, OTHERS
 from .units import fitting_scale
 
 COLUMNS = ["x [m]", "y [m]", "z [m]", "Bx [T]", "By [T]", "Bz [T]", "|B| [T]"]
+NOTHING = 1e-9  # of the field: a component that is not there
 ELECTRIC = ["Ex [V/m]", "Ey [V/m]", "Ez [V/m]"]
 
 
@@ -62,7 +63,9 @@ def draw_field(line: FieldLine, title: str, regions: Sequence[Region] = ()) -> F
         size = np.linalg.norm(field, axis=1)
         up = fitting_scale(np.append(size, 0), unit)
         for name, values, look in zip("xyz", field.T, OTHERS):
-            axes.plot(across.apply(line.place), up.apply(values), color=look[0], linewidth=1.4, label=f"${symbol}_{name}$")
+            nothing = np.abs(values).max() <= NOTHING * size.max()
+            axes.plot(across.apply(line.place), up.apply(values), color=look[0], linewidth=0.7 if nothing else 1.4, zorder=1.5 if nothing else 2,
+                      label=f"${symbol}_{name}$" + (" = 0" if nothing else ""))
         axes.plot(across.apply(line.place), up.apply(size), color=INK, linewidth=1.0, linestyle="--", label=f"|{symbol}|")
         axes.set_ylabel(up.label(symbol))
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))

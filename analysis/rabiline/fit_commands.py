@@ -8,7 +8,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from .argument_types import not_negative, positive
+from .argument_types import count, not_negative, positive
 
 LONG = 5.0  # s
 
@@ -72,7 +72,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="change a parameter for this time")
     parser.add_argument("--particles", metavar="N", help="simulated at each scan point")
     parser.add_argument("--detector", metavar="NAME")
-    parser.add_argument("--threads", type=int, default=0, metavar="T")
+    parser.add_argument("--threads", type=count, metavar="T", help="all that there are by default")
 
 
 class _Time:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from . import style
-from .covariance import LEAST_P, p_in_words
+from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .fit_report import REJECTED, is_undetermined
 from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale, format_value
@@ -41,17 +41,18 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     above.grid(axis="y")
     residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
     below.axhspan(-1, 1, color=PALE)
-    below.plot(x, residuals, "o", color=INK, markersize=3)
+    for own, label, colour in _rows(fit, order):
+        below.plot(x[own], residuals[own], "o", color=colour if label else INK, markersize=3)
     below.set_ylabel("residual / σ")
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
     above.set_title(style.in_rows(figure, lines, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"))
+    about = "points: counted, lines: simulated and fitted" if fit.counts.across else ""
     if style.size(0, 0) != (0, 0):
-        style.legend_at_foot(figure, *above.get_legend_handles_labels())
-    elif fit.counts.across is None:
-        above.legend(loc="best")
+        style.legend_at_foot(figure, *above.get_legend_handles_labels(), about)
     else:
-        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3)
+        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=3, title=about or None,
+                     title_fontsize=style.points("legend.fontsize"))
     return figure
 
 
@@ -72,7 +73,7 @@ def _numbers(fit: CountsFit) -> list[str]:
     for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors)):
         lost = "not known by itself" if i in unknown else "not determined" if is_undetermined(fit, i) else ""
         width.append(f"{name} {lost}" if lost else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −"))
-    return [*width, *([f"χ² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
+    return [*width, *([f"χ² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
             *([REJECTED] if fit.p < LEAST_P else [])]
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Iterable
 
 import numpy as np
 
-from .covariance import LEAST_P, p_in_words
+from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .held import PART, Held
 from .units import format_value
 
@@ -44,7 +44,7 @@ def report(fit: CountsFit) -> Iterable[str]:
             for j in range(i):
                 if abs(correlation[i, j]) > 0.3:
                     yield f"  correlation of {fit.names[j]} and {name}: {correlation[i, j]:+.2f}"
-    yield f"  chi² {fit.chi_squared:.1f} for {fit.freedom} degrees of freedom, {p_in_words(fit.p)}" if fit.freedom > 0 else \
+    yield f"  chi² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}" if fit.freedom > 0 else \
         "  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:

@@ -19,6 +19,7 @@ from .covariance import LEAST_P
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
+from .units import format_value
 
 if TYPE_CHECKING:
     import pandas
@@ -47,7 +48,7 @@ class Direction:
         return f"degenerate: {changes} together change next to nothing that this simulation could see"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CountsFit:
     """What the counts say."""
 
@@ -93,6 +94,9 @@ class CountsFit:
         i = self.names.index(name)
         return float(self.values[i]), float(self.errors[i])
 
+    def __repr__(self) -> str:
+        return f"<fit of {self.title}: {', '.join(f'{one} = {format_value(value, unit, error)}' for one, unit, value, error in zip(self.names, self.units, self.values, self.errors))}>"
+
     def __str__(self) -> str:
         from .fit_report import report
         return "\n".join(report(self))
@@ -111,18 +115,18 @@ class CountsFit:
 
 @np.errstate(all="ignore")  # of values that lead nowhere
 def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFrame, free: Sequence[str], *, detector: str | None = None,
-               threads: int = 0, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
+               threads: int | None = None, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
                told: Callable[[int, int, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
     a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
     the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
     for a table that cannot be used, InputError as `load` does, and TypeError."""
-    free = asked.names("free", free)
+    free, detector = asked.names("free", free), asked.name("detector", detector)
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
-    model = CurveModel(experiment, counts.parameter, counts.places, names, detector or counts.detector, threads,
+    model = CurveModel(experiment, counts.parameter, counts.places, names, detector or counts.detector, asked.threads(threads),
                        counts.across and (counts.across.parameter, counts.across.places), explore, told)
     values = model.start()
     for name, value in (start or {}).items():

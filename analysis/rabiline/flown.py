@@ -21,6 +21,10 @@ class Flown(Results):
         vars(self).update(vars(read(self.core.image())))
         return getattr(self, name)
 
+    def __reduce__(self) -> tuple[object, tuple[bytes]]:
+        """Copies and other processes have what its file has."""
+        return read, (self.core.image(),)
+
     def __repr__(self) -> str:
         return f"<result of {self.title}>"
 

@@ -18,7 +18,7 @@ from .units import format_value
 TURNS = 3  # for steps of about one standard deviation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Forecast:
     """What is to be expected."""
 
@@ -44,11 +44,13 @@ class Forecast:
         lines += [f"  {direction}" for direction in self.degenerate]
         return "\n".join([*lines, f"  condition number {self.condition:.3g}"])
 
+    __repr__ = __str__
+
 
 @np.errstate(all="ignore")  # of steps that lead nowhere
 def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None = None, seconds: float = 1.0,
              background: float | None = None, known_rate: bool = False, detector: str | None = None,
-             threads: int = 0) -> Forecast:
+             threads: int | None = None) -> Forecast:
     """For the file's one scan, `seconds` at each point. `rate` particles leave the source per second, or start towards the
     target of an aimed one; by default what the file states. `background` counts per second, of the detector by default. The
     factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
@@ -67,7 +69,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     places = tuple(f"{value!r} {unit}".strip() for value in values.tolist())
     parameter = parameter.split(", ")[0]
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
-    model = CurveModel(experiment, parameter, places, names, detector, threads)
+    model = CurveModel(experiment, parameter, places, names, asked.name("detector", detector), asked.threads(threads))
     each = _counts_each(model, flown, rate, seconds)
     if background is None:
         background = flown.detectors[model.detector].background

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
+from .pieces import pieces_of
 from .results import Detector, Results
 from .style import COUNTS, GREY, LAWS, TITLE, in_lines
 from .units import format_value, law_name
@@ -49,9 +50,9 @@ def about(results: Results, point: int) -> dict[str, str]:
 
 
 def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
-    """The scan's edge and the middle of its deepest dip or peak; the middle of the scan where there is none."""
+    """The edge of the scan, or of a stretch between its gaps, and the middle of its deepest dip or peak; the middle of the scan where there is none."""
     found: list[tuple[Resonance, Curve]] = []
-    for curve in curves:
+    for curve in (curve.piece(part) for curve in curves for part in pieces_of([curve])):
         try:
             found.append((deepest(half_maxima(curve)), curve))
         except NoResonance:
@@ -72,8 +73,8 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
     (right)."""
     size = _image_size(detector)
-    title = title or (f"{results.title}: {detector.name}" if results.title else detector.name)
-    title = in_lines(title, _width(size, len(shots)), TITLE)
+    title = title or (f"{results.title}: {detector.label}" if results.title else detector.label)
+    title = in_lines(style.shortened(title), _width(size, len(shots)), TITLE)
     headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
     room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25
     figure, rows = _lay_out(size, len(shots), room)
@@ -97,7 +98,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     rows[0][0].set_ylabel("z (mm)")
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
-    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top")
+    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
     return figure
 
 

@@ -14,8 +14,9 @@ from matplotlib.ticker import MaxNLocator
 from . import style
 from .curves import Curve
 from .errors import InputError
+from .pieces import pieces_of, runs_of
 from .results import Detector, Levels
-from .scan_plots import SYMBOL, draw_marks, pieces_of, runs_of, title_pad
+from .scan_plots import SYMBOL, draw_marks, title_pad
 from .style import LAWS, OTHERS, Look
 from .units import Scale, is_logarithmic, law_name
 
@@ -61,7 +62,7 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
             if len(pieces) > 1:
                 part.xaxis.set_major_locator(MaxNLocator(max(1, int(figure.get_figwidth() / len(pieces) / 0.8))))
         above = draw_marks(panel, marks, scale, named=panel is panels[0])
-        heading = style.in_lines(", ".join(filter(None, (row.label, name))), figure.get_figwidth() - 1.0, style.points("font.size"))
+        heading = style.in_lines(style.plain(", ".join(filter(None, (row.label, name)))), figure.get_figwidth() - 1.0, style.points("font.size"))
         grid[number, 0].set_title(heading, loc="left", fontsize="medium", pad=title_pad(above))
         if one_look is None and panel.get_legend_handles_labels()[0]:
             panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, handlelength=3, ncol=1 + (len(levels) - 1) // 14)
@@ -71,11 +72,11 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
     if axis.labels:
         panels[-1].set_xticks(axis.values, [style.beside_ticks(figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
-        panels[-1].set_xscale("log")
+        style.logarithmic(panels[-1].xaxis)
     grid[-1, len(pieces) // 2].set_xlabel(scale.label(axis.parameter))
     style.write_title(figure, title)
     foot = _legend_of_all(figure, panels) if one_look is not None else 0.0
-    figure.supylabel(style.upright(figure, f"fraction of what {detector.name} detected\n(bars: 1 σ)", foot), fontsize="medium")
+    figure.supylabel(style.upright(figure, f"fraction of what {style.plain(detector.label)} detected\n(bars: 1 σ)", foot), fontsize="medium")
     return figure
 
 

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from . import results
 from .argument_types import count
-from .counts import read_counts
-from .covariance import LEAST_P, p_in_words
+from .counts import Counts, read_counts
+from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
@@ -25,6 +25,7 @@ RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than t
 FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
 UNKNOWN = 10  # times itself: an error that leaves nothing
+NEEDED = {"frequency": "Hz", "field": "T", "amplitude": "T", "gradient": "T/m", "current": "A", "phase": "deg"}  # units that columns must have, by their ends
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
 
@@ -62,6 +63,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
                 forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
     else:
         counts = read_counts(options.file, options.detector)
+        _require_unit(counts)
         unit, factor = base_of(counts.unit)
         x, y, name, title = factor * counts.x, counts.counts, counts.parameter, options.file.name
         covariance = np.diag(np.maximum(y, 1.0))
@@ -78,6 +80,13 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         return None
     from .line_plots import draw_line
     return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, words)
+
+
+def _require_unit(counts: Counts) -> None:
+    """As a fit of the experiment asks for it; what a form does not know by its name is a plain number."""
+    unit = NEEDED.get(counts.parameter.rpartition(".")[2])
+    if unit and not counts.unit:
+        raise InputError(f"{counts.path}: the column `{counts.parameter}`: it has no unit\n  help: write `{counts.parameter} [{unit}]`")
 
 
 def _start(text: str, unit: str) -> tuple[str, float]:
@@ -158,7 +167,7 @@ def described(fitted: LineFit, unit: str) -> list[str]:
         lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {fitted.freedom} degrees of freedom, {p_in_words(fitted.p)}, without correlations")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:

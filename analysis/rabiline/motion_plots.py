@@ -91,11 +91,11 @@ def draw_findings(file: Motions, title: str) -> Figure:
         panels.flat[0].set_xticks(x, file.axis.labels)
         panels.flat[0].margins(x=0.15)
     elif _spans_decades(x):
-        panels.flat[0].set_xscale("log")
+        style.logarithmic(panels.flat[0].xaxis)
     style.write_title(figure, title)
     footer = [f"{what}: {', '.join(names)}" for what, names in
               (("not shown", [finding.name for finding in left]),
-               (f"nothing beyond {ROUNDING:.0e} at any point", kept)) if names]
+               ("nothing beyond 10⁻⁹ at any point", kept)) if names]
     if footer:
         figure.supxlabel("\n".join(_wrapped(line, 38 * columns) for line in footer), fontsize=style.scaled(8), color=GREY)
     return figure
@@ -168,8 +168,8 @@ def _draw_distances(axes: Axes, styled: Styled, clock: Scale) -> None:
     for distance, (motion, look, line) in zip(distances, styled[1:]):
         axes.plot(clock.apply(motion.time), scale.apply(np.where(distance > 0, distance, np.nan)),
                   _line_of(distance, line), color=look.colour, linewidth=1.2, label=motion.label)
-    axes.set_yscale("log")
-    axes.set_ylabel(scale.label(f"distance from `{first.name}`"))
+    style.logarithmic(axes.yaxis)
+    axes.set_ylabel(scale.label(f"distance from {first.name}"))
     axes.grid(axis="y")
 
 
@@ -244,7 +244,7 @@ def _fit_values(axes: Axes, values: np.ndarray) -> None:
     """A logarithmic axis over decades, on both sides of zero where signs differ; plain numbers along a linear one."""
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
     if _spans_decades(values):
-        axes.set_yscale("log")
+        style.logarithmic(axes.yaxis)
     elif sizes.size > 1 and sizes.max() >= DECADES * sizes.min():
         axes.set_yscale("symlog", linthresh=10.0**np.floor(np.log10(sizes.min())))
         axes.axhline(0, color=GREY, linewidth=0.8, zorder=1)
@@ -255,7 +255,7 @@ def _fit_values(axes: Axes, values: np.ndarray) -> None:
 
 def _heading(finding: Finding) -> str:
     """Its meaning up to the first stop: pictures have no room for more."""
-    return re.split("[;:] ", finding.meaning, maxsplit=1)[0]
+    return re.split("[;:] ", finding.meaning, maxsplit=1)[0].replace("`", "")
 
 
 def _wrapped(text: str, width: int = 46) -> str:

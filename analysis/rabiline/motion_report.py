@@ -5,7 +5,7 @@ from typing import Iterable
 
 import numpy as np
 
-from .motions import Finding, Motions
+from .motions import ON_HYPOTHESIS, Finding, Motions
 from .units import fitting_scale
 
 
@@ -26,7 +26,8 @@ def _lines(file: Motions) -> Iterable[str]:
         yield f"  motion       {motion.name}: {motion.meaning}"
     for finding in file.findings:
         unit = f" {finding.units}" if finding.units else ""
-        yield f"  finding      {finding.name}: {_range(finding.values)}{unit}, {_expected(finding)}"
+        whose = " (hypothesis)" if finding.name.split("_")[0] in ON_HYPOTHESIS else ""
+        yield f"  finding      {finding.name}{whose}: {_range(finding.values)}{unit}, {_expected(finding)}"
         yield f"               {finding.meaning}"
 
 

@@ -61,9 +61,9 @@ def _from_result(path: Path, made: Templates) -> Observation:
         over = " and ".join(axis.parameter for axis in axes) or "nothing"
         raise FileError(path, f"its scan runs over {over}, and data for {made.path} over "
                               f"{made.axis.parameter if made.axis else 'nothing'}, under one law")
-    points = np.arange(made.points)
+    points = np.argsort(axes[0].values, kind="stable") if made.axis else np.arange(made.points)
     if made.axis and (axes[0].values.shape != made.axis.values.shape
-                      or not _close(axes[0].values, made.axis.values).all()):
+                      or not _close(axes[0].values[points], made.axis.values).all()):
         raise FileError(path, f"the points of its scan over {made.axis.parameter} are not those of {made.path}")
     counts, warnings = [], []
     for screen in made.screens:
@@ -83,7 +83,7 @@ def _from_result(path: Path, made: Templates) -> Observation:
                         "--set scan.particles=independent")
     if any(np.abs(own - np.rint(own)).max() > 1e-6 for own in counts):
         warnings.append(f"{path} counts in weights, which scatter less than whole counts do: p comes out too large")
-    return Observation(str(path), made.screens[0].histogram, counts, data.emitted, np.ones(made.points, bool),
+    return Observation(str(path), made.screens[0].histogram, counts, data.emitted[points], np.ones(made.points, bool),
                        tuple(warnings))
 
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
                space_plots, style, tally_plots, track_plots, tracks, transit_plots)
 from .counts import read_counts
-from .curves import Curve, NoResonance, curves
+from .curves import Curve, NoResonance, curves, labels_of
 from .errors import InputError
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
@@ -110,7 +110,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     if not options.beside:
         _require_one_measure(files, "draw them with --beside")
     labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
-    chosen = f": {options.detector}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
+    chosen = f": {labels_of(files[0])[options.detector]}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
     title = options.title or _title(files, chosen)
     marks = dict(_mark(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
@@ -226,7 +226,7 @@ def plot_profiles(options: argparse.Namespace) -> Figure:
     labels = _distinct(labels, [file.path.stem for file, _ in shots])
     profiles = [profile_plots.profile_of(file, _detector(file, options.detector), point, options.along, label)
                 for (file, point), label in zip(shots, labels)]
-    chosen = f": {_detector(files[0], options.detector)}" if len(files[0].scan.detectors) > 1 else ""
+    chosen = f": {labels_of(files[0])[_detector(files[0], options.detector)]}" if len(files[0].scan.detectors) > 1 else ""
     return profile_plots.draw_profiles(profiles, options.along, options.title or f"{files[0].title}{chosen}", heading)
 
 
@@ -277,7 +277,7 @@ def plot_transit(options: argparse.Namespace) -> Figure:
     transits = file.detectors[name].transits
     if not transits:
         raise InputError(f"{file.path}: has no times of flight to `{name}`: they are kept where a scan follows from "
-                         "moments of the slowness, or with `rabiline run --transit totals`")
+                         "moments of the slowness; a tally of the time_of_flight has them always")
     if not 1 <= options.species <= len(transits):
         raise InputError(f"--species {options.species}: there are 1 to {len(transits)}")
     transit = transits[options.species - 1]

@@ -47,7 +47,7 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str, heading: 
         at = np.asarray(scale.apply(profile.edges))
         y, errors = profile.density * scale.factor, profile.errors * scale.factor
         above = sum(_coincide(profile, other) for other in profiles[number + 1:])
-        axes.stairs(y, at, color=look.colour, linewidth=1.2 + RIM * above, linestyle="--" if look.open else "-", label=profile.label)
+        axes.stairs(y, at, color=look.colour, linewidth=1.2 + RIM * above, linestyle="--" if look.open else "-", label=style.plain(profile.label))
         hit = y > 0
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], errors[hit], fmt="none", ecolor=look.colour,
                       elinewidth=0.9)

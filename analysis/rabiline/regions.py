@@ -55,5 +55,5 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         height = 1 + share * (0.05 + 0.15 * row)
         axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
-        axes.annotate(region.name, (middle, height), xycoords=axes.get_xaxis_transform(),
+        axes.annotate(style.plain(region.name), (middle, height), xycoords=axes.get_xaxis_transform(),
                       xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))

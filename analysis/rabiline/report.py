@@ -7,8 +7,9 @@ from typing import Iterable, Sequence
 import numpy as np
 
 from .agreement import with_constant
-from .curves import Curve, NoResonance, Resonance, curves
-from .reading import reading_of
+from .covariance import COUNTED, LEAST_P
+from .curves import Curve, Resonance, curves, labels_of
+from .reading import LOBES, Comb, Reading, comb_of, readings_of
 from .results import Axis, FieldCheck, Results
 from .units import format_value, law_name
 
@@ -27,11 +28,11 @@ def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, obj
             ("centre", resonance.centre), ("width", resonance.width), ("depth", resonance.depth))}}
 
     def lines(curve: Curve) -> dict[str, object]:
-        try:
-            told = reading_of(curve)
-        except NoResonance:
-            return {"how": "", "found": []}
-        return {"how": told.how, "found": [line(resonance) for resonance in told.resonances]}
+        pieces = readings_of(curve)
+        told = [reading for _, reading in pieces if isinstance(reading, Reading)]
+        comb = _comb(curve, pieces)
+        return {"how": "; ".join(dict.fromkeys(reading.how for reading in told)), "found": [line(one) for reading in told for one in reading.resonances],
+                "fringes": None if comb is None else {"maxima": comb.maxima, "distance": comb.distance}}
 
     every = [curve for name in detectors for curve in curves(results, name)] if results.scan.axes else []
     return {
@@ -94,7 +95,7 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
     scan = results.scan
     for detector in detectors:
         number = scan.detectors.index(detector)
-        yield f"detector {detector}"
+        yield f"detector {detector}" + (f", {label}" if (label := labels_of(results)[detector]) != detector else "")
         if scan.detected_of_all is not None:
             low, high = scan.detected_of_all[number].min(), scan.detected_of_all[number].max()
             yield f"  detected     {low:.6g} to {high:.6g} of all that leave the source"
@@ -107,24 +108,48 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
             continue
         for curve in curves(results, detector):
             yield f"  {curve.label}: {curve.y.min():.6g} to {curve.y.max():.6g} of emitted"
-            yield f"    flat line     {_flat(curve)}"
-            yield from (f"    {line}" for line in _resonance(curve))
+            yield from (f"    {line}" for line in [*_flat(curve), *_resonances_of(curve)])
 
 
-def _flat(curve: Curve) -> str:
+def _flat(curve: Curve) -> Iterable[str]:
+    """Whether the curve may be flat."""
     if np.ptp(curve.y) == 0 and not np.isinf(curve.spread.freedom):
-        return "the same to the bit, as its points share their particles; that proves nothing statistically"
-    return str(with_constant(curve))
-
-
-def _resonance(curve: Curve) -> Iterable[str]:
-    try:
-        told = reading_of(curve)
-    except NoResonance as problem:
-        yield f"no resonance: {problem}"
+        yield "flat          the same to the bit, as its points share their particles; that proves nothing statistically"
         return
+    tested = with_constant(curve)
+    yield f"{'not flat' if tested.p < LEAST_P else 'if flat':<13} {tested}"
+    if 0 < tested.freedom < curve.y.size - 1 and np.isfinite(curve.spread.freedom):
+        yield (f"              {tested.freedom} and not {curve.y.size - 1}: the points share their particles, and no more combinations of them differ by "
+               f"{COUNTED} particles")
+
+
+def _resonances_of(curve: Curve) -> Iterable[str]:
+    """Of each stretch of a scan with gaps."""
+    pieces = readings_of(curve)
+    comb = _comb(curve, pieces)
+    if comb is not None:
+        yield f"fringes       {comb.maxima} maxima, {format_value(float(f'{comb.distance:.3g}'), curve.axis.units)} apart: `fit-line --form ramsey` fits them"
+    for part, told in pieces:
+        if len(pieces) > 1:
+            yield _extent(part.axis)
+        if isinstance(told, Reading):
+            yield from _resonance(part, told)
+        elif comb is None:
+            yield f"no resonance: {told}"
+
+
+def _comb(curve: Curve, pieces: Sequence[tuple[Curve, object]]) -> Comb | None:
+    """Fringes where there is nothing else to tell."""
+    return None if any(isinstance(told, Reading) for _, told in pieces) else comb_of(curve)
+
+
+def _resonance(curve: Curve, told: Reading) -> Iterable[str]:
     for resonance in told.at_half_maximum:
-        yield f"half maximum  {_measured(resonance, curve.axis.units)}"
+        yield f"{'central' if told.is_fringe else 'half maximum':<13} {_measured(resonance, curve.axis.units)}"
+    if told.may_be_lobes:
+        yield f"              {LOBES}"
+    if told.is_fringe:
+        return
     if told.fit is None:
         yield f"no fit        {told.why_no_fit}"
         return

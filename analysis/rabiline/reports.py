@@ -1,4 +1,4 @@
-"""The commands summary, export and compare."""
+"""The commands summary and export."""
 from __future__ import annotations
 
 import argparse
@@ -8,7 +8,6 @@ from argparse import ArgumentParser
 from pathlib import Path
 
 from . import motions, results, tables
-from .agreement import compare, same_particles
 from .errors import InputError
 from .motion_report import motion_summary
 from .report import summary, summary_numbers
@@ -16,18 +15,15 @@ from .report import summary, summary_numbers
 
 def arguments(verb: str, parser: ArgumentParser) -> None:
     """The options of one of these commands."""
-    function = {"summary": print_summary, "export": export}.get(verb, compare_scans)
+    function = {"summary": print_summary, "export": export}[verb]
     parser.set_defaults(command=function)
     parser.description = function.__doc__
     parser.add_argument("file", metavar="FILE", type=Path)
-    if function is compare_scans:
-        parser.add_argument("other", metavar="OTHER", type=Path)
     if function is export:
         parser.add_argument("-o", "--output", type=Path, metavar="CSV", help="printed where it is missing")
         return
     parser.add_argument("--detector", metavar="NAME", help="all by default")
-    if function is print_summary:
-        parser.add_argument("--json", action="store_true", help="the numbers as JSON")
+    parser.add_argument("--json", action="store_true", help="the numbers as JSON")
 
 
 def print_summary(options: argparse.Namespace) -> None:
@@ -38,7 +34,7 @@ def print_summary(options: argparse.Namespace) -> None:
         print(motion_summary(motions.read(options.file)))
         return
     file = results.read(options.file)
-    detectors = [_detector(file, options.detector)] if options.detector else file.scan.detectors
+    detectors = [require_detector(file, options.detector)] if options.detector else file.scan.detectors
     print(json.dumps(summary_numbers(file, detectors), indent=1) if options.json else summary(file, detectors))
 
 
@@ -52,20 +48,8 @@ def export(options: argparse.Namespace) -> None:
         raise InputError(f"--output: {problem}") from None
 
 
-def compare_scans(options: argparse.Namespace) -> None:
-    """chi² of the difference between two results of one scan that differ in their seed, with the covariance."""
-    one, other = (results.read(path) for path in (options.file, options.other))
-    name = options.detector
-    wanted = [_detector(file, name) for file in (one, other)] if name else one.scan.detectors
-    agreements = compare(one, other)
-    if same_particles(one, other):
-        print(f"rabiline: warning: both files have the seed {one.simulation['seed']} and may share their particles; "
-              "their difference then varies less than the errors say, and chi² and p mean nothing", file=sys.stderr)
-    for detector in dict.fromkeys(wanted):
-        print(f"{detector}: {agreements[detector]}")
-
-
-def _detector(file: results.Results, name: str) -> str:
+def require_detector(file: results.Results, name: str) -> str:
+    """The name; raises InputError where there is no such detector."""
     if name not in file.detectors:
         raise InputError(f"{file.path}: no detector `{name}` (there is {', '.join(file.detectors)})")
     return name

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Sequence
 import numpy as np
 
 from . import tables
+from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
 from .tallies import Tally, TallyAxis, read_tally
@@ -67,7 +68,7 @@ class Detector:
     """The histograms of one detector, in particles."""
 
     name: str
-    title: str
+    label: str  # as pictures call it
     x_edges: np.ndarray  # [nx + 1] m, from the beam's axis, or from the centre of a detector that the scan moves
     z_edges: np.ndarray  # [nz + 1] m
     offset_x: np.ndarray  # [points] m, from the beam's axis to where the edges are counted from
@@ -180,7 +181,8 @@ class Results:
         detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
         InputError for what there is not or an ending that is no picture's, and StorageError."""
         from . import pictures, style
-        figure = pictures.plot_of(self, kind, options)
+        with as_keywords():
+            figure = pictures.plot_of(self, kind, options)
         if output is not None:
             style.save(figure, output)
         return figure
@@ -266,7 +268,7 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
     nx, nz = x_edges.size - 1, z_edges.size - 1
     return Detector(
         name=name,
-        title=image.text("title", name),
+        label=image.text("title", name).removeprefix(f"{entry.text('title')}: ") or name,
         x_edges=x_edges,
         z_edges=z_edges,
         offset_x=image.numbers("offset_x", (points,)) if "offset_x" in image else np.zeros(points),

@@ -1,7 +1,7 @@
 """The curves of scans as pictures."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Sequence
 
 import numpy as np
@@ -11,16 +11,19 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from . import style
-from .curves import Curve, NoResonance, Resonance, Value, are_fringes
+from .curves import Curve, NoResonance, Resonance, Value
+from .pieces import pieces_of, runs_of
 from .reading import Reading, reading_of
 from .results import Axis
 from .style import COUNTS, GREY, INK, Look, looks
 from .units import Scale, edges_of, fitting_scale, format_value, is_logarithmic, law_name
 
 SYMBOL = 3.4  # points
+RIM = 1.4  # points, by which symbols or lines are larger than those that hide them
+THICK = 2.8  # points, by which the widest line of those that lie on each other is wider than the narrowest
+WHOLE = 0.4  # of the largest value: what begins below is shown from 0 on
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
-GAP = 8.0  # usual steps of a scan, from which on it has a gap
-MOST_PIECES = 4
+TURNS = 5  # symbols of each curve, at least, where those that lie on each other have them in turns
 MOST_COLUMNS = 3  # of maps
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
 LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
@@ -84,27 +87,8 @@ def _draw_pieces(curves: Sequence[Curve], labels: Sequence[str], title: str, mar
     row[0, 0].set_ylabel(f"{_measure(curves)}\n({about_errors(curves, limits)})")
     style.write_title(figure, title)
     if len(curves) > 1:
-        row[0, 0].legend(*zip(*[(item, label.split("\n")[0]) for item, label in zip(*row[0, 0].get_legend_handles_labels())]))
+        row[0, 0].legend(*zip(*[(item, _without_numbers(label)) for item, label in zip(*row[0, 0].get_legend_handles_labels())]))
     return figure
-
-
-def pieces_of(curves: Sequence[Curve]) -> list[slice]:
-    """What of a scan has a panel of its own: all of it, or stretches with gaps between, if they are long and few."""
-    whole = [slice(0, curves[0].x.size)]
-    if curves[0].axis.labels or len({curve.x.tobytes() for curve in curves}) > 1:
-        return whole
-    found = runs_of(curves[0].x)
-    return found if len(found) <= MOST_PIECES and min(part.stop - part.start for part in found) >= 5 else whole
-
-
-def runs_of(x: np.ndarray) -> list[slice]:
-    """The stretches of a scan between its gaps: steps many times as long as most."""
-    steps = np.abs(np.diff(x))
-    if steps.size < 4:
-        return [slice(0, x.size)]
-    ends = [0, *(np.flatnonzero(steps > GAP * np.median(steps)) + 1).tolist(), x.size]
-    few = is_logarithmic(x) or len(ends) > x.size // 3 + 2
-    return [slice(0, x.size)] if few else [slice(*pair) for pair in zip(ends, ends[1:])]
 
 
 def _measure(curves: Sequence[Curve]) -> str:
@@ -119,9 +103,10 @@ def _draw_rates(axes: Axes, curves: Sequence[Curve]) -> None:
     if rate is None:
         return
     each, background = rate
-    other = axes.secondary_yaxis("right", functions=(lambda y: each * y + background, lambda n: (n - background) / each))
+    scale = fitting_scale(np.array([each * max(curve.y.max() for curve in curves) + background]), "")
+    other = axes.secondary_yaxis("right", functions=(lambda y: scale.apply(each * y + background), lambda n: (scale.factor * n - background) / each))
     other.spines["right"].set_visible(True)
-    other.set_ylabel("counts per second" + ("\n(with background)" if background else ""))
+    other.set_ylabel(scale.label("counts per second") + ("\n(with background)" if background else ""))
 
 
 @dataclass(frozen=True)
@@ -141,7 +126,7 @@ def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) ->
     limits = _fraction_limits([curve for panel in panels for curve in panel.curves])
     for axes, panel in zip(row[0], panels):
         rows = _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
-        axes.set_title(panel.title, pad=title_pad(rows))
+        axes.set_title(style.plain(panel.title), pad=title_pad(rows))
         axes.set_ylim(*limits)
         axes.set_ylabel(f"{_measure(panel.curves)}\n({about_errors(panel.curves, limits)})")
     style.write_title(figure, title)
@@ -162,18 +147,20 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     axis = curves[0].axis
     scale = _scale(curves)
     readings = [_reading(curve) for curve in curves]
-    several = sum(len(told.resonances) for told in readings if told) != 1 or any(told and are_fringes(curve) for curve, told in zip(curves, readings))
+    several = sum(len(told.resonances) for told in readings if told) != 1 or any(told and told.is_fringe for told in readings)
     beside = beside and not several and not any(curve.rate for curve in curves)  # they would write over each other
     drawn = list(zip(curves, labels, looks([curve.law for curve in curves]), readings))
     drawn.sort(key=lambda row: bool(row[3]))  # flat ones below
-    below = [i for i, (curve, _, _, told) in enumerate(drawn)
-             if not told and any(_coincide(curve, other) for other, *_ in drawn[i + 1:])]
+    near = SYMBOL / (PANEL * 72) * np.ptp(_fraction_limits(curves))
     for i, (curve, label, look, told) in enumerate(drawn):
-        if i in below:
-            _draw_below(axes, curve, label, look, scale, below.index(i), len(below))
+        alike = [k for k, (other, *_) in enumerate(drawn) if _coincide(curve, other, near)]
+        place = _Place(alike.index(i), len(alike), np.any([np.abs(curve.y - drawn[k][0].y) <= near for k in alike if k != i], axis=0) | np.zeros(curve.y.size, bool))
+        first = next((name for other, name in zip(curves, labels) if _is_same(curve, other)), label)
+        if first != label:
+            _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, place)
             continue
         words = _in_words(told, scale, axis.units) if told else []
-        _draw_curve(axes, curve, "\n".join([label, *([] if beside else words)]), look, scale)
+        _draw_curve(axes, curve, "\n".join([style.plain(label), *([] if beside else words)]), look, scale, place)
         for resonance in told.resonances if told else []:
             _draw_width(axes, resonance, look, scale)
             if beside:
@@ -181,7 +168,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     if axis.labels:
         axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
-        axes.set_xscale("log")
+        style.logarithmic(axes.xaxis)
     axes.set_xlabel(scale.label(axis.parameter))
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
@@ -190,7 +177,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
 
 def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks: dict[str, float]) -> Figure:
     """The detected fraction over both axes of each grid; `across` tells the curves of one apart."""
-    along = grids[0][0].axis
+    along, order = grids[0][0].axis, np.argsort(across.values, kind="stable")  # a scan may run downwards
+    across, grids = replace(across, values=across.values[order]), [[grid[i] for i in order] for grid in grids]
     scale, scale_across = along.scale, across.scale
     rows = -(-len(grids) // MOST_COLUMNS)
     columns = -(-len(grids) // rows)
@@ -198,17 +186,18 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
                                   sharey=True, layout="constrained")
     most = max(curve.y.max() for grid in grids for curve in grid)
     least = min(curve.y.min() for grid in grids for curve in grid)
+    least = least if least > WHOLE * most else 0.0
     if is_logarithmic(along.values):
-        panels[0, 0].set_xscale("log")
+        style.logarithmic(panels[0, 0].xaxis)
     if is_logarithmic(across.values):
-        panels[0, 0].set_yscale("log")
+        style.logarithmic(panels[0, 0].yaxis)
     for axes, grid in zip(panels.flat, grids):
         mesh = axes.pcolormesh(scale.apply(edges_of(along.values)), scale_across.apply(edges_of(across.values)),
                                np.stack([curve.y for curve in grid]), shading="flat", cmap=COUNTS, rasterized=True, vmin=least, vmax=most)
         above = draw_marks(axes, marks, scale)
         if len(grids) > 1:
             name = ", ".join(part for part in grid[0].label.split(", ") if not part.startswith(f"{across.parameter} = "))
-            axes.set_title(style.in_lines(name, figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small",
+            axes.set_title(style.in_lines(style.plain(name), figure.get_figwidth() / columns, style.points("axes.titlesize")), fontsize="small",
                            pad=title_pad(above))
     for axes in panels.flat[len(grids):]:
         axes.remove()
@@ -234,7 +223,7 @@ def draw_marks(axes: Axes, marks: dict[str, float], scale: Scale, named: bool = 
             continue
         middle, half = axes.transAxes.inverted().transform(axes.transData.transform((x, 0)))[0], 0.5 * (len(name) + 1) * LETTER / width
         row = style.row_for(rows, middle - half, middle + half)
-        axes.annotate(name, (x, 1), xycoords=("data", "axes fraction"), xytext=(0, 3 + ROW * row), textcoords="offset points",
+        axes.annotate(style.plain(name), (x, 1), xycoords=("data", "axes fraction"), xytext=(0, 3 + ROW * row), textcoords="offset points",
                       ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
     return len(rows)
 
@@ -252,31 +241,43 @@ def _reading(curve: Curve) -> Reading | None:
         return None
 
 
-def _coincide(one: Curve, other: Curve) -> bool:
-    """Whether most points of two curves lie on each other, within their errors or a hundredth."""
-    if not np.array_equal(one.x, other.x):
-        return False
-    return bool(np.median(np.abs(one.y - other.y) / np.maximum(np.hypot(one.errors, other.errors), 0.01)) < 1)
+def _coincide(one: Curve, other: Curve, near: float) -> bool:
+    """Whether most points of two curves lie on each other, nearer than their symbols are large."""
+    return bool(np.array_equal(one.x, other.x) and np.median(np.abs(one.y - other.y)) <= near)
 
 
-def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale) -> None:
+def _is_same(one: Curve, other: Curve) -> bool:
+    return np.array_equal(one.x, other.x) and np.array_equal(one.y, other.y) and np.array_equal(one.errors, other.errors)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Of a curve among those that lie on each other."""
+
+    turn: int
+    of: int
+    covered: np.ndarray  # [n] the points at which another one is
+
+
+def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, place: _Place) -> None:
+    """Where several lie on each other, they have their symbols in turns, or smaller and smaller ones, and narrower and narrower lines."""
     x, size = scale.apply(curve.x), 6.0 if curve.axis.labels else SYMBOL
+    above = place.of - 1 - place.turn
+    in_turns = not curve.axis.labels and x.size >= TURNS * place.of
+    every = ~place.covered | (np.arange(x.size) % place.of == place.turn) | (not in_turns)
+    rim = min(RIM, THICK / max(place.of - 1, 1))
+    size += RIM if in_turns and place.of > 1 else RIM * above
+    width = 1.1 + rim * above
     runs = [] if curve.axis.labels else runs_of(curve.x)
     style_of = "--" if look.open else "-"
     axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style_of if len(runs) == 1 else "none",
-                  markersize=size, linewidth=1.1, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
+                  markersize=size, markevery=every.tolist(), errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
                   markerfacecolor="white" if look.open else look.colour, label=label)
+    if in_turns and place.of > 1:  # above the lines of all
+        axes.plot(x[every], curve.y[every], look.marker, color=look.colour, markersize=size, markeredgewidth=0.8 if look.open else 0,
+                  markerfacecolor="white" if look.open else look.colour, zorder=3)
     for run in runs if len(runs) > 1 else []:
-        axes.plot(x[run], curve.y[run], color=look.colour, linewidth=1.1, linestyle=style_of)
-
-
-def _draw_below(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, number: int, of: int) -> None:
-    """A flat curve that lies below others: a thick line, in turns with the others that do."""
-    dash = 1.5  # line widths
-    style = "-" if of == 1 else (-number * dash, (dash, (of - 1) * dash))
-    bars = axes.errorbar(scale.apply(curve.x), curve.y, curve.errors, color=look.colour, linestyle=style,
-                         linewidth=1.6 * SYMBOL, elinewidth=0.9, label=label)
-    bars.lines[0].set_dash_capstyle("butt")
+        axes.plot(x[run], curve.y[run], color=look.colour, linewidth=width, linestyle=style_of)
 
 
 def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
@@ -293,11 +294,13 @@ def _in_words(told: Reading, scale: Scale, unit: str) -> list[str]:
 
 
 def _numbers(resonance: Resonance, scale: Scale, unit: str) -> str:
-    centre, width = resonance.centre, resonance.width
-    if scale.origin == 0 and unit:  # in the unit of the axis
-        centre, width = (Value(one.value / scale.factor, one.error / scale.factor) for one in (centre, width))
-        unit = scale.unit
-    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {format_value(width.value, unit, width.error)}"
+    """The centre in the unit of the axis, the width in that too, or with a prefix of its own."""
+    centre, width = resonance.centre, format_value(resonance.width.value, unit, resonance.width.error)
+    if scale.origin == 0 and unit:
+        centre, unit = Value(centre.value / scale.factor, centre.error / scale.factor), scale.unit
+        if scale.base_unit == scale.unit and scale.factor != 1:  # such as gauss
+            width = format_value(resonance.width.value / scale.factor, unit, resonance.width.error / scale.factor)
+    return f"centre {format_value(centre.value, unit, centre.error)}".replace("-", "−") + f", FWHM {width}"
 
 
 def _edges(resonance: Resonance, scale: Scale) -> tuple[float, float]:
@@ -326,7 +329,7 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
     letters; the figure grows with its lines, or where its size was asked for gives them room at its foot. Gives back how much
     [inches]."""
     def place(item: tuple[object, str]) -> int:
-        return next(i for i, label in enumerate(order) if item[1] == label or item[1].startswith(f"{label}\n"))
+        return next(i for i, label in enumerate(map(style.plain, order)) if item[1] == label or item[1].startswith(f"{label}\n"))
 
     width = width or style.letters(figure)
     items, labels = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
@@ -336,13 +339,17 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
     if style.size(0, 0) != (0, 0):  # the figure cannot grow: the legend has its place at the foot
         labels = [label.replace(", FWHM", "\nFWHM") if max(widths) > width else label for label in labels]
         if 0.019 * style.points("legend.fontsize") * sum(1 + label.count("\n") for label in labels) > LEGEND * figure.get_figheight():
-            labels = [label.split("\n")[0] for label in labels]  # `summary` has the numbers
+            labels = [_without_numbers(label) for label in labels]  # `summary` has the numbers
         return style.legend_at_foot(figure, items, labels)
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough
-    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5,
-                handlelength=4)  # two dashes of a line below others
+    axes.legend(items, labels, loc="upper center", bbox_to_anchor=(0.5, below), ncol=columns, columnspacing=2.5, handlelength=2.5)
     return 0.0
+
+
+def _without_numbers(label: str) -> str:
+    """Of a curve, or that it is another one's."""
+    return "\n".join(line for i, line in enumerate(label.split("\n")) if i == 0 or line.startswith("the same as "))
 
 
 def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:
@@ -351,7 +358,7 @@ def _fraction_limits(curves: Sequence[Curve]) -> tuple[float, float]:
     if all(np.ptp(curve.y) == 0 for curve in curves):  # nothing changes: bars alone are no range, but of small fractions they are seen
         top = 1.05 * max(high, 1.0) if high > 0.5 or not any(curve.y.any() for curve in curves) else 1.5 * high
         return -0.05 * top, top
-    if high - low > 0.2:
+    if high - low > 0.2 and low < WHOLE * high:
         low = min(low, 0.0)
     margin = 0.06 * (high - low) or 0.05
     return low - margin, high + margin

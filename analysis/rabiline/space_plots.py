@@ -79,4 +79,4 @@ def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.nd
         half = 0.5 * LETTER * (len(region.name) + 2) * (high[1] - low[1])
         row = next((i for i, end in enumerate(rows) if end <= middle - half), len(rows))
         rows[row:row + 1] = [middle + half]
-        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), region.name, color=GREY, fontsize=style.scaled(9), ha="center", va="bottom")
+        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), style.plain(region.name), color=GREY, fontsize=style.scaled(9), ha="center", va="bottom")

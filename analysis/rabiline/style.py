@@ -1,17 +1,20 @@
 """How rabiline's pictures look: one colour per law, colour-blind safe, readable when small."""
 from __future__ import annotations
 
+import re
 import textwrap
 import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
+from math import log10
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
 from matplotlib import pyplot as plt
 from matplotlib import rcParamsDefault
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
@@ -19,6 +22,7 @@ from matplotlib.lines import Line2D
 
 from . import asked
 from .errors import InputError
+from .units import SUPERSCRIPT
 from .writing import require_place, whole
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
@@ -40,10 +44,19 @@ RULES = {
 }
 
 
+class PictureWarning(UserWarning):
+    """What a picture does not show as it should."""
+
+
 def write_title(figure: Figure, title: str) -> None:
     """Above the figure, in lines that fit its width."""
     size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
-    figure.suptitle(in_lines(title, figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
+    figure.suptitle(in_lines(shortened(title), figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
+
+
+def shortened(title: str) -> str:
+    """To what a picture has room for."""
+    return title if len(title) <= LONGEST else f"{title[:LONGEST - 1].rstrip()}…"
 
 
 def scaled(points: float) -> float:
@@ -144,6 +157,26 @@ def legend_below(figure: Figure, axes: Axes, columns: int, title: str = "") -> f
     return 0.0
 
 
+def plain(text: str) -> str:
+    """A text of the user, whose dollars are no formulas."""
+    return text.replace("$", r"\$")
+
+
+def logarithmic(axis: Axis) -> None:
+    """With plain numbers, as far as these are short."""
+    def minor(value: float, _: int) -> str:
+        low, high = axis.get_view_interval()
+        return f"{value:g}" if high < 10 * low else ""
+
+    def major(value: float, _: int) -> str:
+        low, high = axis.get_view_interval()
+        return f"{value:g}" if PLAIN[0] <= low and high < PLAIN[1] else f"10{str(round(log10(value))).translate(SUPERSCRIPT)}"
+
+    axis.axes.set(**{f"{axis.axis_name}scale": "log"})
+    axis.set_major_formatter(major)
+    axis.set_minor_formatter(minor)
+
+
 def widest(labels: Sequence[str]) -> int:
     """Letters of the longest line of them all."""
     return max(len(line) for label in labels for line in label.splitlines() or [""])
@@ -217,7 +250,8 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
     before, _asked = _asked, asked or _asked
     small = {key: value * SMALLER for key, value in RULES.items() if key.endswith("size") and not isinstance(value, str)}
     try:
-        with plt.rc_context({**RULES, **(small if _asked and _asked[0] < NARROW else {})}):
+        with plt.rc_context({**RULES, **(small if _asked and _asked[0] < NARROW else {})}), warnings.catch_warnings():
+            warnings.filterwarnings("ignore", GLYPH)  # told of once, where the picture is saved
             yield
     finally:
         _asked = before
@@ -225,6 +259,9 @@ def here(asked: tuple[float, float] | None = None) -> Iterator[None]:
 
 ENDINGS = (".png", ".pdf", ".svg")
 TITLE = 11.5  # points
+GLYPH = r"Glyph (\d+) .* missing from"
+PLAIN = 5e-5, 2e5  # a logarithmic axis between these has its numbers written out
+LONGEST = 300  # letters of a title
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
 WORDS = ("law", "species")  # whose values say by themselves what they are
@@ -268,8 +305,9 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
     for an ending that is no picture's or where its size leaves no room between the letters."""
     require_name(path)
     try:
-        with whole(path) as new, here(), warnings.catch_warnings():
+        with whole(path) as new, here(), warnings.catch_warnings(record=True) as told:
             warnings.filterwarnings("error", "constrained_layout not applied")
+            warnings.filterwarnings("always", GLYPH)
             figure.draw_without_rendering()  # a text beside a curve makes room for itself, and moves with what became narrower
             figure.savefig(new, format=Path(path).suffix[1:].lower(), facecolor="white", dpi=dpi)
     except UserWarning:
@@ -277,6 +315,9 @@ def save(figure: Figure, path: Path | str, dpi: float = 200) -> None:
         raise InputError(f"--size: {width:.0f}x{height:.0f} leaves no room for curves between the letters; make it larger") from None
     finally:
         plt.close(figure)
+    missing = dict.fromkeys(chr(int(found[1])) for one in told if (found := re.match(GLYPH, str(one.message))))
+    if missing:
+        warnings.warn(f"{path}: the letters of pictures lack {' '.join(missing)}, of which boxes are left", PictureWarning, stacklevel=2)
 
 
 def row_for(rows: list[float], begin: float, end: float) -> int:

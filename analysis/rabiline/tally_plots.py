@@ -1,6 +1,7 @@
 """Tallies as pictures: one axis with error bars, two as an image."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Sequence
 
 import numpy as np
@@ -15,6 +16,7 @@ from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, is_logarithmic, law_name
 
 FEW = 4  # levels whose names stand side by side, or values that are the ticks of their axis
+LEVELS = {"level": "level in which it is found", "prepared_level": "level in which it was prepared"}  # whose names have their m
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
 
 
@@ -38,12 +40,14 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
     axis, scanned = tally.axes[number], results.scan.axes[along]
     counts = tally.counts.sum(axis=tuple(1 + i for i in range(len(tally.axes)) if i != number))
     flat = np.moveaxis(np.arange(len(counts)).reshape(results.scan.shape), along, -1).reshape(-1, scanned.values.size)[0]
+    order = np.argsort(scanned.values, kind="stable")  # a scan may run downwards
+    scanned, flat = replace(scanned, values=scanned.values[order]), flat[order]
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     across, up = scanned.scale, axis.scale
     mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
                             vmin=0, rasterized=True)
     if is_logarithmic(scanned.values):
-        panel.set_xscale("log")
+        style.logarithmic(panel.xaxis)
     if scanned.labels:
         panel.set_xticks(scanned.values, [law_name(label).replace(", ", "\n") for label in scanned.labels])
     elif scanned.values.size <= FEW:  # whose cells reach far beyond them
@@ -71,7 +75,7 @@ def _heading(results: Results, point: int) -> str:
 
 
 def _name(axis: TallyAxis) -> str:
-    return axis.title.rsplit(" (", 1)[0] if axis.units else axis.title
+    return LEVELS.get(axis.name, axis.title.rsplit(" (", 1)[0] if axis.units else axis.title)
 
 
 def _label(axis: TallyAxis, scale: Scale) -> str:
@@ -137,8 +141,15 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
 
 def _write_numbers(panel: Axes, edges: list[np.ndarray], counts: np.ndarray, most: float) -> None:
     """A matrix of levels is small enough to be read."""
-    digits, size = (5, 8) if counts.shape[0] <= FEW else (3, 6)
+    size = 8 if counts.shape[0] <= FEW else 6
     for i in range(counts.shape[0]):
         for k in range(counts.shape[1]):
-            panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, f"{counts[i, k]:.{digits}g}",
+            panel.text((edges[0][i] + edges[0][i + 1]) / 2, (edges[1][k] + edges[1][k + 1]) / 2, _short(counts[i, k], most),
                        ha="center", va="center", fontsize=style.scaled(size), color="white" if counts[i, k] > 0.5 * most else "black")
+
+
+def _short(count: float, most: float) -> str:
+    """A count without a power of ten, unless all are large."""
+    if most >= 1e6:
+        return f"{count / 1e3:.0f} k"
+    return "<0.1" if 0 < count < 0.05 else f"{count:.0f}" if count >= 100 or count == round(count) else f"{count:.1f}"

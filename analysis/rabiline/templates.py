@@ -6,7 +6,7 @@ A scan point of the templates is one of the scan's other axis, or the only one; 
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -83,6 +83,9 @@ def templates(results: Results, parameter: str, histogram: str = "image", most: 
                           "more at most")
     other = scan.axes[1 - along] if len(scan.axes) == 2 else None
     flat = np.moveaxis(np.arange(np.prod(scan.shape)).reshape(scan.shape), along, 0).reshape(scan.shape[along], -1)
+    if other is not None:  # a scan may run downwards
+        order = np.argsort(other.values, kind="stable")
+        other, flat = replace(other, values=other.values[order], labels=tuple(np.array(other.labels)[order]) if other.labels else ()), flat[:, order]
     return Templates(
         path=str(results.path), title=results.title, names=tuple(results.laws[row[0]] for row in flat),
         strengths=scan.axes[along].values, axis=other,

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .regions import Region, shade
-from .style import GREY, INK, Look, looks
+from .style import INK, Look, looks
 from .tracks import Track, Tracks
 from .units import Scale, fitting_scale
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 
 if TYPE_CHECKING:
@@ -103,7 +104,8 @@ class Tracks:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
         InputError for an option that there is not or an ending that is no picture's, and StorageError."""
         from . import pictures, style
-        figure = pictures.plot_of(self, "tracks", options)
+        with as_keywords():
+            figure = pictures.plot_of(self, "tracks", options)
         if output is not None:
             style.save(figure, output)
         return figure

@@ -10,11 +10,14 @@ from matplotlib.figure import Figure
 
 from . import style
 from .results import Transit
+from .style import GREY
 from .units import fitting_scale
 
 MOST_STEPS = 60  # cells of the slowness follow the spins' turns and may be many more
 MOST_PATHS = 8
-KEPT = 0.98  # of what is caught is shown
+LOW = 3.0  # inches of a picture without room for more words
+KEPT = 0.98  # of what is caught is shown, where cells are many
+FEW = 20  # cells that are no more than steps of what is not known any finer
 
 
 def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
@@ -44,6 +47,9 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     speeds.set_xlabel("speed along the beam (m/s)")
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
+    if caught.shape[1] < FEW and figure.get_figheight() > LOW:
+        axes.set_title(style.in_lines(f"{caught.shape[1]} cells: for the scan that is fine enough, and nothing finer is kept. A tally of the time_of_flight may have any "
+                                      "bins", figure.get_figwidth() - 1, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"), color=GREY)
     heading, foot = f"level before and behind the fields{further}", 0.0
     if style.size(0, 0) != (0, 0):
         foot = style.legend_at_foot(figure, *axes.get_legend_handles_labels(), heading)
@@ -58,6 +64,9 @@ def coarser(transit: Transit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Edges [s], and what is caught on each path with its errors: nearly all of it, neighbouring cells added up."""
     share = np.cumsum(transit.caught.sum(axis=0)) / transit.caught.sum()
     first, last = np.searchsorted(share, (1 - KEPT) / 2), np.searchsorted(share, (1 + KEPT) / 2) + 1
+    if last - first < FEW:
+        filled = np.flatnonzero(transit.caught.sum(axis=0))
+        first, last = filled[0], filled[-1] + 1
     begins = np.arange(0, last - first, -(-(last - first) // MOST_STEPS))
     edges = np.append(transit.edges[first + begins], transit.edges[last]) * transit.distance
     return (edges, np.add.reduceat(transit.caught[:, first:last], begins, axis=1),

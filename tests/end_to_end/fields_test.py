@@ -2,6 +2,7 @@
 import csv
 import io
 import random
+import re
 import subprocess
 from pathlib import Path
 
@@ -366,3 +367,13 @@ def test_a_falling_spin_reads_the_slopes_of_a_drive_where_it_is(tmp_path: Path, 
                         .replace("width: 1 cm, height: 1 cm, bins", "radius: 1 m, bins").replace("seed: 1", "seed: 1\ngravity: 9.81 m/s^2"))
     levels = [levels_of(path) for path in paths]
     assert np.abs(levels[0] - levels[1]).max() < 1e-5
+
+
+def test_a_picture_of_a_line_has_edges_where_the_field_has(tmp_path: Path) -> None:
+    """Within a thousandth of the line."""
+    path = experiment(tmp_path, "kind: uniform_field, length: 0.3 m, field: 1 mT")
+    assert run("probe", path, "--along", "y", "--from", "0 m", "--to", "2 m", "-o", tmp_path / "b.svg").returncode == 0
+    lines = re.findall(r'<path d="(M [^"]+)" clip-path[^>]*fill: none', (tmp_path / "b.svg").read_text())
+    places = [np.array(re.findall(r"(-?[\d.]+) (-?[\d.]+)", line), dtype=float) for line in lines]
+    flanks = [abs(step[0]) for line in places for step in np.diff(line, axis=0) if step[0] != 0 and abs(step[1]) > 100]
+    assert len(flanks) == 4 and max(flanks) < 0.002 * np.ptp(places[-1][:, 0])

@@ -271,6 +271,18 @@ def test_no_help_is_left_empty() -> None:
     assert "\n  help: write `0.015`" in unknown(rabiline.load(RAMSEY), "pol.up", 1.5)[0]
 
 
+def test_the_legend_of_a_fit_is_not_among_its_counts(fitted: CountsFit) -> None:
+    figure = fitted.plot()
+    above, below = figure.axes
+    assert above.get_legend() is None and "counted" in [text.get_text() for text in below.get_legend().get_texts()]
+    figure.draw_without_rendering()
+    assert below.get_legend().get_window_extent().y1 < below.get_window_extent().y0
+
+
+def test_a_fit_is_printed_in_a_line(fitted: CountsFit) -> None:
+    assert repr(fitted).startswith(f"<fit of {fitted.title}: guide.field = 1.000") and "\n" not in repr(fitted) and len(repr(fitted)) < 200
+
+
 def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) -> None:
     (tmp_path / "ramsey.yaml").write_text(RAMSEY)
     (tmp_path / "counts.csv").write_text("# measured\nC1.frequency [kHz], counts\n" + "".join(

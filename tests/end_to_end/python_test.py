@@ -330,3 +330,38 @@ def test_a_notebook_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     quick(0.5, 0.5)
     quick(1.0, 0.0)
     assert len(shown) == 1
+
+
+def test_a_result_that_was_flown_is_copied_and_sent_to_other_processes(ramsey: rabiline.Experiment) -> None:
+    flown = ramsey.run()
+    for other in (pickle.loads(pickle.dumps(flown)), copy.deepcopy(flown)):
+        assert (other.detected == flown.detected).all() and (other.scan.covariance == flown.scan.covariance).all()
+        assert repr(other) == repr(flown)
+
+
+@pytest.mark.parametrize("name, says", [("run", 'rabiline.load("experiment.yaml").run()'), ("read", 'rabiline.open("result.h5")'),
+                                        ("plot", 'rabiline.open("result.h5").plot()')])
+def test_what_is_no_function_of_the_module_is_told_where_it_is(name: str, says: str) -> None:
+    with pytest.raises(AttributeError) as caught:
+        getattr(rabiline, name)
+    assert str(caught.value) == f"module `rabiline` has no `{name}`: call {says}"
+
+
+def test_no_run_has_no_threads(ramsey: rabiline.Experiment) -> None:
+    for call in (ramsey.run, ramsey.fly):
+        with pytest.raises(ValueError, match="^`threads` is 1 to 1024, not 0$"):
+            call(threads=0)
+
+
+def test_messages_name_options_as_callers_write_them(ramsey: rabiline.Experiment, tmp_path: Path) -> None:
+    flown = ramsey.set(particles=20).run()
+    for options, says in (({"points": "9999", "kind": "image"}, "`points` 9999: the scan points are 0 to 13"), ({"size": (1, 1)}, "`size`: 25x25 leaves no room")):
+        with pytest.raises(rabiline.InputError) as caught:
+            flown.plot(**options)
+        assert str(caught.value).startswith(says)
+    counts = tmp_path / "counts.csv"
+    counts.write_text("first.frequency [kHz],counts,detector\n290,5,up\n291,5,down\n", encoding="utf-8")
+    with pytest.raises(FileError, match="choose one with detector=\"...\"$"):
+        ramsey.scan().fit(counts, ["B.field"], detector="left")
+    with pytest.raises(rabiline.InputError, match="^`detector` is empty: leave it out, or give a name$"):
+        ramsey.scan().fit(counts, ["B.field"], detector="")

@@ -71,7 +71,7 @@ def test_fields_on_the_axis_are_drawn_as_they_act() -> None:
     figure = draw_apparatus(experiment, 0)
     static, driven = figure.axes[1].get_lines()
     assert np.nanmax(static.get_ydata()) == pytest.approx(0.01) and np.nanmax(driven.get_ydata()) == pytest.approx(85.719e-6)
-    assert figure.axes[1].get_yscale() == "log" and figure.axes[1].get_ylabel() == "B on axis (T)"
+    assert figure.axes[1].get_yscale() == "log" and figure.axes[1].get_ylabel() == "B on axis"
     plt.close(figure)
 
 
@@ -131,3 +131,32 @@ def test_every_shipped_file_names_the_schema_that_the_program_writes(tmp_path: P
     assert same, "write it anew: rabiline describe --schema"
     for path in BEAMLINES.glob("*.yaml"):
         assert path.read_text().startswith(f"# yaml-language-server: $schema={starters.SCHEMA}\n"), path
+
+
+def test_a_drive_draws_no_line_where_it_is_not() -> None:
+    experiment = rabiline.load(BEAMLINES / "rabi-flop.yaml").set({"H0.amplitude": "3 mT"}).scan()
+    figure = draw_apparatus(experiment, 0)
+    static, driven = figure.axes[1].get_lines()
+    assert figure.axes[1].get_yscale() == "linear"
+    y, amplitude = driven.get_data()
+    assert np.isnan(amplitude[(y < 0.34) | (y > 0.56)]).all() and np.nanmax(amplitude) == pytest.approx(3) and np.nanmax(static.get_ydata()) == pytest.approx(10)
+    plt.close(figure)
+
+
+def test_the_name_of_a_map_stands_over_its_field() -> None:
+    experiment = rabiline.load("""
+rabiline: 1
+title: a formula
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 800 m/s}, opening: {radius: 1 mm}, direction: parallel}
+parts:
+  - {name: hill, kind: formula_field, at: 0 m, formula: {Bz: "1e-3*exp(-((y-0.7)/0.1)^2)", width: 1 cm, height: 1 cm, length: 2 m, step: 1 cm}}
+  - {name: screen, kind: detector, at: 2 m, width: 2 cm, height: 5 cm, bins: [1, 1]}
+particles: 10
+seed: 4
+""")
+    figure = draw_apparatus(experiment, 0)
+    (name,) = (text for text in figure.axes[0].texts if text.get_text().startswith("hill"))
+    assert name.get_position()[0] == pytest.approx(0.7, abs=0.02)
+    plt.close(figure)

@@ -91,7 +91,7 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
     text = capsys.readouterr().out
     assert "dorado (hypothesis), torque, κ = 1: " in text
     assert "fit           dip at 291.6" in text and "FWHM 7.3" in text
-    assert "quantum: 1 to 1 of emitted\n    flat line     no chi²: no point tells 10 or more particles apart\n" \
+    assert "quantum: 1 to 1 of emitted\n    if flat       no chi²: no point tells 10 or more particles apart\n" \
            "    no resonance" in text
     assert "weights from the covariance; misfit 0.0" in text
     assert "the ledger closes" in text

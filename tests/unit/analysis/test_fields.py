@@ -51,3 +51,9 @@ def test_parts_stand_above_the_line_where_they_are_in_its_unit(tmp_path: Path) -
 def test_what_is_no_table_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture, rows: int, header: str, said: str) -> None:
     assert main(["plot-field", str(write(tmp_path / "b.csv", rows, header)), "-o", str(tmp_path / "b.png")]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_component_that_is_not_there_says_so_and_covers_nothing(tmp_path: Path) -> None:
+    figure = draw_field(read_field(write(tmp_path / "b.csv")), "a title")
+    lines = {line.get_label(): line for line in figure.axes[0].lines}
+    assert set(lines) == {"$B_x$", "$B_y$ = 0", "$B_z$", "|B|"} and lines["$B_y$ = 0"].get_zorder() < lines["$B_x$"].get_zorder()

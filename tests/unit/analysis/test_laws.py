@@ -6,7 +6,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from rabiline import results
+from rabiline import observed, results
 from rabiline.__main__ import main
 from rabiline.covariance import ChiSquared
 from rabiline.kappa import Bound, profile
@@ -296,3 +296,17 @@ def test_no_side_is_taken(folder: Path) -> None:
     assert "favour A" in one.words and "favour A" in other.words
     assert one.pairs[0].ratio == pytest.approx(-other.pairs[0].ratio)
     assert one.fits[0].deviance == other.fits[1].deviance
+
+
+def test_scans_may_run_in_any_order(tmp_path: Path) -> None:
+    """Neither of the laws nor of the data."""
+    axis, orders = frequencies(21), (np.arange(21), np.random.default_rng(4).permutation(21))
+    rows = np.stack([np.full(21, 0.5), 0.5 * dip(axis.values)])
+    mixed = [Axis(axis.parameter, axis.values[order], "Hz") for order in orders]
+    made = [templates(results.read(write_results(tmp_path / f"laws_{i}.h5", [laws("quantum", DORADO), mixed[i]], rows[:, order].ravel(),
+                                                 law=["quantum"] * 21 + [DORADO] * 21, bins=4)), "law") for i, order in enumerate(orders)]
+    np.testing.assert_array_equal(made[1].axis.values, axis.values)
+    np.testing.assert_array_equal(made[0].screens[0].counts, made[1].screens[0].counts)
+    data = [write_results(tmp_path / f"data_{i}.h5", [mixed[i]], rows[1, order], law=[DORADO], bins=4, seed=7) for i, order in enumerate(orders)]
+    seen = [observed.read(path, made[0]).counts[0] for path in data]
+    np.testing.assert_array_equal(seen[0], seen[1])

@@ -15,6 +15,7 @@ from rabiline.hdf5 import FileError
 from rabiline.line_commands import derived, described
 from rabiline.line_plots import draw_line
 from rabiline.lines import FORMS, LineFit, NoLine, _best, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
+from synthetic import frequencies, write_results
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
 X = 29000 + np.linspace(-120, 120, 121)
@@ -279,3 +280,17 @@ def test_the_picture_names_the_form() -> None:
     figure = draw_line(X, found.expected, np.ones(X.size), found, "f", "Hz", "", described(found, "Hz"))
     assert figure.axes[0].get_title().startswith("form gauss")
     plt.close("all")
+
+
+@pytest.mark.parametrize("name, unit", [("H0.frequency", "Hz"), ("C.field", "T"), ("coil.current", "A")])
+def test_a_column_without_its_unit_is_refused_as_by_a_fit_of_the_experiment(tmp_path: Path, capsys: pytest.CaptureFixture, name: str, unit: str) -> None:
+    path = tmp_path / "counts.csv"
+    path.write_text(f"{name},counts\n" + "".join(f"{x},{100 + 100 * (x == 5)}\n" for x in range(11)), encoding="utf-8")
+    assert main(["fit-line", str(path)]) == 2
+    assert capsys.readouterr().err == f"rabiline: {path}: the column `{name}`: it has no unit\n  help: write `{name} [{unit}]`\n"
+
+
+def test_a_result_is_no_table_of_counts(tmp_path: Path) -> None:
+    path = write_results(tmp_path / "a.h5", [frequencies(5)], np.ones(5), law=["quantum"], bins=4)
+    with pytest.raises(FileError, match="a table of counts belongs here \\(CSV\\), and this is an HDF5 file$"):
+        read_counts(path)

@@ -199,3 +199,20 @@ def test_a_summary_names_motions_and_findings_with_what_is_expected(tmp_path: Pa
     assert "finding      rate: 1 to 0.333333333 rad/s, closed form 1.1 to 0.366666667 rad/s" in told
     assert "finding      late: 0.5 to 0.333333333, closed form 0" in told
     assert main(["summary", str(tmp_path / "m.h5"), "--detector", "screen"]) == 2
+
+
+def test_a_summary_marks_what_is_of_the_hypothesis(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_model(tmp_path / "m.h5")
+    with h5py.File(path, "a") as file:
+        del file["entry/findings/name"]
+        file["entry/findings/name"] = ["larmor_rate", "kept", "standard_rate"]
+    assert main(["summary", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "finding      larmor_rate (hypothesis): 1 rad/s" in told and "standard_rate:" in told
+
+
+def test_headings_of_findings_have_no_backticks() -> None:
+    finding = motions.Finding("axis_distance", "largest angle between the axes of `euler` and `paper`: more of it", "rad", np.array([1.0, 2.0]), np.zeros(2))
+    scanned = results.Axis("model.spin", "Hz", np.array([1.0, 2.0]))
+    figure = draw_findings(motions.Motions(Path("m.h5"), "a top", "top", scanned, (), (finding,)), "a")
+    assert figure.axes[0].get_title().replace("\n", " ") == "largest angle between the axes of euler and paper"

@@ -133,16 +133,6 @@ def test_profiles_that_coincide_are_all_to_be_seen(tmp_path: Path) -> None:
     assert wide > narrow + 1
 
 
-def test_flat_laws_that_coincide_are_drawn_in_turns(tmp_path: Path) -> None:
-    axis = frequencies(41)
-    y = np.concatenate([np.ones(82), dip(axis.values)])
-    figure = drawn(write_results(tmp_path / "a.h5", [laws("quantum", "classical", DORADO), axis], y,
-                                 law=["quantum"] * 41 + ["classical"] * 41 + [DORADO] * 41, bins=4))
-    assert legend(figure) == ["quantum", "classical", "dorado (hypothesis), torque, κ = 1"]
-    dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
-    assert len(dashed) == 2
-
-
 def test_the_legend_keeps_the_order_of_the_laws_where_the_drawing_does_not(tmp_path: Path) -> None:
     axis = frequencies(41)
     y = np.concatenate([dip(axis.values), np.ones(41), dip(axis.values, 280e3)])

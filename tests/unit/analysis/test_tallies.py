@@ -67,3 +67,34 @@ def test_a_tally_over_the_scan_says_what_it_is_summed_over() -> None:
     assert figure._suptitle.get_text().endswith("summed over angle x and time of flight")
     assert np.isfinite(figure.axes[0].get_ylim()).all()
     plt.close(figure)
+
+
+def test_a_tally_over_a_scan_in_any_order_is_that_over_a_rising_one() -> None:
+    meshes = []
+    for values in (["700 m/s", "800 m/s", "900 m/s"], ["900 m/s", "700 m/s", "800 m/s"]):
+        figure = rabiline.load(BEAM).set(particles=500).scan("source.speed.mean", values).run().plot(kind="tally", name="mon_energies", points="all")
+        meshes.append(figure.axes[0].collections[0])
+        plt.close(figure)
+    np.testing.assert_array_equal(meshes[0].get_array(), meshes[1].get_array())
+    np.testing.assert_array_equal(meshes[0].get_coordinates(), meshes[1].get_coordinates())
+
+
+def test_levels_are_called_so_and_their_counts_have_no_powers_of_ten() -> None:
+    beam = """
+rabiline: 1
+title: levels
+species: Li-7 atom
+law: quantum
+source: {speed: {kind: single, value: 800 m/s}, opening: {radius: 1 mm}, direction: parallel}
+parts:
+  - {name: C, kind: uniform_field, at: 0.1 m, length: 0.5 m, field: 1 mT}
+  - {name: det, kind: detector, at: 1 m, width: 1 cm, height: 1 cm, bins: [1, 1], tallies: [{name: states, axes: [prepared_level, level]}]}
+particles: 20000
+seed: 4
+"""
+    figure = rabiline.load(beam).run().plot(kind="tally", name="det_states")
+    panel = figure.axes[0]
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("level in which it was prepared", "level in which it is found")
+    numbers = [text.get_text() for text in panel.texts]
+    assert sum(map(float, numbers)) == 20000 and not any("e" in number for number in numbers)
+    plt.close(figure)
