@@ -84,7 +84,7 @@ def test_a_spin_stays_where_a_tilted_field_meets_a_magnet(tmp_path: Path, magnet
 @pytest.mark.parametrize("speed", [1000, 2000, 3000])
 def test_levels_keep_their_phase_in_a_gap_without_a_field(tmp_path: Path, speed: float) -> None:
     def found(approximations: tuple[str, str], between: str) -> np.ndarray:
-        zones = [part for number, (at, own, how) in enumerate(((0.1, "frequency: 177.571 MHz, phase: locked", approximations[0]), (0.16, "oscillator: R1", approximations[1])), 1)
+        zones = [part for number, (at, own, how) in enumerate(((0.1, "frequency: 177.571 MHz, phase: locked", approximations[0]), (0.16, "oscillator: R1, phase: locked", approximations[1])), 1)
                  for part in (f"name: C{number}, kind: uniform_field, at: {at} m, length: 3 cm, field: 10 uT",
                               f"name: R{number}, kind: oscillating_field, at: {at + 0.01} m, length: 1 cm, amplitude: 3.57 uT, direction: z, {own}, approximation: {how}")]
         guide = f"name: G, kind: uniform_field, at: 0.13 m, length: 3 cm, field: {between}"
