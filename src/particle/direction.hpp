@@ -168,7 +168,8 @@ using EmissionLaw = std::variant<IsotropicEmission, CosineEmission, ChannelDirec
 
 /// Of all that such a source emits only the particles towards one opening are drawn, uniform over it. Each
 /// carries the weight g(theta) cos^3(theta), since dOmega = cos^3(theta) dA/D^2, with the law's density per
-/// solid angle relative to the axis g = 1 (isotropic), cos(theta) (cosine), j(theta) cos(theta) (channel).
+/// solid angle relative to the axis g = 1 (isotropic), cos(theta) (cosine), j(theta) cos(theta) (channel). In
+/// free fall the opening is aimed at along the lower of both parabolas, which spreads the weight differently.
 /// What weight 1 stands for stays a factor of the result.
 struct AimedDirection {
   static constexpr std::string_view kind = "aimed",

@@ -52,13 +52,13 @@ class DetectorFinisher {
  private:
   /// Of all that leave an aimed source, what is detected: the emitted weight per particle, which is below 1
   /// where fewer start towards a place of the target than to where most do, times the share that weight 1
-  /// stands for.
+  /// stands for. The emitted weight varies, too.
   void add_detected_of_all(DetectorResult& detector) const {
     for (std::size_t p = 0; p < result_.aimed_fraction.size(); ++p) {
-      const double share = result_.aimed_fraction[p] * particles(run_.emitted[p].q) /
-                           static_cast<double>(run_.experiment.points[p].particles);
-      detector.detected_of_all.push_back(share * detector.detected[p]);
-      detector.detected_of_all_errors.push_back(share * detector.detected_errors[p]);
+      const double share =
+          result_.aimed_fraction[p] / static_cast<double>(run_.experiment.points[p].particles);
+      detector.detected_of_all.push_back(share * particles(run_.emitted[p].q) * detector.detected[p]);
+      detector.detected_of_all_errors.push_back(share * rate_errors_.at(detector.name)[p]);
     }
   }
 

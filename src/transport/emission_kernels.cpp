@@ -181,9 +181,10 @@ RABILINE_LANES void direct(const Emission& e, int i, BatchView& batch) {
 /// Directions that `direct` knows.
 bool is_common(const Emission& e) {
   const bool known = e.direction.kind == DirectionKind::parallel ||
-                     e.direction.kind == DirectionKind::gaussian || e.direction.kind == DirectionKind::cone;
-  return (known && !e.tilted) || (e.direction.kind == DirectionKind::aimed &&
-                                  e.direction.aimed_law == AimedLaw::isotropic && !e.tilted);
+                     e.direction.kind == DirectionKind::gaussian || e.direction.kind == DirectionKind::cone,
+             aimed = e.direction.kind == DirectionKind::aimed &&
+                     e.direction.aimed_law == AimedLaw::isotropic && e.fall == Fall{};
+  return (known || aimed) && !e.tilted;
 }
 
 // ---- what few sources ask for ----
@@ -225,15 +226,40 @@ Vector draw_direction(const Emission& e, words particle, real x, real z) {
   return {slope_x * cosine, cosine, slope_z * cosine};
 }
 
+/// A direction of length 1 towards a point of the target, in free fall along the lower of both parabolas:
+/// with the way d, |d - g T^2/2| = v T after the time T. `share` is what falling does to the density per area
+/// of the target, 1/(1 + d_y (g . slope)/v^2), from x = slope d_y + g d_y^2 (1 + slope^2)/(2 v^2); at most 2,
+/// and 0 out of reach.
+Vector aim(const Emission& e, words particle, real x, real z, real speed, real& share) {
+  real u1, target_x, target_z;
+  const real u0 = uniform_pair(particle, e.key, purpose::direction, 0, u1);
+  draw_point(e.target, u0, u1, target_x, target_z);
+  const real dx = target_x - x, dz = target_z - z, dy = broadcast(e.target.y), one = broadcast(1),
+             gx = broadcast(e.fall.x), gz = broadcast(e.fall.z), v2 = speed * speed;
+  const real g2 = fma(gx, gx, gz * gz), d2 = fma(dx, dx, fma(dy, dy, dz * dz)),
+             with_fall = fma(dx, gx, fma(dz, gz, v2)), square = fnma(g2, d2, with_fall * with_fall);
+  const mask reached = (square >= broadcast(0)) & (with_fall > broadcast(0));
+  const real half_t2 =
+      select(reached, d2 / select(reached, with_fall + sqrt(max(square, broadcast(0))), one), broadcast(0));
+  const real slope_x = fnma(gx, half_t2, dx) / dy, slope_z = fnma(gz, half_t2, dz) / dy,
+             spread = fma(dy / v2, fma(gx, slope_x, gz * slope_z), one);
+  share = select(reached, 1.0 / max(spread, broadcast(0.5)), broadcast(0));
+  const real cosine = 1.0 / sqrt(fma(slope_x, slope_x, fma(slope_z, slope_z, one)));
+  return {slope_x * cosine, cosine, slope_z * cosine};
+}
+
 /// Directions and weights of all the sources that `direct` does not know.
 [[gnu::noinline]] void direct_otherwise(const Emission& e, BatchView& batch) {
   const bool aimed = e.direction.kind == DirectionKind::aimed;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real speed = load(batch.vy + i);
-    Vector d = draw_direction(e, load(batch.particle + i), load(batch.x + i), load(batch.z + i));
+    const words particle = load(batch.particle + i);
+    const real x = load(batch.x + i), z = load(batch.z + i);
+    real share = broadcast(1);
+    Vector d = aimed ? aim(e, particle, x, z, speed, share) : draw_direction(e, particle, x, z);
     words weight = broadcast_word(quanta_per_particle);
     if (aimed)
-      weight = quanta_of(min(broadcast(1), relative_density(e, d)) * d.y * d.y * d.y);
+      weight = quanta_of(min(broadcast(1), relative_density(e, d)) * d.y * d.y * d.y * share);
     else if (e.tilted)
       d = tilted(e, d);
     store(batch.slowness + i, 1.0 / (speed * d.y));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "constants.hpp"
 #include "physics/agreement.hpp"
@@ -273,6 +274,62 @@ TEST(TwoSlits, CastATrapezoidOfUmbraAndPenumbra) {
   };
   EXPECT_LT(chi_square(1), 200 + 4 * std::sqrt(2 * 200.0));
   EXPECT_GT(chi_square(1.01), 1000);
+}
+
+/// Cold neutrons into a slit 6 mm high, 2 m away: they fall by 2 mm.
+Beamline falling(const DirectionLaw& direction, std::uint64_t number) {
+  Beamline b = parallel({place("S", 2, Slit{Rectangle{20e-3, 6e-3}, {}})});
+  b.source.speed = UniformSpeed{100, 0.1};
+  b.source.opening = Disc{1e-3};
+  b.source.direction = direction;
+  b.gravity = Gravity{9.81, {0, 0, -1}};
+  b.parts.back() = place("screen", 2.5, Detector{Rectangle{1, 20e-3}, {1, 40}, {}});
+  b.particles = number;
+  return b;
+}
+TEST(AimedSource, InFreeFallGivesWhatStartsInAllDirections) {
+  const double half_angle = 0.012, aimed_at = std::pow(std::sin(half_angle), 2);
+  const DetectorResult aimed =
+                           run_points({falling(AimedDirection{"S", CosineEmission{}}, 200000)}).detectors[0],
+                       all = run_points({falling(CosineDirection{half_angle}, 2000000)}).detectors[0];
+  const double error = aimed_at * all.detected_errors[0];
+  EXPECT_NEAR(aimed.detected_of_all[0], aimed_at * all.detected[0], 4 * error);
+  EXPECT_LT(error, 0.004 * aimed.detected_of_all[0]);
+  const double sum = std::accumulate(all.counts.begin(), all.counts.end(), 0.0),
+               sum_aimed = std::accumulate(aimed.counts.begin(), aimed.counts.end(), 0.0);
+  double chi_square = 0;
+  int used = 0;
+  for (std::size_t i = 0; i < 40; ++i) {
+    if (all.counts[i] < 100) continue;
+    const double off = aimed.counts[i] / sum_aimed - all.counts[i] / sum;
+    chi_square += off * off /
+                  (std::pow(aimed.counts_errors[i] / sum_aimed, 2) + std::pow(all.counts_errors[i] / sum, 2));
+    ++used;
+  }
+  EXPECT_GT(used, 15);
+  EXPECT_LT(chi_square, used + 4 * std::sqrt(2.0 * used));
+}
+
+TEST(AimedSource, KnowsWhatItsWeightsScatterBy) {
+  // Everything is detected, and each particle weighs cos^4 of its angle.
+  Beamline b = parallel({});
+  b.source.direction = AimedDirection{"screen", CosineEmission{}};
+  b.source.opening = Disc{1e-9};
+  b.parts.back() = place("screen", 20e-3, Detector{Rectangle{60e-3, 20e-3}, {1, 1}, {}});
+  b.particles = 2000;
+  double mean = 0, square = 0;
+  constexpr int places = 400;
+  for (int i = 0; i < places; ++i)
+    for (int k = 0; k < places; ++k) {
+      const double x = 3 * ((i + 0.5) / places - 0.5), z = (k + 0.5) / places - 0.5,
+                   weight = std::pow(1 + x * x + z * z, -2);
+      mean += weight / (places * places);
+      square += weight * weight / (places * places);
+    }
+  const DetectorResult d = run_points({b}).detectors.at(0);
+  EXPECT_NEAR(d.detected_of_all_errors[0] / d.detected_of_all[0],
+              std::sqrt((square / (mean * mean) - 1) / 2000),
+              0.03 * d.detected_of_all_errors[0] / d.detected_of_all[0]);
 }
 
 /// Where another field overlaps a weak magnet, levels stay coherent and atoms fly straight; point spins go in
