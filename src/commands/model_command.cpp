@@ -49,7 +49,7 @@ void print_ranges(const SolvedModel& solved) {
 
 /// Each finding with what is expected of it; of a scan its smallest and largest value.
 void print_findings(const SolvedModel& solved) {
-  if (solved.axis) return print_ranges(solved);
+  if (solved.points.size() > 1) return print_ranges(solved);
   for (const Finding& f : solved.points.front().findings)
     say(stdout, "  {:<30} {:>15.9g}, {}\n", f.name, f.value, told_of(f));
 }

@@ -55,7 +55,7 @@ std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
                                                         : Dimension::length;
     const ParsedQuantity one = parse_quantity(fmt::format("1 {}", unit), dimension);
     if (!one.error.empty() || one.dimension != dimension)
-      throw MapFault(fmt::format("`{}` is no unit of the column `{}`", unit, name),
+      throw MapFault(fmt::format("`{}` is not a unit of the column `{}`", unit, name),
                      one.suggestion.empty() ? std::string(columns_help) : one.suggestion);
     columns.push_back({name, one.value});
   }
@@ -112,7 +112,7 @@ double number_in(std::string_view cell, std::uint32_t line) {
                      : fmt::format("line {}: `{}` is not a number", line, cell.substr(0, 40)),
         "numbers have a decimal point, commas stand between columns, units in the first line only");
   if (!std::isfinite(value))
-    throw MapFault(fmt::format("line {}: `{}` is no finite number", line, cell),
+    throw MapFault(fmt::format("line {}: `{}` is not a finite number", line, cell),
                    "compute or measure the field there, or make the map smaller");
   return value;
 }

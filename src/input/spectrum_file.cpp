@@ -91,7 +91,7 @@ class SpectrumReader {
     const ParsedQuantity parsed = parse_quantity(fmt::format("1 {}", unit), quantity->second);
     if (!parsed.error.empty() || parsed.dimension != quantity->second)
       return error(head.column + static_cast<int>(open) + 1, unit.size(),
-                   fmt::format("`{}` is no unit of the column `{}`", unit, name),
+                   fmt::format("`{}` is not a unit of the column `{}`", unit, name),
                    parsed.suggestion.empty()
                        ? fmt::format("write `{} [{}],flux`", name, unit_in(quantity->second))
                        : parsed.suggestion);

@@ -1,6 +1,7 @@
 """What the command line says of values that cannot be meant, and of runs that cannot do what is asked of them."""
 from __future__ import annotations
 
+import json
 import resource
 import subprocess
 from pathlib import Path
@@ -43,6 +44,21 @@ def test_an_option_without_a_value_is_refused(tmp_path: Path, option: str, joine
 def test_a_line_without_an_axis_is_refused() -> None:
     done = rabiline("probe", EXPERIMENT, "--along", "")
     assert done.returncode == BAD_INPUT and "`--along` is set to nothing" in done.stderr and done.stdout == ""
+
+
+@pytest.mark.parametrize(("line", "says"), [
+    (["--from", "0 s", "--to", "1 m"], "--from: `0 s` is not a length"),
+    (["--from", "0 m"], "--along: where the line ends is missing\n  help: add `--to '1 m'`"),
+    (["--to", "1 m"], "--along: where the line begins is missing\n  help: add `--from '0 m'`"),
+])
+def test_a_line_is_told_what_it_lacks(line: list[str], says: str) -> None:
+    done = rabiline("probe", EXPERIMENT, "--along", "y", *line)
+    assert done.returncode == BAD_INPUT and says in done.stderr and done.stdout == ""
+
+
+def test_help_is_told_how_it_is_asked_for() -> None:
+    assert "did you mean `--help`?" in rabiline("help").stderr
+    assert rabiline("run").stderr == "error: FILE is required\n  help: `rabiline run --help` tells what there is\n"
 
 
 def test_a_blank_seed_is_blamed_on_the_option() -> None:
@@ -98,3 +114,67 @@ def test_a_rescan_tells_why_nothing_was_kept(tmp_path: Path) -> None:
 def test_the_first_steps_of_help_need_no_other_files() -> None:
     said = rabiline("--help").stdout
     assert "rabiline new ramsey" in said and "beamline/" not in said
+
+
+@pytest.mark.parametrize("arguments", [["run", "never.yaml"], ["check", "never.yaml"], ["trace", "never.yaml", "-o", "t.h5"],
+                                       ["probe", "never.yaml"], ["run", "."], ["resume", "never.h5"], ["verify", "never.h5"],
+                                       ["reproduce", "never.h5"], ["rescan", "never.h5"], ["merge", "all.h5", "never.h5"]], ids=" ".join)
+def test_a_file_that_is_not_there_exits_3_whatever_reads_it(tmp_path: Path, arguments: list[str]) -> None:
+    done = rabiline(*arguments, cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and done.stderr.startswith("error: ") and done.stdout == "", done
+    assert "never" in done.stderr or "folder" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_check_tells_programs_of_a_file_that_is_not_there(tmp_path: Path) -> None:
+    done = rabiline("check", "never.yaml", "--json", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and json.loads(done.stdout)["errors"][0]["file"] == "never.yaml"
+
+
+@pytest.mark.parametrize("arguments", [["check", RAMSEY], ["describe"], ["--help"], ["--version"],
+                                       ["probe", RAMSEY, "--along", "y", "--from", "0 m", "--to", "1 m"]])
+def test_text_that_nobody_can_get_is_an_error(arguments: list) -> None:
+    done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", PROGRAM, *map(str, arguments)], text=True, capture_output=True, timeout=300)
+    assert done.returncode == NOT_WRITTEN and "could not be written to the standard output (it is closed)" in done.stderr
+
+
+def test_a_result_is_whole_where_all_streams_are_closed(tmp_path: Path) -> None:
+    command = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", PROGRAM, "run", str(EXPERIMENT), "--particles", "10", "-o", "a.h5"]
+    assert subprocess.run(command, cwd=tmp_path, timeout=300).returncode == DONE
+    assert rabiline("verify", "a.h5", cwd=tmp_path).returncode == DONE
+
+
+@pytest.mark.parametrize(("options", "says"), [
+    (["--seed", "1", "--seed", "2"], "`--seed` is given twice"),
+    (["-o", "a.h5", "--output", "b.h5"], "`--output` is given twice"),
+    (["--batch", "12"], "--batch must be a multiple of 8 from 8 to 512, but is 12"),
+    (["--shard", "1/"], "--shard is NUMBER/OF, such as 2/8, but `1/` stands here"),
+    (["--transit", "all"], "error: --transit: all not in"),
+    (["--max-memory", "1e-9MiB"], "`1e-9MiB` is not a size of memory"),
+    (["--scan", ",=1,2"], "the name of a parameter is missing here"),
+    (["--seed", "1e30"], "`seed` must be from 0 to 2^64 - 1 = 18446744073709551615, but is `1e30`"),
+])
+def test_what_is_wrong_with_an_option_is_told_with_its_value(tmp_path: Path, options: list[str], says: str) -> None:
+    done = rabiline("run", EXPERIMENT, *options, cwd=tmp_path)
+    assert done.returncode == BAD_INPUT and says in done.stderr, done.stderr
+
+
+def test_a_checkpoint_is_resumed_by_the_name_of_its_result(tmp_path: Path) -> None:
+    (tmp_path / "my run.h5.checkpoint").write_text("")
+    done = rabiline("resume", "my run.h5.checkpoint", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and "help: rabiline resume 'my run.h5'\n" in done.stderr
+
+
+def test_a_folder_in_the_place_of_a_checkpoint_is_not_to_be_removed(tmp_path: Path) -> None:
+    (tmp_path / "a.h5.checkpoint").mkdir()
+    done = rabiline("run", EXPERIMENT, "--particles", "10", "-o", "a.h5", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and "a.h5.checkpoint is a folder" in done.stderr and "rm" not in done.stderr.split()
+
+
+def test_one_point_is_told_as_one(tmp_path: Path) -> None:
+    one = ("--scan", "H0.frequency=290 kHz", "--particles", "10")
+    told = rabiline("check", EXPERIMENT, *one).stdout
+    assert "scan       H0.frequency: 290 kHz, one point\n" in told and "particles  10\n" in told
+    assert ": 10 particles, " in rabiline("run", EXPERIMENT, *one, "-o", "a.h5", cwd=tmp_path).stdout
+    two = rabiline("run", EXPERIMENT, "--scan", "H0.frequency=290 kHz,291 kHz", "--particles", "10", "-o", "b.h5", cwd=tmp_path)
+    assert ": 2 scan points, 10 particles each, " in two.stdout
