@@ -213,9 +213,11 @@ void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
   say(to, "{}", render(warnings));
 }
 
+std::string headed(const std::string& title) { return title.empty() ? "" : title + ": "; }
+
 void print_summary(const Result& result, const std::filesystem::path& output, std::string_view note) {
   const std::size_t points = result.emitted.size();
-  say(stdout, "{}: {}{} particle{}{}, {:.2f} s\n", result.title,
+  say(stdout, "{}{}{} particle{}{}, {:.2f} s\n", headed(result.title),
       points == 1 ? "" : fmt::format("{} scan points, ", points), result.particles,
       result.particles == 1 ? "" : "s", points == 1 ? "" : " each", result.provenance.seconds);
   for (const DetectorResult& d : result.detectors) {

@@ -193,8 +193,8 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   std::error_code ignored;
   std::filesystem::remove(checkpoint_of(output), ignored);
   if (!result) {
-    say(stdout, "{}: shard {} of {}, {:.2f} s\nwrote {}\n", setup.title(), last.shard.number, last.shard.of,
-        last.seconds, output.string());
+    say(stdout, "{}shard {} of {}, {:.2f} s\nwrote {}\n", headed(setup.title()), last.shard.number,
+        last.shard.of, last.seconds, output.string());
     return exit_code::done;
   }
   const std::span ineffective = std::span(result->provenance.warnings).subspan(told);

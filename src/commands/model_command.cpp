@@ -69,7 +69,7 @@ void run_model(const Setup& setup, const std::filesystem::path& output, const Fl
   }
   if (options.keep) back_up(output);
   write(solved, output);
-  say(stdout, "{}: {}, {:.2f} s\n", solved.title, solved.kind, solved.provenance.seconds);
+  say(stdout, "{}{}, {:.2f} s\n", headed(solved.title), solved.kind, solved.provenance.seconds);
   print_findings(solved);
   say(stdout, "wrote {}\n", output.string());
 }

@@ -15,7 +15,7 @@ namespace {
 
 struct ProbeArguments {
   ExperimentOptions experiment;
-  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points = "101", picture;
+  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points, picture;
 };
 
 /// "1 mm,0.4 m,0": a bare zero is a length too.
@@ -85,7 +85,9 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
   const std::size_t axis = std::string_view("xyz").find(a.along);
   if (a.along.size() != 1 || axis == std::string_view::npos)
     throw ArgumentError(fmt::format("--along: `{}` is none of x, y and z", a.along));
-  const std::uint64_t points = read_argument("--points", a.points, {2, 1e6, true, true, "from 2 to 1e6"});
+  const std::string enough = a.picture.empty() ? "101" : "1001";  // for a table; for a curve without corners
+  const std::uint64_t points =
+      read_argument("--points", a.points.empty() ? enough : a.points, {2, 1e6, true, true, "from 2 to 1e6"});
   if (a.from.empty() || a.to.empty())
     throw ArgumentError(fmt::format("--along: where the line {} is missing\n  help: add `{}`",
                                     !a.from.empty() ? "ends"
@@ -157,7 +159,9 @@ void add_probe(CLI::App& app) {
       verb->add_option("--along", a->along, "a table along x, y or z through the place")->type_name("AXIS");
   verb->add_option("--from", a->from, "where the line begins")->type_name("PLACE")->needs(along);
   verb->add_option("--to", a->to, "where it ends")->type_name("PLACE")->needs(along);
-  verb->add_option("--points", a->points, "how many places on the line")->type_name("N")->needs(along);
+  verb->add_option("--points", a->points, "how many places on the line; 101 if omitted, 1001 for a picture")
+      ->type_name("N")
+      ->needs(along);
   verb->add_option("-o,--output", a->picture, "draws the line instead: PNG, PDF or SVG")
       ->type_name("PICTURE")
       ->needs(along);

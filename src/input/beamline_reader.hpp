@@ -9,7 +9,7 @@ namespace rabiline {
 
 /// A particle weighs 2^40 quanta and squares of weights are summed in 128 bits.
 inline constexpr Range particle_numbers{1, 1e14, true, true, "from 1 to 1e14"};
-inline constexpr Range seeds{0, 0x1p64, true, false, "from 0 to 2^64 - 1 = 18446744073709551615"};
+inline constexpr Range seeds{0, 0x1p64, true, true, "from 0 to 2^64 - 1 = 18446744073709551615"};
 
 template <>
 inline constexpr auto parameters<Beamline> = std::tuple{

@@ -33,6 +33,7 @@ std::vector<Cell> cells_of(std::string_view line) {
     std::size_t first = begin, last = end;
     while (first < last && is_blank(line[first])) ++first;
     while (last > first && is_blank(line[last - 1])) --last;
+    if (last - first > 1 && line[first] == '"' && line[last - 1] == '"') ++first, --last;
     cells.push_back({line.substr(first, last - first), static_cast<int>(first) + 1});
     begin = end + 1;
   }

@@ -149,7 +149,8 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
 bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_t& out) {
   const std::optional<std::uint64_t> value = node.is_scalar() ? whole_number(node.scalar) : std::nullopt;
   if (!value && node.is_scalar() && is_whole(node.scalar)) {
-    const bool in_range = row.range.contains(parse_quantity(node.scalar).value);
+    const bool in_range =
+        !is_all_digits(node.scalar) && row.range.contains(parse_quantity(node.scalar).value);
     reading.error(
         node.place,
         in_range ? fmt::format("`{}` is {}: beyond 2^53 a whole number is written with all of its digits",

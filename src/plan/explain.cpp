@@ -53,7 +53,7 @@ class Explainer {
     return !points.empty() && points.front() == 0;
   }
   void head() {
-    line("{}", beamline_.title);
+    if (!beamline_.title.empty()) line("{}", beamline_.title);
     line("law        {}", describe(beamline_.law));
     for (const ScanAxis& axis : experiment_.axes) {
       const std::size_t last = axis.values.size() - 1;

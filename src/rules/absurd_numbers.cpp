@@ -17,7 +17,7 @@ struct Limit {
 constexpr std::array largest_made{
     Limit{Dimension::length, 1e6, "no beam is so long or so wide"},
     Limit{Dimension::time, 1e9, "that is thirty years"},
-    Limit{Dimension::magnetic_field, 1200, "no coil has more than 1200 T"},
+    Limit{Dimension::magnetic_field, most_magnetic_field, "no coil has more than 1200 T"},
     Limit{Dimension::electric_field, 1e10, "10 GV/m pulls electrons out of every metal"},
     Limit{Dimension::frequency, 1e20, "gamma rays have that"},
     Limit{Dimension::temperature, 1e6, "no oven stands it"},

@@ -6,6 +6,10 @@
 
 namespace rabiline {
 
+/// [T] About what lasts for microseconds in a coil that bursts (D. Nakamura et al., Rev. Sci. Instrum. 89,
+/// 095106 (2018)).
+inline constexpr double most_magnetic_field = 1200;
+
 inline Fault warning(std::string subject, std::string key, std::string message, std::string help = {}) {
   return {std::move(subject), std::move(key), std::move(message), std::move(help), Severity::warning};
 }

@@ -65,10 +65,15 @@ double read_time_argument(const std::string& option, const std::string& text, co
   Reading reading;
   const auto source = make_source_text(option, text);
   double out = 0;
-  if (!read_quantity(parse_value(source, 0, source->lines.front().size()),
-                     {option, Dimension::time, range, ""}, reading, out))
-    throw InputError(std::move(reading.errors));
-  return out;
+  if (read_quantity(parse_value(source, 0, source->lines.front().size()),
+                    {option, Dimension::time, range, ""}, reading, out))
+    return out;
+  // Who waits for a program does not count in microseconds.
+  const std::string example = fmt::format("`{}`", example_of(Dimension::time));
+  for (Diagnostic& error : reading.errors)
+    if (const std::size_t at = error.suggestion.find(example); at != std::string::npos)
+      error.suggestion.replace(at, example.size(), "`10 min`");
+  throw InputError(std::move(reading.errors));
 }
 
 std::uint64_t read_memory_argument(const std::string& option, const std::string& text) {

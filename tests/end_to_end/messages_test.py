@@ -56,6 +56,11 @@ def test_a_line_is_told_what_it_lacks(line: list[str], says: str) -> None:
     assert done.returncode == BAD_INPUT and says in done.stderr and done.stdout == ""
 
 
+def test_the_last_number_of_a_particle_is_told(tmp_path: Path) -> None:
+    done = rabiline("trace", EXPERIMENT, "--particle", "1e15", "-o", tmp_path / "t.h5")
+    assert done.returncode == BAD_INPUT and "`--particle` must be from 0 to 1e14, but is `1e15`" in done.stderr
+
+
 def test_help_is_told_how_it_is_asked_for() -> None:
     assert "did you mean `--help`?" in rabiline("help").stderr
     assert rabiline("run").stderr == "error: FILE is required\n  help: `rabiline run --help` tells what there is\n"
@@ -148,6 +153,7 @@ def test_a_result_is_whole_where_all_streams_are_closed(tmp_path: Path) -> None:
     (["--seed", "1", "--seed", "2"], "`--seed` is given twice"),
     (["-o", "a.h5", "--output", "b.h5"], "`--output` is given twice"),
     (["--batch", "12"], "--batch must be a multiple of 8 from 8 to 512, but is 12"),
+    (["--max-time", "1 d"], "help: write it like `10 min`"),
     (["--shard", "1/"], "--shard is NUMBER/OF, such as 2/8, but `1/` stands here"),
     (["--transit", "all"], "error: --transit: all not in"),
     (["--max-memory", "1e-9MiB"], "`1e-9MiB` is not a size of memory"),
@@ -178,3 +184,60 @@ def test_one_point_is_told_as_one(tmp_path: Path) -> None:
     assert ": 10 particles, " in rabiline("run", EXPERIMENT, *one, "-o", "a.h5", cwd=tmp_path).stdout
     two = rabiline("run", EXPERIMENT, "--scan", "H0.frequency=290 kHz,291 kHz", "--particles", "10", "-o", "b.h5", cwd=tmp_path)
     assert ": 2 scan points, 10 particles each, " in two.stdout
+
+
+WAVES = SPECTRUM.replace("kind: tabulated, file: spectrum.csv", "kind: single, value: 1000 m/s").replace("parts: [", """parts: [
+  {name: F, kind: formula_field, at: 0 m, formula: {Bx: "0", By: "0", Bz: "b*sin(k*y)", constants: {b: 1 mT, k: 100 1/m},
+   width: 1 cm, height: 1 cm, length: 1 m, step: 2 mm}}, """)
+
+
+def test_the_picture_of_a_line_has_no_corners(tmp_path: Path) -> None:
+    (tmp_path / "waves.yaml").write_text(WAVES)
+    line = ("probe", "waves.yaml", "--along", "y", "--from", "0 m", "--to", "1 m")
+    assert rabiline(*line, cwd=tmp_path).stdout.count("\n") == 102
+    drawn = rabiline(*line, "-o", "field.svg", cwd=tmp_path)
+    assert drawn.returncode == DONE, drawn.stderr
+    assert max(path.count("\nL ") for path in (tmp_path / "field.svg").read_text().split("<path")) > 300
+
+
+def test_a_table_may_have_quotes_around_its_cells(tmp_path: Path) -> None:
+    (tmp_path / "spectrum.csv").write_text('"speed [m/s]","flux"\n"500",1\n600,1\n')
+    (tmp_path / "beam.yaml").write_text(SPECTRUM)
+    assert "550 m/s on average" in rabiline("check", "beam.yaml", cwd=tmp_path).stdout
+
+
+def test_a_run_without_a_title_is_told_without_one(tmp_path: Path) -> None:
+    (tmp_path / "spectrum.csv").write_text("speed [m/s],flux\n500,1\n600,1\n")
+    (tmp_path / "beam.yaml").write_text(SPECTRUM)
+    assert rabiline("check", "beam.yaml", cwd=tmp_path).stdout.startswith("law        quantum\n")
+    assert rabiline("run", "beam.yaml", cwd=tmp_path).stdout.startswith("100 particles, ")
+
+
+MAP = """rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 1000 m/s}, opening: {radius: 1 mm}, direction: parallel}
+parts:
+  - {name: F, kind: field_map, at: 0.5 m, map: map.csv}
+  - {name: D, kind: detector, at: 1 m, width: 1 cm, height: 1 cm, bins: [1, 1]}
+particles: 100
+seed: 1
+"""
+
+
+def map_of(field: str) -> str:
+    rows = (f"{x},{y},{z},0,0,{field}" for x in (-1, 0, 1, 2) for y in (-2, -1, 0, 1, 2) for z in (-1, 0, 1, 2))
+    return '"x [cm]","y [cm]","z [cm]","Bx [T]","By [T]","Bz [T]"\n' + "\n".join(rows) + "\n"
+
+
+def test_a_map_of_an_absurd_field_is_told(tmp_path: Path) -> None:
+    (tmp_path / "beam.yaml").write_text(MAP)
+    for field, told in (("1e-3", False), ("1e300", True)):
+        (tmp_path / "map.csv").write_text(map_of(field))
+        assert ("the field of `F` comes to 1e+300 T on the axis" in rabiline("check", "beam.yaml", cwd=tmp_path).stdout) == told
+
+
+def test_a_damaged_map_is_named_once(tmp_path: Path) -> None:
+    (tmp_path / "map.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    (tmp_path / "beam.yaml").write_text(MAP.replace("map.csv", "map.h5"))
+    assert "error: `map.h5`: HDF5 failed" in rabiline("check", "beam.yaml", cwd=tmp_path).stderr

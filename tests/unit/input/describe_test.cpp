@@ -175,9 +175,10 @@ TEST(Describe, TellsHowTalliesAreWrittenAndWhatTheyCount) {
 
 TEST(Describe, TellsWhatStandsAtThePlaceOfAPart) {
   EXPECT_THAT(describe("uniform_field"), HasSubstr("where the part begins"));
-  EXPECT_THAT(describe("field_map"), HasSubstr("where the origin of the map (x, y, z = 0 of its table) stands"));
+  EXPECT_THAT(describe("field_map"),
+              HasSubstr("where the origin of the map (x, y, z = 0 of its table) stands"));
   EXPECT_THAT(describe("solenoid"), HasSubstr("the middle of the cylinder"));
-  EXPECT_THAT(describe("detector"), AllOf(HasSubstr("where the screen is"), Not(HasSubstr("hole"))));
+  EXPECT_THAT(describe("detector"), AllOf(HasSubstr("where the screen is"), Not(HasSubstr("the hole"))));
 }
 
 TEST(JsonSchema, HasEveryKeyOfABeamline) {

@@ -131,7 +131,8 @@ TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
 TEST_F(ExplainAtoms, TellsOnceWhatDrivesLevelsInFrontOfSeveralParts) {
   std::string text = clock_file;
   text.insert(text.find("  - {name: D"),
-              "  - {name: M, kind: monitor, at: 1 m, width: 1 cm, height: 1 cm, tallies: [{name: l, axes: [level]}]}\n");
+              "  - {name: M, kind: monitor, at: 1 m, width: 1 cm, height: 1 cm, tallies: [{name: l, axes: "
+              "[level]}]}\n");
   std::ofstream(path_) << text;
   const std::string told = check();
   const std::size_t first = told.find("R drives from");

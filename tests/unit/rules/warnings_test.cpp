@@ -273,9 +273,13 @@ TEST(Warnings, TellNumbersThatNoApparatusHas) {
   };
   EXPECT_EQ(told([](Beamline& b) { b.gravity = Gravity{1e30}; }),
             "gravity: `acceleration` of `gravity` is 1e+30 m/s^2: on the Sun it is 274 m/s^2");
-  EXPECT_EQ(told([](Beamline& b) { b.source.opening = Rectangle{1e-30, 1e-3}; }),
+  EXPECT_EQ(told([](Beamline& b) {
+              b.source.opening = Rectangle{1e-30, 1e-3};
+            }),
             "source: `opening.width` of `source` is 1e-30 m: an atom is larger than that");
-  EXPECT_EQ(told([](Beamline& b) { std::get<Detector>(b.parts[3].part).face = Rectangle{4e-3, 1e30}; }),
+  EXPECT_EQ(told([](Beamline& b) {
+              std::get<Detector>(b.parts[3].part).face = Rectangle{4e-3, 1e30};
+            }),
             "screen: `height` of `screen` is 1e+27 km: no beam is so long or so wide");
   EXPECT_EQ(told([](Beamline& b) { b.source.opening = Rectangle{0, 1e-3}; }), "0");
 }
