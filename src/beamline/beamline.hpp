@@ -33,8 +33,7 @@ template <>
 inline constexpr auto parameters<Gravity> = std::tuple{
     param("acceleration", &Gravity::acceleration, Dimension::acceleration, range::not_negative,
           "how fast the speed of a free fall grows"),
-    param("direction", &Gravity::direction, "where it falls to; down, -z, where it is missing",
-          UnitVector{0, 0, -1}),
+    param("direction", &Gravity::direction, "where it falls to; down, -z, if omitted", UnitVector{0, 0, -1}),
 };
 template <>
 inline constexpr std::string_view short_key<Gravity> = "acceleration";

@@ -44,6 +44,9 @@ int check_in_json(const ExperimentOptions& options, std::uint64_t max_memory) {
   } catch (const InputError& error) {
     print_json(error.diagnostics(), {}, 0);
     return exit_code::bad_input;
+  } catch (const StorageError& error) {
+    print_json({{{make_source_text(options.file.string(), ""), 0, 0, 1}, error.what(), {}}}, {}, 0);
+    return exit_code::not_written;
   }
 }
 

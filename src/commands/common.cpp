@@ -28,7 +28,9 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
     throw ArgumentError(
         fmt::format("there is no command `{0}`\n  help: write `rabiline check {0}` or `rabiline run {0}`",
                     arguments.front()));
+  verbs.emplace_back("--help");
   const std::string near = closest(arguments.front(), verbs);
+  verbs.pop_back();
   throw ArgumentError(fmt::format("there is no command `{}`\n  help: {}", arguments.front(),
                                   near.empty() ? fmt::format("the commands are {}", fmt::join(verbs, ", "))
                                                : fmt::format("did you mean `{}`?", near)));
@@ -66,6 +68,29 @@ void require_values(const CLI::App& app, const std::vector<std::string>& argumen
       throw ArgumentError(
           fmt::format("`{}` is set to nothing\n  help: write a value behind it, or omit it", name));
   }
+}
+
+/// CLI11 would only count.
+void require_single(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  const CLI::App* verb = app.get_subcommand(arguments.front());
+  std::vector<const CLI::Option*> given;
+  for (const std::string& argument : arguments) {
+    if (argument == "--") return;
+    const std::string name = argument.substr(0, argument.find('='));
+    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    if (option == nullptr || option->get_items_expected_max() != 1) continue;
+    if (std::ranges::find(given, option) != given.end())
+      throw ArgumentError(fmt::format("`{}` is given twice\n  help: keep one of them", name));
+    given.push_back(option);
+  }
+}
+
+/// What CLI11 found wrong, in our form.
+std::string told(const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+  const bool has_verb = !arguments.empty() && !arguments.front().starts_with('-');
+  return fmt::format("{}\n  help: `rabiline {}--help` tells what there is", error.what(),
+                     has_verb ? arguments.front() + " " : "");
 }
 
 /// Calls it; what went wrong is told, and its exit code returned.
@@ -160,7 +185,7 @@ void MachineOptions::add_memory_to(CLI::App& app) {
          "--max-memory", max_memory,
          "memory that may be used, such as 2GiB: a longer scan of one flight is worked out in slabs of "
          "its points, and what needs more is refused; 2GiB for slabs, and else what the machine has, "
-         "where it is missing")
+         "if omitted")
       ->type_name("SIZE");
 }
 
@@ -188,10 +213,13 @@ void tell(std::vector<Diagnostic> warnings, bool strict, FILE* to) {
   say(to, "{}", render(warnings));
 }
 
+std::string headed(const std::string& title) { return title.empty() ? "" : title + ": "; }
+
 void print_summary(const Result& result, const std::filesystem::path& output, std::string_view note) {
   const std::size_t points = result.emitted.size();
-  say(stdout, "{}: {} scan point{}, {} particles each, {:.2f} s\n", result.title, points,
-      points == 1 ? "" : "s", result.particles, result.provenance.seconds);
+  say(stdout, "{}{}{} particle{}{}, {:.2f} s\n", headed(result.title),
+      points == 1 ? "" : fmt::format("{} scan points, ", points), result.particles,
+      result.particles == 1 ? "" : "s", points == 1 ? "" : " each", result.provenance.seconds);
   for (const DetectorResult& d : result.detectors) {
     const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
     if (points == 1)
@@ -253,16 +281,16 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   if (!arguments.empty() && is_of_the_package(arguments.front())) start_package(arguments);
   require_known_options(app, arguments);
   require_values(app, arguments);
+  require_single(app, arguments);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     app.parse(reversed);
     return exit;
   } catch (const CLI::ParseError& error) {
     std::ostringstream out, err;
-    const int code = app.exit(error, out, err);
+    if (app.exit(error, out, err) != 0) throw ArgumentError(told(error, arguments));
     put(stdout, out.str());
-    put(stderr, err.str());
-    return code == 0 ? exit_code::done : exit_code::bad_input;
+    return exit_code::done;
   }
 }
 
@@ -270,6 +298,14 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
 int fly_along(Ranks& ranks) {
   watch_signals();
   return assist(ranks, &stop_requested());
+}
+
+/// Whether text is all that was asked for.
+bool prints(const std::vector<std::string>& arguments) {
+  static constexpr std::array<std::string_view, 6> writers{"run",   "resume", "merge",
+                                                           "trace", "rescan", "reproduce"};
+  return arguments.empty() || std::ranges::find(writers, arguments.front()) == writers.end() ||
+         std::ranges::any_of(arguments, [](const std::string& a) { return a == "--help" || a == "-h"; });
 }
 
 }  // namespace
@@ -282,9 +318,9 @@ int run_program(const std::vector<std::string>& arguments) {
     return ranks && !ranks->leads() ? fly_along(*ranks) : parse_and_run(arguments, ranks.get());
   });
   if (ranks && ranks->leads()) dismiss(*ranks, code);
-  const std::string lost = lost_text();
+  const std::string lost = lost_text(prints(arguments));
   if (lost.empty() || code != exit_code::done) return code;
-  say(stderr, "error: what was to be printed could not be written ({})\n", lost);
+  say(stderr, "error: what was to be printed could not be written to the standard output ({})\n", lost);
   return exit_code::not_written;
 }
 

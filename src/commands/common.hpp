@@ -61,6 +61,9 @@ auto blaming(const char* option, Call call) {
   }
 }
 
+/// "A clock: ", or nothing where there is no title.
+std::string headed(const std::string& title);
+
 /// `note`: a line of its own, or nothing.
 void print_summary(const Result&, const std::filesystem::path& output, std::string_view note = {});
 

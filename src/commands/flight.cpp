@@ -17,16 +17,6 @@ namespace {
 
 using Path = std::filesystem::path;
 
-/// As a shell reads it back.
-std::string quoted(const Path& path) {
-  std::string out = "'";
-  for (const char c : path.string()) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  const bool plain =
-      path.string().find_first_not_of(
-          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/+-@%") == std::string::npos;
-  return plain && !path.empty() ? path.string() : out + "'";
-}
-
 /// One that cannot be written is worth a warning, not the run.
 void write_or_warn(const Snapshot& snapshot, const Path& path) {
   try {
@@ -78,6 +68,11 @@ std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup
                                           const RunSettings& settings) {
   const Path path = checkpoint_of(output);
   if (!std::filesystem::exists(path)) return {};
+  if (std::filesystem::is_directory(path))
+    throw StorageError(fmt::format(
+        "{} is a folder, and checkpoints of {} go there\n  help: give it another name, or write to "
+        "another file",
+        path.string(), output.string()));
   Snapshot found;
   try {
     found = read_snapshot(path);
@@ -102,7 +97,7 @@ void FlightOptions::add_to(CLI::App& app) {
   app.add_option("--progress", progress, "auto, lines, json or none")
       ->check(CLI::IsMember({"auto", "lines", "json", "none"}));
   app.add_option("--checkpoint-every", checkpoint_every,
-                 "time between checkpoints, such as `10 min`; 60 s where it is missing")
+                 "time between checkpoints, such as `10 min`; 60 s if omitted")
       ->type_name("TIME");
   app.add_option("--max-time", max_time,
                  "stop after this time of flight, such as `23.9 h`, with a checkpoint that `rabiline resume` "
@@ -120,8 +115,17 @@ RunSettings FlightOptions::settings() const {
   if (batch.empty()) return out;
   const std::string sizes = fmt::format("a multiple of 8 from 8 to {}", Batch::capacity);
   out.batch = static_cast<int>(read_argument("--batch", batch, {8, Batch::capacity, true, true, sizes}));
-  if (out.batch % 8 != 0) throw ArgumentError("--batch must be " + sizes);
+  if (out.batch % 8 != 0) throw ArgumentError(fmt::format("--batch must be {}, but is {}", sizes, out.batch));
   return out;
+}
+
+std::string quoted(const Path& path) {
+  std::string out = "'";
+  for (const char c : path.string()) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  const bool plain =
+      path.string().find_first_not_of(
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/+-@%") == std::string::npos;
+  return plain && !path.empty() ? path.string() : out + "'";
 }
 
 Path checkpoint_of(const Path& output) { return output.string() + ".checkpoint"; }
@@ -189,8 +193,8 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   std::error_code ignored;
   std::filesystem::remove(checkpoint_of(output), ignored);
   if (!result) {
-    say(stdout, "{}: shard {} of {}, {:.2f} s\nwrote {}\n", setup.title(), last.shard.number, last.shard.of,
-        last.seconds, output.string());
+    say(stdout, "{}shard {} of {}, {:.2f} s\nwrote {}\n", headed(setup.title()), last.shard.number,
+        last.shard.of, last.seconds, output.string());
     return exit_code::done;
   }
   const std::span ineffective = std::span(result->provenance.warnings).subspan(told);

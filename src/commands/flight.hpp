@@ -19,6 +19,9 @@ struct FlightOptions {
   RunSettings settings() const;
 };
 
+/// As a shell reads it back.
+std::string quoted(const std::filesystem::path&);
+
 /// "OUT.h5.checkpoint", where a run that was stopped is kept.
 std::filesystem::path checkpoint_of(const std::filesystem::path& output);
 

@@ -49,7 +49,7 @@ void print_ranges(const SolvedModel& solved) {
 
 /// Each finding with what is expected of it; of a scan its smallest and largest value.
 void print_findings(const SolvedModel& solved) {
-  if (solved.axis) return print_ranges(solved);
+  if (solved.points.size() > 1) return print_ranges(solved);
   for (const Finding& f : solved.points.front().findings)
     say(stdout, "  {:<30} {:>15.9g}, {}\n", f.name, f.value, told_of(f));
 }
@@ -69,7 +69,7 @@ void run_model(const Setup& setup, const std::filesystem::path& output, const Fl
   }
   if (options.keep) back_up(output);
   write(solved, output);
-  say(stdout, "{}: {}, {:.2f} s\n", solved.title, solved.kind, solved.provenance.seconds);
+  say(stdout, "{}{}, {:.2f} s\n", headed(solved.title), solved.kind, solved.provenance.seconds);
   print_findings(solved);
   say(stdout, "wrote {}\n", output.string());
 }

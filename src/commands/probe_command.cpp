@@ -21,7 +21,8 @@ struct ProbeArguments {
 /// "1 mm,0.4 m,0": a bare zero is a length too.
 double read_quantity(const char* option, std::string_view text, Dimension dimension) {
   const ParsedQuantity read = parse_quantity(text, dimension);
-  if (!read.error.empty() || (read.dimension != dimension && read.value != 0))
+  const bool is_bare_zero = read.dimension == Dimension::number && read.value == 0;
+  if (!read.error.empty() || (read.dimension != dimension && !is_bare_zero))
     throw ArgumentError(fmt::format("{}: `{}` is not {}\n  help: write it like `{}`", option, text,
                                     with_article(name_of(dimension)), example_of(dimension)));
   return read.value;
@@ -34,7 +35,7 @@ std::array<double, 3> read_place(const std::string& text) {
     const std::size_t end = text.find(',', begin);
     if ((end == text.npos) != (i == 2))
       throw ArgumentError(
-          fmt::format("--at: `{}` is no place\n  help: write x, y and z, such as `0 m,0.4 m,1 mm`", text));
+          fmt::format("--at: `{}` is not a place\n  help: write x, y and z, such as `0 m,0.4 m,1 mm`", text));
     std::string_view part = std::string_view(text).substr(begin, end == text.npos ? end : end - begin);
     while (part.starts_with(' ')) part.remove_prefix(1);
     place[i] = read_quantity("--at", part, Dimension::length);
@@ -84,12 +85,17 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
   const std::size_t axis = std::string_view("xyz").find(a.along);
   if (a.along.size() != 1 || axis == std::string_view::npos)
     throw ArgumentError(fmt::format("--along: `{}` is none of x, y and z", a.along));
-  const std::string usual = a.picture.empty() ? "101" : "1001";  // a picture has no edges of its own
+  const std::string enough = a.picture.empty() ? "101" : "1001";  // for a table; for a curve without corners
   const std::uint64_t points =
-      read_argument("--points", a.points.empty() ? usual : a.points, {2, 1e6, true, true, "from 2 to 1e6"});
+      read_argument("--points", a.points.empty() ? enough : a.points, {2, 1e6, true, true, "from 2 to 1e6"});
   if (a.from.empty() || a.to.empty())
-    throw ArgumentError(
-        "--along: where the line begins and ends is missing\n  help: add `--from '0 m' --to '1 m'`");
+    throw ArgumentError(fmt::format("--along: where the line {} is missing\n  help: add `{}`",
+                                    !a.from.empty() ? "ends"
+                                    : a.to.empty()  ? "begins and ends"
+                                                    : "begins",
+                                    !a.from.empty() ? "--to '1 m'"
+                                    : a.to.empty()  ? "--from '0 m' --to '1 m'"
+                                                    : "--from '0 m'"));
   const double from = read_quantity("--from", a.from, Dimension::length),
                to = read_quantity("--to", a.to, Dimension::length);
   if (from == to) throw ArgumentError("--along: the line has no length: it begins where it ends");
@@ -153,7 +159,7 @@ void add_probe(CLI::App& app) {
       verb->add_option("--along", a->along, "a table along x, y or z through the place")->type_name("AXIS");
   verb->add_option("--from", a->from, "where the line begins")->type_name("PLACE")->needs(along);
   verb->add_option("--to", a->to, "where it ends")->type_name("PLACE")->needs(along);
-  verb->add_option("--points", a->points, "how many places on the line: 101, or 1001 of a picture")
+  verb->add_option("--points", a->points, "how many places on the line; 101 if omitted, 1001 for a picture")
       ->type_name("N")
       ->needs(along);
   verb->add_option("-o,--output", a->picture, "draws the line instead: PNG, PDF or SVG")

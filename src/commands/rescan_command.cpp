@@ -45,8 +45,7 @@ void add_rescan(CLI::App& app, const std::vector<std::string>& arguments, int& e
   add_changes_to(*verb, a->changes);
   add_scan_to(*verb, a->changes);
   verb->add_flag("--strict", a->strict, "take warnings for errors: exit code 2");
-  verb->add_option("-o,--output", a->output,
-                   "where the new result goes; RESULT-rescan.h5 where it is missing")
+  verb->add_option("-o,--output", a->output, "where the new result goes; RESULT-rescan.h5 if omitted")
       ->type_name("OUT.h5");
   a->machine.add_isa_to(*verb);
   a->machine.add_memory_to(*verb);

@@ -17,6 +17,18 @@ int finish(Snapshot flown, const std::filesystem::path& output, const FlightOpti
   return fly(setup, output, options, settings, std::move(flown));
 }
 
+/// Of a checkpoint, its result is named.
+[[noreturn]] void refuse_to_resume(const std::filesystem::path& output,
+                                   const std::filesystem::path& checkpoint) {
+  const std::filesystem::path result = std::filesystem::path(output).replace_extension();
+  const bool is_checkpoint = checkpoint_of(result) == output && std::filesystem::exists(output);
+  throw StorageError(
+      is_checkpoint ? fmt::format("{} is a checkpoint, and `resume` takes the name of its result\n  help: "
+                                  "rabiline resume {}",
+                                  output.string(), quoted(result))
+                    : fmt::format("there is no {}: nothing to resume", checkpoint.string()));
+}
+
 }  // namespace
 
 void add_resume(CLI::App& app, Ranks* ranks, int& exit) {
@@ -29,8 +41,7 @@ void add_resume(CLI::App& app, Ranks* ranks, int& exit) {
   verb->add_flag("--strict", options->strict, "take warnings for errors: exit code 2");
   verb->callback([output, options, ranks, &exit] {
     const std::filesystem::path checkpoint = checkpoint_of(*output);
-    if (!std::filesystem::exists(checkpoint))
-      throw ArgumentError(fmt::format("there is no {}: nothing to resume", checkpoint.string()));
+    if (!std::filesystem::exists(checkpoint)) refuse_to_resume(*output, checkpoint);
     exit = finish(read_snapshot(checkpoint), *output, *options, ranks);
   });
 }

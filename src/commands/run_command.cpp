@@ -24,7 +24,11 @@ void refuse_for_a_model(const CLI::App& verb) {
 
 Shard shard_of(const std::string& text) {
   const std::size_t slash = text.find('/');
-  if (slash == std::string::npos)
+  constexpr std::string_view digits = "0123456789";
+  const bool has_two_numbers = slash != std::string::npos && slash > 0 && slash + 1 < text.size() &&
+                               text.find_first_not_of(digits) == slash &&
+                               text.find_first_not_of(digits, slash + 1) == std::string::npos;
+  if (!has_two_numbers)
     throw ArgumentError(fmt::format("--shard is NUMBER/OF, such as 2/8, but `{}` stands here", text));
   const Range positive{1, 1 << 20, true, true, "from 1 to 1048576"};
   const Shard shard{read_argument("--shard", text.substr(0, slash), positive),
@@ -74,7 +78,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& arguments, Ranks* ra
   auto a = std::make_shared<RunArguments>();
   a->experiment.add_to(*verb);
   verb->add_option("-o,--output", a->output,
-                   "where the result goes; FILE's name with .h5 where it is missing, or -run.h5 where FILE "
+                   "where the result goes; FILE's name with .h5 if omitted, or -run.h5 where FILE "
                    "is a result")
       ->type_name("OUT.h5");
   a->flight.add_to(*verb);

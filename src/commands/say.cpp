@@ -23,10 +23,10 @@ void put(FILE* to, std::string_view text) {
   if (to == stdout) note(written);
 }
 
-std::string lost_text() {
+std::string lost_text(bool is_asked_for) {
   note(std::fflush(stdout) == 0);
-  const bool gone =
-      failure == EPIPE || failure == EIO || failure == EBADF;  // a pipe, a terminal, closed by intent
+  if (failure == EBADF) return is_asked_for ? "it is closed" : "";
+  const bool gone = failure == EPIPE || failure == EIO;  // a pipe, a terminal
   return failure == 0 || gone ? "" : std::strerror(failure);
 }
 

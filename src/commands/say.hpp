@@ -18,6 +18,7 @@ void say(FILE* to, fmt::format_string<Args...> format, Args&&... args) {
 }
 
 /// Why text on `stdout` was lost although somebody waits for it, such as a full disk; empty where none was.
-std::string lost_text();
+/// That it was closed from the beginning counts where the text is what was asked for.
+std::string lost_text(bool is_asked_for);
 
 }  // namespace rabiline

@@ -1,6 +1,8 @@
 #include "commands/stop.hpp"
 
+#include <fcntl.h>
 #include <sys/time.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <csignal>
@@ -37,6 +39,8 @@ extern "C" void on_signal(int signal) {
 
 void ignore_failed_writes() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) == -1) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 void watch_signals() {

@@ -5,7 +5,7 @@
 namespace rabiline {
 
 /// At the start of the program: a pipe or a terminal that has gone and a file that may not grow are errors of
-/// the write.
+/// the write, and so is one to a stream that was closed, whose number no file gets.
 void ignore_failed_writes();
 
 /// From here on TERM, INT, HUP, XCPU, USR1, USR2 and ALRM only ask to stop. Where somebody insists, by the

@@ -18,7 +18,7 @@ struct TraceArguments {
 void trace_command(const TraceArguments& a) {
   const std::uint64_t count = read_argument("-n", a.count, {1, 10000, true, true, "from 1 to 10000"});
   const std::uint64_t first =
-      a.particle ? read_argument("--particle", *a.particle, {0, 1e14, true, true, "zero or greater"}) : 0;
+      a.particle ? read_argument("--particle", *a.particle, {0, 1e14, true, true, "from 0 to 1e14"}) : 0;
   RunSettings settings = a.machine.settings();
   settings.planned = [&](const std::vector<Diagnostic>& warnings) {
     tell(warnings, a.experiment.strict, stderr);

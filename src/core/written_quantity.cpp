@@ -41,9 +41,12 @@ std::string pretty_quantity(double si_value, Dimension d) {
                                                     "m/s^2|cm/s^2",
                                                     "rad/mm|rad/m|mrad/m",
                                                     "1/mm|1/m",
-                                                    "C m|e cm"};
+                                                    "e cm"};
   static_assert(std::size(choices_of) == static_cast<std::size_t>(last_dimension) + 1);
   std::string_view list = choices_of[static_cast<std::size_t>(d)];
+  const auto is_a_choice = [choices = fmt::format("|{}|", list)](std::string_view symbol) {
+    return choices.find(fmt::format("|{}|", symbol)) != std::string::npos;
+  };
   if (list.empty() || !std::isfinite(si_value)) return fmt::format("{:.4g}", si_value);
   if (si_value == 0) return fmt::format("0 {}", si_unit_of(d));
   const UnitSymbol* unit = nullptr;
@@ -54,6 +57,9 @@ std::string pretty_quantity(double si_value, Dimension d) {
     // 0.99995 is what four digits round up to one.
     if (std::abs(si_value) >= 0.99995 * unit->factor) break;
   }
+  // What would need an exponent beside the smallest prefix has it beside the unit itself.
+  if (std::abs(si_value) < 0.99995e-3 * unit->factor && is_a_choice(si_unit_of(d)))
+    return fmt::format("{:.4g} {}", si_value, si_unit_of(d));
   return fmt::format("{:.4g} {}", si_value / unit->factor, unit->symbol);
 }
 

@@ -345,7 +345,7 @@ SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments,
   const auto* model = std::get_if<LoadedModel>(&setup.contents().loaded);
   if (model == nullptr)
     throw std::invalid_argument(
-        fmt::format("{} is no model: it is flown, not solved", setup.inputs().front().path));
+        fmt::format("{} is not a model: it is flown, not solved", setup.inputs().front().path));
   Record record(setup.inputs(), options_of(setup.contents().changes), arguments);
   SolvedModel solved = solve_all(*model, [stop] {
     if (stop != nullptr && *stop) throw Stopped();

@@ -84,8 +84,9 @@ void warn_unless_precise(const Beamline& beamline, const Result& result, Provena
                                      "that cannot be reached: it needs {:.2g} particles, and {:g} are the "
                                      "most; let `until` ask for less",
                                      needed, particle_numbers.high);
-  provenance.warnings.push_back(fmt::format(
-      "all {} particles have flown, and {} as `until` wants\n  help: {}", beamline.particles, missed, help));
+  provenance.warnings.push_back(
+      fmt::format("all {} particles have flown, and {}{}\n  help: {}", beamline.particles, missed,
+                  std::isfinite(over) ? " as `until` wants" : ", though `until` asks for its centre", help));
 }
 
 }  // namespace rabiline

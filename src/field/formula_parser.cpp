@@ -110,7 +110,7 @@ FormulaFault fault_of(const mu::ParserError& error, const std::string& text, con
         ++end;
       const std::string word = text.substr(from, std::max<std::size_t>(1, end - from));
       FormulaFault fault(
-          fmt::format("`{}` is no place, constant or function", word),
+          fmt::format("`{}` is not a place, a constant or a function", word),
           word == "t"
               ? std::string(
                     "state how often the formulas repeat in time, `frequency: 10 kHz`, or how long they "

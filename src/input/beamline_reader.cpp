@@ -20,7 +20,7 @@ bool find_in_library(const Node& name, Reading& reading, Species& out) {
   if (found)
     out = *found;
   else
-    reading.error(name.place, fmt::format("{} is no species of the library", quote(name)),
+    reading.error(name.place, fmt::format("{} is not a species of the library", quote(name)),
                   suggest_species(name.scalar));
   return found != nullptr;
 }
@@ -220,8 +220,11 @@ Beamline read_beamline_values(const Node& root, Reading& reading) {
 
 void finish_beamline(Beamline& beamline) {
   omit_disabled(beamline.parts);
-  std::stable_sort(beamline.parts.begin(), beamline.parts.end(),
-                   [](const PlacedPart& a, const PlacedPart& b) { return a.placement.at < b.placement.at; });
+  const auto stands_before = [](const PlacedPart& a, const PlacedPart& b) {
+    return a.placement.at < b.placement.at;
+  };
+  if (!std::ranges::is_sorted(beamline.parts, stands_before))
+    std::ranges::stable_sort(beamline.parts, stands_before);
 }
 
 Beamline read_beamline(const Node& root, Reading& reading) {

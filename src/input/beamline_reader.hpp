@@ -9,7 +9,7 @@ namespace rabiline {
 
 /// A particle weighs 2^40 quanta and squares of weights are summed in 128 bits.
 inline constexpr Range particle_numbers{1, 1e14, true, true, "from 1 to 1e14"};
-inline constexpr Range whole{0, range::infinite, true, true, "zero or greater"};
+inline constexpr Range seeds{0, 0x1p64, true, true, "from 0 to 2^64 - 1 = 18446744073709551615"};
 
 template <>
 inline constexpr auto parameters<Beamline> = std::tuple{
@@ -18,13 +18,13 @@ inline constexpr auto parameters<Beamline> = std::tuple{
           "what flies: a library name, a definition, or a list with fractions"),
     param("law", &Beamline::law, "law of motion"),
     param("source", &Beamline::source, "where particles start"),
-    param("chamber", &Beamline::chamber, "round wall along the whole beam; none where it is missing"),
-    param("gravity", &Beamline::gravity, "free fall; off where it is missing"),
+    param("chamber", &Beamline::chamber, "round wall along the whole beam; none if omitted"),
+    param("gravity", &Beamline::gravity, "free fall; off if omitted"),
     param("parts", &Beamline::parts, "what stands on the beam"),
     param("particles", &Beamline::particles, Dimension::number, particle_numbers,
           "how many fly, per scan point; at most, where there is an `until`"),
-    param("until", &Beamline::until, "the precision at which fewer are enough; all fly where it is missing"),
-    param("seed", &Beamline::seed, Dimension::number, whole, "key of the random numbers"),
+    param("until", &Beamline::until, "the precision at which fewer are enough; all fly if omitted"),
+    param("seed", &Beamline::seed, Dimension::number, seeds, "key of the random numbers"),
 };
 
 /// Every file says which version of the format it is written in.

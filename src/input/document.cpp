@@ -283,7 +283,7 @@ void refuse_what_yaml_mistakes(const std::shared_ptr<const SourceText>& source, 
   if (const std::size_t bad = find_bad_byte(text); bad != std::string_view::npos)
     refuse(
         place_at(source, text, bad),
-        fmt::format("the byte 0x{:02x} is no text (files are UTF-8)", static_cast<unsigned char>(text[bad])),
+        fmt::format("the byte 0x{:02x} is not text (files are UTF-8)", static_cast<unsigned char>(text[bad])),
         "save the file as UTF-8");
   for (std::size_t i = 0; i < source->lines.size(); ++i) {
     const std::string& line = source->lines[i];

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "input/text_file.hpp"
+#include "storage/storage_error.hpp"
 
 namespace rabiline {
 namespace {
@@ -17,10 +18,10 @@ constexpr std::size_t max_files = 16;
 /// Whom to blame where a file cannot be read: the line that names it, or the file itself.
 [[noreturn]] void refuse(const Place& named_at, const fs::path& path, std::string message,
                          std::string help = {}) {
-  Place place = named_at;
-  if (!place.text) place = Place{make_source_text(path.string(), ""), 0, 0, 1};
-  if (named_at.text) message = fmt::format("`{}`: {}", path.string(), message);
-  throw InputError({Diagnostic{place, std::move(message), std::move(help)}});
+  if (named_at.text)
+    throw InputError({{named_at, fmt::format("`{}`: {}", path.string(), message), std::move(help)}});
+  throw StorageError(
+      fmt::format("{}: {}{}{}", path.string(), message, help.empty() ? "" : "\n  help: ", help));
 }
 
 std::string read_text(const fs::path& path, const Place& named_at) {

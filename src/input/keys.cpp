@@ -111,7 +111,7 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
       const Place& place = last->value.place;
       std::erase_if(reading_->errors, [&](const Diagnostic& d) { return same_place(d.place, place); });
       reading_->error(
-          place, fmt::format("`{},{}` is no number: the comma ends it", last->value.scalar, entry.key),
+          place, fmt::format("`{},{}` is not a number: the comma ends it", last->value.scalar, entry.key),
           is_group_of_thousands(entry.key)
               ? fmt::format("numbers have a decimal point, and no commas between thousands: write `{0}.{1}` "
                             "or `{0}{1}`",

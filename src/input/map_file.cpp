@@ -60,8 +60,10 @@ MapText read_nodes(const fs::path& path) {
     StoredMap stored = read_map_file(path);
     return {std::move(stored.nodes), stored.digest};
   } catch (const StorageError& error) {
+    std::string_view why = error.what();  // after the file's name, which is told anyway
+    if (const std::string name = path.string() + ": "; why.starts_with(name)) why.remove_prefix(name.size());
     throw MapFault(
-        error.what(),
+        std::string(why),
         "it has 1-D datasets `x`, `y`, `z` and 3-D ones `Bx`, `By`, `Bz` (or `r`, `z`, `Br`, `Bz`; of an "
         "electric field `Ex` and so on), each with an attribute `units`");
   }

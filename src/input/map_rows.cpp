@@ -27,12 +27,17 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Cells between commas, without the blanks around them.
+std::string_view unquoted(std::string_view cell) {
+  const bool is_quoted = cell.size() > 1 && cell.front() == '"' && cell.back() == '"';
+  return is_quoted ? cell.substr(1, cell.size() - 2) : cell;
+}
+
+/// Cells between commas, without the blanks and the quotes around them.
 void split(std::string_view line, std::vector<std::string_view>& cells) {
   cells.clear();
   for (std::size_t begin = 0; begin <= line.size();) {
     const std::size_t end = std::min(line.find(',', begin), line.size());
-    cells.push_back(trimmed(line.substr(begin, end - begin)));
+    cells.push_back(unquoted(trimmed(line.substr(begin, end - begin))));
     begin = end + 1;
   }
 }
@@ -55,7 +60,7 @@ std::vector<Column> columns_of(const std::vector<std::string_view>& cells) {
                                                         : Dimension::length;
     const ParsedQuantity one = parse_quantity(fmt::format("1 {}", unit), dimension);
     if (!one.error.empty() || one.dimension != dimension)
-      throw MapFault(fmt::format("`{}` is no unit of the column `{}`", unit, name),
+      throw MapFault(fmt::format("`{}` is not a unit of the column `{}`", unit, name),
                      one.suggestion.empty() ? std::string(columns_help) : one.suggestion);
     columns.push_back({name, one.value});
   }
@@ -112,7 +117,7 @@ double number_in(std::string_view cell, std::uint32_t line) {
                      : fmt::format("line {}: `{}` is not a number", line, cell.substr(0, 40)),
         "numbers have a decimal point, commas stand between columns, units in the first line only");
   if (!std::isfinite(value))
-    throw MapFault(fmt::format("line {}: `{}` is no finite number", line, cell),
+    throw MapFault(fmt::format("line {}: `{}` is not a finite number", line, cell),
                    "compute or measure the field there, or make the map smaller");
   return value;
 }

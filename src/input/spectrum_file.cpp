@@ -33,6 +33,7 @@ std::vector<Cell> cells_of(std::string_view line) {
     std::size_t first = begin, last = end;
     while (first < last && is_blank(line[first])) ++first;
     while (last > first && is_blank(line[last - 1])) --last;
+    if (last - first > 1 && line[first] == '"' && line[last - 1] == '"') ++first, --last;
     cells.push_back({line.substr(first, last - first), static_cast<int>(first) + 1});
     begin = end + 1;
   }
@@ -91,7 +92,7 @@ class SpectrumReader {
     const ParsedQuantity parsed = parse_quantity(fmt::format("1 {}", unit), quantity->second);
     if (!parsed.error.empty() || parsed.dimension != quantity->second)
       return error(head.column + static_cast<int>(open) + 1, unit.size(),
-                   fmt::format("`{}` is no unit of the column `{}`", unit, name),
+                   fmt::format("`{}` is not a unit of the column `{}`", unit, name),
                    parsed.suggestion.empty()
                        ? fmt::format("write `{} [{}],flux`", name, unit_in(quantity->second))
                        : parsed.suggestion);

@@ -28,6 +28,13 @@ bool is_all_digits(std::string_view s) {
   return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+/// Of any size and sign.
+bool is_whole(std::string_view text) {
+  const ParsedQuantity parsed = parse_quantity(text);
+  return parsed.error.empty() && parsed.dimension == Dimension::number &&
+         parsed.value == std::floor(parsed.value);
+}
+
 /// Whole numbers up to 2^64 - 1 digit by digit; with a point or an exponent where the value is whole.
 std::optional<std::uint64_t> whole_number(std::string_view text) {
   std::uint64_t value = 0;
@@ -35,10 +42,8 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc{} ? std::optional(value) : std::nullopt;
   }
-  const ParsedQuantity parsed = parse_quantity(text);
-  const bool whole = parsed.error.empty() && parsed.dimension == Dimension::number && parsed.value >= 0 &&
-                     parsed.value <= 0x1p53 && parsed.value == std::floor(parsed.value);
-  return whole ? std::optional(static_cast<std::uint64_t>(parsed.value)) : std::nullopt;
+  const double number = is_whole(text) ? parse_quantity(text).value : -1;
+  return number >= 0 && number <= 0x1p53 ? std::optional(static_cast<std::uint64_t>(number)) : std::nullopt;
 }
 
 /// A key of one letter does not say by its name what it is.
@@ -143,6 +148,17 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
 
 bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_t& out) {
   const std::optional<std::uint64_t> value = node.is_scalar() ? whole_number(node.scalar) : std::nullopt;
+  if (!value && node.is_scalar() && is_whole(node.scalar)) {
+    const bool in_range =
+        !is_all_digits(node.scalar) && row.range.contains(parse_quantity(node.scalar).value);
+    reading.error(
+        node.place,
+        in_range ? fmt::format("`{}` is {}: beyond 2^53 a whole number is written with all of its digits",
+                               row.key, quote(node))
+                 : fmt::format("`{}` must be {}, but is {}", row.key, row.range.words, quote(node)),
+        in_range ? "write it without a point and an exponent" : "");
+    return false;
+  }
   if (!value) {
     reading.error(
         node.place,

@@ -183,13 +183,13 @@ constexpr std::array key_meanings{
 
 /// What is said of the beam and is no part of it, and where it belongs.
 constexpr std::array no_parts{
-    Meaning{"oven", "where particles start is no part: it stands in `source`, beside `parts`"},
-    Meaning{"nozzle", "where particles start is no part: it stands in `source`, beside `parts`"},
-    Meaning{"source", "where particles start is no part: it stands in `source`, beside `parts`"},
-    Meaning{"gravity", "it is no part: `gravity` stands beside `parts`"},
-    Meaning{"chamber", "it is no part: `chamber` stands beside `parts`"},
-    Meaning{"drift", "a free flight is no part: leave room before the `at` of the next one"},
-    Meaning{"free_flight", "a free flight is no part: leave room before the `at` of the next one"},
+    Meaning{"oven", "where particles start is not a part: it stands in `source`, beside `parts`"},
+    Meaning{"nozzle", "where particles start is not a part: it stands in `source`, beside `parts`"},
+    Meaning{"source", "where particles start is not a part: it stands in `source`, beside `parts`"},
+    Meaning{"gravity", "it is not a part: `gravity` stands beside `parts`"},
+    Meaning{"chamber", "it is not a part: `chamber` stands beside `parts`"},
+    Meaning{"drift", "a free flight is not a part: leave room before the `at` of the next one"},
+    Meaning{"free_flight", "a free flight is not a part: leave room before the `at` of the next one"},
 };
 constexpr std::string_view of_parts = "detector";  // a word that only kinds of parts have
 

@@ -111,7 +111,7 @@ std::string describe_gravity() {
   Page page("gravity: free fall");
   add_rows<Gravity>(page);
   page.line(
-      "\nWhat nothing else pushes falls along a parabola. Off where it is missing.\n"
+      "\nWhat nothing else pushes falls along a parabola. Off if omitted.\n"
       "\nExamples\n  gravity: 9.81 m/s^2\n  gravity: {acceleration: 9.81 m/s^2, direction: -y}");
   return page.finish();
 }
@@ -154,7 +154,7 @@ std::string describe_tallies() {
 }
 
 std::string describe_models() {
-  return "A file with the key `model` is no beamline: it describes a small system that is solved, not "
+  return "A file with the key `model` is not a beamline: it describes a small system that is solved, not "
          "flown.\n"
          "Beside `model` it has `rabiline`, `title` and at most one `scan`.\n\n" +
          describe_variant<Model>("model", "the system");
@@ -279,11 +279,11 @@ const std::vector<Topic>& topics() {
 std::string describe_overview() {
   Page page("A beamline file has these keys");
   page.row("rabiline", "1", "required", "version of the format");
-  page.row("geometry", "path", "may be missing", "a file with `parts` and `chamber` that experiments share");
+  page.row("geometry", "path", "optional", "a file with `parts` and `chamber` that experiments share");
   add_rows<Beamline>(page);
-  page.row("variables", "names and values", "may be missing",
+  page.row("variables", "names and values", "optional",
            "`{B1: 2 mT}`: values put where `${B1}` stands; set and scanned as variables.B1");
-  page.row("scan", "mapping, or list of them", "may be missing", "which parameter takes which values");
+  page.row("scan", "mapping, or list of them", "optional", "which parameter takes which values");
   page.line("\nParts");
   for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
     page.row(std::string(A::kind), std::string(A::meaning), "", "");

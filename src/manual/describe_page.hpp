@@ -123,14 +123,15 @@ std::string need_of(const Row& row, const D& fallback) {
       if (choice.value == fallback) return fmt::format("default {}", choice.word);
     return {};
   } else if constexpr (std::is_same_v<D, std::string_view>)
-    return fallback.empty() ? "may be missing" : fmt::format("default \"{}\"", fallback);
+    return fallback.empty() ? "optional" : fmt::format("default \"{}\"", fallback);
   else
-    return "may be missing";
+    return "optional";
 }
 
-/// The rows of a table; choices are explained under their key.
+/// The rows of a table; choices are explained under their key. `at`: what that key means here, if anything
+/// else.
 template <class T>
-void add_rows(Page& page) {
+void add_rows(Page& page, std::string_view at = {}) {
   for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
     if constexpr (is_variant<M>)
       if (p.key.empty()) {
@@ -142,7 +143,8 @@ void add_rows(Page& page) {
         });
         return;
       }
-    page.row(std::string(p.key), kind_of_value<M>(row_of(p)), need_of<M>(row_of(p), p.fallback), p.meaning);
+    page.row(std::string(p.key), kind_of_value<M>(row_of(p)), need_of<M>(row_of(p), p.fallback),
+             p.key == "at" && !at.empty() ? at : p.meaning);
     if constexpr (is_optional<M>) {
       if constexpr (std::is_enum_v<typename M::value_type>)
         for (const Word& w : words_of<typename M::value_type>())
@@ -156,7 +158,10 @@ void add_rows(Page& page) {
 template <class A>
 std::string describe_part() {
   Page page(fmt::format("{}: {}", A::kind, A::meaning));
-  add_rows<Placement>(page);
+  if constexpr (requires { A::place; })
+    add_rows<Placement>(page, A::place);
+  else
+    add_rows<Placement>(page);
   add_rows<A>(page);
   std::string snippet = fmt::format("{{name: my_{0}, kind: {0}, at: 0.25 m", A::kind);
   page.line(fmt::format("\nExample\n  - {}, {}}}", snippet, example_of_rows<A>()));

@@ -95,7 +95,7 @@ inline constexpr auto parameters<ChargedParticle> = std::tuple{
     param("electric_field", &ChargedParticle::electric_field, Dimension::electric_field, range::any,
           "uniform electric field along its direction; the hypothesis does not feel it", 0.0),
     param("electric_direction", &ChargedParticle::electric_direction,
-          "direction of the electric field; x where it is missing", UnitVector{1, 0, 0}),
+          "direction of the electric field; x if omitted", UnitVector{1, 0, 0}),
     param("", &ChargedParticle::speed, "how fast the particle starts"),
     param("pitch", &ChargedParticle::pitch, Dimension::angle,
           {0, std::numbers::pi, true, true, "between 0 and 180 deg"},

@@ -29,7 +29,7 @@ struct Disc {
 };
 template <>
 inline constexpr auto parameters<Disc> = std::tuple{
-    param("radius", &Disc::radius, Dimension::length, range::not_negative, "radius of the hole"),
+    param("radius", &Disc::radius, Dimension::length, range::not_negative, "from its centre to its edge"),
 };
 
 /// What is open between two circles.

@@ -63,7 +63,7 @@ inline constexpr auto parameters<Source> = std::tuple{
     param("spin", &Source::spin, "the spin that particles start with", UnpolarisedSpin{}),
     param("pulse", &Source::pulse,
           "when particles start, and so the phase at which a locked field meets them; all start at t = 0 "
-          "where it is missing"),
+          "if omitted"),
     param("rate", &Source::rate, Dimension::rate, range::positive,
           "particles that leave the opening in all, per second: turns counts into counts per second"),
 };

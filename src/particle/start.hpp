@@ -73,7 +73,7 @@ template <>
 inline constexpr auto parameters<LevelsSpin> = std::tuple{
     param("levels", &LevelsSpin::levels, "their names, such as [F=4 m=0, F=3 m=0]"),
     param("shares", &LevelsSpin::shares, Dimension::number, range::fraction,
-          "share of the particles in each, which add up to 1; equal shares where it is missing"),
+          "share of the particles in each, which add up to 1; equal shares if omitted"),
 };
 using StartSpin = std::variant<UnpolarisedSpin, PolarisedSpin, PopulatedSpin, ThermalSpin, LevelsSpin>;
 

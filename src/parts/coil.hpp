@@ -34,7 +34,7 @@ inline constexpr auto parameters<Coil> = std::tuple{
           "by which the spin turns, right-handed about the axis"),
     param("speed", &Coil::speed, Dimension::speed, range::positive,
           "along the beam, of a particle that turns by the angle"),
-    param("bore", &Coil::bore, "wall around the field; none where it is missing"),
+    param("bore", &Coil::bore, "wall around the field; none if omitted"),
     param("offset", &Coil::offset, "displacement of the bore's centre from the axis", Offset{}),
     param("tilt", &Coil::tilt, "how the field is turned inside its slab", Tilt{}),
 };

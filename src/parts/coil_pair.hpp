@@ -29,6 +29,7 @@ struct CoilPair {
   static constexpr std::string_view kind = "coil_pair",
                                     meaning =
                                         "the field of two rings of current on one axis, their middle at `at`";
+  static constexpr std::string_view place = "the middle between the two rings, from the source";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "radius: 10 cm, current: 2 A, turns: 50";
   double radius = 0;                 // [m]
@@ -46,18 +47,18 @@ template <>
 inline constexpr auto parameters<CoilPair> = std::tuple{
     param("radius", &CoilPair::radius, Dimension::length, range::positive, "of the rings"),
     param("distance", &CoilPair::distance, Dimension::length, range::positive,
-          "from one ring to the other; the radius where it is missing: Helmholtz's pair"),
+          "from one ring to the other; the radius if omitted: Helmholtz's pair"),
     param("", &CoilPair::strength, "the current in each ring, or the field or gradient in the middle"),
     param("opposed", &CoilPair::opposed,
           "true: the current of the ring behind the middle, seen along the direction, is reversed", false),
-    param("direction", &CoilPair::direction, "of the axis; z where it is missing", UnitVector{}),
+    param("direction", &CoilPair::direction, "of the axis; z if omitted", UnitVector{}),
     param("reach", &CoilPair::reach, Dimension::length, range::positive,
-          "how far from the middle the field is taken on both sides; where it is missing, up to 1e-4 of its "
+          "how far from the middle the field is taken on both sides; if omitted, up to 1e-4 of its "
           "largest"),
     param("offset", &CoilPair::offset, "displacement of the middle from the axis", Offset{}),
     param("tilt", &CoilPair::tilt, "how the pair is turned about its middle", Tilt{}),
     param("oscillates", &CoilPair::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const CoilPair&, const Placement&, SectionBuilder&);

@@ -12,6 +12,7 @@ class SectionBuilder;
 struct CurrentLoop {
   static constexpr std::string_view kind = "current_loop",
                                     meaning = "the field of a ring of current whose centre is at `at`";
+  static constexpr std::string_view place = "the centre of the ring, from the source";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "radius: 50 mm, current: 10 A, turns: 20";
   double radius = 0;  // [m]
@@ -27,14 +28,14 @@ template <>
 inline constexpr auto parameters<CurrentLoop> = std::tuple{
     param("radius", &CurrentLoop::radius, Dimension::length, range::positive, "of the ring"),
     param("", &CurrentLoop::strength, "the current, or the field in the middle"),
-    param("direction", &CurrentLoop::direction, "of the field in the middle; the beam's where it is missing",
+    param("direction", &CurrentLoop::direction, "of the field in the middle; the beam's if omitted",
           UnitVector{0, 1, 0}),
     param("reach", &CurrentLoop::reach, Dimension::length, range::positive,
-          "how far the field is taken on both sides; where it is missing, up to 1e-4 of its largest"),
+          "how far the field is taken on both sides; if omitted, up to 1e-4 of its largest"),
     param("offset", &CurrentLoop::offset, "displacement of the centre from the axis", Offset{}),
     param("tilt", &CurrentLoop::tilt, "how the ring is turned about its centre", Tilt{}),
     param("oscillates", &CurrentLoop::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const CurrentLoop&, const Placement&, SectionBuilder&);

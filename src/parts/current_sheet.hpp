@@ -14,6 +14,7 @@ struct CurrentSheet {
                                     meaning =
                                         "the field of a flat sheet of current, which particles may fly "
                                         "through";
+  static constexpr std::string_view place = "the middle of the sheet, from the source";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "current: 100 A, width: 10 cm, reach: 20 cm";
   double current = 0;  // [A]
@@ -36,7 +37,7 @@ inline constexpr auto parameters<CurrentSheet> = std::tuple{
     param("offset", &CurrentSheet::offset, "displacement of the sheet's middle from the axis", Offset{}),
     param("tilt", &CurrentSheet::tilt, "how the sheet is turned; it stands square to the beam", Tilt{}),
     param("oscillates", &CurrentSheet::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const CurrentSheet&, const Placement&, SectionBuilder&);

@@ -36,6 +36,7 @@ struct Detector {
                                     meaning =
                                         "a screen that catches particles and histograms x and z; a hot wire "
                                         "is one of small width";
+  static constexpr std::string_view place = "where the screen is, from the source";
   static constexpr PartTraits traits{.target = true};
   Face face;
   Bins bins;
@@ -59,7 +60,7 @@ inline constexpr auto parameters<Detector> = std::tuple{
         Roll{}),
     param("efficiency", &Detector::efficiency, Dimension::number, range::fraction,
           "share of the weight that is counted; the rest is stopped there uncounted", 1.0),
-    param("dead", &Detector::dead, "an area inside which nothing is counted; none where it is missing"),
+    param("dead", &Detector::dead, "an area inside which nothing is counted; none if omitted"),
     param("background", &Detector::background, Dimension::rate, range::not_negative,
           "counts per second without a beam, carried to the results", 0.0),
     param("tallies", &Detector::tallies, "histograms of what is counted (see `describe tallies`)",

@@ -36,9 +36,9 @@ inline constexpr auto parameters<PulseTrain> = std::tuple{
           0.0),
     param("end", &PulseTrain::end, Dimension::time, range::positive, "when it is switched off"),
     param("period", &PulseTrain::period, Dimension::time, range::positive,
-          "from one pulse to the next; one pulse alone where it is missing"),
+          "from one pulse to the next; one pulse alone if omitted"),
     param("times", &PulseTrain::times, Dimension::number, range::at_least_one,
-          "how many pulses; without end where it is missing"),
+          "how many pulses; without end if omitted"),
 };
 
 /// Where a cavity's walls take up power its phase differs over the opening.

@@ -26,12 +26,11 @@ template <>
 inline constexpr auto parameters<ElectricField> = std::tuple{
     param("length", &ElectricField::length, Dimension::length, range::positive, "extent along the beam"),
     param("field", &ElectricField::field, Dimension::electric_field, range::any, "field along its direction"),
-    param("bore", &ElectricField::bore, "wall around the field; none where it is missing"),
-    param("direction", &ElectricField::direction, "direction of the field; z where it is missing",
-          UnitVector{}),
+    param("bore", &ElectricField::bore, "wall around the field; none if omitted"),
+    param("direction", &ElectricField::direction, "direction of the field; z if omitted", UnitVector{}),
     param("offset", &ElectricField::offset, "displacement of the field's middle from the axis", Offset{}),
     param("tilt", &ElectricField::tilt, "how the field is turned inside its slab", Tilt{}),
-    param("fringe", &ElectricField::fringe, "how the field ends at both ends; at once where missing",
+    param("fringe", &ElectricField::fringe, "how the field ends at both ends; at once if omitted",
           Fringe{HardFringe{}}),
 };
 

@@ -81,6 +81,9 @@ inline constexpr double most_formula_places = 2e7;
 struct FormulaField {
   static constexpr std::string_view kind = "formula_field",
                                     meaning = "a field, B or E, from formulas in x, y, z and t";
+  static constexpr std::string_view place =
+      "where the origin of the formulas (x, y, z = 0) stands on the beam, from the source; the box begins "
+      "there";
   static constexpr PartTraits traits{.field = true};
   SampledFormula formula;
   double scale = 1;
@@ -95,12 +98,11 @@ template <>
 inline constexpr auto parameters<FormulaField> = std::tuple{
     param("formula", &FormulaField::formula, "the components, their constants, and the box"),
     param("scale", &FormulaField::scale, Dimension::number, range::any, "factor of the whole field", 1.0),
-    param("outside", &FormulaField::outside, "the field beside the box; none where it is missing",
-          MapOutside::zero),
+    param("outside", &FormulaField::outside, "the field beside the box; none if omitted", MapOutside::zero),
     param("offset", &FormulaField::offset, "displacement of the formulas' origin from the axis", Offset{}),
     param("tilt", &FormulaField::tilt, "how the field is turned about its origin", Tilt{}),
     param("oscillates", &FormulaField::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const FormulaField&, const Placement&, SectionBuilder&);

@@ -55,7 +55,7 @@ inline constexpr auto parameters<GasCell> = std::tuple{
     param("", &GasCell::gas, "the gas: density, or pressure and temperature"),
     param("cross_section", &GasCell::cross_section, Dimension::area, range::not_negative,
           "for all that takes a particle out of the beam"),
-    param("bore", &GasCell::bore, "wall around the gas; none where it is missing"),
+    param("bore", &GasCell::bore, "wall around the gas; none if omitted"),
     param("offset", &GasCell::offset, "displacement of the bore's centre from the axis", Offset{}),
 };
 

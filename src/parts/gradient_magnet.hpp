@@ -28,9 +28,9 @@ inline constexpr auto parameters<GradientMagnet> = std::tuple{
           "field along +z in the middle, on the beam's axis where there is no `offset`"),
     param("gradient", &GradientMagnet::gradient, Dimension::field_gradient, range::any,
           "by which that field grows along `along`, e.g. 1000 T/m"),
-    param("along", &GradientMagnet::along,
-          "direction of the gradient, across the beam; z where it is missing", UnitVector{}),
-    param("gap", &GradientMagnet::gap, "width and height between the walls; none where it is missing"),
+    param("along", &GradientMagnet::along, "direction of the gradient, across the beam; z if omitted",
+          UnitVector{}),
+    param("gap", &GradientMagnet::gap, "width and height between the walls; none if omitted"),
     param("offset", &GradientMagnet::offset,
           "displacement of the magnet, its field and its gap, from the beam's axis", Offset{}),
 };

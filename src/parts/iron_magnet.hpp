@@ -39,7 +39,7 @@ inline constexpr auto parameters<IronMagnet> = std::tuple{
           "height of the concave pole's face"),
     param("width", &IronMagnet::width, Dimension::length, range::positive, "free extent of the gap along x"),
     param("beam_height", &IronMagnet::beam_height, Dimension::length, range::positive,
-          "height of the beam above the wires' plane; 1.2 a where it is missing"),
+          "height of the beam above the wires' plane; 1.2 a if omitted"),
     param("offset", &IronMagnet::offset, "displacement of the magnet from where the beam is at that height",
           Offset{}),
     param("tilt", &IronMagnet::tilt,

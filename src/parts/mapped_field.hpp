@@ -56,6 +56,9 @@ struct MappedField {
   static constexpr std::string_view kind = "field_map",
                                     meaning =
                                         "a field, B or E, from a table on a regular grid, x, y, z or r, z";
+  static constexpr std::string_view place =
+      "where the origin of the map (x, y, z = 0 of its table) stands on the beam, from the source; the field "
+      "reaches as far before and behind it as the table does";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "map: quadrupole.csv";
   LoadedMap map;
@@ -72,14 +75,13 @@ template <>
 inline constexpr auto parameters<MappedField> = std::tuple{
     param("map", &MappedField::map, "file of the map, or file and planes of symmetry"),
     param("scale", &MappedField::scale, Dimension::number, range::any, "factor of the whole field", 1.0),
-    param("outside", &MappedField::outside, "the field beside the map; none where it is missing",
-          MapOutside::zero),
-    param("direction", &MappedField::direction,
-          "of the axis z of a map in r and z; the beam's where it is missing", UnitVector{0, 1, 0}),
+    param("outside", &MappedField::outside, "the field beside the map; none if omitted", MapOutside::zero),
+    param("direction", &MappedField::direction, "of the axis z of a map in r and z; the beam's if omitted",
+          UnitVector{0, 1, 0}),
     param("offset", &MappedField::offset, "displacement of the map's origin from the axis", Offset{}),
     param("tilt", &MappedField::tilt, "how the map is turned about its origin, field and all", Tilt{}),
     param("oscillates", &MappedField::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const MappedField&, const Placement&, SectionBuilder&);

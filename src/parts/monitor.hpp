@@ -14,6 +14,7 @@ struct Monitor {
       meaning =
           "counts what passes through its face and stops nothing; inside of fields that turn the "
           "velocity each particle once, where it flies through for the first time";
+  static constexpr std::string_view place = "where its plane is, or the first of several, from the source";
   static constexpr PartTraits traits{};
   Face face;
   Offset offset;

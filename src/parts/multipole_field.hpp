@@ -33,7 +33,7 @@ inline constexpr auto parameters<MultipoleField> = std::tuple{
     param("offset", &MultipoleField::offset, "displacement of its centre from the axis", Offset{}),
     param("tilt", &MultipoleField::tilt, "how the field is turned inside its slab", Tilt{}),
     param("oscillates", &MultipoleField::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const MultipoleField&, const Placement&, SectionBuilder&);

@@ -44,7 +44,7 @@ inline constexpr auto parameters<Placement> = std::tuple{
     param("name", &Placement::name, "how --set, --scan and results call the part"),
     param("at", &Placement::at, Dimension::length, range::not_negative,
           "where the part begins, from the source"),
-    param("label", &Placement::label, "how plots call the part; the name where it is missing"),
+    param("label", &Placement::label, "how plots call the part; the name if omitted"),
     param("enabled", &Placement::enabled, "false: as if the part were absent", true),
 };
 

@@ -28,7 +28,7 @@ inline constexpr auto parameters<Polarizer> = std::tuple{
     param("alignment", &Polarizer::alignment, Dimension::number, range::fraction,
           "mean moment along the field over the full moment: (1 + alignment)/2 of the particles get it along "
           "the field, the others against it"),
-    param("bore", &Polarizer::bore, "wall around the field; none where it is missing"),
+    param("bore", &Polarizer::bore, "wall around the field; none if omitted"),
     param("offset", &Polarizer::offset, "displacement of the bore's centre from the axis", Offset{}),
     param("tilt", &Polarizer::tilt, "how the field is turned inside its slab", Tilt{}),
 };

@@ -13,6 +13,7 @@ class SectionBuilder;
 struct Solenoid {
   static constexpr std::string_view kind = "solenoid",
                                     meaning = "the field of a wound cylinder whose middle is at `at`";
+  static constexpr std::string_view place = "the middle of the cylinder, from the source";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "winding: 20 cm, radius: 20 mm, current: 1 A, turns: 400";
   double winding = 0;  // [m]
@@ -30,15 +31,15 @@ inline constexpr auto parameters<Solenoid> = std::tuple{
     param("winding", &Solenoid::winding, Dimension::length, range::positive, "length of the wound cylinder"),
     param("radius", &Solenoid::radius, Dimension::length, range::positive, "of the turns"),
     param("", &Solenoid::strength, "the current, or the field in the middle"),
-    param("direction", &Solenoid::direction, "of the field in the middle; the beam's where it is missing",
+    param("direction", &Solenoid::direction, "of the field in the middle; the beam's if omitted",
           UnitVector{0, 1, 0}),
     param("reach", &Solenoid::reach, Dimension::length, range::positive,
-          "how far from its middle the field is taken on both sides; where it is missing, up to 1e-4 of its "
+          "how far from its middle the field is taken on both sides; if omitted, up to 1e-4 of its "
           "largest"),
     param("offset", &Solenoid::offset, "displacement of the middle from the axis", Offset{}),
     param("tilt", &Solenoid::tilt, "how the cylinder is turned about its middle", Tilt{}),
     param("oscillates", &Solenoid::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const Solenoid&, const Placement&, SectionBuilder&);

@@ -12,6 +12,7 @@ class SectionBuilder;
 struct StraightWire {
   static constexpr std::string_view kind = "straight_wire",
                                     meaning = "the field of a straight wire through the place `at`";
+  static constexpr std::string_view place = "the place that the wire runs through, from the source";
   static constexpr PartTraits traits{.field = true};
   static constexpr std::string_view example = "current: 10 A, reach: 5 cm, radius: 0.5 mm";
   double current = 0;  // [A]
@@ -31,14 +32,14 @@ inline constexpr auto parameters<StraightWire> = std::tuple{
           "how far from `at` the field is taken on both sides; it falls as one over the distance"),
     param("radius", &StraightWire::radius, Dimension::length, range::positive,
           "of the wire, which the current fills evenly"),
-    param("direction", &StraightWire::direction, "of the current; x, across the beam, where it is missing",
+    param("direction", &StraightWire::direction, "of the current; x, across the beam, if omitted",
           UnitVector{1, 0, 0}),
     param("wire_length", &StraightWire::wire_length, Dimension::length, range::positive,
-          "of the wire, half on each side of `at`; endless where it is missing"),
+          "of the wire, half on each side of `at`; endless if omitted"),
     param("offset", &StraightWire::offset, "displacement of the wire from the axis", Offset{}),
     param("tilt", &StraightWire::tilt, "how the wire is turned", Tilt{}),
     param("oscillates", &StraightWire::oscillates,
-          "frequency and phase with which the whole field swings; it stands where it is missing"),
+          "frequency and phase with which the whole field swings; it stands if omitted"),
 };
 
 void contribute(const StraightWire&, const Placement&, SectionBuilder&);

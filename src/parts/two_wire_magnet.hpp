@@ -60,7 +60,7 @@ inline constexpr auto parameters<TwoWireMagnet> = std::tuple{
           "radius of the wires, which stop what touches them"),
     param("", &TwoWireMagnet::strength, "the current, or the field at the beam"),
     param("beam_height", &TwoWireMagnet::beam_height, Dimension::length, range::positive,
-          "height of the beam above the wires' plane; 1.2 a where it is missing"),
+          "height of the beam above the wires' plane; 1.2 a if omitted"),
     param("offset", &TwoWireMagnet::offset,
           "displacement of the magnet from where the beam is at that height", Offset{}),
     param("tilt", &TwoWireMagnet::tilt,

@@ -1,6 +1,7 @@
 #include "plan/explain.hpp"
 
 #include <bit>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -52,15 +53,16 @@ class Explainer {
     return !points.empty() && points.front() == 0;
   }
   void head() {
-    line("{}", beamline_.title);
+    if (!beamline_.title.empty()) line("{}", beamline_.title);
     line("law        {}", describe(beamline_.law));
     for (const ScanAxis& axis : experiment_.axes) {
       const std::size_t last = axis.values.size() - 1;
-      line("scan       {}: {} to {}, {} points", axis.parameter, value_at(axis, 0), value_at(axis, last),
-           last + 1);
+      line("scan       {}: {}", axis.parameter,
+           last == 0 ? fmt::format("{}, one point", value_at(axis, 0))
+                     : fmt::format("{} to {}, {} points", value_at(axis, 0), value_at(axis, last), last + 1));
     }
     const std::string_view at_most = beamline_.until ? "at most " : "";
-    if (!experiment_.axes.empty())
+    if (experiment_.points.size() > 1)
       line("particles  {}{} at each of {} points, {}", at_most, beamline_.particles,
            experiment_.points.size(),
            experiment_.particles == ScanParticles::shared ? "the same ones" : "each its own");
@@ -89,11 +91,12 @@ class Explainer {
     const bool of_atom = s.structure && law_traits(beamline_.law).has_levels;
     report_.of_atom = of_atom;
     report_.on_axis = levels_on_axis(beamline_.source, s, beamline_.law);
-    line("{}, {:.6g} u, charge {:+g} e; {} particles",
+    line("{}, {:.6g} u, charge {} e; {} particles",
          of_atom ? headline_of(s)
                  : fmt::format("{}: spin {}/2, gamma/2pi {:+.6g} MHz/T", s.name, s.spin.twice,
                                s.gyromagnetic_ratio / two_pi / 1e6),
-         s.mass / 1.66053906892e-27, s.charge / 1.602176634e-19, tree.last - tree.first);
+         s.mass / 1.66053906892e-27, s.charge == 0 ? "0" : fmt::format("{:+g}", s.charge / 1.602176634e-19),
+         tree.last - tree.first);
     if (s.structure && !of_atom)
       line("            its levels are left out under this law: the spin is that of J alone");
     const SpeedDraw& drawn = tree.source.speed;
@@ -151,7 +154,15 @@ class Explainer {
   /// What drives an atom's levels before a part asks for them, once for each.
   void tell_driven(int part) {
     if (!told_.insert({component_, part}).second) return;
-    for (const std::string& text : driven_.lines(component_, part, report_.speed)) line("{:>16}{}", "", text);
+    const std::vector<std::string> lines = driven_.lines(component_, part, report_.speed);
+    if (lines.empty()) return;
+    const auto [first, is_new] = told_by_.emplace(lines, part);
+    if (!is_new) {
+      line("{:>16}what drives levels is as told of {}", "",
+           beamline_.parts[static_cast<std::size_t>(first->second)].placement.name);
+      return;
+    }
+    for (const std::string& text : lines) line("{:>16}{}", "", text);
   }
   std::string reuse(std::size_t shared) const {
     if (experiment_.points.size() == 1) return "";
@@ -166,8 +177,9 @@ class Explainer {
   const Plan& plan_;
   const bool flies_for_all_;  // the first point, from which the others follow
   const DrivenParts driven_;
-  int component_ = 0;                   // of the beam, that is told of
-  std::set<std::pair<int, int>> told_;  // component and part
+  int component_ = 0;                                // of the beam, that is told of
+  std::set<std::pair<int, int>> told_;               // component and part
+  std::map<std::vector<std::string>, int> told_by_;  // of which part
   std::vector<bool> seen_component_;
   PlanReport report_;
 };

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -197,11 +198,18 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
   return &made;
 }
 
+/// Kept, as most questions about one point come one after the other.
+const Beamline& DrivenParts::beamline_at(int point) {
+  if (std::exchange(in_hand_, point) != point)
+    beamline_ = experiment_.points[static_cast<std::size_t>(point)];
+  return beamline_;
+}
+
 void DrivenParts::collect(int component, const Stage& stage, const std::vector<int>& points) {
   const SpinPath* path = path_of(stage);
   if (path == nullptr || (path->transitions == nullptr && path->way == nullptr)) return;
   // Numbers of parts differ between the points where one is moved or not enabled.
-  const Beamline beamline = experiment_.points[static_cast<std::size_t>(points.front())];
+  const Beamline& beamline = beamline_at(points.front());
   std::vector<const Driven*>& at =
       parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
   at.resize(experiment_.points.size());
@@ -210,8 +218,8 @@ void DrivenParts::collect(int component, const Stage& stage, const std::vector<i
   for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
 }
 
-double DrivenParts::speed_at(std::size_t point, int component) const {
-  const Beamline& beamline = experiment_.points[point];
+double DrivenParts::speed_at(std::size_t point, int component) {
+  const Beamline& beamline = beamline_at(static_cast<int>(point));
   return mean_speed(beamline.source.speed,
                     beamline.species[static_cast<std::size_t>(component)].species.mass);
 }
@@ -276,7 +284,7 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
   return out;
 }
 
-std::vector<Fault> DrivenParts::warnings() const {
+std::vector<Fault> DrivenParts::warnings() {
   std::vector<Fault> out;
   const auto add = [&](const std::string& subject, const char* key, std::string text, std::string help = {}) {
     if (std::none_of(out.begin(), out.end(), [&](const Fault& f) { return f.message == text; }))

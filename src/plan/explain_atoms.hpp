@@ -25,7 +25,7 @@ class DrivenParts {
   /// point.
   std::vector<std::string> lines(int component, int part, double speed) const;
   /// Fields that drive nothing at any point; tables that are not as exact as they should be.
-  std::vector<Fault> warnings() const;
+  std::vector<Fault> warnings();
 
  private:
   /// The zones that drive levels before a part, those of a way with the field where a line is nearest.
@@ -42,13 +42,16 @@ class DrivenParts {
   void collect(int component, const Stage&, const std::vector<int>& points);
   void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;
-  double speed_at(std::size_t point, int component) const;
+  const Beamline& beamline_at(int point);
+  double speed_at(std::size_t point, int component);
 
   const Experiment& experiment_;
   const Plan& plan_;
   std::list<Driven> driven_;
   /// Of a component before a part, by name: [points], null where nothing drives them.
   std::map<std::pair<int, std::string>, std::vector<const Driven*>> parts_;
+  Beamline beamline_{};  // of the scan point that was asked for last
+  int in_hand_ = -1;
 };
 
 /// Where no field is between two that are, and an atom's levels keep their labels; empty where there is none.

@@ -55,13 +55,19 @@ double SpinHistory::known_before(double y, const Plane* plane) const {
 
 std::vector<SpinZone> SpinHistory::zones_between(double from, double to) const {
   std::vector<SpinZone> zones;
+  const auto is_between = [&](const Section& section) {
+    return std::max(section.begin, from) < std::min(section.end, to);
+  };
+  zones.reserve(static_cast<std::size_t>(std::ranges::count_if(sections_.sections, is_between)));
   for (const Section& section : sections_.sections) {
-    SpinZone zone = zones_.zone_of(section);
+    if (!is_between(section)) continue;
+    SpinZone& zone = zones.emplace_back(zones_.zone_of(section));
     zone.begin = std::max(zone.begin, from);
     zone.end = std::min(zone.end, to);
-    if (zone.begin >= zone.end || (zone.spin_rate == 0 && zone.drives == 0)) continue;
-    repeat_period(zone, zones_.speed());
-    zones.push_back(zone);
+    if (zone.spin_rate == 0 && zone.drives == 0)
+      zones.pop_back();
+    else
+      repeat_period(zone, zones_.speed());
   }
   return zones;
 }

@@ -249,6 +249,12 @@ std::vector<Fault> warnings_of_fields(const Beamline& beamline) {
           key == "map"       ? "supply a map that goes on until the field is gone"
           : key == "formula" ? "make `length` larger, or multiply by what lets the field fade at its ends"
                              : "make `reach` larger"));
+    if (!is_electric(part.part) && field->largest > most_magnetic_field)
+      out.push_back(warning(
+          name, std::string(key),
+          fmt::format("the field of `{}` comes to {} on the axis: no coil has more than {:.0f} T", name,
+                      pretty_quantity(field->largest, Dimension::magnetic_field), most_magnetic_field),
+          "is one of the units wrong?"));
     if (tables.maps.empty()) continue;
     const MapQuality quality = quality_of(tables);
     if (std::max(quality.divergence.rms, quality.curl.rms) > wrong_map)

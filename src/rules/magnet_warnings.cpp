@@ -6,9 +6,7 @@
 namespace rabiline {
 namespace {
 
-/// About what lasts for microseconds in a coil that bursts: 1200 T (D. Nakamura et al., Rev. Sci. Instrum.
-/// 89, 095106 (2018)).
-constexpr double most_field = 1200, beside_beam = 1e-3;  // [T], [m]
+constexpr double beside_beam = 1e-3;  // [m]
 
 /// [T] at the walls of its gap, or 1 mm from the beam where it has none; of others as it is stated.
 double largest_field(const MagnetTerm& magnet) {
@@ -27,7 +25,7 @@ Faults impossible_magnets_of(const Beamline& beamline) {
   Faults out;
   for (const Plane& plane : sections_of(beamline).planes) {
     const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
-    if (!magnet || !(largest_field(*magnet) > most_field)) continue;
+    if (!magnet || !(largest_field(*magnet) > most_magnetic_field)) continue;
     const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
     const bool gradient = magnet->shape.kind == MagnetKind::gradient;
     out.push_back(
@@ -37,7 +35,7 @@ Faults impossible_magnets_of(const Beamline& beamline) {
                             !gradient                 ? ""
                             : magnet->walls.rectangle ? " at the walls of its gap"
                                                       : " 1 mm from the beam",
-                            most_field),
+                            most_magnetic_field),
                 gradient ? "a gradient in T/m, such as 1000 T/m" : ""));
   }
   return out;

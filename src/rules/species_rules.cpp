@@ -54,7 +54,7 @@ void check_structure(const Species& species, std::size_t number, Faults& out) {
   }
   if (s.coupling == 0 && s.quadrupole == 0)
     add("coupling",
-        fmt::format("I and J of `{}` do not feel each other, so it is no atom with levels", species.name),
+        fmt::format("I and J of `{}` are not coupled, so it has no hyperfine levels", species.name),
         "state `coupling`, A of A I.J; a species with one moment has `spin` and `gyromagnetic_ratio` instead "
         "of `structure`");
   else if (s.g_j == s.g_i)

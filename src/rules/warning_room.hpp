@@ -6,6 +6,10 @@
 
 namespace rabiline {
 
+/// [T] About what lasts for microseconds in a coil that bursts (D. Nakamura et al., Rev. Sci. Instrum. 89,
+/// 095106 (2018)).
+inline constexpr double most_magnetic_field = 1200;
+
 inline Fault warning(std::string subject, std::string key, std::string message, std::string help = {}) {
   return {std::move(subject), std::move(key), std::move(message), std::move(help), Severity::warning};
 }
@@ -23,6 +27,8 @@ Faults nuclei_among_atoms_of(const Beamline&);
 bool is_deflected(const Beamline&, const Fault&);
 /// Deflecting magnets with fields that nobody can make, at one scan point.
 Faults impossible_magnets_of(const Beamline&);
+/// Numbers that no apparatus has, at one scan point.
+Faults absurd_numbers_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

@@ -106,8 +106,10 @@ bool refuse_what_is_no_parameter(const std::vector<Segment>& path, const std::st
     return false;
   const std::string help = first == "parts"  ? "name a part instead: `H0.frequency`"
                            : first == "scan" ? "use --scan"
-                                             : "";
-  reading.error(path.front().place, fmt::format("`{}` is no value that can be set or scanned", first), help);
+                                             : "name a key of the source, the law or a part, such as "
+                                               "`source.speed.mean`, `law` or `H0.frequency`";
+  reading.error(path.front().place, fmt::format("`{}` is not a value that can be set or scanned", first),
+                help);
   return true;
 }
 

@@ -58,7 +58,7 @@ void check_scan(const Node* root, const ScanPlan& plan, Reading& reading) {
     for (const NamedAt& scanned : axis.parameters)
       if (!scanned.name.starts_with("model") && !scanned.name.starts_with("variables."))
         reading.error(scanned.place,
-                      fmt::format("`{}` cannot be scanned: it is no parameter of the model", scanned.name),
+                      fmt::format("`{}` cannot be scanned: it is not a parameter of the model", scanned.name),
                       "scan one such as `model.samples`");
   const Entry* scan = root ? root->find("scan") : nullptr;
   if (!scan) return;

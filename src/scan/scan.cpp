@@ -20,7 +20,7 @@ std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view ke
   const bool unit = parsed.misread != Misread::not_a_number;
   reading.error(node.place,
                 fmt::format("`{}` begins or ends a range, but {} {}", key, quote(node), parsed.error),
-                unit ? parsed.suggestion : "write what is no number one by one: `values: [...]`");
+                unit ? parsed.suggestion : "write what is not a number one by one: `values: [...]`");
   return std::nullopt;
 }
 
@@ -179,12 +179,23 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
   const std::string& text = source->lines.front();
   const std::size_t equals = text.find('=');
   const Place whole{source, 1, 1, std::max(1, static_cast<int>(text.size()))};
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+  if (equals != std::string::npos && equals > 0 && equals + 1 == text.size()) {
+    reading.error(
+        whole, fmt::format("the scan of `{}` has no values", text.substr(0, equals)),
+        fmt::format("write them behind it, as `{0}=FROM:TO:POINTS` or `{0}=A,B,C`", text.substr(0, equals)));
+    return axis;
+  }
+  if (equals == std::string::npos || equals == 0) {
     reading.error(whole, "a scan on the command line is NAME=FROM:TO:POINTS[:log] or NAME=A,B,C",
                   "such as `H0.frequency=280 kHz:300 kHz:21` or `law=quantum,dorado`");
     return axis;
   }
   axis.parameters = names_before(equals, source);
+  for (const NamedAt& named : axis.parameters)
+    if (named.name.empty()) {
+      reading.error(named.place, "the name of a parameter is missing here", "such as `H0.frequency`");
+      return axis;
+    }
   axis.place = {source, 1, 1, static_cast<int>(equals)};
   const std::vector<std::size_t> colons = separators(text, equals + 1, ':');
   std::vector<std::size_t> cuts = separators(text, equals + 1, ',');

@@ -62,10 +62,9 @@ inline constexpr auto parameters<ScanEntry> = std::tuple{
     param("to", &ScanEntry::to, "last value of a range"),
     param("points", &ScanEntry::points, Dimension::number, scan_points,
           "how many values, both ends included"),
-    param("spacing", &ScanEntry::spacing, "how the values of a range are spread; linear where it is missing"),
+    param("spacing", &ScanEntry::spacing, "how the values of a range are spread; linear if omitted"),
     param("values", &ScanEntry::values, "instead of a range: the values one by one, in brackets"),
-    param("particles", &ScanEntry::particles,
-          "whether scan points share their particles; shared where it is missing"),
+    param("particles", &ScanEntry::particles, "whether scan points share their particles; shared if omitted"),
 };
 
 /// One axis of the scan: what it changes and the value of each of its points.

@@ -65,10 +65,15 @@ double read_time_argument(const std::string& option, const std::string& text, co
   Reading reading;
   const auto source = make_source_text(option, text);
   double out = 0;
-  if (!read_quantity(parse_value(source, 0, source->lines.front().size()),
-                     {option, Dimension::time, range, ""}, reading, out))
-    throw InputError(std::move(reading.errors));
-  return out;
+  if (read_quantity(parse_value(source, 0, source->lines.front().size()),
+                    {option, Dimension::time, range, ""}, reading, out))
+    return out;
+  // Who waits for a program does not count in microseconds.
+  const std::string example = fmt::format("`{}`", example_of(Dimension::time));
+  for (Diagnostic& error : reading.errors)
+    if (const std::size_t at = error.suggestion.find(example); at != std::string::npos)
+      error.suggestion.replace(at, example.size(), "`10 min`");
+  throw InputError(std::move(reading.errors));
 }
 
 std::uint64_t read_memory_argument(const std::string& option, const std::string& text) {
@@ -78,11 +83,12 @@ std::uint64_t read_memory_argument(const std::string& option, const std::string&
   std::string_view unit(end, text.data() + text.size());
   unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
   const auto found = std::ranges::find(units, unit);
-  constexpr double most = 1 << 20;  // of the largest unit
-  if (error != std::errc() || found == units.end() || !(number > 0) || number > most) {
+  constexpr double most = 1 << 20;           // of the largest unit
+  constexpr double least = 1.0 / (1 << 20);  // a byte
+  if (error != std::errc() || found == units.end() || !(number >= least) || number > most) {
     const auto source = make_source_text(option, text);
     throw InputError({{{source, 1, 1, static_cast<int>(text.size())},
-                       fmt::format("`{}` is no size of memory", text),
+                       fmt::format("`{}` is not a size of memory", text),
                        "write a number greater than zero with MiB, GiB or TiB, such as 2GiB"}});
   }
   return static_cast<std::uint64_t>(

@@ -142,13 +142,6 @@ inline std::string label_of(const Beamline& beamline, int component, int levels,
   return beamline.species.size() == 1 ? name : species.name + " " + name;
 }
 
-/// A part's number at a scan point: a scan over `at` may change the order.
-inline int number_of(const Beamline& beamline, const std::string& name) {
-  for (std::size_t i = 0; i < beamline.parts.size(); ++i)
-    if (beamline.parts[i].placement.name == name) return static_cast<int>(i);
-  throw std::logic_error("a part is missing at a scan point");
-}
-
 /// The tallies that concern each scan point.
 template <class Tally>
 class AtPoints {

@@ -11,11 +11,11 @@
 
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
+#include "core/stepper.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "simulation/level_check.hpp"
 #include "simulation/magnet_check.hpp"
-#include "simulation/scaled_steps.hpp"
 #include "simulation/zone_rates.hpp"
 
 namespace rabiline {
@@ -121,7 +121,7 @@ bool integrate(Problem& problem, Row& state) {
   gsl_odeiv2_system system{derivative, nullptr, numbers, &problem};
   // Each number against its own size.
   const double sizes[numbers] = {length, length, length / speed, speed, speed, speed, 1, 1, 1};
-  ScaledSteps steps(sizes, error, length / 64);
+  Stepper steps(sizes, error, length / 64);
   const double longest = problem.zone.longest > 0 ? problem.zone.longest : length;
   double y = zone.begin;
   while (y < zone.end)

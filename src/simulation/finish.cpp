@@ -79,7 +79,7 @@ Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int thr
   const std::vector<CountCovariance> covariances = contract_moments(plan, threads, sums);
   const Tallies tallies(plan);
   const std::vector<Moments> emitted = emitted_of(plan, sums);
-  const Summed run{experiment, plan, sums, tallies, emitted, covariances};
+  const Summed run{experiment, plan, sums, tallies, emitted, covariances, PartNumbers(experiment.points)};
 
   const Beamline& first = experiment.points.front();
   Result result;

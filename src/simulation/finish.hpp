@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/part_numbers.hpp"
 #include "simulation/result.hpp"
 #include "simulation/tallies.hpp"
 
@@ -18,6 +19,7 @@ struct Summed {
   const Tallies& tallies;
   const std::vector<Moments>& emitted;  // [points]
   const std::vector<CountCovariance>& covariances;
+  const PartNumbers parts;
 
   /// Between the counted fractions of two points, of what was booked as moments.
   double covariance_by_moments(const std::string& part, int plane, std::size_t a, std::size_t b) const;

@@ -44,7 +44,7 @@ class DetectorFinisher {
       add_detected_of_all(detector);
       add_count_rate(detector);
       add_levels(detector);
-      detector.transits = transits_to(number_of(first, detector.name), first, run_.plan, run_.sums);
+      detector.transits = transits_to(run_.parts.of(detector.name, 0), first, run_.plan, run_.sums);
       result_.detectors.push_back(std::move(detector));
     }
   }
@@ -79,7 +79,7 @@ class DetectorFinisher {
 
   void add_counts(std::size_t p, const ScreenGrid& grid, DetectorResult& detector) {
     const Beamline& beamline = run_.experiment.points[p];
-    const int part = number_of(beamline, detector.name);
+    const int part = run_.parts.of(detector.name, p);
     const auto& screen_part = std::get<Detector>(beamline.parts[static_cast<std::size_t>(part)].part);
     const std::uint64_t each = counted_of_one(screen_part.efficiency);
     if (grid.moves) {
@@ -158,12 +158,13 @@ class DetectorFinisher {
   void add_levels(DetectorResult& detector) {
     std::vector<std::map<std::string, LevelMoments>> found(points_);
     for (std::size_t p = 0; p < points_; ++p) {
-      const int part = number_of(run_.experiment.points[p], detector.name);
+      const int part = run_.parts.of(detector.name, p);
+      const Beamline beamline = run_.experiment.points[p];
       for (const LevelTally& tally : levels_[p]) {
         if (tally.part != part) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
         for (int level = 0; level < tally.levels; ++level) {
-          const std::string label = label_of(run_.experiment.points[p], tally.component, tally.levels, level);
+          const std::string label = label_of(beamline, tally.component, tally.levels, level);
           if (std::find(detector.level_labels.begin(), detector.level_labels.end(), label) ==
               detector.level_labels.end())
             detector.level_labels.push_back(label);

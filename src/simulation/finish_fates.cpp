@@ -43,11 +43,9 @@ class FateFinisher {
     for (const FateTally& tally : run_.tallies.fates)
       for (const int p : *tally.points) {
         const auto point = static_cast<std::size_t>(p);
-        const std::string where =
-            tally.part == chamber_number ? "chamber"
-            : tally.part == no_part
-                ? ""
-                : run_.experiment.points[point].parts[static_cast<std::size_t>(tally.part)].placement.name;
+        const std::string where = tally.part == chamber_number ? "chamber"
+                                  : tally.part == no_part      ? ""
+                                                               : run_.parts.name(tally.part, point);
         LedgerRow& row = ledger[{std::string(tally.fate), where}];
         row.all.resize(points_);
         row.by_level.resize(points_ * levels);

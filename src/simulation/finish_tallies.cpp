@@ -35,8 +35,6 @@ class TallyFinisher {
   }
 
  private:
-  Beamline beamline(std::size_t p) const { return run_.experiment.points[p]; }
-
   // ---- monitors ----
 
   void add_monitor(const PlacedPart& part) {
@@ -60,7 +58,7 @@ class TallyFinisher {
     };
     std::vector<double> errors(points_);
     for (std::size_t p = 0; p < points_; ++p) {
-      const int number = number_of(beamline(p), monitor.name);
+      const int number = run_.parts.of(monitor.name, p);
       const Moments& emitted = run_.emitted[p];
       Counts total(1);
       Moments all;
@@ -147,10 +145,12 @@ class TallyFinisher {
 
   void add_counts(const HistogramSums& layout, std::size_t number, std::size_t plane, std::size_t p,
                   TallyResult& out) {
-    const Beamline point = beamline(p);
-    const int part = number_of(point, out.part);
-    const auto* detector = detector_in(point.parts[static_cast<std::size_t>(part)].part);
-    const std::uint64_t each = detector ? counted_of_one(detector->efficiency) : quanta_per_particle;
+    const int part = run_.parts.of(out.part, p);
+    std::uint64_t each = quanta_per_particle;
+    if (!out.of_monitor) {
+      const Beamline beamline = run_.experiment.points[p];
+      each = counted_of_one(detector_in(beamline.parts[static_cast<std::size_t>(part)].part)->efficiency);
+    }
     Counts bins(layout.bins), outside(1);
     Sum sum = 0;
     for (const HistogramTally* tally : found(part, number, plane, p)) {
@@ -191,7 +191,7 @@ class TallyFinisher {
     for (std::size_t a = 0; a < tally.axes.size(); ++a) {
       if (is_categorical(tally.axes[a].quantity)) continue;
       std::vector<MomentSums> groups(moment_groups);
-      for (const HistogramTally* found : found(number_of(beamline(p), out.part), number, plane, p)) {
+      for (const HistogramTally* found : found(run_.parts.of(out.part, p), number, plane, p)) {
         for (std::size_t g = 0; g < moment_groups; ++g) {
           const Sum* s = &run_.sums[found->at + found->layout.moments(ranged, g)];
           groups[g].q += s[0];

@@ -6,7 +6,7 @@
 #include <complex>
 
 #include "core/portable_math.hpp"
-#include "simulation/scaled_steps.hpp"
+#include "core/stepper.hpp"
 #include "simulation/zone_rates.hpp"
 
 namespace rabiline {
@@ -61,7 +61,7 @@ std::optional<AcrossBeam> integrated(const BatchView& batch, int i, double lengt
   gsl_odeiv2_system system{PathProblem<Force>::derivative, nullptr, 4, &problem};
   constexpr double error = 1e-12;
   const double speed = batch.vy[i], stay = length / speed, sizes[4] = {length, length, speed, speed};
-  ScaledSteps steps(sizes, error, stay / 64);
+  Stepper steps(sizes, error, stay / 64);
   double t = 0, q[4] = {batch.x[i], batch.z[i], batch.vx[i], batch.vz[i]};
   if (steps.go(system, t, stay, stay, q) != GSL_SUCCESS) return {};
   return AcrossBeam{q[0], q[1], q[2], q[3]};

@@ -295,12 +295,18 @@ class Runner {
     turn_.notify_one();
   }
 
+  /// Of the part under way, by what it costs: the laws of a scan take their trees one after the other, and
+  /// some are slow. Particles fly about in the order of their places.
+  double share_of_work(std::uint64_t flown) const {
+    const double before = row_.cost_before(begin_);
+    return (row_.cost_before(begin_ + flown) - before) / (row_.cost_before(end_) - before);
+  }
+
   /// By the leader: how far all are, and a snapshot of what was collected.
   void report(bool collected) try {
     const double seconds = seconds_since(start_);
     if (options_.progress && seconds >= next_progress_) {
-      const double all = static_cast<double>(end_ - begin_), done = static_cast<double>(flown_) / all;
-      const double done_now = done - static_cast<double>(flown_before_) / all;
+      const double done = share_of_work(flown_), done_now = done - share_of_work(flown_before_);
       options_.progress({done, seconds, done_now > 0 ? seconds * (1 - done) / done_now : 0});
       next_progress_ = seconds + 0.2;
     }

@@ -54,6 +54,14 @@ Stretch ParticleRow::at(std::uint64_t place) const {
   return {place, tree, begin + (place - begin_[at]), last};
 }
 
+double ParticleRow::cost_before(std::uint64_t place) const {
+  double cost = 0;
+  for (std::size_t at = 0; at + 1 < begin_.size() && begin_[at] < place; ++at)
+    cost += std::max(plan_.trees[at % plan_.trees.size()].cost, 1e-12) *
+            static_cast<double>(std::min(begin_[at + 1], place) - begin_[at]);
+  return cost;
+}
+
 void Intervals::insert(std::uint64_t begin, std::uint64_t end) {
   if (intervals_.empty() || intervals_.back().second < begin)
     intervals_.emplace_back(begin, end);

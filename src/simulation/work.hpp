@@ -32,6 +32,8 @@ class ParticleRow {
   std::uint64_t end_of_part(int halvings) const;
   /// From a place to the end of its tree in its part.
   Stretch at(std::uint64_t place) const;
+  /// What all places before one take by the plan's estimate [s].
+  double cost_before(std::uint64_t place) const;
 
  private:
   /// Particles of a tree that this part adds to those before it.

@@ -287,7 +287,7 @@ std::string FileReader::attribute(const std::string& name, const char* attribute
       type(H5Aget_type(attribute.id()), H5Tclose, place),
       space(H5Aget_space(attribute.id()), H5Sclose, place);
   if (H5Tget_class(type.id()) != H5T_STRING || H5Sget_simple_extent_npoints(space.id()) != 1)
-    refuse(place, "it is no single text");
+    refuse(place, "it is not a single text");
   if (check(H5Tis_variable_str(type.id()), place) != 0) {
     char* text = nullptr;
     const Handle memory = variable_text(place);
@@ -298,7 +298,7 @@ std::string FileReader::attribute(const std::string& name, const char* attribute
     return out;
   }
   const std::size_t size = H5Tget_size(type.id());
-  if (size == 0 || size > longest) refuse(place, "it is no text of a reasonable length");
+  if (size == 0 || size > longest) refuse(place, "it is not a text of a reasonable length");
   std::string bytes(size + 1, '\0');
   check(H5Aread(attribute.id(), type.id(), bytes.data()), place);
   return bytes.c_str();
@@ -311,7 +311,7 @@ std::string FileReader::text(const std::string& name, std::size_t most_bytes) co
   const std::size_t size = H5Tget_size(type.id());
   if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), place) != 0 ||
       H5Sget_simple_extent_type(space.id()) != H5S_SCALAR || size == 0 || size > most_bytes)
-    refuse(place, "it is no single text of a reasonable length");
+    refuse(place, "it is not a single text of a reasonable length");
   require_own_storage(dataset.id(), size, place);
   std::string bytes(size, '\0');
   const Handle memory = fixed_text(size, place);

@@ -61,8 +61,8 @@ class MapReader {
     const std::string unit = file_.attribute(name, "units");
     const ParsedQuantity one = parse_quantity("1 " + unit, dimension);
     if (!one.error.empty() || one.dimension != dimension)
-      throw StorageError(
-          fmt::format("{}: /{}: `{}` is no unit of {}", path_, name, unit, with_article(name_of(dimension))));
+      throw StorageError(fmt::format("{}: /{}: `{}` is not a unit of {}", path_, name, unit,
+                                     with_article(name_of(dimension))));
     out_.digest =
         digest(std::as_bytes(std::span(values)), out_.digest == 0 ? digest_of_nothing : out_.digest);
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -18,7 +18,7 @@ bool is_hdf5(const std::filesystem::path& path) {
 Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& path) {
   constexpr std::size_t most_text = std::size_t{1} << 26, most_inputs = 16;
   if (!file.contains("entry/simulation/input_0/data"))
-    throw StorageError(fmt::format("{}: is no result of `rabiline run`", path.string()));
+    throw StorageError(fmt::format("{}: is not a result of `rabiline run`", path.string()));
   Origin origin;
   for (std::size_t i = 0; i < most_inputs; ++i) {
     const std::string note = fmt::format("entry/simulation/input_{}", i);

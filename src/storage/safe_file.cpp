@@ -85,7 +85,7 @@ void require_replaceable(const Path& path) {
   if (!S_ISREG(status.st_mode)) refuse(path, "it is not a regular file", "choose another place");
   if (::access(path.c_str(), W_OK) != 0) refuse(path, errno);
   if (is_none_of_ours(path, status))
-    refuse(path, "it is there already and no HDF5 file, and is not written over",
+    refuse(path, "it is there already and is not an HDF5 file, and is not written over",
            "choose another name, or remove it");
 }
 

@@ -229,8 +229,8 @@ def test_a_map_of_an_electric_field_acts_as_the_field_that_it_was_made_of(tmp_pa
 
 
 @pytest.mark.parametrize(("names", "unit", "part", "message"), [
-    ("Ex Ey Ez", "mT", "map: plates.csv", "`mT` is no unit of the column `Ex`"),
-    ("Ex Ey Bz", "kV/m", "map: plates.csv", "no unit of the column `Bz`"),
+    ("Ex Ey Ez", "mT", "map: plates.csv", "`mT` is not a unit of the column `Ex`"),
+    ("Ex Ey Bz", "kV/m", "map: plates.csv", "not a unit of the column `Bz`"),
     ("Ex Ey Ez", "kV/m", "map: plates.csv, oscillates: {frequency: 1 kHz, phase: locked}", "stand still"),
     ("Ex Ey Ez", "kV/m", "map: {file: plates.csv, z: same_currents}", "planes of symmetry"),
 ])

@@ -85,7 +85,7 @@ def test_an_electric_formula_is_the_electric_field_that_it_states(tmp_path: Path
 
 
 @pytest.mark.parametrize(("formula", "rest", "message", "help_"), [
-    ("Bz: 1e-3*t", "", "`t` is no place", "repeat in time, `frequency: 10 kHz`, or how long"),
+    ("Bz: 1e-3*t", "", "`t` is not a place", "repeat in time, `frequency: 10 kHz`, or how long"),
     ("Bz: 1e-3, frequency: 10 kHz", "", "no component has t: the field stands", "omit `frequency`"),
     ("Bz: 1e-3*exp(-t*1e4), frequency: 10 kHz", "", "do not repeat with this frequency in four harmonics", "slowest part"),
     ("Bz: 1e-3*cos(2*pi*1.5e4*t), frequency: 10 kHz", "", "do not repeat with this frequency in four harmonics", "slowest part"),

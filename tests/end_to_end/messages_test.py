@@ -1,6 +1,7 @@
 """What the command line says of values that cannot be meant, and of runs that cannot do what is asked of them."""
 from __future__ import annotations
 
+import json
 import resource
 import subprocess
 from pathlib import Path
@@ -43,6 +44,26 @@ def test_an_option_without_a_value_is_refused(tmp_path: Path, option: str, joine
 def test_a_line_without_an_axis_is_refused() -> None:
     done = rabiline("probe", EXPERIMENT, "--along", "")
     assert done.returncode == BAD_INPUT and "`--along` is set to nothing" in done.stderr and done.stdout == ""
+
+
+@pytest.mark.parametrize(("line", "says"), [
+    (["--from", "0 s", "--to", "1 m"], "--from: `0 s` is not a length"),
+    (["--from", "0 m"], "--along: where the line ends is missing\n  help: add `--to '1 m'`"),
+    (["--to", "1 m"], "--along: where the line begins is missing\n  help: add `--from '0 m'`"),
+])
+def test_a_line_is_told_what_it_lacks(line: list[str], says: str) -> None:
+    done = rabiline("probe", EXPERIMENT, "--along", "y", *line)
+    assert done.returncode == BAD_INPUT and says in done.stderr and done.stdout == ""
+
+
+def test_the_last_number_of_a_particle_is_told(tmp_path: Path) -> None:
+    done = rabiline("trace", EXPERIMENT, "--particle", "1e15", "-o", tmp_path / "t.h5")
+    assert done.returncode == BAD_INPUT and "`--particle` must be from 0 to 1e14, but is `1e15`" in done.stderr
+
+
+def test_help_is_told_how_it_is_asked_for() -> None:
+    assert "did you mean `--help`?" in rabiline("help").stderr
+    assert rabiline("run").stderr == "error: FILE is required\n  help: `rabiline run --help` tells what there is\n"
 
 
 def test_a_blank_seed_is_blamed_on_the_option() -> None:
@@ -98,3 +119,125 @@ def test_a_rescan_tells_why_nothing_was_kept(tmp_path: Path) -> None:
 def test_the_first_steps_of_help_need_no_other_files() -> None:
     said = rabiline("--help").stdout
     assert "rabiline new ramsey" in said and "beamline/" not in said
+
+
+@pytest.mark.parametrize("arguments", [["run", "never.yaml"], ["check", "never.yaml"], ["trace", "never.yaml", "-o", "t.h5"],
+                                       ["probe", "never.yaml"], ["run", "."], ["resume", "never.h5"], ["verify", "never.h5"],
+                                       ["reproduce", "never.h5"], ["rescan", "never.h5"], ["merge", "all.h5", "never.h5"]], ids=" ".join)
+def test_a_file_that_is_not_there_exits_3_whatever_reads_it(tmp_path: Path, arguments: list[str]) -> None:
+    done = rabiline(*arguments, cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and done.stderr.startswith("error: ") and done.stdout == "", done
+    assert "never" in done.stderr or "folder" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_check_tells_programs_of_a_file_that_is_not_there(tmp_path: Path) -> None:
+    done = rabiline("check", "never.yaml", "--json", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and json.loads(done.stdout)["errors"][0]["file"] == "never.yaml"
+
+
+@pytest.mark.parametrize("arguments", [["check", RAMSEY], ["describe"], ["--help"], ["--version"],
+                                       ["probe", RAMSEY, "--along", "y", "--from", "0 m", "--to", "1 m"]])
+def test_text_that_nobody_can_get_is_an_error(arguments: list) -> None:
+    done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", PROGRAM, *map(str, arguments)], text=True, capture_output=True, timeout=300)
+    assert done.returncode == NOT_WRITTEN and "could not be written to the standard output (it is closed)" in done.stderr
+
+
+def test_a_result_is_whole_where_all_streams_are_closed(tmp_path: Path) -> None:
+    command = ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", PROGRAM, "run", str(EXPERIMENT), "--particles", "10", "-o", "a.h5"]
+    assert subprocess.run(command, cwd=tmp_path, timeout=300).returncode == DONE
+    assert rabiline("verify", "a.h5", cwd=tmp_path).returncode == DONE
+
+
+@pytest.mark.parametrize(("options", "says"), [
+    (["--seed", "1", "--seed", "2"], "`--seed` is given twice"),
+    (["-o", "a.h5", "--output", "b.h5"], "`--output` is given twice"),
+    (["--batch", "12"], "--batch must be a multiple of 8 from 8 to 512, but is 12"),
+    (["--max-time", "1 d"], "help: write it like `10 min`"),
+    (["--shard", "1/"], "--shard is NUMBER/OF, such as 2/8, but `1/` stands here"),
+    (["--transit", "all"], "error: --transit: all not in"),
+    (["--max-memory", "1e-9MiB"], "`1e-9MiB` is not a size of memory"),
+    (["--scan", ",=1,2"], "the name of a parameter is missing here"),
+    (["--seed", "1e30"], "`seed` must be from 0 to 2^64 - 1 = 18446744073709551615, but is `1e30`"),
+])
+def test_what_is_wrong_with_an_option_is_told_with_its_value(tmp_path: Path, options: list[str], says: str) -> None:
+    done = rabiline("run", EXPERIMENT, *options, cwd=tmp_path)
+    assert done.returncode == BAD_INPUT and says in done.stderr, done.stderr
+
+
+def test_a_checkpoint_is_resumed_by_the_name_of_its_result(tmp_path: Path) -> None:
+    (tmp_path / "my run.h5.checkpoint").write_text("")
+    done = rabiline("resume", "my run.h5.checkpoint", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and "help: rabiline resume 'my run.h5'\n" in done.stderr
+
+
+def test_a_folder_in_the_place_of_a_checkpoint_is_not_to_be_removed(tmp_path: Path) -> None:
+    (tmp_path / "a.h5.checkpoint").mkdir()
+    done = rabiline("run", EXPERIMENT, "--particles", "10", "-o", "a.h5", cwd=tmp_path)
+    assert done.returncode == NOT_WRITTEN and "a.h5.checkpoint is a folder" in done.stderr and "rm" not in done.stderr.split()
+
+
+def test_one_point_is_told_as_one(tmp_path: Path) -> None:
+    one = ("--scan", "H0.frequency=290 kHz", "--particles", "10")
+    told = rabiline("check", EXPERIMENT, *one).stdout
+    assert "scan       H0.frequency: 290 kHz, one point\n" in told and "particles  10\n" in told
+    assert ": 10 particles, " in rabiline("run", EXPERIMENT, *one, "-o", "a.h5", cwd=tmp_path).stdout
+    two = rabiline("run", EXPERIMENT, "--scan", "H0.frequency=290 kHz,291 kHz", "--particles", "10", "-o", "b.h5", cwd=tmp_path)
+    assert ": 2 scan points, 10 particles each, " in two.stdout
+
+
+WAVES = SPECTRUM.replace("kind: tabulated, file: spectrum.csv", "kind: single, value: 1000 m/s").replace("parts: [", """parts: [
+  {name: F, kind: formula_field, at: 0 m, formula: {Bx: "0", By: "0", Bz: "b*sin(k*y)", constants: {b: 1 mT, k: 100 1/m},
+   width: 1 cm, height: 1 cm, length: 1 m, step: 2 mm}}, """)
+
+
+def test_the_picture_of_a_line_has_no_corners(tmp_path: Path) -> None:
+    (tmp_path / "waves.yaml").write_text(WAVES)
+    line = ("probe", "waves.yaml", "--along", "y", "--from", "0 m", "--to", "1 m")
+    assert rabiline(*line, cwd=tmp_path).stdout.count("\n") == 102
+    drawn = rabiline(*line, "-o", "field.svg", cwd=tmp_path)
+    assert drawn.returncode == DONE, drawn.stderr
+    assert max(path.count("\nL ") for path in (tmp_path / "field.svg").read_text().split("<path")) > 300
+
+
+def test_a_table_may_have_quotes_around_its_cells(tmp_path: Path) -> None:
+    (tmp_path / "spectrum.csv").write_text('"speed [m/s]","flux"\n"500",1\n600,1\n')
+    (tmp_path / "beam.yaml").write_text(SPECTRUM)
+    assert "550 m/s on average" in rabiline("check", "beam.yaml", cwd=tmp_path).stdout
+
+
+def test_a_run_without_a_title_is_told_without_one(tmp_path: Path) -> None:
+    (tmp_path / "spectrum.csv").write_text("speed [m/s],flux\n500,1\n600,1\n")
+    (tmp_path / "beam.yaml").write_text(SPECTRUM)
+    assert rabiline("check", "beam.yaml", cwd=tmp_path).stdout.startswith("law        quantum\n")
+    assert rabiline("run", "beam.yaml", cwd=tmp_path).stdout.startswith("100 particles, ")
+
+
+MAP = """rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 1000 m/s}, opening: {radius: 1 mm}, direction: parallel}
+parts:
+  - {name: F, kind: field_map, at: 0.5 m, map: map.csv}
+  - {name: D, kind: detector, at: 1 m, width: 1 cm, height: 1 cm, bins: [1, 1]}
+particles: 100
+seed: 1
+"""
+
+
+def map_of(field: str) -> str:
+    rows = (f"{x},{y},{z},0,0,{field}" for x in (-1, 0, 1, 2) for y in (-2, -1, 0, 1, 2) for z in (-1, 0, 1, 2))
+    return '"x [cm]","y [cm]","z [cm]","Bx [T]","By [T]","Bz [T]"\n' + "\n".join(rows) + "\n"
+
+
+def test_a_map_of_an_absurd_field_is_told(tmp_path: Path) -> None:
+    (tmp_path / "beam.yaml").write_text(MAP)
+    for field, told in (("1e-3", False), ("1e300", True)):
+        (tmp_path / "map.csv").write_text(map_of(field))
+        assert ("the field of `F` comes to 1e+300 T on the axis" in rabiline("check", "beam.yaml", cwd=tmp_path).stdout) == told
+
+
+def test_a_damaged_map_is_named_once(tmp_path: Path) -> None:
+    (tmp_path / "map.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    (tmp_path / "beam.yaml").write_text(MAP.replace("map.csv", "map.h5"))
+    assert "error: `map.h5`: HDF5 failed" in rabiline("check", "beam.yaml", cwd=tmp_path).stderr

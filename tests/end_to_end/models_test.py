@@ -164,7 +164,7 @@ def test_what_has_no_meaning_for_a_model_is_refused(tmp_path: Path) -> None:
         assert f"`{option[2:]}` has no meaning for a model: it is solved, not flown" in refused.stderr
     traced = rabiline("trace", CYLINDER, "-o", output)
     assert traced.returncode == 2 and "which has no beam and no particles" in traced.stderr
-    assert rabiline("resume", output).returncode == 2
+    assert rabiline("resume", output).returncode == 3
     assert not output.exists()
 
 

@@ -179,7 +179,7 @@ def test_memory_is_stated_as_a_size(folder: Path) -> None:
     (folder / "magnets.yaml").write_text(MAGNETS)
     for size in ("2", "2 GB", "-1GiB", "nothing"):
         refused = rabiline("check", "rabi.yaml", "--max-memory", size, cwd=folder)
-        assert refused.returncode == 2 and "is no size of memory" in refused.stderr
+        assert refused.returncode == 2 and "is not a size of memory" in refused.stderr
     done = rabiline("run", "rabi.yaml", "--max-memory", "1 MiB", "--set", "screen.bins=[2000, 2000]", "-o", "a.h5", cwd=folder)
     assert done.returncode == 2 and ", and --max-memory allows 1 MiB\n  help: use fewer `bins` or fewer scan points" in done.stderr, done.stderr
     alone = rabiline("run", "rabi.yaml", "--max-memory", "1 MiB", "--set", "screen.bins=[2000, 2000]", "--no-scan", "--threads", "1", cwd=folder)

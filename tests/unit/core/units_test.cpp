@@ -171,6 +171,9 @@ TEST(Units, ArePrettyForPeople) {
   EXPECT_EQ(pretty_quantity(0, Dimension::speed), "0 m/s");
   EXPECT_EQ(pretty_quantity(0.25, Dimension::number), "0.25");
   EXPECT_EQ(pretty_quantity(1e-12, Dimension::length), "0.001 nm");
+  EXPECT_EQ(pretty_quantity(7.517e-18, Dimension::magnetic_field), "7.517e-18 T");
+  EXPECT_EQ(pretty_quantity(-1e-30, Dimension::length), "-1e-30 m");
+  EXPECT_EQ(pretty_quantity(1.602176634e-47, Dimension::electric_dipole), "1e-26 e cm");
   EXPECT_EQ(pretty_quantity(4.005441585e-21, Dimension::energy), "25 meV");
   EXPECT_EQ(pretty_quantity(0.002, Dimension::temperature), "2 mK");
   EXPECT_EQ(pretty_quantity(1e6, Dimension::rate), "1e+06 1/s");

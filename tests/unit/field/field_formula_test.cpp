@@ -62,8 +62,8 @@ TEST(FieldFormula, SaysWhatIsWrongAndWhere) {
     EXPECT_EQ(fault.from, from) << text;
     EXPECT_EQ(fault.length, length) << text;
   };
-  expect("B0*(1 + B1*z)", "`B1` is no place", 8, 2);
-  expect("1 + cso(x)", "`cso` is no place", 4, 3);
+  expect("B0*(1 + B1*z)", "`B1` is not a place", 8, 2);
+  expect("1 + cso(x)", "`cso` is not a place", 4, 3);
   expect("B0*(1 + x", "a bracket is not closed", 9, 1);
   expect("B0 x", "an operator is missing before `x`", 3, 1);
   expect("B0 + ", "ends too soon", 5, 1);

@@ -173,6 +173,14 @@ TEST(Describe, TellsHowTalliesAreWrittenAndWhatTheyCount) {
     EXPECT_THAT(describe("tallies"), HasSubstr(word));
 }
 
+TEST(Describe, TellsWhatStandsAtThePlaceOfAPart) {
+  EXPECT_THAT(describe("uniform_field"), HasSubstr("where the part begins"));
+  EXPECT_THAT(describe("field_map"),
+              HasSubstr("where the origin of the map (x, y, z = 0 of its table) stands"));
+  EXPECT_THAT(describe("solenoid"), HasSubstr("the middle of the cylinder"));
+  EXPECT_THAT(describe("detector"), AllOf(HasSubstr("where the screen is"), Not(HasSubstr("the hole"))));
+}
+
 TEST(JsonSchema, HasEveryKeyOfABeamline) {
   const std::string text = json_schema();
   const Node root = parse_document(make_source_text("schema", text), text);

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "input/file.hpp"
+#include "storage/storage_error.hpp"
 
 namespace rabiline::document_test {
 namespace {
@@ -75,18 +76,18 @@ TEST(Document, ReadsAValueInsideAnArgumentWithPlacesOfTheArgument) {
   EXPECT_EQ(to_text(value), "{name: dorado}");
 }
 
-TEST(File, ThatIsNotThereOrAFolderIsAnInputError) {
+TEST(File, ThatIsNotThereOrAFolderCannotBeRead) {
   try {
     load_file("no/such/file.yaml");
     FAIL();
-  } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "no/such/file.yaml: error: there is no such file\n");
+  } catch (const StorageError& e) {
+    EXPECT_STREQ(e.what(), "no/such/file.yaml: there is no such file");
   }
   try {
     load_file(".");
     FAIL();
-  } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), ".: error: this is a folder, not a file\n  help: name the file in it\n");
+  } catch (const StorageError& e) {
+    EXPECT_STREQ(e.what(), ".: this is a folder, not a file\n  help: name the file in it");
   }
 }
 

@@ -128,6 +128,19 @@ TEST_F(ExplainAtoms, TellsHowManyWaysShareThePaths) {
   EXPECT_THAT(told, HasSubstr("scan point 3: 9192.63 MHz"));
 }
 
+TEST_F(ExplainAtoms, TellsOnceWhatDrivesLevelsInFrontOfSeveralParts) {
+  std::string text = clock_file;
+  text.insert(text.find("  - {name: D"),
+              "  - {name: M, kind: monitor, at: 1 m, width: 1 cm, height: 1 cm, tallies: [{name: l, axes: "
+              "[level]}]}\n");
+  std::ofstream(path_) << text;
+  const std::string told = check();
+  const std::size_t first = told.find("R drives from");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(told.find("R drives from", first + 1), std::string::npos) << told;
+  EXPECT_THAT(told, HasSubstr("what drives levels is as told of M\n"));
+}
+
 TEST_F(ExplainAtoms, TellsWhyScanPointsAreReadOneByOne) {
   EXPECT_THAT(check({}, {"R.frequency=9192.6 MHz:9192.66 MHz:5"}),
               HasSubstr("scan points are read one by one: levels of atoms are mixed for each particle"));

@@ -264,5 +264,25 @@ TEST(Warnings, TellThatAtomsInAGradientAreBetweenOnePathAndNoPhase) {
   EXPECT_TRUE(warned_of_gradient(1e-3, Outcomes::coherent).empty());
 }
 
+TEST(Warnings, TellNumbersThatNoApparatusHas) {
+  const auto told = [](auto spoil) {
+    Beamline b = standard();
+    spoil(b);
+    const std::vector<Fault> faults = warned({b});
+    return faults.size() == 1 ? faults[0].subject + ": " + faults[0].message : std::to_string(faults.size());
+  };
+  EXPECT_EQ(told([](Beamline& b) { b.gravity = Gravity{1e30}; }),
+            "gravity: `acceleration` of `gravity` is 1e+30 m/s^2: on the Sun it is 274 m/s^2");
+  EXPECT_EQ(told([](Beamline& b) {
+              b.source.opening = Rectangle{1e-30, 1e-3};
+            }),
+            "source: `opening.width` of `source` is 1e-30 m: an atom is larger than that");
+  EXPECT_EQ(told([](Beamline& b) {
+              std::get<Detector>(b.parts[3].part).face = Rectangle{4e-3, 1e30};
+            }),
+            "screen: `height` of `screen` is 1e+27 km: no beam is so long or so wide");
+  EXPECT_EQ(told([](Beamline& b) { b.source.opening = Rectangle{0, 1e-3}; }), "0");
+}
+
 }  // namespace
 }  // namespace rabiline::warnings_test

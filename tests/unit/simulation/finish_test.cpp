@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -291,6 +292,32 @@ TEST(Finish, LabelsTheLevelsOfEverySpinAndEverySpeciesOfAMixture) {
   EXPECT_EQ(mixed.level_labels.size(), 5U);
   EXPECT_EQ(mixed.level_labels[1], "neutron m = -1/2");
   EXPECT_NEAR(mixed.levels[1], 0.5, 0.05);
+}
+
+TEST(Finish, MakesAPointNoMoreOftenForManyMonitors) {
+  const auto makes_with = [](int monitors) {
+    Beamline b = divergent(1);
+    b.particles = 16;
+    for (int i = 0; i < monitors; ++i) {
+      Monitor monitor{Rectangle{1e-2, 1e-2}, {}};
+      monitor.tallies = {{"speeds", {test::axis(Quantity::speed, 900, 1100, 2)}}};
+      b.parts.push_back(test::place("m" + std::to_string(i), 0.6 + 1e-3 * i, monitor));
+    }
+    std::ranges::stable_sort(b.parts, {}, [](const PlacedPart& part) { return part.placement.at; });
+    int made = 0;
+    Experiment e;
+    e.points = {3, [&](std::size_t) {
+                  ++made;
+                  return b;
+                }};
+    const Plan plan = make_plan(e);
+    RunOptions options;
+    Sums sums = run(plan, options).sums;
+    made = 0;
+    finish(e, plan, std::move(sums));
+    return made;
+  };
+  EXPECT_EQ(makes_with(2), makes_with(20));
 }
 
 }  // namespace

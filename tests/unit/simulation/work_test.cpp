@@ -147,5 +147,18 @@ TEST(Merger, RefusesShardsThatOverlapOrAreForeignOrUnfinishedOrMissing) {
             std::string::npos);
 }
 
+TEST(ParticleRow, TellsTheWorkByWhatEachTreeCosts) {
+  Plan plan = make_plan(two_points(1000));
+  ASSERT_EQ(plan.trees.size(), 2U);
+  plan.trees[0].cost = 1e-6;
+  plan.trees[1].cost = 3e-6;
+  const ParticleRow row(plan);
+  EXPECT_EQ(row.cost_before(0), 0);
+  EXPECT_DOUBLE_EQ(row.cost_before(500), 0.5e-3);
+  EXPECT_DOUBLE_EQ(row.cost_before(1000), 1e-3);
+  EXPECT_DOUBLE_EQ(row.cost_before(1500), 2.5e-3);
+  EXPECT_DOUBLE_EQ(row.cost_before(row.size()), 4e-3);
+}
+
 }  // namespace
 }  // namespace rabiline::work_test

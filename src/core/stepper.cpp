@@ -1,4 +1,4 @@
-#include "simulation/scaled_steps.hpp"
+#include "core/stepper.hpp"
 
 #include <gsl/gsl_errno.h>
 
@@ -10,15 +10,19 @@
 
 namespace rabiline {
 
-ScaledSteps::ScaledSteps(std::span<const double> sizes, double error, double length)
-    : sizes_(sizes), error_(error), length_(length) {
+Stepper::Stepper(std::size_t count, double error, double length) : error_(error), length_(length) {
   gsl_set_error_handler_off();  // it ends the program
-  step_.reset(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, sizes.size()));
-  evolve_.reset(gsl_odeiv2_evolve_alloc(sizes.size()));
+  step_.reset(gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, count));
+  evolve_.reset(gsl_odeiv2_evolve_alloc(count));
   if (!step_ || !evolve_) throw std::bad_alloc();
 }
 
-int ScaledSteps::go(gsl_odeiv2_system& system, double& t, double end, double longest, double* state) {
+Stepper::Stepper(std::span<const double> sizes, double error, double length)
+    : Stepper(sizes.size(), error, length) {
+  sizes_ = sizes;
+}
+
+int Stepper::go(gsl_odeiv2_system& system, double& t, double end, double longest, double* state) {
   const gsl_odeiv2_control_type by_error{"by error", nullptr, nullptr, adjust, nullptr, nullptr, nullptr};
   gsl_odeiv2_control control{&by_error, this};
   while (t < end) {
@@ -30,13 +34,14 @@ int ScaledSteps::go(gsl_odeiv2_system& system, double& t, double end, double lon
   return GSL_SUCCESS;
 }
 
-/// As gsl_odeiv2_control_scaled_new chooses it.
-int ScaledSteps::adjust(void* steps, std::size_t size, unsigned order, const double*, const double error[],
-                        const double*, double* step) {
-  const ScaledSteps& own = *static_cast<ScaledSteps*>(steps);
+/// As gsl_odeiv2_control_y_new and gsl_odeiv2_control_scaled_new choose it.
+int Stepper::adjust(void* stepper, std::size_t count, unsigned order, const double y[], const double error[],
+                    const double*, double* step) {
+  const Stepper& own = *static_cast<Stepper*>(stepper);
   double worst = 0;  // error over the one allowed
-  for (std::size_t i = 0; i < size; ++i)
-    worst = std::max(worst, std::abs(error[i]) / (own.error_ * own.sizes_[i]));
+  for (std::size_t i = 0; i < count; ++i)
+    worst = std::max(
+        worst, std::abs(error[i]) / (own.error_ * (own.sizes_.empty() ? 1 + std::abs(y[i]) : own.sizes_[i])));
   constexpr double safety = 0.9;
   if (worst > 1.1) {
     *step *= std::max(0.2, safety / portable::pow(worst, 1.0 / order));
