@@ -121,7 +121,7 @@ def test_errors_of_the_program_are_those_of_the_package(ramsey: rabiline.Experim
         ramsey.run().write("")
     with pytest.raises(rabiline.InputError, match="`source` is the path of a file, and has a zero byte in it"):
         rabiline.load("a\0b")
-    with pytest.raises(rabiline.InputError, match="the file cannot be opened: File name too long"):  # so it is in a folder that is closed
+    with pytest.raises(rabiline.StorageError, match="the file cannot be opened: File name too long"):  # so it is in a folder that is closed
         rabiline.load(300 * "a")
 
 
