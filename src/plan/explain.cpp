@@ -10,6 +10,9 @@
 #include "particle/channel.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/level_history.hpp"
+#include "plan/plan.hpp"
+#include "plan/stretches.hpp"
+#include "transport/describe_outlook.hpp"
 #include "transport/plan_report.hpp"
 
 namespace rabiline {
@@ -113,11 +116,20 @@ class Explainer {
     explain_channel();
     walk(tree.next);
     const std::string gaps = of_atom ? field_free_gaps(beamline_) : "";
+    if (of_atom) coherent_stretches(s);
     if (!gaps.empty())
       line(
           "            no field from {}: levels keep their names there, as a weak guiding field would make "
           "them",
           gaps);
+  }
+
+  /// An atom has no stage there.
+  void coherent_stretches(const Species& atom) {
+    for (const Stretch& stretch : stretches_of(beamline_, atom, sections_of(beamline_)))
+      if (!stretch.outlook.sorts && stretch.outlook.splitting > 0)
+        line("            {:.4f} to {:.4f} m: {}", stretch.begin, stretch.end,
+             describe_levels(stretch.outlook, true));
   }
 
   /// The peaking factor is the intensity on the axis over that of a thin hole with the same flow (H. Pauly,

@@ -18,6 +18,8 @@ namespace {
 /// Below the first share of the smallest feature paths are one; beyond so many turns nothing is left of
 /// phases.
 constexpr double one_path = 0.01, no_phase = 100;
+/// [m] An opening below it, such as a disc of 1 um, stands for a pencil beam and has no size of its own.
+constexpr double smallest_spot = 5e-6;
 
 /// Integral of |grad |B|| along the beam at a place across it [T].
 double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
@@ -44,11 +46,38 @@ double gradient_along(const Sections& sections, const Stretch& stretch, double x
 
 double width_of(const Aperture& a) { return a.radius >= 0 ? 2 * a.radius : 2 * std::min(a.half_x, a.half_z); }
 
-/// The smallest slit or bin behind a place [m].
-double smallest_feature(const Sections& sections, double behind) {
+/// The smallest bin of tallies [m]; that of an angle is one of places so far behind.
+double smallest_bin(const std::vector<Tally>& tallies, double lever) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Tally& tally : tallies)
+    for (const TallyAxis& axis : tally.axes) {
+      const bool of_place = axis.quantity == Quantity::x || axis.quantity == Quantity::z,
+                 of_angle = axis.quantity == Quantity::angle_x || axis.quantity == Quantity::angle_z ||
+                            axis.quantity == Quantity::angle;
+      if ((!of_place && !of_angle) || !axis.from || !axis.to || !axis.bins) continue;
+      const double bin = std::abs(axis.to->value - axis.from->value) / static_cast<double>(*axis.bins);
+      smallest = std::min(smallest, of_place ? bin : bin * lever);
+    }
+  return smallest;
+}
+const std::vector<Tally>* tallies_at(const Plane& plane) {
+  if (const auto* screen = std::get_if<ScreenTerm>(&plane.term)) return &screen->tallies;
+  const auto* monitor = std::get_if<MonitorTerm>(&plane.term);
+  return monitor != nullptr && !monitor->tallies.empty() ? &monitor->tallies : nullptr;
+}
+/// Where places are asked about last [m].
+double last_look(const Sections& sections, double last) {
+  for (const Plane& plane : sections.planes)
+    if (tallies_at(plane) != nullptr) last = std::max(last, plane.y);
+  return last;
+}
+
+/// The smallest slit or bin behind a place, and before the last look `lever` from where paths part [m].
+double smallest_feature(const Sections& sections, double behind, double lever) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Plane& plane : sections.planes) {
     if (plane.y < behind) continue;
+    if (const auto* tallies = tallies_at(plane)) smallest = std::min(smallest, smallest_bin(*tallies, lever));
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
       smallest = std::min(smallest, width_of(aperture_of(plane.y, *plate)));
     if (const auto* screen = std::get_if<ScreenTerm>(&plane.term)) {
@@ -57,6 +86,19 @@ double smallest_feature(const Sections& sections, double behind) {
     }
   }
   return smallest;
+}
+/// The smaller size of what particles start from [m].
+double spot_of(const SourceOpening& opening) {
+  const auto smaller = [](double a, double b) {
+    const double infinite = std::numeric_limits<double>::infinity();
+    return std::min(a < smallest_spot ? infinite : a, b < smallest_spot ? infinite : b);
+  };
+  if (const auto* spot = std::get_if<GaussianSpot>(&opening)) return smaller(spot->sigma_x, spot->sigma_z);
+  if (const auto* disc = std::get_if<Disc>(&opening)) return smaller(2 * disc->radius, 2 * disc->radius);
+  if (const auto* ring = std::get_if<Ring>(&opening))
+    return smaller(ring->outer_radius - ring->inner_radius, 2 * ring->outer_radius);
+  const auto& hole = std::get<Rectangle>(opening);
+  return smaller(hole.width, hole.height);
 }
 /// The narrowest way of the beam up to a place, half of it: about its own size [m].
 double beam_size(const Beamline& beamline, const Sections& sections, double before) {
@@ -89,13 +131,11 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
                                     gradient_along(sections, stretch, size, 0),
                                     gradient_along(sections, stretch, 0, size)});
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
-  double last = stretch.end;
-  for (const Plane& plane : sections.planes)
-    if (std::holds_alternative<ScreenTerm>(plane.term)) last = std::max(last, plane.y);
+  const double lever = last_look(sections, stretch.end) - (stretch.begin + stretch.end) / 2;
   const double pushed =
       2 * moment * integral / (species.mass * speed * speed);  // [1] of the two outer levels
-  out.splitting = pushed * (last - (stretch.begin + stretch.end) / 2);
-  out.feature = smallest_feature(sections, stretch.begin);
+  out.splitting = pushed * lever;
+  out.feature = std::min(smallest_feature(sections, stretch.begin, lever), spot_of(beamline.source.opening));
   out.turns = 2 * moment * integral * size / (constants::hbar * speed) / (2 * std::numbers::pi);
   if (out.splitting > one_path * out.feature) {
     out.between = out.turns <= no_phase;

@@ -17,8 +17,11 @@ bool is_filter(const Part& part) {
       },
       part);
 }
-bool sorts_spins(const PlacedPart& part, const Beamline& beamline) {
-  return is_filter(part.part) || moves_paths(part, beamline);
+/// By the numbers of parts.
+std::vector<bool> sorts_spins(const Beamline& beamline) {
+  std::vector<bool> sorts = parts_that_move_paths(beamline);
+  for (std::size_t i = 0; i < sorts.size(); ++i) sorts[i] = sorts[i] || is_filter(beamline.parts[i].part);
+  return sorts;
 }
 
 bool has_bore(const Part& part) {
@@ -29,14 +32,17 @@ bool has_bore(const Part& part) {
       },
       part);
 }
-bool turns_spins_alone(const PlacedPart& part, const Beamline& beamline) {
-  const PartTraits traits = traits_of(part.part);
-  return (traits.field || !traits.needs_one_moment.empty()) && !has_bore(part.part) &&
-         !sorts_spins(part, beamline);
+/// Of what sorts no spins.
+bool turns_spins_alone(const Part& part) {
+  const PartTraits traits = traits_of(part);
+  return (traits.field || !traits.needs_one_moment.empty()) && !has_bore(part) && !is_magnet(part);
 }
 Beamline without_what_turns_spins(const Beamline& beamline) {
+  const std::vector<bool> sorts = sorts_spins(beamline);
   Beamline out = beamline;
-  std::erase_if(out.parts, [&](const PlacedPart& part) { return turns_spins_alone(part, beamline); });
+  out.parts.clear();
+  for (std::size_t i = 0; i < sorts.size(); ++i)
+    if (sorts[i] || !turns_spins_alone(beamline.parts[i].part)) out.parts.push_back(beamline.parts[i]);
   return out;
 }
 
@@ -62,8 +68,9 @@ std::string note_on_blind_screens(const Experiment& experiment) {
   if (!scans_spins_alone(experiment.points)) return {};
   const Beamline& beamline = experiment.points.front();
   double sorted = HUGE_VAL;  // from here on [m]
-  for (const PlacedPart& part : beamline.parts)
-    if (sorts_spins(part, beamline)) sorted = std::min(sorted, part.placement.at);
+  const std::vector<bool> sorts = sorts_spins(beamline);
+  for (std::size_t i = 0; i < sorts.size(); ++i)
+    if (sorts[i]) sorted = std::min(sorted, beamline.parts[i].placement.at);
   std::string names;
   for (const PlacedPart& part : beamline.parts) {
     if (!detector_in(part.part)) continue;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "plan/plan.hpp"
+#include "plan/stretches.hpp"
 #include "rules/room.hpp"
 #include "section/section_builder.hpp"
 
@@ -34,24 +36,56 @@ Effects effects_of(const PlacedPart& part, const Law& law, const Species& specie
   return {has_moment, charged || (has_moment && (is_magnet(part.part) || has_gradient(part)))};
 }
 
+/// Whether a part pushes atoms with levels: as a magnet, or where their levels are sorted.
+bool sorts_atoms(int part, const Sections& sections, const std::vector<Stretch>& sorting) {
+  const auto is_its = [&](const auto& thing) { return thing.part == part; };
+  return std::ranges::any_of(sections.planes,
+                             [&](const Plane& plane) {
+                               return plane.part == part && std::holds_alternative<MagnetTerm>(plane.term);
+                             }) ||
+         std::ranges::any_of(sections.sections, [&](const Section& section) {
+           return std::ranges::any_of(section.shaped, is_its) &&
+                  std::ranges::any_of(sorting, [&](const Stretch& stretch) {
+                    return stretch.begin <= section.begin && section.end <= stretch.end;
+                  });
+         });
+}
+
+/// What each part does to any of the species; nothing where it has no field.
+std::vector<Effects> effects_of_parts(const Beamline& beamline) {
+  std::vector<Effects> all(beamline.parts.size());
+  const Sections sections = sections_of(beamline);
+  for (const Component& component : beamline.species) {
+    const Species& species = component.species;
+    const bool of_atom = law_traits(beamline.law).has_levels && species.structure && species.charge == 0;
+    const std::vector<Stretch> sorting =
+        of_atom ? flown_in_steps(stretches_of(beamline, species, sections), beamline.law, species)
+                : std::vector<Stretch>{};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (!traits_of(beamline.parts[i].part).field) continue;
+      const Effects one = effects_of(beamline.parts[i], beamline.law, species);
+      all[i].spins |= one.spins;
+      all[i].paths |= one.paths && (!of_atom || sorts_atoms(static_cast<int>(i), sections, sorting));
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
-bool moves_paths(const PlacedPart& part, const Beamline& beamline) {
-  return traits_of(part.part).field && std::ranges::any_of(beamline.species, [&](const Component& component) {
-           return effects_of(part, beamline.law, component.species).paths;
-         });
+std::vector<bool> parts_that_move_paths(const Beamline& beamline) {
+  std::vector<bool> out;
+  for (const Effects& effects : effects_of_parts(beamline)) out.push_back(effects.paths);
+  return out;
 }
 
 std::string report_of_parts(const Beamline& beamline) {
   std::string out;
-  for (const PlacedPart& part : beamline.parts) {
+  const std::vector<Effects> effects = effects_of_parts(beamline);
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    const PlacedPart& part = beamline.parts[i];
     if (!traits_of(part.part).field) continue;
-    Effects all;
-    for (const Component& component : beamline.species) {
-      const Effects one = effects_of(part, beamline.law, component.species);
-      all.spins |= one.spins;
-      all.paths |= one.paths;
-    }
+    const Effects& all = effects[i];
     out += fmt::format("  {:<16} {:<16} {}\n", part.placement.name, kind_of(part.part),
                        all.spins && all.paths ? "turns spins and moves particles"
                        : all.spins            ? "turns spins"

@@ -7,7 +7,7 @@
 namespace rabiline {
 
 /// Whether its field moves any species of the beam.
-bool moves_paths(const PlacedPart&, const Beamline&);
+std::vector<bool> parts_that_move_paths(const Beamline&);
 
 /// A line for each part with a field; empty where there is none.
 std::string report_of_parts(const Beamline&);

@@ -7,5 +7,8 @@ namespace rabiline {
 
 /// "the field splits the paths of the levels by ...: neither one path nor no phase", where that is so.
 std::string describe_between(const StretchOutlook&);
+/// "levels are sorted: their paths come apart by ..., their phases by ... turns"; `flies_straight`: the paths
+/// of what stays coherent are not bent.
+std::string describe_levels(const StretchOutlook&, bool flies_straight);
 
 }  // namespace rabiline

@@ -104,7 +104,7 @@ struct FieldCoupling {
 /// beside it at the mean speed: their paths come apart, and their phases spread over the beam.
 struct StretchOutlook {
   double splitting = 0;  // [m] of the outermost paths, at the last detector
-  double feature = 0;    // [m] the smallest slit or bin behind it
+  double feature = 0;    // [m] the smallest slit or bin behind it, or spot of the beam
   double turns = 0;      // by which the phase between the outermost levels differs over the beam
   bool sorts = false;    // each particle is found in one level
   bool between = false;  // neither one path nor no phase: the law's `outcomes` decided

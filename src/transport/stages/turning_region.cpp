@@ -221,7 +221,7 @@ Region view_of(const TurningRegion& region, const RandomKey& key) {
 
 std::string describe_between(const StretchOutlook& outlook) {
   return fmt::format(
-      "the field splits the paths of the levels by {}, where the smallest slit or bin is {}, and "
+      "the field splits the paths of the levels by {}, where the smallest slit, bin or spot is {}, and "
       "spreads their phases by {:.2g} turns: neither one path nor no phase; here levels {}, by "
       "`outcomes` of the law",
       pretty_quantity(outlook.splitting, Dimension::length),
@@ -229,14 +229,20 @@ std::string describe_between(const StretchOutlook& outlook) {
       outlook.sorts ? "are sorted" : "stay coherent");
 }
 
+std::string describe_levels(const StretchOutlook& outlook, bool flies_straight) {
+  return fmt::format(
+      "levels {}: their paths come apart by {} (smallest slit, bin or spot {}), their phases by {:.3g} turns",
+      outlook.sorts    ? "are sorted"
+      : flies_straight ? "stay coherent, and atoms fly straight here"
+                       : "stay coherent",
+      pretty_quantity(outlook.splitting, Dimension::length),
+      pretty_quantity(outlook.feature, Dimension::length), outlook.turns);
+}
+
 void explain_levels(const TurningRegion& region, PlanReport& report) {
   const StretchOutlook& outlook = region.outlook;
   if (outlook.splitting == 0) return;
-  report.line(
-      "{:>16}levels {}: their paths come apart by {} (smallest slit or bin {}), their phases by {:.3g} turns",
-      "", outlook.sorts ? "are sorted" : "stay coherent",
-      pretty_quantity(outlook.splitting, Dimension::length),
-      pretty_quantity(outlook.feature, Dimension::length), outlook.turns);
+  report.line("{:>16}{}", "", describe_levels(outlook, false));
   if (outlook.between)
     report.warn(report.field_at((region.y() + region.zones.back().field.end) / 2), "kind",
                 describe_between(outlook));
