@@ -64,10 +64,12 @@ std::vector<SpinZone> SpinHistory::zones_between(double from, double to) const {
     SpinZone& zone = zones.emplace_back(zones_.zone_of(section));
     zone.begin = std::max(zone.begin, from);
     zone.end = std::min(zone.end, to);
-    if (zone.spin_rate == 0 && zone.drives == 0)
+    if (zone.spin_rate == 0 && zone.drives == 0) {
       zones.pop_back();
-    else
-      repeat_period(zone, zones_.speed());
+      continue;
+    }
+    repeat_period(zone, zones_.speed());
+    zones_.keep_tolerance(zone);
   }
   return zones;
 }

@@ -10,10 +10,6 @@ namespace {
 
 using constants::two_pi;
 
-/// Steps per turn of the fastest rotation where fields are integrated step by step, and at least, over the
-/// length of a field whose size or direction runs along the beam.
-constexpr double steps_per_turn = 48, steps_per_profile = 64;
-
 constexpr double square_to = 1e-12;  // cosine below which two axes count as square to each other
 
 void put(const Vector3& v, double* to) {
@@ -22,6 +18,18 @@ void put(const Vector3& v, double* to) {
   to[2] = v.z;
 }
 Vector3 vector_at(const double* v) { return {v[0], v[1], v[2]}; }
+
+bool is_stepped(const SpinZone& zone) {
+  return zone.kind == ZoneKind::general || zone.kind == ZoneKind::profiled;
+}
+
+/// A probability p of a spin I changes with the angle by 2 sqrt(p (1 - p)) times the spread of the component
+/// about the axis of the turn at most, which is at most sqrt(I (I + 1)/2) in a level across it; a spin itself
+/// by the angle.
+double answer_per_angle(const LawTraits& traits, const Species& species) {
+  const double spin = species.spin.value();
+  return traits.has_levels ? std::max(1.0, std::sqrt(spin * (spin + 1) / 2)) : 1;
+}
 
 /// [rad/s] At its begin or its end.
 double fastest_of(const DriveTerm& drive) {
@@ -66,8 +74,11 @@ bool is_shaped_otherwise(const DriveTerm& drive) {
 Turning turning_of(const Law& law, const Species& species) {
   // Lorentz: m dv/dt = q v x B, so W = -(q/m) B.
   const LawTraits traits = law_traits(law);
-  if (traits.has_forces) return {-species.charge / species.mass};
-  return {-traits.kappa * species.gyromagnetic_ratio, traits.closure == Closure::torque, traits.tolerance};
+  const double per_angle = answer_per_angle(traits, species);
+  if (traits.has_forces)  // a looser tolerance lengthens no step
+    return {-species.charge / species.mass, false, std::min(traits.tolerance, usual_tolerance), per_angle};
+  return {-traits.kappa * species.gyromagnetic_ratio, traits.closure == Closure::torque, traits.tolerance,
+          per_angle};
 }
 
 Vector3 ZoneMaker::static_field(const Section& section) const {
@@ -90,24 +101,31 @@ SpinZone ZoneMaker::zone_of(const Section& section) const {
   for (const RotatingTerm& term : section.rotating)
     if (term.amplitude != 0) zone.drive[zone.drives++] = drive_of(term, axis, size);
   choose_frame(zone, axis, size != 0);
-  if (zone.kind == ZoneKind::general || zone.kind == ZoneKind::profiled) {
-    double rate = rate_of(zone), shortest = std::numeric_limits<double>::infinity();
-    if (zone.kind == ZoneKind::profiled) {
-      const DriveTerm& drive = zone.drive[0];
-      const double detuned = zone.spin_rate - drive.omega - drive.twist * speed_;
-      rate =
-          std::max({std::abs(detuned), std::abs(detuned - swept_in_all(drive)), std::abs(drive.spin_rate)});
-    }
-    for (int i = 0; i < zone.drives; ++i) {
-      const Envelope& envelope = zone.drive[i].envelope;
-      if (envelope.shape == Shape::gaussian) shortest = std::min(shortest, 6 * envelope.sigma);
-      if (envelope.shape == Shape::half_sine) shortest = std::min(shortest, envelope.length);
-      if (envelope.shape == Shape::standing_wave)
-        shortest = std::min(shortest, envelope.length / envelope.half_waves);
-    }
-    zone.step = std::min(two_pi / (steps_per_turn * rate), shortest / speed_ / steps_per_profile);
-  }
+  if (is_stepped(zone)) zone.step = usual_step(pace_of(zone));
   return zone;
+}
+
+SpinPace ZoneMaker::pace_of(const SpinZone& zone) const {
+  double rate = rate_of(zone), shortest = std::numeric_limits<double>::infinity();
+  if (zone.kind == ZoneKind::profiled) {
+    const DriveTerm& drive = zone.drive[0];
+    const double detuned = zone.spin_rate - drive.omega - drive.twist * speed_;
+    rate = std::max({std::abs(detuned), std::abs(detuned - swept_in_all(drive)), std::abs(drive.spin_rate)});
+  }
+  for (int i = 0; i < zone.drives; ++i) {
+    const Envelope& envelope = zone.drive[i].envelope;
+    if (envelope.shape == Shape::gaussian) shortest = std::min(shortest, 6 * envelope.sigma);
+    if (envelope.shape == Shape::half_sine) shortest = std::min(shortest, envelope.length);
+    if (envelope.shape == Shape::standing_wave)
+      shortest = std::min(shortest, envelope.length / envelope.half_waves);
+  }
+  return {rate, shortest / speed_};
+}
+
+void ZoneMaker::keep_tolerance(SpinZone& zone) const {
+  if (!is_stepped(zone)) return;
+  const double allowed = turning_.path_error / turning_.answer_per_angle;
+  zone.step = std::min(zone.step, step_within(pace_of(zone), zone, speed_, allowed));
 }
 
 /// A drive about the static field's axis, whose signed size along it is given [T].

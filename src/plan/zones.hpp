@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "beamline/beamline.hpp"
+#include "plan/spin_steps.hpp"
 #include "section/section.hpp"
 #include "transport/kernels.hpp"
 
@@ -13,6 +14,7 @@ struct Turning {
   double rate_per_tesla = 0;  // [rad/(s T)]
   bool take_off_spin_component = false;
   double path_error = usual_path_error;  // over the length of the flight: what steps are chosen for
+  double answer_per_angle = 1;  // [1/rad] what a spin's angle moves a probability by, or the spin, at most
 };
 Turning turning_of(const Law&, const Species&);
 
@@ -34,6 +36,8 @@ class ZoneMaker {
         latest_start_(latest_start) {}
 
   SpinZone zone_of(const Section&) const;
+  /// Shortens the steps of spins through a zone that a straight flight passes until they keep the tolerance.
+  void keep_tolerance(SpinZone&) const;
   /// By how much anything has turned when a particle leaves a zone [rad].
   double phase_behind(const SpinZone&) const;
   /// Sum of everything static in a section [T].
@@ -43,6 +47,7 @@ class ZoneMaker {
   double rate_of(const SpinZone&) const;
 
  private:
+  SpinPace pace_of(const SpinZone&) const;
   DriveTerm drive_of(const RotatingTerm&, const Vector3& axis, double static_field) const;
   void choose_frame(SpinZone&, const Vector3& axis, bool is_static) const;
 

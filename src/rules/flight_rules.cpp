@@ -107,6 +107,25 @@ void check_phases(const Beamline& beamline, const Species& species, const Sectio
   }
 }
 
+/// Where spins are carried in steps that keep the law's tolerance.
+void check_steps(const Beamline& beamline, const Species& species, const Sections& sections, Faults& out) {
+  const ZoneMaker zones = zone_maker(beamline, species);
+  for (SpinZone& zone : zones_needed(beamline, species, sections, zones)) {
+    zones.keep_tolerance(zone);
+    const double steps = zone.step > 0 ? (zone.end - zone.begin) / zones.speed() / zone.step : 0;
+    if (steps <= most_spin_steps) continue;
+    const std::string& name = fields_at(beamline, (zone.begin + zone.end) / 2, true).back()->placement.name;
+    out.push_back({name, "at",
+                   fmt::format("a spin of {} would take {:.2g} steps from {} to {} to keep the law's "
+                               "tolerance of {:g}, and {:.0e} "
+                               "are the most in one field",
+                               species.name, steps, metres(zone.begin), metres(zone.end),
+                               law_traits(beamline.law).tolerance, most_spin_steps),
+                   "a looser `tolerance` of the law, or a field that is slower, weaker or shorter"});
+    return;
+  }
+}
+
 /// Whether a species' levels are sorted on a stretch.
 bool sorts_levels(const Beamline& beamline, const Sections& sections, const Stretch& stretch) {
   return std::ranges::any_of(beamline.species, [&](const Component& component) {
@@ -312,8 +331,10 @@ void check_flight(const Beamline& beamline, Faults& out) {
     if (is_quantum(beamline) && component.species.structure) {
       check_clocks(beamline, component.species, sections, out);
       check_cycles(beamline, component.species, sections, out);
-    } else
+    } else {
       check_phases(beamline, component.species, sections, out);
+      if (out.empty()) check_steps(beamline, component.species, sections, out);
+    }
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace rabiline {
 
-/// Whether its field moves any species of the beam.
+/// [part] Whether its field moves any species of the beam.
 std::vector<bool> parts_that_move_paths(const Beamline&);
 
 /// A line for each part with a field; empty where there is none.

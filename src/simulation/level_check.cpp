@@ -243,7 +243,7 @@ class FollowedAtom {
     const double size = length_of(from), least = touches ? std::min(size, length_of(to)) : 0;
     const State named = spins_.states(old, size, size).adjoint() * state,
                 turned = spins_.states(next, least, least).adjoint() *
-                         rested(spins_.states(old, size, least) * named, touches ? 0 : stay);
+                         rested(spins_.states(old, size, least) * named, stay);
     return spins_.states(next, least, length_of(to)) * turned;
   }
   /// After a time in no field.

@@ -33,7 +33,6 @@ Beamline neutrons() {
   UniformField field;
   field.length = 0.5;
   field.field = 1;
-
   field.gradient.quadrupole = 50;
   b.parts = {place("A", 0.2, field), test::wide_screen(0.8)};
   return b;
