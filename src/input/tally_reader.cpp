@@ -51,10 +51,10 @@ bool refuse(Keys& keys, std::string_view key, const std::string& why) {
 bool read_levels(Keys& keys, std::string_view word) {
   bool good = true;
   for (const std::string_view key : {"from", "to", "bins"})
-    good =
-        refuse(keys, key,
-               fmt::format("`{}` has one bin for each level from -I to I, and takes no `{}`", word, key)) &&
-        good;
+    good = refuse(keys, key,
+                  fmt::format("`{}` has one bin for each level from I down to -I, and takes no `{}`", word,
+                              key)) &&
+           good;
   return refuse(keys, "axis", fmt::format("`{}` is counted along +z, and takes no `axis`", word)) && good;
 }
 

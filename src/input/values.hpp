@@ -101,7 +101,7 @@ struct ValueType<bool> {
 };
 template <>
 struct ValueType<HalfInteger> {
-  static constexpr std::string_view example = "1/2", what = "1/2 to 9/2",
+  static constexpr std::string_view example = "1/2", what = "half or whole number up to 9/2",
                                     schema =
                                         R"({"enum": [0, "1/2", 1, "3/2", 2, "5/2", 3, "7/2", 4, "9/2"]})";
   static bool read(const Node&, const Row&, Reading&, HalfInteger& out);

@@ -59,7 +59,8 @@ inline constexpr auto parameters<Source> = std::tuple{
     param("opening", &Source::opening, "the hole that particles start from, at y = 0"),
     param("direction", &Source::direction, "law of directions"),
     param("offset", &Source::offset, "displacement of the opening's centre from the axis", Offset{}),
-    param("tilt", &Source::tilt, "how the axis of the directions is turned", SourceTilt{}),
+    param("tilt", &Source::tilt, "how the axis of the directions is turned: first about x, then about z",
+          SourceTilt{}),
     param("spin", &Source::spin, "the spin that particles start with", UnpolarisedSpin{}),
     param("pulse", &Source::pulse,
           "when particles start, and so the phase at which a locked field meets them; all start at t = 0 "

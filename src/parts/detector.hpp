@@ -60,7 +60,9 @@ inline constexpr auto parameters<Detector> = std::tuple{
         Roll{}),
     param("efficiency", &Detector::efficiency, Dimension::number, range::fraction,
           "share of the weight that is counted; the rest is stopped there uncounted", 1.0),
-    param("dead", &Detector::dead, "an area inside which nothing is counted; none if omitted"),
+    param(
+        "dead", &Detector::dead,
+        "an area inside which nothing is counted, its centre counted from the beam's axis; none if omitted"),
     param("background", &Detector::background, Dimension::rate, range::not_negative,
           "counts per second without a beam, carried to the results", 0.0),
     param("tallies", &Detector::tallies, "histograms of what is counted (see `describe tallies`)",

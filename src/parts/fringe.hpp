@@ -29,26 +29,32 @@ inline constexpr auto parameters<TanhFringe> = std::tuple{
     param("length", &TanhFringe::length, Dimension::length, range::positive,
           "the field is at 88 % a length inside the edge and at 12 % a length outside"),
 };
-/// The curve: H. A. Enge, in Focusing of Charged Particles, vol. 2, ed. A. Septier (1967). Defaults: those of
-/// dipoles in COSY INFINITY (M. Berz, K. Makino, Beam Physics Manual).
+/// The curve: H. A. Enge, in Focusing of Charged Particles, vol. 2, ed. A. Septier (1967).
 struct EngeFringe {
   static constexpr std::string_view kind = "enge",
                                     meaning =
                                         "Enge's curve 1/(1 + exp(a0 + a1 s + ... + a5 s^5)), s outwards from "
                                         "the edge in units of `length`, the gap";
+  static constexpr std::string_view example = "length: 12 mm";
   double length = 0;  // [m]
-  double a0 = 0.478959, a1 = 1.911289, a2 = -1.185953, a3 = 1.630554, a4 = -1.082657, a5 = 0.318111;
+  std::optional<double> a0{}, a1{}, a2{}, a3{}, a4{}, a5{};
   bool operator==(const EngeFringe&) const = default;
 };
 template <>
 inline constexpr auto parameters<EngeFringe> = std::tuple{
     param("length", &EngeFringe::length, Dimension::length, range::positive, "unit of s: the magnet's gap"),
-    param("a0", &EngeFringe::a0, Dimension::number, range::any, "coefficient of the exponent", 0.478959),
-    param("a1", &EngeFringe::a1, Dimension::number, range::any, "coefficient of s", 1.911289),
-    param("a2", &EngeFringe::a2, Dimension::number, range::any, "coefficient of s^2", -1.185953),
-    param("a3", &EngeFringe::a3, Dimension::number, range::any, "coefficient of s^3", 1.630554),
-    param("a4", &EngeFringe::a4, Dimension::number, range::any, "coefficient of s^4", -1.082657),
-    param("a5", &EngeFringe::a5, Dimension::number, range::any, "coefficient of s^5", 0.318111),
+    param("a0", &EngeFringe::a0, Dimension::number, range::any,
+          "constant in the exponent: 0.478959 where none of a0 to a5 is stated; where any is, the others are "
+          "0"),
+    param("a1", &EngeFringe::a1, Dimension::number, range::any, "coefficient of s, likewise: 1.911289 or 0"),
+    param("a2", &EngeFringe::a2, Dimension::number, range::any,
+          "coefficient of s^2, likewise: -1.185953 or 0"),
+    param("a3", &EngeFringe::a3, Dimension::number, range::any,
+          "coefficient of s^3, likewise: 1.630554 or 0"),
+    param("a4", &EngeFringe::a4, Dimension::number, range::any,
+          "coefficient of s^4, likewise: -1.082657 or 0"),
+    param("a5", &EngeFringe::a5, Dimension::number, range::any,
+          "coefficient of s^5, likewise: 0.318111 or 0"),
 };
 struct SineFringe {
   static constexpr std::string_view kind = "sine",
@@ -76,5 +82,13 @@ struct FringedField {
 FringedField fringed_field(FringeShape, const Vector3& field, double at, double length, const Offset&);
 /// A curve that never ends.
 std::vector<Fault> faults_of_fringe(const Fringe&, const AmplitudeProfile&, const Placement&);
+
+/// Where a curve grows outwards: shares of the whole field, and where they are, in lengths outwards from the
+/// edge.
+struct FringeRise {
+  double from = 0, to = 0, begin = 0, end = 0;
+};
+/// The largest one of more than a thousandth of the whole field.
+std::optional<FringeRise> rise_of(const Fringe&);
 
 }  // namespace rabiline

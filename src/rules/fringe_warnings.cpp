@@ -167,4 +167,26 @@ std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan& plan) 
   return out;
 }
 
+std::vector<Fault> rising_fringes_of(const Beamline& beamline) {
+  Faults out;
+  for (const PlacedPart& part : beamline.parts)
+    std::visit(
+        [&](const auto& any) {
+          if constexpr (requires { any.fringe; }) {
+            const auto rise = rise_of(any.fringe);
+            if (!rise) return;
+            const std::string& name = part.placement.name;
+            out.push_back(warning(name, "fringe",
+                                  fmt::format("the fringe of `{}` does not fall all the way: outwards its "
+                                              "field grows from {:.3g} to {:.3g} "
+                                              "of the whole, between {:.3g} and {:.3g} lengths from its edge",
+                                              name, rise->from, rise->to, rise->begin, rise->end),
+                                  "state all coefficients of its curve, as those that are missing are 0, or "
+                                  "none for a common dipole"));
+          }
+        },
+        part.part);
+  return out;
+}
+
 }  // namespace rabiline

@@ -23,9 +23,9 @@ const std::vector<Column>& columns() {
       {"vx", "m/s", "velocity along x", &Track::vx},
       {"vy", "m/s", "velocity along y", &Track::vy},
       {"vz", "m/s", "velocity along z", &Track::vz},
-      {"sx", "1", "spin direction along x", &Track::sx},
-      {"sy", "1", "spin direction along y", &Track::sy},
-      {"sz", "1", "spin direction along z", &Track::sz},
+      {"sx", "1", "spin along x over its largest value, of an atom that of F", &Track::sx},
+      {"sy", "1", "spin along y over its largest value, of an atom that of F", &Track::sy},
+      {"sz", "1", "spin along z over its largest value, of an atom that of F", &Track::sz},
   };
   return all;
 }

@@ -10,7 +10,7 @@
 namespace rabiline {
 
 /// An axis with equal bins from `low` to `high`, which belongs to the last one; of levels: one bin for each
-/// from -I to I.
+/// from I down to -I.
 struct HistogramAxis {
   Quantity quantity = Quantity::x;
   double low = 0, high = 1;  // [SI]

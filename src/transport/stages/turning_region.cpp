@@ -184,9 +184,10 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
     if (report.tip > 0 && zone.drives == 0 && zone.turn_rate != 0)
       report.warn(
           report.field_at((zone.begin + zone.end) / 2), "length",
-          fmt::format("behind the rotating field a uniform field goes on to {:.4g} m: under closure torque "
-                      "it keeps turning the path of tipped spins",
-                      zone.end));
+          fmt::format(
+              "behind what drives the spins a uniform field goes on to {:.4g} m: under closure torque "
+              "it keeps turning the path of tipped spins",
+              zone.end));
     const bool before = report.tip > large_tip;
     for (int k = 0; k < zone.drives; ++k)
       report.tip += std::abs(zone.drive[k].spin_rate) * (zone.end - zone.begin) / report.speed;

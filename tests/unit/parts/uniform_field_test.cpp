@@ -124,8 +124,17 @@ TEST(UniformField, RefusesAGradientWithAFringeOrAskew) {
   part.direction = {0, 0.6, 0.8};
   EXPECT_EQ(faults_of(part, {"B", 0.4, {}}).at(0).key, "gradient");
   part.gradient = {};
-  part.fringe = EngeFringe{0.01, 0, -1, 0, 0, 0, 0};
+  part.fringe = EngeFringe{.length = 0.01, .a1 = -1};
   EXPECT_EQ(faults_of(part, {"B", 0.4, {}}).at(0).key, "fringe");
+}
+
+TEST(UniformField, TakesCoefficientsThatAreMissingBesideOthersAsNone) {
+  const FringeShape common = shape_of(EngeFringe{.length = 0.01}, RectangularProfile{}),
+                    own = shape_of(EngeFringe{.length = 0.01, .a1 = 2}, RectangularProfile{});
+  EXPECT_EQ(common.enge[0], 0.478959);
+  EXPECT_EQ(common.enge[5], 0.318111);
+  EXPECT_EQ(own.enge[1], 2);
+  for (const int i : {0, 2, 3, 4, 5}) EXPECT_EQ(own.enge[i], 0);
 }
 
 }  // namespace

@@ -209,6 +209,19 @@ TEST(Warnings, TellThatParticlesPassAFringeWhereItsCurveDoesNotTellTheField) {
   }
 }
 
+TEST(Warnings, TellThatAFringeGrowsOutwards) {
+  EngeFringe fringe{.length = 10e-3};
+  EXPECT_TRUE(warned_of_fringe(fringe, 1e-3).empty());
+  fringe.a0 = 0.3, fringe.a1 = 2.1, fringe.a2 = -0.4, fringe.a3 = 0.2;  // the others are 0: it falls
+  EXPECT_TRUE(warned_of_fringe(fringe, 1e-3).empty());
+  fringe.a4 = -1.082657, fringe.a5 = 0.318111;
+  const std::vector<Fault> faults = warned_of_fringe(fringe, 1e-3);
+  ASSERT_FALSE(faults.empty());
+  EXPECT_EQ(faults[0].subject, "B");
+  EXPECT_EQ(faults[0].key, "fringe");
+  EXPECT_NE(faults[0].message.find("does not fall all the way: outwards its field grows from"),
+            std::string::npos);
+}
 TEST(Warnings, TellThatParticlesRiseInsideOfAFieldToWhereItsFringeDoesNotTellIt) {
   for (const bool wide : {false, true}) {
     Beamline b = test::suggested(0);
