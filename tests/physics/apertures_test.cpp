@@ -316,7 +316,7 @@ TEST(AimedSource, KnowsWhatItsWeightsScatterBy) {
   b.source.direction = AimedDirection{"screen", CosineEmission{}};
   b.source.opening = Disc{1e-9};
   b.parts.back() = place("screen", 20e-3, Detector{Rectangle{60e-3, 20e-3}, {1, 1}, {}});
-  b.particles = 2000;
+  b.particles = 200000;
   double mean = 0, square = 0;
   constexpr int places = 400;
   for (int i = 0; i < places; ++i)
@@ -327,9 +327,8 @@ TEST(AimedSource, KnowsWhatItsWeightsScatterBy) {
       square += weight * weight / (places * places);
     }
   const DetectorResult d = run_points({b}).detectors.at(0);
-  EXPECT_NEAR(d.detected_of_all_errors[0] / d.detected_of_all[0],
-              std::sqrt((square / (mean * mean) - 1) / 2000),
-              0.03 * d.detected_of_all_errors[0] / d.detected_of_all[0]);
+  const double expected = std::sqrt((square / (mean * mean) - 1) / 200000);
+  EXPECT_NEAR(d.detected_of_all_errors[0] / d.detected_of_all[0], expected, 0.005 * expected);
 }
 
 /// Where another field overlaps a weak magnet, levels stay coherent and atoms fly straight; point spins go in

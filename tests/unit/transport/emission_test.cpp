@@ -150,6 +150,50 @@ TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
     ASSERT_NEAR(off, 0, 1e-12);
 }
 
+TEST(Emission, AimedInFreeFallHitsItAlongAParabolaAndWeighsByHowTheWaysSpread) {
+  Emission e = base();
+  e.direction.kind = DirectionKind::aimed;
+  e.target.y = 0.5;
+  e.target.x0 = 20e-3;
+  e.target.half_x = 30e-3;
+  e.target.half_z = 40e-3;
+  e.fall = {4, -9.81};
+  e.speed.mean = 5;
+  // Where a slope leads to at one speed.
+  const auto lands = [&](double v, double start, double slope, double other, double g) {
+    const double t = e.target.y / v * std::sqrt(1 + slope * slope + other * other);
+    return start + slope * e.target.y + g * t * t / 2;
+  };
+  for (const double off : emitted(e, [&](const BatchView&b, int i) {
+         const double v = speed_of(b, i), sx = b.vx[i] / b.vy[i], sz = b.vz[i] / b.vy[i], h = 1e-5;
+         const double xx = lands(v, 0, sx + h, sz, 4) - lands(v, 0, sx - h, sz, 4),
+                      xz = lands(v, 0, sx, sz + h, 4) - lands(v, 0, sx, sz - h, 4),
+                      zz = lands(v, 0, sz + h, sx, -9.81) - lands(v, 0, sz - h, sx, -9.81),
+                      zx = lands(v, 0, sz, sx + h, -9.81) - lands(v, 0, sz, sx - h, -9.81);
+         const double spread = (xx * zz - xz * zx) / std::pow(2 * h * e.target.y, 2);
+         return static_cast<double>(b.weight[i]) / static_cast<double>(quanta_per_particle) -
+                std::pow(b.vy[i] / v, 3) / spread;
+       }))
+    ASSERT_NEAR(off, 0, 1e-8);
+  const std::vector<double> z = emitted(e, [&](const BatchView& b, int i) {
+    return lands(speed_of(b, i), b.z[i], b.vz[i] / b.vy[i], b.vx[i] / b.vy[i], -9.81);
+  });
+  expect_law(z, [](double at, double s) { return std::clamp((at / (40e-3 * s) + 1) / 2, 0.0, 1.0); });
+  EXPECT_LE(*std::ranges::max_element(z), 40e-3 + 1e-12);
+}
+
+TEST(Emission, AimedAtWhatItCannotReachInFreeFallHasNoWeight) {
+  Emission e = base();
+  e.direction.kind = DirectionKind::aimed;
+  e.target.y = 3;
+  e.target.half_x = e.target.half_z = 1e-3;
+  e.fall = {0, -9.81};
+  e.speed.mean = 5;  // reaches v^2/g = 2.5 m
+  for (const double weight :
+       emitted(e, [](const BatchView&b, int i) { return static_cast<double>(b.weight[i]); }))
+    ASSERT_EQ(weight, 0);
+}
+
 TEST(Emission, GivesAParticleTheSameStartInAnyBatchAndOnAnyInstructionSet) {
   Emission e = base();
   e.speed.kind = SpeedKind::gaussian;
