@@ -25,7 +25,8 @@ struct DeadArea {
 template <>
 inline constexpr auto parameters<DeadArea> = std::tuple{
     param("", &DeadArea::face, "its size: width and height, or radius"),
-    param("offset", &DeadArea::offset, "displacement of its centre from the axis", Offset{}),
+    param("offset", &DeadArea::offset,
+          "displacement of its centre from the screen's, along the screen's own x and z", Offset{}),
 };
 
 /// A screen that catches what hits it and histograms x and z; what misses it flies on. Of the weight of what
@@ -60,9 +61,9 @@ inline constexpr auto parameters<Detector> = std::tuple{
         Roll{}),
     param("efficiency", &Detector::efficiency, Dimension::number, range::fraction,
           "share of the weight that is counted; the rest is stopped there uncounted", 1.0),
-    param(
-        "dead", &Detector::dead,
-        "an area inside which nothing is counted, its centre counted from the beam's axis; none if omitted"),
+    param("dead", &Detector::dead,
+          "an area of the face inside which nothing is counted, which moves and turns with it; none if "
+          "omitted"),
     param("background", &Detector::background, Dimension::rate, range::not_negative,
           "counts per second without a beam, carried to the results", 0.0),
     param("tallies", &Detector::tallies, "histograms of what is counted (see `describe tallies`)",
