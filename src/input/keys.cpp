@@ -62,6 +62,7 @@ const Entry* Keys::take_value(std::string_view key, bool& given) {
 
 void Keys::missing(std::string_view key, std::string_view meaning, std::string_view example) {
   missing_.push_back({std::string(key),
+                      std::string(meaning),
                       {blame_, fmt::format("{} needs `{}`: {}", what_, key, meaning),
                        example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example)}});
 }
@@ -123,22 +124,26 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
     std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
     if (!owner.empty()) message += fmt::format(" ({} has)", owner);
     std::string near = key_meant_by(entry.key, known_);
-    if (near.empty() || node_->find(near))
+    const bool is_misspelt = near.empty() || node_->find(near);
+    if (is_misspelt)
       near = owner.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
+    const auto instead_of = std::ranges::find(missing_, near, &Missing::key);
     std::string help;
-    if (!near.empty())
+    if (!near.empty() && !is_misspelt && instead_of != missing_.end())
+      help = fmt::format("did you mean `{}` ({})?", near, instead_of->meaning);
+    else if (!near.empty())
       help = fmt::format("did you mean `{}`?", near);
     else
       for (const std::string_view key : known_)
         help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);
-    std::erase_if(missing_, [&](const auto& m) { return m.first == near; });
+    std::erase_if(missing_, [&](const Missing& one) { return one.key == near; });
     reading_->error(entry.key_place, std::move(message), std::move(help));
   }
   finish_unknown();
 }
 
 void Keys::finish_unknown() {
-  for (auto& [key, diagnostic] : missing_) reading_->errors.push_back(std::move(diagnostic));
+  for (Missing& one : missing_) reading_->errors.push_back(std::move(one.diagnostic));
   missing_.clear();
 }
 

@@ -45,7 +45,11 @@ class Keys {
   Place blame_;
   Reading* reading_;
   std::vector<std::string_view> known_;
-  std::vector<std::pair<std::string, Diagnostic>> missing_;
+  struct Missing {
+    std::string key, meaning;
+    Diagnostic diagnostic;
+  };
+  std::vector<Missing> missing_;
 };
 
 }  // namespace rabiline

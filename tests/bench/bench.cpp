@@ -82,7 +82,7 @@ void dorado_threads(benchmark::State& state, int threads, bool processor_time) {
 void profile_program(benchmark::State& state) {
   const Experiment experiment = profiled_field(dorado_particles);
   const Plan plan = make_plan(experiment);
-  const SpinZone& zone = profiled_zone_of(plan);
+  const SpinZone& zone = zone_of(plan, ZoneKind::profiled);
   program(state, experiment,
           std::ceil((zone.end - zone.begin) / emission_of(plan).speed.mean / zone.step) * dorado_particles);
 }
@@ -97,7 +97,7 @@ void beam_limit(benchmark::State& state, FlipSums (*limit)(const Emission&, cons
 }
 void period_limit(benchmark::State& state) {
   const Plan plan = make_plan(oscillating_field(beam_particles));
-  const SpinZone& zone = oscillating_zone_of(plan);
+  const SpinZone& zone = zone_of(plan, ZoneKind::periodic);
   const PeriodTable table(zone.spin_rate, zone.drive[0].spin_rate, zone.drive[0].omega);
   time_it(state, beam_particles, [&] {
     return oscillating_beam(emission_of(plan), table, zone.drive[0], zone.begin, zone.end, beam_particles).p;

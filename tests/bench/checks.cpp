@@ -47,7 +47,7 @@ void check_period() {
   constexpr std::uint64_t particles = 8192;
   const Experiment experiment = oscillating_field(particles);
   const Plan plan = make_plan(experiment);
-  const SpinZone& zone = oscillating_zone_of(plan);
+  const SpinZone& zone = zone_of(plan, ZoneKind::periodic);
   const DriveTerm& drive = zone.drive[0];
   const PeriodTable table(zone.spin_rate, drive.spin_rate, drive.omega);
   RunOptions options;

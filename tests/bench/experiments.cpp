@@ -110,59 +110,57 @@ Experiment suggested_experiment(int points, std::uint64_t particles) {
   return scan(b, points, 12e3);
 }
 
-Experiment profiled_field(std::uint64_t particles) {
+namespace {
+
+/// The suggested beam with spins along the field B, which `drive` follows instead of H0.
+Beamline polarised(Law law, SpeedLaw speed, std::uint64_t particles, Part drive) {
   Beamline b = test::suggested(larmor);
-  b.law = ClassicalLaw{};
-  b.source.speed = SingleSpeed{1000};
+  b.law = law;
+  b.source.speed = speed;
   b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
   b.chamber.reset();
   b.particles = particles;
-  RotatingField h0 = std::get<RotatingField>(b.parts.at(2).part);
-  h0.amplitude = 3e-3;
-  h0.profile = HalfSineProfile{};
-  SpinFilter filter;
-  filter.up = 1;
-  filter.down = 0;
-  b.parts = {b.parts.at(1), test::place("H0", 0.35, h0), test::place("A", 0.6, filter), b.parts.at(3)};
+  b.parts = {b.parts.at(1), test::place("drive", 0.35, std::move(drive)), b.parts.at(3)};
+  return b;
+}
+Experiment of_one(const Beamline& b) {
   Experiment experiment;
   experiment.points = {b};
   return experiment;
 }
 
-const SpinZone& profiled_zone_of(const Plan& plan) {
-  for (const SpinStretch* stretch : stages_of<SpinStretch>(plan))
-    for (const SpinZone& zone : stretch->spins.zones)
-      if (zone.kind == ZoneKind::profiled) return zone;
-  for (const Precession* stage : stages_of<Precession>(plan))
-    for (const SpinZone& zone : stage->zones)
-      if (zone.kind == ZoneKind::profiled) return zone;
-  throw std::logic_error("no zone with a profile");
+}  // namespace
+
+Experiment profiled_field(std::uint64_t particles) {
+  RotatingField h0 = std::get<RotatingField>(test::suggested(larmor).parts.at(2).part);
+  h0.amplitude = 3e-3;
+  h0.profile = HalfSineProfile{};
+  Beamline b = polarised(ClassicalLaw{}, SingleSpeed{1000}, particles, h0);
+  SpinFilter filter;
+  filter.up = 1;
+  filter.down = 0;
+  b.parts.insert(b.parts.end() - 1, test::place("A", 0.6, filter));
+  return of_one(b);
 }
 
 Experiment oscillating_field(std::uint64_t particles) {
-  Beamline b = test::suggested(larmor);
-  b.law = QuantumLaw{};
-  b.source.speed = GaussianSpeed{1000, 100};
-  b.source.spin = PolarisedSpin{{0, 0, 1}, 1};
-  b.chamber.reset();
-  b.particles = particles;
   OscillatingField rf;
   rf.length = 0.2;
   rf.amplitude = 0.3e-3;
   rf.frequency = 1.001 * larmor;
   rf.approximation = Approximation::none;
   rf.phase = {Phase::Kind::random, 0};
-  b.parts = {b.parts.at(1), test::place("RF", 0.35, rf), b.parts.at(3)};
-  Experiment experiment;
-  experiment.points = {b};
-  return experiment;
+  return of_one(polarised(QuantumLaw{}, GaussianSpeed{1000, 100}, particles, rf));
 }
 
-const SpinZone& oscillating_zone_of(const Plan& plan) {
+const SpinZone& zone_of(const Plan& plan, ZoneKind kind) {
   for (const SpinStretch* stretch : stages_of<SpinStretch>(plan))
     for (const SpinZone& zone : stretch->spins.zones)
-      if (zone.kind == ZoneKind::periodic) return zone;
-  throw std::logic_error("no zone of a period");
+      if (zone.kind == kind) return zone;
+  for (const Precession* stage : stages_of<Precession>(plan))
+    for (const SpinZone& zone : stage->zones)
+      if (zone.kind == kind) return zone;
+  throw std::logic_error("no such zone");
 }
 
 MagnetShape two_wires() {

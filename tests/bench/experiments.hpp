@@ -17,13 +17,11 @@ Experiment suggested_experiment(int points, std::uint64_t particles);
 
 /// Spins of one speed through a rotating field whose size is half a sine, carried by steps under `classical`.
 Experiment profiled_field(std::uint64_t particles);
-/// The zone of that field.
-const SpinZone& profiled_zone_of(const Plan&);
 /// Polarised neutrons of normal speeds through a whole oscillating field, each at a phase of its own, under
 /// `quantum`.
 Experiment oscillating_field(std::uint64_t particles);
-/// The zone of that field.
-const SpinZone& oscillating_zone_of(const Plan&);
+/// The first zone of such a kind.
+const SpinZone& zone_of(const Plan&, ZoneKind);
 /// The magnet of Kusch, Millman and Rabi's beam of potassium: two wires 1 cm apart.
 MagnetShape two_wires();
 
