@@ -25,6 +25,15 @@ Emission base() {
   return e;
 }
 
+Emission aimed(double y, double half_x, double half_z) {
+  Emission e = base();
+  e.direction.kind = DirectionKind::aimed;
+  e.target.y = y;
+  e.target.half_x = half_x;
+  e.target.half_z = half_z;
+  return e;
+}
+
 Emission gaussian() {
   Emission e = base();
   e.speed.kind = SpeedKind::gaussian;
@@ -132,12 +141,8 @@ TEST(Emission, OfUnpolarisedSpinsIsIsotropicForVectorsAndUniformOverLevels) {
 }
 
 TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
-  Emission e = base();
-  e.direction.kind = DirectionKind::aimed;
-  e.target.y = 0.01;
+  Emission e = aimed(0.01, 3e-3, 4e-3);
   e.target.x0 = 2e-3;
-  e.target.half_x = 3e-3;
-  e.target.half_z = 4e-3;
   for (const double x :
        emitted(e, [](const BatchView&b, int i) { return b.x[i] + b.vx[i] / b.vy[i] * 0.01; })) {
     ASSERT_LE(std::abs(x - 2e-3), 3e-3 + 1e-15);
@@ -151,12 +156,8 @@ TEST(Emission, AimedAtAnOpeningHitsItAndWeighsByTheCubeOfTheCosine) {
 }
 
 TEST(Emission, AimedInFreeFallHitsItAlongAParabolaAndWeighsByHowTheWaysSpread) {
-  Emission e = base();
-  e.direction.kind = DirectionKind::aimed;
-  e.target.y = 0.5;
+  Emission e = aimed(0.5, 30e-3, 40e-3);
   e.target.x0 = 20e-3;
-  e.target.half_x = 30e-3;
-  e.target.half_z = 40e-3;
   e.fall = {4, -9.81};
   e.speed.mean = 5;
   // Where a slope leads to at one speed.
@@ -183,10 +184,7 @@ TEST(Emission, AimedInFreeFallHitsItAlongAParabolaAndWeighsByHowTheWaysSpread) {
 }
 
 TEST(Emission, AimedAtWhatItCannotReachInFreeFallHasNoWeight) {
-  Emission e = base();
-  e.direction.kind = DirectionKind::aimed;
-  e.target.y = 3;
-  e.target.half_x = e.target.half_z = 1e-3;
+  Emission e = aimed(3, 1e-3, 1e-3);
   e.fall = {0, -9.81};
   e.speed.mean = 5;  // reaches v^2/g = 2.5 m
   for (const double weight :
