@@ -144,6 +144,9 @@ struct Probed {
     std::string part;
     std::array<double, 3> field{};     // [T]
     std::array<double, 3> electric{};  // [V/m]
+    /// [m] How far from its axis a fringe or a profile tells what the field is, where the place is farther; 0
+    /// elsewhere.
+    double good_up_to = 0;
   };
   std::array<double, 3> place{};     // [m] x across, y along the beam, z up
   std::array<double, 3> field{};     // [T]

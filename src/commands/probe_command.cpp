@@ -2,11 +2,13 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <string_view>
 
 #include <unistd.h>
 
 #include "commands/common.hpp"
+#include "commands/say.hpp"
 #include "core/units.hpp"
 #include "scan/settings.hpp"
 
@@ -51,6 +53,22 @@ std::string field_text(const std::array<double, 3>& b, char name, Dimension dime
 }
 bool is_none(const std::array<double, 3>& field) { return field == std::array<double, 3>{}; }
 
+/// How far from its axis a fringe is known, of the parts beyond that. Divergence and curl are nothing there,
+/// too: such a field obeys Maxwell's equations, but no magnet makes it.
+using Limits = std::map<std::string, double>;
+
+void look(const Probed& p, Limits& limits) {
+  for (const Probed::Contribution& from : p.contributions)
+    if (from.good_up_to > 0) limits[from.part] = from.good_up_to;
+}
+void warn(const Limits& limits, const char* where) {
+  for (const auto& [part, limit] : limits)
+    say(stderr,
+        "warning: {} more than {} from the axis of `{}`: so far from it its fringe or profile does not "
+        "tell what the field is\n",
+        where, pretty_quantity(limit, Dimension::length), part);
+}
+
 void print_place(const Probed& p, double time) {
   const auto metres = [](double x) { return pretty_quantity(x, Dimension::length); };
   const auto& g = p.slope;
@@ -77,6 +95,9 @@ void print_place(const Probed& p, double time) {
   }
   fmt::print("  div B = {:.3g} T/m, curl B = ({:.3g}, {:.3g}, {:.3g}) T/m\n", g[0] + g[4] + g[8], g[7] - g[5],
              g[2] - g[6], g[3] - g[1]);
+  Limits limits;
+  look(p, limits);
+  warn(limits, "this place is");
 }
 
 /// A table that any plotting program reads.
@@ -102,9 +123,11 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
   fmt::print(out,
              "x [m],y [m],z [m],Bx [T],By [T],Bz [T],|B| [T],div B [T/m],curl B [T/m],Ex [V/m],Ey [V/m],"
              "Ez [V/m]\n");
+  Limits limits;
   for (std::uint64_t i = 0; i < points; ++i) {
     place[axis] = from + (to - from) * static_cast<double>(i) / static_cast<double>(points - 1);
     const Probed p = probe(setup, place, time);
+    look(p, limits);
     const std::array<double, 3>& b = p.field;
     const std::array<double, 9>& g = p.slope;
     fmt::print(out, "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.3g},{:.9g},{:.9g},{:.9g}\n",
@@ -112,6 +135,7 @@ void print_line(std::FILE* out, const Setup& setup, const ProbeArguments& a, std
                g[0] + g[4] + g[8], std::hypot(g[7] - g[5], g[2] - g[6], g[3] - g[1]), p.electric[0],
                p.electric[1], p.electric[2]);
   }
+  warn(limits, "some of these places are");
 }
 
 /// The package draws the table, which it reads from a file without a name, and along the beam where parts

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "field/fringe_limit.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "section/section_builder.hpp"
@@ -12,7 +13,14 @@ namespace {
 
 struct Here : FieldHere<double> {
   FieldHere<double> electric;
+  double good_up_to;  // [m] 0 where all is good
 };
+
+void look_at_fringe(const ShapedTerm& term, const Vector3& place, Here& sum) {
+  if (term.kind != ShapedKind::fringed) return;
+  const double good = good_up_to(term.fringed);
+  if (distance_from_axis(term, place.x, place.y, place.z) > good) sum.good_up_to = good;
+}
 
 void add_uniform(const Vector3& field, Here& sum) {
   sum.field[0] += field.x;
@@ -64,11 +72,18 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
     for (const CoilTerm& coil : section.coils) add_uniform(coil.field(first), sum);
     for (const RotatingTerm& term : section.rotating)
       add_rotating(term, first.gyromagnetic_ratio, place, time, sum);
-    for (const ShapedTerm& term : section.shaped)
+    for (const ShapedTerm& term : section.shaped) {
       add_field_at<HostMaths>(term, place.x, place.y, place.z, time, sum);
-    for (const SwingingTerm& term : section.swinging) add_swinging(term, place, time, sum);
-    for (const ShapedTerm& term : section.electric)
+      look_at_fringe(term, place, sum);
+    }
+    for (const SwingingTerm& term : section.swinging) {
+      add_swinging(term, place, time, sum);
+      look_at_fringe(term.field, place, sum);
+    }
+    for (const ShapedTerm& term : section.electric) {
       add_field<HostMaths>(term, place.x, place.y, place.z, sum.electric);
+      look_at_fringe(term, place, sum);
+    }
   }
   return sum;
 }
@@ -105,7 +120,7 @@ Probed probe_of(const Beamline& beamline, const Vector3& place, double time) {
       for (int i = 0; i < 9; ++i) own.slope[i] -= other.slope[i];
     }
     if (is_zero(own)) continue;
-    Probed::Contribution contribution{part.placement.name, {}, {}};
+    Probed::Contribution contribution{part.placement.name, {}, {}, own.good_up_to};
     for (std::size_t i = 0; i < 3; ++i) {
       contribution.field[i] = own.field[i];
       contribution.electric[i] = own.electric.field[i];

@@ -50,4 +50,10 @@ double good_up_to(const FringeShape& shape) {
   return distance;
 }
 
+double distance_from_axis(const ShapedTerm& fringed, double x, double y, double z) {
+  double own[3];
+  own_place(fringed, x, y, z, own);
+  return fringed.fringed.along ? portable::hypot(own[0], own[1], 0) : std::abs(own[0]);
+}
+
 }  // namespace rabiline

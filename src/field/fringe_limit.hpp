@@ -1,6 +1,6 @@
 #pragma once
 // How far from its axis a fringed field can be known from its curve.
-#include "field/fringed_field.hpp"
+#include "field/shaped_field.hpp"
 
 namespace rabiline {
 
@@ -14,5 +14,8 @@ namespace rabiline {
 ///  - the term r^6 f^(6)/2304 that the series of B along the axis leaves out is more than 1 % of the whole
 ///  field.
 double good_up_to(const FringeShape&);
+
+/// [m] how far from there a place is, of such a term.
+double distance_from_axis(const ShapedTerm& fringed, double x, double y, double z);
 
 }  // namespace rabiline

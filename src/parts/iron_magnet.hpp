@@ -42,9 +42,11 @@ inline constexpr auto parameters<IronMagnet> = std::tuple{
           "height of the beam above the wires' plane; 1.2 a if omitted"),
     param("offset", &IronMagnet::offset, "displacement of the magnet from where the beam is at that height",
           Offset{}),
-    param("tilt", &IronMagnet::tilt,
-          "turn of the magnet, field and all, about the beam: by 180 deg the convex pole is above it",
-          Roll{}),
+    param(
+        "tilt", &IronMagnet::tilt,
+        "turn of the magnet, field and all, about the beam: by 180 deg the convex pole is above it, and with "
+        "the field reversed that is along +z again",
+        Roll{}),
 };
 
 void contribute(const IronMagnet&, const Placement&, SectionBuilder&);

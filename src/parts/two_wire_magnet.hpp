@@ -33,10 +33,10 @@ inline constexpr std::string_view tag_key<WireStrength> = "";  // told apart by 
 
 /// Two wires along the beam with opposite currents (Rabi, Kellogg and Zacharias 1934):
 /// |B| = (mu_0 I/pi) a/(r1 r2), and grad |B|/|B| = -2z/(a^2 + z^2) on the symmetry line: the field is
-/// stronger towards the wires, which lie below the beam, on the side of -z. F = mu(|B|) grad |B|: a level or
-/// S_z stays what it is along the field, wherever that points. The wires stop what touches them. The
-/// hypothesis replaces this force, so there the field is uniform, that on the beam's axis, and the wires stop
-/// nothing.
+/// stronger towards the wires, which lie below the beam, on the side of -z. F = mu(|B|) grad |B|: a level, or
+/// what S has along the field at the beam, stays what it is, wherever that points. The wires stop what
+/// touches them. The hypothesis replaces this force, so there the field is uniform, that on the beam's axis,
+/// and the wires stop nothing.
 struct TwoWireMagnet {
   static constexpr std::string_view
       kind = "two_wire_magnet",
@@ -63,8 +63,11 @@ inline constexpr auto parameters<TwoWireMagnet> = std::tuple{
           "height of the beam above the wires' plane; 1.2 a if omitted"),
     param("offset", &TwoWireMagnet::offset,
           "displacement of the magnet from where the beam is at that height", Offset{}),
-    param("tilt", &TwoWireMagnet::tilt,
-          "turn of the magnet, field and all, about the beam: by 180 deg the wires lie above it", Roll{}),
+    param(
+        "tilt", &TwoWireMagnet::tilt,
+        "turn of the magnet, field and all, about the beam: by 180 deg the wires lie above it, and with the "
+        "current reversed the field there is along +z again",
+        Roll{}),
 };
 
 void contribute(const TwoWireMagnet&, const Placement&, SectionBuilder&);

@@ -200,6 +200,7 @@ class Compiler {
         questions_.carry_levels(plane, histogram.spins);
       } else if (of_spin && straight_) {
         histogram.spins.zones = zones_seen_by(histogram, plane);
+        if (quantum_) histogram.spins.start = spins_.start_before(plane);
       }
       chain_.push_back(std::move(histogram));
     }
@@ -208,7 +209,7 @@ class Compiler {
     const bool along_z = std::all_of(histogram.axes.begin(), histogram.axes.end(), [](const auto& axis) {
       return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
     });
-    return quantum_ && along_z ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
+    return quantum_ && along_z ? spins_.zones_before_levels(plane, {}) : spins_.zones_before(plane);
   }
 
   // ---- from the source to the last part ----

@@ -16,8 +16,8 @@ std::optional<UnitVector> axis_behind(Stages::const_iterator begin, Stages::cons
   for (; begin != end; ++begin) {
     if (const auto* align = std::get_if<Alignment>(&*begin))
       axis = UnitVector{align->axis[0], align->axis[1], align->axis[2]};
-    else if (std::holds_alternative<LevelProjection>(*begin))
-      axis = UnitVector{};
+    else if (const auto* magnet = std::get_if<LevelProjection>(&*begin))
+      axis = magnet->spins.axis;
     else if (traits_of(*begin).spins != SpinEffect::none)
       axis.reset();
   }
@@ -63,6 +63,7 @@ class FilterGatherer {
     }
     if (const auto* magnet = std::get_if<LevelProjection>(&stage); magnet != nullptr && !levels_known_) {
       levels_known_ = behind_magnet_ = true;
+      asked_.spins.axis = magnet->spins.axis;
       asked_.spins.zones = magnet->spins.zones;
       return magnet->split && !has_screen_;
     }

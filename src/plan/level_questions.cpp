@@ -5,6 +5,7 @@
 
 #include "plan/level_history.hpp"
 #include "plan/level_ways.hpp"
+#include "section/magnet_field.hpp"
 #include "spin/majorana.hpp"
 
 namespace rabiline {
@@ -52,8 +53,9 @@ std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) con
     return asked.spins.is_idle() ? std::nullopt : std::optional(asked);
   }
   asked.spins.start = spins_.start_before(plane);
-  asked.spins.zones = spins_.zones_before_levels(plane);
-  if (asked.spins.from_level() && asked.spins.is_idle()) return std::nullopt;
+  asked.spins.axis = spin_axis(std::get<MagnetTerm>(plane.term));
+  asked.spins.zones = spins_.zones_before_levels(plane, asked.spins.axis);
+  if (asked.spins.start && asked.spins.keeps_levels()) return std::nullopt;
   asked.spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return asked;
 }
@@ -69,7 +71,7 @@ SpinStretch LevelQuestions::at_detector(const Plane& plane) const {
     carry_levels(plane, spins);
     return stretch;
   }
-  if (straight_) spins.zones = quantum_ ? spins_.zones_before_levels(plane) : spins_.zones_before(plane);
+  if (straight_) spins.zones = quantum_ ? spins_.zones_before_levels(plane, {}) : spins_.zones_before(plane);
   if (straight_ && quantum_) spins.start = spins_.start_before(plane);
   if (spins.levels > 2) spins.polynomials = majorana_table(species_.spin.twice).coefficients;
   return stretch;

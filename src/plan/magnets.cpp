@@ -5,6 +5,7 @@
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
 #include "plan/geometry.hpp"
+#include "section/magnet_field.hpp"
 
 namespace rabiline {
 
@@ -34,7 +35,7 @@ Deflection deflection_of(const Plane& plane, const MagnetTerm& magnet, const Spe
   return d;
 }
 
-/// F = mu(|B|) grad |B|, of levels from their table, of a vector mu = gamma hbar I S_z.
+/// F = mu(|B|) grad |B|, of levels from their table, of a vector mu = gamma hbar I S . B/|B|.
 Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
                      double tolerance, SampledTables& tables) {
   Steering s;
@@ -48,6 +49,9 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
     s.cosine = portable::cos(magnet.tilt.y);
     s.sine = portable::sin(magnet.tilt.y);
   }
+  const UnitVector axis = spin_axis(magnet);
+  s.axis_x = axis.x;
+  s.axis_z = axis.z;
   s.mass = species.mass;
   s.moment = full_moment(species);
   s.levels = levels;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "plan/period.hpp"
+#include "section/magnet_field.hpp"
 
 namespace rabiline {
 namespace {
@@ -13,6 +14,8 @@ UnitVector axis_of(const StartSpin& spin) {
   if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
   return {};
 }
+
+bool is_along_z(const UnitVector& axis) { return axis.x == 0 && axis.y == 0; }
 
 }  // namespace
 
@@ -85,11 +88,12 @@ std::vector<SpinZone> SpinHistory::zones_before(const Stretch& stretch) const {
   return zones_between(known_before(stretch.begin, next), stretch.begin);
 }
 
-std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane) const {
+std::vector<SpinZone> SpinHistory::zones_before_levels(const Plane& plane, const UnitVector& axis) const {
   const std::vector<SpinZone> zones = zones_before(plane);
   const std::optional<UnitVector> start = start_before(plane);
-  const bool starts_along_z = start && start->x == 0 && start->y == 0;
-  const auto last = std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base();
+  const bool starts_along_z = start && is_along_z(*start);
+  const auto last =
+      is_along_z(axis) ? std::find_if(zones.rbegin(), zones.rend(), moves_spin_along_z).base() : zones.end();
   const auto first =
       starts_along_z ? std::find_if(zones.begin(), zones.end(), moves_spin_along_z) : zones.begin();
   return first < last ? std::vector<SpinZone>(first, last) : std::vector<SpinZone>{};
@@ -101,7 +105,7 @@ std::optional<UnitVector> SpinHistory::start_before(const Plane& plane) const {
   if (stepped != nullptr && (last == nullptr || last->y < stepped->end))
     return stepped->outlook.sorts ? std::optional(UnitVector{}) : std::nullopt;
   if (last == nullptr) return axis_of(source_.spin);
-  if (std::holds_alternative<MagnetTerm>(last->term)) return UnitVector{};
+  if (const auto* magnet = std::get_if<MagnetTerm>(&last->term)) return spin_axis(*magnet);
   const auto* align = std::get_if<AlignTerm>(&last->term);
   return align != nullptr ? std::optional(UnitVector{align->axis.x, align->axis.y, align->axis.z})
                           : std::nullopt;

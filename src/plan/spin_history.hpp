@@ -21,15 +21,15 @@ class SpinHistory {
   /// The fields since spins were last set anew or brought up to date: at the source, an alignment, a filter,
   /// or behind a stretch that is flown in steps.
   std::vector<SpinZone> zones_before(const Plane&) const;
-  /// The same for levels along z at that plane, which do not care for precession about z at the end, nor at
-  /// the beginning where they start along z.
-  std::vector<SpinZone> zones_before_levels(const Plane&) const;
+  /// The same for levels along an axis at that plane: along z they do not care for precession about z at the
+  /// end, nor at the beginning where they start along z.
+  std::vector<SpinZone> zones_before_levels(const Plane&, const UnitVector& axis) const;
   /// The same at the begin of such a stretch.
   std::vector<SpinZone> zones_before(const Stretch&) const;
   /// Where spins were last set anew or brought up to date before the plane, 0 at the source [m].
   double known_before(const Plane&) const;
-  /// The axis of the levels behind the source or an alignment, whichever came last before the plane; nothing
-  /// where it differs from particle to particle, as behind a filter.
+  /// The axis of the levels behind the source, an alignment or a magnet, whichever came last before the plane;
+  /// nothing where it differs from particle to particle, as behind a filter.
   std::optional<UnitVector> start_before(const Plane&) const;
 
  private:

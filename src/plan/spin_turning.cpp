@@ -128,8 +128,8 @@ std::optional<double> turning_along(const SpinPath& path, bool pulsed, std::stri
     turning.ask_along(before.filter.axis, before.filter.at);
   }
   pass(path.zones);
-  constexpr double z[3] = {0, 0, 1};
-  turning.ask_along(z, end);
+  const double axis[3] = {path.axis.x, path.axis.y, path.axis.z};
+  turning.ask_along(axis, end);
   return turning.angle(why_not);
 }
 

@@ -9,6 +9,7 @@
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "rules/room.hpp"
+#include "section/magnet_field.hpp"
 
 namespace rabiline {
 namespace {
@@ -65,6 +66,7 @@ bool asks_across_z(const Plane& plane) {
               if (axis.axis && (axis.axis->x != 0 || axis.axis->y != 0)) return true;
           return false;
         }
+        if constexpr (std::is_same_v<std::decay_t<decltype(term)>, MagnetTerm>) return spin_axis(term).x != 0;
         return std::is_same_v<std::decay_t<decltype(term)>, FilterTerm>;
       },
       plane.term);
@@ -83,7 +85,7 @@ std::vector<SpinZone> zones_needed(const Beamline& beamline, const Species& spec
   for (const Plane& plane : sections.planes) {
     if (!asks_for_spin(plane)) continue;
     const std::vector<SpinZone> before = is_quantum(beamline) && !asks_across_z(plane)
-                                             ? spins.zones_before_levels(plane)
+                                             ? spins.zones_before_levels(plane, {})
                                              : spins.zones_before(plane);
     out.insert(out.end(), before.begin(), before.end());
   }

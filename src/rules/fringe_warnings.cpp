@@ -25,9 +25,7 @@ struct Fringed {
 
   void look(int particle, double x, double y, double z) {
     if (y < begin || y > end) return;
-    double own[3];
-    own_place(term, x, y, z, own);
-    const double distance = term.fringed.along ? portable::hypot(own[0], own[1], 0) : std::abs(own[0]);
+    const double distance = distance_from_axis(term, x, y, z);
     farthest = std::max(farthest, distance);
     if (distance > good) strays[static_cast<std::size_t>(particle)] = 1;
   }

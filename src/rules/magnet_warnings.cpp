@@ -1,7 +1,9 @@
 // Deflecting magnets that nobody can build.
 #include <cmath>
 
+#include "core/portable_math.hpp"
 #include "rules/warning_room.hpp"
+#include "section/magnet_field.hpp"
 
 namespace rabiline {
 namespace {
@@ -37,6 +39,28 @@ Faults impossible_magnets_of(const Beamline& beamline) {
                                                       : " 1 mm from the beam",
                             most_magnetic_field),
                 gradient ? "a gradient in T/m, such as 1000 T/m" : ""));
+  }
+  return out;
+}
+
+Faults turned_magnets_of(const Beamline& beamline) {
+  constexpr double most = 1e-2;  // [rad]
+  Faults out;
+  const Species* atom = atom_of(beamline);
+  if (atom == nullptr) return out;
+  for (const Plane& plane : sections_of(beamline).planes) {
+    const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+    if (magnet == nullptr) continue;
+    const UnitVector axis = spin_axis(*magnet);
+    const double angle = portable::atan2(std::abs(axis.x), axis.z);
+    if (!(angle > most)) continue;
+    const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
+    out.push_back(warning(
+        name, "tilt",
+        fmt::format("the field of `{}` stands at {} to +z: levels of `{}` are taken to follow it there and "
+                    "back, without a flip",
+                    name, pretty_quantity(angle, Dimension::angle), atom->name),
+        "to see what flips, put the fields on the way into the file and let one overlap the magnet"));
   }
   return out;
 }

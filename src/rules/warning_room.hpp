@@ -27,6 +27,8 @@ Faults nuclei_among_atoms_of(const Beamline&);
 bool is_deflected(const Beamline&, const Fault&);
 /// Deflecting magnets with fields that nobody can make, at one scan point.
 Faults impossible_magnets_of(const Beamline&);
+/// Deflecting magnets whose field stands at an angle to +z, which levels of atoms are taken to follow.
+Faults turned_magnets_of(const Beamline&);
 /// Numbers that no apparatus has, at one scan point.
 Faults absurd_numbers_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.

@@ -1,5 +1,7 @@
 #include "section/magnet_field.hpp"
 
+#include <cmath>
+
 namespace rabiline {
 namespace {
 
@@ -49,6 +51,15 @@ std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
   linear.slope[8] = shape.gradient * shape.along_z;
   linear.slope[2] = linear.slope[6] = shape.gradient * shape.along_x;
   return {in_frame(ShapedTerm(linear), magnet, begin, 0)};
+}
+
+UnitVector spin_axis(const MagnetTerm& magnet) {
+  if (magnet.shape.kind != MagnetKind::two_wire || magnet.shape.field == 0) return {};
+  const double sign = magnet.shape.field < 0 ? -1 : 1;
+  const double x = sign * portable::sin(magnet.tilt.y), z = sign * portable::cos(magnet.tilt.y);
+  constexpr double rounding = 1e-12;  // of half a turn, written in degrees
+  if (std::abs(x) < rounding) return {0, 0, z < 0 ? -1.0 : 1.0};
+  return {x, 0, std::abs(z) < rounding ? 0 : z};
 }
 
 }  // namespace rabiline

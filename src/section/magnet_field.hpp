@@ -11,4 +11,9 @@ namespace rabiline {
 /// have it.
 std::vector<ShapedTerm> field_terms_of(const MagnetTerm&, double begin);
 
+/// The axis of the levels that a magnet finds: of its field where the beam is, whichever way that points. One
+/// whose field turns about the beam's axis, of poles that alternate, takes the levels along +z along with it;
+/// so does an even gradient, whose field changes its sign beside the beam and is along z everywhere.
+UnitVector spin_axis(const MagnetTerm&);
+
 }  // namespace rabiline

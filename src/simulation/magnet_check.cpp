@@ -67,9 +67,10 @@ std::optional<AcrossBeam> integrated(const BatchView& batch, int i, double lengt
   return AcrossBeam{q[0], q[1], q[2], q[3]};
 }
 
-/// m/I of a level, S_z of a vector.
-double part_of(int levels, const BatchView& batch, int i) {
-  return levels > 0 ? 1 - 2 * static_cast<double>(batch.level[i]) / (levels - 1) : batch.sz[i];
+/// m/I of a level; of a vector what it has along the axis, which is across the beam.
+double part_of(int levels, double axis_x, double axis_z, const BatchView& batch, int i) {
+  return levels > 0 ? 1 - 2 * static_cast<double>(batch.level[i]) / (levels - 1)
+                    : batch.sx[i] * axis_x + batch.sz[i] * axis_z;
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ std::optional<AcrossBeam> integrated_through(const Steering& s, const BatchView&
                                              long& evaluations, long most) {
   const Complex turn(s.cosine, s.sine), at_beam(s.x0, s.z0), height(0, s.shape.height),
       fall(batch.fall.x, batch.fall.z);
-  const double part = part_of(s.levels, batch, i);
+  const double part = part_of(s.levels, s.axis_x, s.axis_z, batch, i);
   return integrated(batch, i, s.end - s.begin, evaluations, most, [&](Complex place) {
     const SizeHere b = size_at(s.shape, (place - at_beam) * turn + height);
     const double moment =
@@ -89,7 +90,7 @@ std::optional<AcrossBeam> integrated_through(const Steering& s, const BatchView&
 
 std::optional<AcrossBeam> integrated_through(const Deflection& d, const BatchView& batch, int i,
                                              long& evaluations, long most) {
-  const Complex force = part_of(d.levels, batch, i) * d.acceleration * Complex(d.along_x, d.along_z) +
+  const Complex force = part_of(d.levels, 0, 1, batch, i) * d.acceleration * Complex(d.along_x, d.along_z) +
                         Complex(batch.fall.x, batch.fall.z);
   return integrated(batch, i, d.end - d.begin, evaluations, most, [&](Complex) { return force; });
 }

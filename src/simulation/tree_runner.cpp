@@ -95,7 +95,8 @@ void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const Rando
     next = &next->next.front();
     chain.push_back({&next->stage, next->sums, next->ledger});
   }
-  branches_->fly(batch, chain, node.reachable_levels, isa_, key, node.transit.get());
+  branches_->fly(batch, path_of(node.stage)->axis, chain, node.reachable_levels, isa_, key,
+                 node.transit.get());
   if (node.transit) {
     if (branches_->book_moments(*node.transit, batch, moments_[&node], sums.data() + node.moments)) return;
     const BatchView& b = batch.view();

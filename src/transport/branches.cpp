@@ -22,9 +22,10 @@ void gather_particles(const BatchView& from, const std::uint16_t* numbers, int c
 
 // ---- paths ----
 
-void Branches::fly(const Batch& batch, const std::vector<ChainLink>& chain,
+void Branches::fly(const Batch& batch, const UnitVector& axis, const std::vector<ChainLink>& chain,
                    const std::vector<std::uint64_t>& reachable, Isa isa, const RandomKey& key,
                    const TransitLayout* layout) {
+  axis_ = axis;
   chain_ = chain;
   isa_ = isa;
   key_ = key;
@@ -73,9 +74,9 @@ void Branches::gather(const Batch& batch, int level, const std::vector<std::uint
   std::fill(to.slowness + count, to.slowness + to.padded, 1.0);
   std::fill_n(to.caught_by, to.padded, 0);
   std::fill_n(to.level, to.padded, static_cast<std::uint64_t>(level));
-  std::fill_n(to.sx, to.padded, 0.0);
-  std::fill_n(to.sy, to.padded, 0.0);
-  std::fill_n(to.sz, to.padded, 1.0);
+  std::fill_n(to.sx, to.padded, axis_.x);
+  std::fill_n(to.sy, to.padded, axis_.y);
+  std::fill_n(to.sz, to.padded, axis_.z);
 }
 
 void Branches::fly_on(std::size_t path, const Batch& batch, const std::vector<std::uint64_t>& reachable) {

@@ -21,9 +21,9 @@ struct ChainLink {
 class Branches {
  public:
   /// Flies what flies of the batch, once in each level that it can be found in, through the chain.
-  /// `reachable`: these levels as a mask, for each level that a particle is in. With a layout of moments,
-  /// particles whose slowness is in its cells are left to book_moments().
-  void fly(const Batch& batch, const std::vector<ChainLink>& chain,
+  /// `axis`: of the levels. `reachable`: these levels as a mask, for each level that a particle is in. With a
+  /// layout of moments, particles whose slowness is in its cells are left to book_moments().
+  void fly(const Batch& batch, const UnitVector& axis, const std::vector<ChainLink>& chain,
            const std::vector<std::uint64_t>& reachable, Isa isa, const RandomKey& key,
            const TransitLayout* layout = nullptr);
   /// Books them for all reweightings at once, and what ends alike in every level, in the sums
@@ -57,6 +57,7 @@ class Branches {
   Isa isa_ = Isa::baseline;
   RandomKey key_;
   Paths paths_;
+  UnitVector axis_;
   std::vector<Sum> unused_;             // what the stages themselves would add
   std::vector<std::uint64_t> decided_;  // [link][prepared level] [quanta] that end there whatever the level
   std::vector<Stop> stops_;

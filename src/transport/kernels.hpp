@@ -182,12 +182,13 @@ struct LevelCourse;  // transport/level_course.hpp
 struct SpinPathView {
   RandomKey key;
   int levels = 2;           // 0: a vector law, whose spin has a projection
-  bool from_level = false;  // S untouched so far: one zone has a closed form
+  bool from_level = false;  // S untouched so far, along z as the levels: one zone has a closed form
   const SpinZone* zones = nullptr;
   int zone_count = 0;
   const double* polynomials = nullptr;  // MajoranaTable::coefficients
   Transitions transitions;
   const LevelCourse* course = nullptr;  // of an atom, instead, through fields without a closed form
+  double axis[3] = {0, 0, 1};           // of a point moment's levels: of what a deflecting magnet finds
 };
 
 /// The levels of what a detector caught.

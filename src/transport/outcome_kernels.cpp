@@ -5,16 +5,18 @@
 namespace rabiline::RABILINE_ISA {
 namespace {
 
-/// The probability that a state's image of z is flipped.
+/// The probability that the image of the level that a state was in is flipped against the axis asked for.
 class Flip {
  public:
   explicit Flip(const SpinPathView& q)
       : q_(q), closed_(q.from_level && q.zone_count == 1 && has_closed_form(q.zones[0])) {
     if (closed_) flop_ = RabiFlop(q.zones[0]);
+    axis_ = {broadcast(q.axis[0]), broadcast(q.axis[1]), broadcast(q.axis[2])};
   }
   RABILINE_LANES real probability(const BatchView& batch, int i, real slowness) const {
     if (closed_) return flop_.probability(slowness);
-    const real flip = flip_probability(spin_after(q_.zones, q_.zone_count, q_.key, batch, i, slowness).z);
+    const Vector s = spin_after(q_.zones, q_.zone_count, q_.key, batch, i, slowness);
+    const real flip = flip_probability(dot(axis_, s));
     return max(broadcast(0), min(broadcast(1), flip));
   }
 
@@ -22,6 +24,7 @@ class Flip {
   const SpinPathView& q_;
   const bool closed_;
   RabiFlop flop_;
+  Vector axis_;
 };
 
 void share_by_flip(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
@@ -260,9 +263,9 @@ std::uint64_t collapse(const SpinPathView& q, int part, BatchView& batch) {
       level = level + ((words)(drawn >= number_of(below)) & broadcast_word(1));
     }
     store(batch.level + i, select(flying, level, load(batch.level + i)));
-    store(batch.sx + i, select(flying, broadcast(0), load(batch.sx + i)));
-    store(batch.sy + i, select(flying, broadcast(0), load(batch.sy + i)));
-    store(batch.sz + i, select(flying, broadcast(1), load(batch.sz + i)));
+    store(batch.sx + i, select(flying, broadcast(q.axis[0]), load(batch.sx + i)));
+    store(batch.sy + i, select(flying, broadcast(q.axis[1]), load(batch.sy + i)));
+    store(batch.sz + i, select(flying, broadcast(q.axis[2]), load(batch.sz + i)));
   }
   return lost;
 }

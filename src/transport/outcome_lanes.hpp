@@ -6,8 +6,8 @@
 
 namespace rabiline::RABILINE_ISA {
 
-/// Flip probability of a spin 1/2 from S_z of its image of z.
-RABILINE_LANES real flip_probability(real sz) { return fma(sz, broadcast(-0.5), broadcast(0.5)); }
+/// Flip probability of a spin 1/2 from what its image of one axis has along another.
+RABILINE_LANES real flip_probability(real along) { return fma(along, broadcast(-0.5), broadcast(0.5)); }
 
 /// From a level along z: the flip probability needs no vector.
 inline bool has_closed_form(const SpinZone& zone) {

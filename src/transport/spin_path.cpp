@@ -60,7 +60,8 @@ SpinPathView SpinPath::view(const RandomKey& key) const {
           static_cast<int>(zones.size()),
           polynomials.data(),
           view_of(transitions),
-          way != nullptr ? &way->course() : nullptr};
+          way != nullptr ? &way->course() : nullptr,
+          {axis.x, axis.y, axis.z}};
 }
 
 double cost_of(const SpinZones& zones, double speed) {

@@ -25,6 +25,7 @@ struct SpinPath {
   /// The axis of the levels that particles are in at its beginning, under `quantum`; nothing where it differs
   /// from particle to particle. A spin image along z has a closed form through one zone.
   std::optional<UnitVector> start{};
+  UnitVector axis{};  // of the levels that are asked for
   SpinZones zones{};
   std::vector<double> polynomials{};          // MajoranaTable::coefficients
   bool of_atom = false;                       // whose levels no field turns
@@ -36,12 +37,14 @@ struct SpinPath {
   std::vector<FilteredZones> filters{};
   bool operator==(const SpinPath&) const = default;
 
-  bool from_level() const { return start == UnitVector{}; }
+  bool from_level() const { return start == UnitVector{} && axis == UnitVector{}; }
   int outcomes() const { return levels + static_cast<int>(filters.size()); }
   /// Nothing on the way acts on spins.
   bool is_idle() const {
     return zones.empty() && transitions == nullptr && way == nullptr && filters.empty();
   }
+  /// Nor are other levels asked for than those that particles are known to be in.
+  bool keeps_levels() const { return is_idle() && (of_atom || !start || *start == axis); }
   /// Calls f with each zone on the way.
   template <class F>
   void each_zone(F f) const {

@@ -16,7 +16,7 @@ struct Force {
   real sharpness;  // [1/m^2] that v^2 is multiplied by
 };
 
-/// `part` is m/I or S_z where the moment is constant.
+/// `part` is m/I, or that of a vector S along the field, where the moment is constant.
 RABILINE_LANES Force force_at(const Steering& s, const Fall& fall, words level, real part, const Across& at) {
   const auto field = field_size(s.shape, at.x, at.z, [](real q) { return sqrt(q); });
   const double inverse_mass = 1 / s.mass;
@@ -224,8 +224,9 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
       continue;
     }
     const words level = select(flies, load(batch.level + i), words{});
-    const real part = s.levels > 0 ? fma(number_of(level), broadcast(-2.0 / (s.levels - 1)), broadcast(1))
-                                   : load(batch.sz + i);
+    const real part = s.levels > 0
+                          ? fma(number_of(level), broadcast(-2.0 / (s.levels - 1)), broadcast(1))
+                          : fma(load(batch.sx + i), broadcast(s.axis_x), load(batch.sz + i) * s.axis_z);
     const auto across = [&](real u, real v) { return fma(u, broadcast(s.cosine), -(v * s.sine)); };
     const auto up = [&](real u, real v) { return fma(u, broadcast(s.sine), v * s.cosine); };
     Across at{across(x - s.x0, z - s.z0), up(x - s.x0, z - s.z0) + s.shape.height, across(vx, vz),

@@ -120,6 +120,88 @@ TEST(TwoWireMagnet, TurnedByHalfATurnUndoesAnother) {
   EXPECT_GT(exit_of(line(species, 2000, {place("A", 0, first)}, 0)).vz, up.vz);  // closer to the wires
 }
 
+/// Spins of one direction through magnets that push what is along their field to +z of their own frame, and
+/// a screen that catches this half.
+struct Analysis {
+  double turn = 0, field = 0.2;  // [rad], [T]
+  int twice_spin = 1, magnets = 1;
+  Outcomes outcomes = Outcomes::split;
+  double along() const { return std::copysign(1, field) * std::cos(turn); }  // z . B/|B|
+};
+DetectorResult found(const Analysis& a, std::vector<double> populations) {
+  const Species species{"test", 39 * atomic_mass, 0, {a.twice_spin}, -bohr_magneton / hbar, ""};
+  std::vector<PlacedPart> parts;
+  for (int i = 0; i < a.magnets; ++i) {
+    TwoWireMagnet m = wires(a.field, 4e-3);
+    m.tilt.y = a.turn;
+    parts.push_back(place(i == 0 ? "A" : "B", 0.6 * i, m));
+  }
+  Detector half{Rectangle{0.1, 0.1}, {1, 1}, {}};
+  half.tilt.y = a.turn;
+  const double centre = 0.05 + 20e-6;  // what is not pushed misses it
+  half.offset = {centre * std::sin(a.turn), centre * std::cos(a.turn)};
+  parts.push_back(place("half", 1.5, half));
+  Beamline b = line(species, 2000, parts, 0);
+  b.law = QuantumLaw{a.outcomes};
+  b.source.spin = PopulatedSpin{{0, 0, 1}, std::move(populations)};
+  b.particles = a.outcomes == Outcomes::sample ? 10000 : 8;
+  return run_points({b}).detectors.at(0);
+}
+
+TEST(TurnedMagnets, FindSpinsAlongTheirOwnField) {
+  for (const double field : {0.2, -0.2})
+    for (const double turn : {0.0, 0.5, pi / 2, 2.5, pi, -2.0})
+      for (const int magnets : {1, 2}) {
+        const Analysis a{turn, field, 1, magnets};
+        const DetectorResult d = found(a, {1, 0});
+        expect_agreement(
+            d.detected[0], [&](double s) { return (s + a.along()) / 2; }, 1e-9, "along the field");
+        // Those are then along the field, which the screen asks along z again.
+        if (d.detected[0] > 1e-6) {
+          EXPECT_NEAR(d.levels[0], (1 + a.along()) / 2, 1e-6) << turn;
+        }
+        EXPECT_NEAR(found({turn, field, 1, magnets, Outcomes::sample}, {1, 0}).detected[0], d.detected[0],
+                    4.5 * 0.5 / 100)
+            << turn;
+      }
+}
+
+TEST(TurnedMagnets, FindLargerSpinsByMajoranasFormula) {
+  const Analysis a{1.0, 0.2, 2};
+  const double up = (1 + a.along()) / 2;
+  expect_agreement(
+      found(a, {1, 0, 0}).detected[0], [&](double scale) { return scale * up * up; }, 1e-9, "from m = 1");
+  expect_agreement(
+      found(a, {0, 1, 0}).detected[0], [&](double scale) { return scale * 2 * up * (1 - up); }, 1e-9,
+      "from m = 0");
+}
+
+TEST(TurnedMagnets, PushVectorsByWhatTheyHaveAlongTheField) {
+  const Species species = atom(39, -bohr_magneton);
+  const auto exit = [&](double turn, double field, const Vector3& axis) {
+    TwoWireMagnet m = wires(field, 4e-3);
+    m.tilt.y = turn;
+    Beamline b = line(species, 2000, {place("A", 0, m)}, 0);
+    b.law = ClassicalLaw{};
+    b.source.spin = PolarisedSpin{{axis.x, axis.y, axis.z}, 1};
+    const Exit out = exit_of(b);
+    return out.vx * std::sin(turn) + out.vz * std::cos(turn);
+  };
+  const double full = exit(0, 0.2, {0, 0, 1});
+  for (const double field : {0.2, -0.2})
+    for (const double turn : {0.4, pi / 2, 2.0, pi, -1.0}) {
+      const double sign = std::copysign(1, field);
+      // A full spin along the field, or against it, is pushed as in a magnet that stands upright.
+      EXPECT_NEAR(exit(turn, field, {sign * std::sin(turn), 0, sign * std::cos(turn)}), full, 1e-9 * full);
+      EXPECT_NEAR(exit(turn, field, {0, 1, 0}), 0, 1e-9 * full);
+      const double along = exit(turn, field, {0, 0, 1}), against = exit(turn, field, {0, 0, -1});
+      EXPECT_EQ(along > 0, sign * std::cos(turn) > 0) << turn;
+      if (std::abs(std::cos(turn)) > 0.1) {
+        EXPECT_LT(along * against, 0);
+      }
+    }
+}
+
 TEST(TwoWireMagnet, StopsAtItsWiresWhatTheyDraw) {
   const double a = 2e-3;
   TwoWireMagnet m = wires(0.4, a);

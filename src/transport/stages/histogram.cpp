@@ -367,7 +367,7 @@ double Histogram::cost(double speed) const {
   return cost::tally * static_cast<double>(axes.size() + 1) + (carries ? spins.cost(speed) : 0);
 }
 bool Histogram::follows_paths() const {
-  return spins.is_idle() && std::all_of(axes.begin(), axes.end(), [](const HistogramAxis& axis) {
+  return spins.keeps_levels() && std::all_of(axes.begin(), axes.end(), [](const HistogramAxis& axis) {
            return axis.quantity != Quantity::spin || (axis.direction[0] == 0 && axis.direction[1] == 0);
          });
 }

@@ -14,8 +14,10 @@ void LevelProjection::list_sums(SumSink&) const {}
 double LevelProjection::y() const { return at; }
 double LevelProjection::cost(double speed) const { return spins.cost(speed); }
 void LevelProjection::explain(PlanReport& report) const {
+  const bool along_z = spins.axis == UnitVector{};
   if (spins.filters.empty())
-    report.line("            {}: each particle is in one level from here on, {}{}", report.name_of(part),
+    report.line("            {}: each particle is in one level{} from here on, {}{}", report.name_of(part),
+                along_z ? "" : fmt::format(" along [{:.4g}, 0, {:.4g}]", spins.axis.x, spins.axis.z),
                 split ? "all are followed with their shares of its weight" : "drawn by its probability",
                 report.reuse);
   for (const FilteredZones& next : spins.filters) {

@@ -81,7 +81,7 @@ double SpinStretch::cost(double speed) const {
   if (spins.from_level() && spins.zones.size() <= 1 && spins.levels == 2) return cost::closed_form;
   return spins.cost(speed);
 }
-bool SpinStretch::follows_paths() const { return spins.is_idle(); }
+bool SpinStretch::follows_paths() const { return spins.keeps_levels(); }
 std::unique_ptr<PathTally> SpinStretch::tally_paths() const {
   return std::make_unique<LevelPaths>(layout_of(*this));
 }
