@@ -47,7 +47,7 @@ std::vector<FreeFlight::Barrier> FreeFlight::walls_up_to(double y) const {
 void FreeFlight::attenuate_up_to(double y, const std::vector<Aperture>& walls) {
   for (const Attenuation& gas : gases_) {
     Attenuation here = gas.between(reached_, y);
-    if (!(here.length > 0)) continue;
+    if (!(here.length > slack)) continue;
     here.walls = walls;
     chain_.push_back(std::move(here));
   }

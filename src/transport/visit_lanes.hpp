@@ -181,7 +181,7 @@ struct Visit {
     const int zone_number = static_cast<int>(&zone - region.zones),
               first_channel = region.zone_count + zone.channel_begin,
               first_gap = region.zone_count + region.channel_count + zone.gap_begin;
-    const auto number = [](int wall) { return broadcast_word(static_cast<unsigned long long>(wall)); };
+    const auto number = [](int n) { return broadcast_word(static_cast<unsigned long long>(n)); };
     const int only = round > 0 ? zone_number : channels > 0 ? first_channel : first_gap;
     met = select(chosen, number(only), met);
     if (!any(chosen) || (!traced && round + channels + gaps == 1)) return;

@@ -27,7 +27,8 @@ void Attenuation::explain(PlanReport& report) const {
 /// It changes weights.
 bool Attenuation::follows_paths() const { return false; }
 Attenuation Attenuation::between(double from, double to) const {
-  if (from <= at && to >= at + length) return *this;
+  constexpr double slack = 1e-12;  // [m] places closer than that are one
+  if (from <= at + slack && to >= at + length - slack) return *this;
   Attenuation cut = *this;
   cut.at = std::max(from, at);
   cut.length = std::max(std::min(to, at + length) - cut.at, 0.0);
