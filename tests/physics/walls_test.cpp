@@ -63,7 +63,7 @@ std::vector<Flight> flights() {
            }},
           {"under closure larmor", [](Beamline& b) {
              b.law = DoradoLaw{Closure::larmor, 1};
-             b.parts.insert(b.parts.begin(), place("weak", 0.01, UniformField{1.9, 1e-12, {}}));
+             b.parts.insert(b.parts.begin(), place("weak", 0.01, UniformField{1.9, 1e-15, {}}));
            }}};
 }
 
@@ -80,7 +80,7 @@ TEST(Ledger, BooksToTheChamberWhatMeetsItBeforeACollimator) {
     const Result r = run_points({b});
     const auto expect = [&](const std::string& fate, const std::string& where, double p) {
       const double tolerance = 4 * std::sqrt(p * (1 - p) / static_cast<double>(b.particles));
-      if (straight)
+      if (straight && fate == "stopped")
         expect_agreement(share_of(r, fate, where), [&](double scale) { return p * scale; }, tolerance,
                          (where + " " + flight.what).c_str());
       else
@@ -140,9 +140,9 @@ TEST(Track, EndsWhereThePathMeetsAWall) {
     }
 }
 
-/// Atoms on a parabola in a magnet that pushes those of one level by R at the place `meets`.
+/// Both levels are pushed by the chamber's radius at the place `meets`.
 TEST(Magnet, LeavesToTheChamberWhatMeetsItBeforeAPole) {
-  const double chamber = 4e-3, begin = 0.1, length = 0.5, speed = 100, gradient = 50;
+  const double chamber = 4e-3, begin = 0.1, length = 0.5, speed = 100, gradient = 80;
   const double pull = 0.5 * std::abs(gamma_n) * constants::hbar * gradient / neutron_mass;
   const double meets = begin + speed * std::sqrt(2 * chamber / pull);
   ASSERT_LT(meets, begin + length);
@@ -251,11 +251,10 @@ TEST(GasCell, AttenuatesAParabolaUpToItsBore) {
   b.source.tilt.x = tilt;
   b.source.speed = SingleSpeed{speed};
   b.gravity = Gravity{g, {0, 0, -1}};
-  const auto way = [&](double y) {  // of v ds = sqrt(vy^2 + vz^2) dvz/g
+  const auto way = [&](double y) {  // ds = sqrt(vy^2 + vz^2) dt, dt = -dvz/g
     const double vz = speed * std::sin(tilt) - g * y / vy;
     return -(vz * std::hypot(vy, vz) + vy * vy * std::asinh(vz / vy)) / (2 * g);
   };
-  // v dt = ds: of ds = sqrt(vy^2 + vz^2) dt, dt = -dvz/g.
   const Result r = run_points({b});
   expect_agreement(
       share_of(r, "scattered", "gas"),
@@ -283,9 +282,9 @@ TEST(Ledger, HasTheSameBitsForAnyNumberOfThreadsBatchesAndInstructionSets) {
   many.threads = 3;
   many.batch = 24;
   const Result one = run_points({b}), other = run_points({b}, many);
+  for (const char* where : {"chamber", "C", "D"}) EXPECT_GT(share_of(one, "stopped", where), 0.01) << where;
   ASSERT_EQ(one.fates.size(), other.fates.size());
   for (std::size_t i = 0; i < one.fates.size(); ++i) {
-    EXPECT_GT(one.fates[i].particles.at(0), 0) << one.fates[i].fate << one.fates[i].where;
     EXPECT_EQ(one.fates[i].quanta_low, other.fates[i].quanta_low);
     EXPECT_EQ(one.fates[i].quanta_high, other.fates[i].quanta_high);
   }
