@@ -16,6 +16,15 @@ bool stays_where_it_starts(const Source& source) {
          !std::holds_alternative<GaussianSpot>(source.opening);
 }
 
+/// Whether paths through a section may end at a bore, at poles or where a map ends.
+bool has_walls(const Section& section) {
+  return section.wall.part != chamber_number || !section.gaps.empty() ||
+         std::ranges::any_of(section.shaped,
+                             [](const ShapedTerm& term) { return nothing_may_leave(term); }) ||
+         std::ranges::any_of(section.swinging,
+                             [](const SwingingTerm& term) { return nothing_may_leave(term.field); });
+}
+
 }  // namespace
 
 FreeFlight::FreeFlight(const Beamline& beamline, const Sections& sections, std::vector<Stage>& chain)
@@ -79,7 +88,9 @@ void FreeFlight::reach(double y) {
   reached_ = y;
 }
 
+/// A section without a wall of its own is as what is around it.
 void FreeFlight::enter(const Section& section) {
+  if (!has_walls(section)) return;
   reach(section.begin);
   section_ = &section;
   const Wall& wall = section.wall;
@@ -87,6 +98,7 @@ void FreeFlight::enter(const Section& section) {
     chain_.push_back(Passage{aperture_of(section.begin, Disc{wall.radius}, wall.offset), wall.part});
 }
 void FreeFlight::leave(const Section& section) {
+  if (section_ == nullptr) return;
   reach(section.end);
   section_ = nullptr;
 }

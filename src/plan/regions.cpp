@@ -37,13 +37,9 @@ double strength_of(const SpinZone& zone, bool take_off) {
 }  // namespace
 
 RegionGap gap_of(const GapTerm& gap) {
-  return {gap.walls,
-          gap.offset.x,
-          gap.offset.z,
-          gap.height,
-          portable::cos(gap.tilt.y),
-          portable::sin(gap.tilt.y),
-          gap.part};
+  return {
+      gap.walls, gap.offset.x, gap.offset.z, gap.height, portable::cos(gap.tilt.y), portable::sin(gap.tilt.y),
+      gap.part};
 }
 
 Aperture ChannelStretch::opening(double y) const {

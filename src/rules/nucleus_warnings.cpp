@@ -14,7 +14,8 @@ namespace {
 double acceleration_in(const Plane& plane, const MagnetTerm& magnet, const Species& species, double speed) {
   SampledTables tables;
   std::vector<Stage> chain;
-  add_deflection(plane, magnet, species, 0, usual_tolerance, std::numeric_limits<double>::infinity(), tables, chain);
+  add_deflection(plane, magnet, species, 0, usual_tolerance, std::numeric_limits<double>::infinity(), tables,
+                 chain);
   double largest = 0;
   for (const Stage& stage : chain) {
     if (const auto* constant = std::get_if<Deflection>(&stage))

@@ -108,8 +108,7 @@ class Tracer {
   template <class S>
   double end_of_flight(const S& stage) {
     if constexpr (requires { stage.until(0.0); })
-      if (const auto wall =
-              place_of_end(stage.from(), stage.to(), [&](double y) { return stage.until(y); }))
+      if (const auto wall = place_of_end(stage.from(), stage.to(), [&](double y) { return stage.until(y); }))
         return *wall;
     return stage.y();
   }
@@ -153,7 +152,8 @@ class Tracer {
   /// The path where a stage bends it, in pieces, the last one up to a wall.
   template <class S>
   void fly_piece(const S& whole, const StageTraits& traits, StageContext& context) {
-    const auto wall = place_of_end(whole.begin, whole.end, [&](double y) { return whole.piece(whole.begin, y); });
+    const auto wall =
+        place_of_end(whole.begin, whole.end, [&](double y) { return whole.piece(whole.begin, y); });
     const S piece = wall ? whole.piece(whole.begin, *wall) : whole;
     piece.pass(context);
     if (traits.spins == SpinEffect::carried) spin_at_ = piece.end;

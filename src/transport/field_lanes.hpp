@@ -305,7 +305,8 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   const real deadline = start.t + region.most_way / speed, most = zone.longest / speed;
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
-  mask going = chosen & in_wall(zone, far_out(region, zone, start.place)) & in_gaps(region, zone, start.place);
+  mask going =
+      chosen & in_wall(zone, far_out(region, zone, start.place)) & in_gaps(region, zone, start.place);
   const bool switched = is_switched(zone.field) || stepper.follows_courses();
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
   v.tell_wall(region, zone, v.wall, start, false);

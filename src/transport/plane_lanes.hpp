@@ -30,8 +30,7 @@ RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const A
 }
 /// Free flight.
 RABILINE_LANES OnPlane after(real dt, const BatchView& batch, int i) {
-  const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i),
-             vz = load(batch.vz + i);
+  const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i), vz = load(batch.vz + i);
   if (batch.fall == Fall{}) return {dt, fma(vx, dt, x), fma(vz, dt, z)};
   return {dt, fma(fma(broadcast(0.5 * batch.fall.x), dt, vx), dt, x),
           fma(fma(broadcast(0.5 * batch.fall.z), dt, vz), dt, z)};

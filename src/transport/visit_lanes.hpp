@@ -85,8 +85,7 @@ RABILINE_LANES FarOut farthest_out(const Region& region, const RegionZone& zone,
              rises = slope(place, velocity), falls = slope(next_place, next_velocity);
   FarOut out{highest(from, to, rises, falls), broadcast(-1)};
   for (int i = zone.channel_begin; i < zone.channel_end; ++i) {
-    const real wall =
-        farthest_beyond(region.channels[i], place, velocity, next_place, next_velocity, h);
+    const real wall = farthest_beyond(region.channels[i], place, velocity, next_place, next_velocity, h);
     out.beyond = i == zone.channel_begin ? wall : max(out.beyond, wall);
   }
   return out;
@@ -173,8 +172,8 @@ struct Visit {
     forward = forward & ~meets;
     backwards = backwards & ~meets;
   }
-  /// Whose wall the chosen lanes met since the step that began there: of several that which comes first on the
-  /// cubic with the place and velocity of both ends. `traced`: their state is then that at the wall.
+  /// Whose wall the chosen lanes met since the step that began there: of several that which comes first on
+  /// the cubic with the place and velocity of both ends. `traced`: their state is then that at the wall.
   void tell_wall(const Region& region, const RegionZone& zone, mask chosen, const State& from, bool traced) {
     const int round = zone.wall_radius < __builtin_inf() ? 1 : 0,
               channels = zone.channel_end - zone.channel_begin, gaps = zone.gap_end - zone.gap_begin;
@@ -190,7 +189,8 @@ struct Visit {
     Vector place, slope;  // in units of the step
     const auto fly = [&](real share) {
       const auto along = [&](real p, real q, real rises, real falls, real& at, real& slope_at) {
-        const real grown = q - p, cubic = rises + falls - 2.0 * grown, square = 3.0 * grown - 2.0 * rises - falls;
+        const real grown = q - p, cubic = rises + falls - 2.0 * grown,
+                   square = 3.0 * grown - 2.0 * rises - falls;
         at = fma(fma(fma(cubic, share, square), share, rises), share, p);
         slope_at = fma(fma(3.0 * cubic, share, 2.0 * square), share, rises);
       };
@@ -207,8 +207,8 @@ struct Visit {
     });
     fly(share);
     for (int i = zone.gap_end - 1; i >= zone.gap_begin; --i)
-      met = select(chosen & ~is_in(region.gaps[i], place.x, place.z),
-                   number(first_gap + i - zone.gap_begin), met);
+      met = select(chosen & ~is_in(region.gaps[i], place.x, place.z), number(first_gap + i - zone.gap_begin),
+                   met);
     for (int i = zone.channel_end - 1; i >= zone.channel_begin; --i) {
       const real beyond = farthest_beyond(region.channels[i], begin, leaves, place, slope, share);
       met = select(chosen & (beyond > broadcast(0)), number(first_channel + i - zone.channel_begin), met);

@@ -83,8 +83,7 @@ std::uint64_t attenuate(const Attenuation& a, const WallRow& walls, BatchView& b
   words scattered = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real share = share_before(walls, a, batch, i);
-    scattered =
-        scattered + let_pass(batch, i, exp(mean_slant(a, share, batch, i) * (share * -a.depth)));
+    scattered = scattered + let_pass(batch, i, exp(mean_slant(a, share, batch, i) * (share * -a.depth)));
   }
   return sum_of_lanes(scattered);
 }

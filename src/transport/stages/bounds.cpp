@@ -61,7 +61,8 @@ std::uint64_t end_what_leaves(const FlightRange& range, BatchView& batch, Outsid
       const mask leaves = outside(there.x, broadcast(y), there.z) & (mask)flying & ~out & ~ended_before;
       if (!any(leaves)) continue;
       for (int r = 0; r < range.rivals.count; ++r)
-        ended_before = ended_before | (leaves & meets_wall(range.rivals.walls[r], range.begin, broadcast(y), batch, i));
+        ended_before =
+            ended_before | (leaves & meets_wall(range.rivals.walls[r], range.begin, broadcast(y), batch, i));
       out = out | (leaves & ~ended_before);
     }
     left = left + (load(batch.weight + i) & flying & (words)out);

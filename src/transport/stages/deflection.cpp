@@ -90,7 +90,8 @@ RABILINE_LANES mask meets_chamber(const Deflection& d, mask chosen, real x, real
   };
   const real nothing = broadcast(0);
   const mask both = meets & leaves_gap(whole);
-  return meets & ~(both & (first_place(nothing, whole, leaves_gap) < first_place(nothing, whole, leaves_chamber)));
+  return meets &
+         ~(both & (first_place(nothing, whole, leaves_gap) < first_place(nothing, whole, leaves_chamber)));
 }
 
 }  // namespace
@@ -109,7 +110,8 @@ std::uint64_t deflect(const Deflection& d, BatchView& batch) {
     const real vx = load(batch.vx + i), vz = load(batch.vz + i);
     mask in_chamber = ~mask{};
     if (d.chamber < __builtin_inf()) {
-      in_chamber = ~meets_chamber(d, (mask)flying, load(batch.x + i), load(batch.z + i), vx, vz, along, there.dt);
+      in_chamber =
+          ~meets_chamber(d, (mask)flying, load(batch.x + i), load(batch.z + i), vx, vz, along, there.dt);
       store(batch.scratch + i, select(in_chamber, words{}, broadcast_word(wall_mark::of_chamber)));
     }
     if (d.has_gap) {

@@ -14,9 +14,9 @@ struct Deflection {
   double along_x = 0, along_z = 1;  // its direction
   int levels = 0;                   // quantum: how many levels; 0: a vector law
   bool has_gap = false;
-  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;  // [m] free between the walls
+  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;             // [m] free between the walls
   double chamber = std::numeric_limits<double>::infinity();  // [m] radius of its wall where it may be met
-  double tolerance = 1e-6;                        // of the law; a parabola keeps any
+  double tolerance = 1e-6;                                   // of the law; a parabola keeps any
   int part = 0;
   bool operator==(const Deflection&) const = default;
 

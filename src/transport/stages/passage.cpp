@@ -47,7 +47,8 @@ std::uint64_t pass(const Passage& passage, BatchView& batch) {
   words stopped = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const OnPlane there = to_plane(aperture.y, batch, i);
-    const mask misses_wall = has_walls ? ~bulges_out(aperture, passage.begin, broadcast(aperture.y), batch, i) : ~mask{};
+    const mask misses_wall =
+        has_walls ? ~bulges_out(aperture, passage.begin, broadcast(aperture.y), batch, i) : ~mask{};
     const words through = (words)(inside(aperture, there.x, there.z) & misses_wall),
                 flying = load(batch.flying + i);
     stopped = stopped + (load(batch.weight + i) & flying & ~through);

@@ -16,7 +16,7 @@ struct Passage {
   int part = 0;
   double begin =
       std::numeric_limits<double>::infinity();  // [m] of the channel; an opening in a plate has none
-  std::vector<Aperture> rivals{};                   // other walls between there and the opening
+  std::vector<Aperture> rivals{};               // other walls between there and the opening
   bool operator==(const Passage&) const = default;
 
   static constexpr StageTraits traits{.ends_particles = true};

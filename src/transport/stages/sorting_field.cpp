@@ -33,7 +33,8 @@ void SortingField::list_sums(SumSink& sink) const { sink.fate(fate::stopped, par
 std::vector<WallStop> SortingField::stops_of_others() const {
   std::vector<WallStop> stops;
   const double end = region.zones.back().field.end;
-  for (std::size_t wall = 0; wall < region.zones.size() + region.channels.size() + region.gaps.size(); ++wall) {
+  for (std::size_t wall = 0; wall < region.zones.size() + region.channels.size() + region.gaps.size();
+       ++wall) {
     if (wall < region.zones.size() && !std::isfinite(region.zones[wall].wall_radius)) continue;
     const WallStop stop{{part_of_wall(region, wall), end}};
     if (stop.part != part && std::ranges::find(stops, stop) == stops.end()) stops.push_back(stop);

@@ -59,7 +59,8 @@ std::vector<StageSample> samples_of<Passage>() {
           {"stop", Passage{stop, part}},
           {"channel", Passage{rectangle(1e-3, 2e-3), part, 0.05}},
           {"bore", Passage{disc(1e-3), part, 0.05}},
-          {"beside others", Passage{rectangle(1e-3, 2e-3), part, start, {disc(1.2e-3), rectangle(2e-3, 0.7e-3)}}}};
+          {"beside others",
+           Passage{rectangle(1e-3, 2e-3), part, start, {disc(1.2e-3), rectangle(2e-3, 0.7e-3)}}}};
 }
 
 template <>
