@@ -154,6 +154,8 @@ std::vector<StageSample> samples_of<Steering>() {
       samples.push_back({"vectors in " + what, s});
       s.levels = 8;
       samples.push_back({"levels in " + what, s, 8});
+      samples.push_back({"levels beside the chamber in " + what, s, 8});
+      std::get<Steering>(samples.back().stage).chamber = 1.8e-3;
       s.moment = table.largest();
       s.moments = {table.coefficients().data(), table.cells(), table.scale()};
       s.walls = {.rectangle = true, .half_x = 3e-3, .half_z = 3e-3, .circles = {}};
