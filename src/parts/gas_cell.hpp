@@ -37,7 +37,7 @@ inline constexpr std::string_view said_by_keys<Gas> = "its gas";
 double density_of(const Gas&);
 
 /// Gas along a stretch of the beam. Of a particle's weight exp(-n sigma l) goes on, l its straight path
-/// through the cell; the rest is scattered and ends there. All of it acts where the cell begins.
+/// through the cell, or up to the wall that it meets; the rest is scattered and ends there.
 struct GasCell {
   static constexpr std::string_view kind = "gas_cell",
                                     meaning = "gas that scatters particles out of the beam";

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <span>
 
-#include "field/shaped_field.hpp"
+#include "plan/free_flight.hpp"
 #include "plan/geometry.hpp"
 #include "plan/level_questions.hpp"
 #include "plan/magnets.hpp"
@@ -16,12 +16,6 @@
 
 namespace rabiline {
 namespace {
-
-/// A parallel beam from inside the chamber.
-bool stays_where_it_starts(const Source& source) {
-  return std::holds_alternative<ParallelDirection>(source.direction) && source.tilt == SourceTilt{} &&
-         !std::holds_alternative<GaussianSpot>(source.opening);
-}
 
 /// Compiles one chain; each member function adds stages for one thing.
 class Compiler {
@@ -39,7 +33,7 @@ class Compiler {
         spins_(sections_, zones_, beamline.source, stretches_),
         straight_(turning_.rate_per_tesla == 0),
         questions_(beamline, species, sections_, spins_, straight_, tables),
-        may_reach_chamber_(beamline.gravity || !stays_where_it_starts(beamline.source)) {
+        flight_(beamline, sections_, chain_) {
     if (spins_along_z(beamline.source.spin, quantum_)) outlook_.tip = 0;
     tables.of_parts.insert(tables.of_parts.end(), sections_.tables.begin(), sections_.tables.end());
   }
@@ -83,32 +77,15 @@ class Compiler {
     return screen_of(plane.y, plane.part, std::get<ScreenTerm>(plane.term), grids_.at(name));
   }
 
-  /// Walls are asked about at planes, and between them as far back as the flight was free: a straight one
-  /// that left the chamber never comes back into it, a parabola may.
-  Passage passage_of(const Aperture& aperture, int part, double begin) const {
-    return {aperture, part, std::max(begin, free_since_)};
-  }
-  void stop_at_wall(double y, const Wall& wall, double begin) {
-    if (std::isfinite(wall.radius))
-      chain_.push_back(passage_of(aperture_of(y, Disc{wall.radius}, wall.offset), wall.part, begin));
-  }
-  void stop_at_chamber(double y) {
-    if (beamline_.chamber && may_reach_chamber_)
-      stop_at_wall(y, {beamline_.chamber->radius, chamber_number}, chamber_asked_);
-    chamber_asked_ = y;
-  }
   void add_magnet(const MagnetTerm& magnet, const Plane& plane) {
-    stop_at_chamber(plane.y);
     chain_.push_back(Drift{plane.y});
     std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
     if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
-    add_deflection(plane, magnet, species_, levels(), law_traits(beamline_.law).tolerance, tables_, chain_);
-    flies_free_from(magnet.end);
-  }
-  void flies_free_from(double y) {
-    free_since_ = y;
-    may_reach_chamber_ = true;
+    add_deflection(plane, magnet, species_, levels(), law_traits(beamline_.law).tolerance,
+                   beamline_.chamber ? beamline_.chamber->radius : std::numeric_limits<double>::infinity(),
+                   tables_, chain_);
+    flight_.skip_to(magnet.end);
   }
   void aligned_along(const Vector3& axis) {
     outlook_.tip = 0;
@@ -128,12 +105,19 @@ class Compiler {
   void add_own_stage(const Plane& plane) {
     std::visit(
         [&](const auto& part) {
-          if constexpr (requires(const StageSite& site) { stage_of(part, site); })
-            chain_.push_back(stage_of(part, StageSite{plane.y, plane.part, species_}));
+          if constexpr (requires(const StageSite& site) { stage_of(part, site); }) {
+            const auto stage = stage_of(part, StageSite{plane.y, plane.part, species_});
+            if constexpr (std::is_same_v<decltype(stage), const Attenuation>)
+              flight_.fill(stage);
+            else
+              chain_.push_back(stage);
+          }
         },
         beamline_.parts[static_cast<std::size_t>(plane.part)].part);
   }
   void add_plane(const Plane& plane) {
+    const double before = flight_.reached();
+    flight_.reach(plane.y);
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
       chain_.push_back(alignment_of(*align, plane));
       aligned_along(align->axis);
@@ -144,11 +128,9 @@ class Compiler {
       return;
     }
     if (const auto* filter = std::get_if<FilterTerm>(&plane.term)) {
-      stop_at_chamber(plane.y);
       add_filter(*filter, plane);
       return;
     }
-    stop_at_chamber(plane.y);
     if (std::holds_alternative<OwnStageTerm>(plane.term)) {
       add_own_stage(plane);
       return;
@@ -157,10 +139,12 @@ class Compiler {
       add_monitor(plane, *monitor);
       return;
     }
-    if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      chain_.push_back(passage_of(aperture_of(plane.y, *plate), plane.part, plane.y - plate->length));
-    else
+    if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
+      const bool was_wall = plate->length > 0 && before < plane.y;  // up to here, and asked about
+      if (!was_wall) chain_.push_back(Passage{aperture_of(plane.y, *plate), plane.part});
+    } else {
       chain_.push_back(Score{screen_at(plane)});
+    }
   }
 
   // ---- tallies ----
@@ -229,6 +213,9 @@ class Compiler {
       i = end;
     }
     add_planes_up_to(std::numeric_limits<double>::infinity());
+    double end = 0;
+    for (const PlacedPart& part : beamline_.parts) end = std::max(end, end_of(part));
+    flight_.reach(end);
   }
   void add_planes_up_to(double y) {
     while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= y)
@@ -271,6 +258,7 @@ class Compiler {
     const double begin = touching.front().begin;
     const Stretch& stretch = *std::ranges::find(stretches_, begin, &Stretch::begin);
     add_planes_up_to(begin);
+    flight_.reach(begin);
     if (!stretch.outlook.sorts) {
       std::vector<SpinZone> zones = spins_.zones_before(stretch);
       if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
@@ -282,30 +270,15 @@ class Compiler {
     if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
     fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
     TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
-    chain_.back() = SortingField{std::move(region), entrance.part};
+    const SortingField field{std::move(region), entrance.part};
+    chain_.back() = field;
+    for (const WallStop& stop : field.stops_of_others()) chain_.push_back(stop);
   }
 
-  void keep_inside(const Section& section, double from, double to) {
-    if (from >= to) return;
-    for (const GapTerm& gap : section.gaps) chain_.push_back(Bounds{{gap.part, from}, to, gap_of(gap)});
-    const auto keep = [&](const ShapedTerm& term) {
-      if (nothing_may_leave(term)) chain_.push_back(Bounds{{term.part, from}, to, term});
-    };
-    std::ranges::for_each(section.shaped, keep);
-    std::ranges::for_each(section.swinging, keep, &SwingingTerm::field);
-  }
   void fly_straight_through(const Section& section) {
-    if (section.wall.part != chamber_number) stop_at_wall(section.begin, section.wall, section.begin);
-    const double last = std::nextafter(section.end, section.begin);
-    double from = section.begin;
-    while (next_plane_ < sections_.planes.size() && sections_.planes[next_plane_].y <= last) {
-      const Plane& plane = sections_.planes[next_plane_++];
-      keep_inside(section, from, plane.y);
-      from = plane.y;
-      add_plane(plane);
-    }
-    keep_inside(section, from, section.end);
-    if (section.wall.part != chamber_number) stop_at_wall(section.end, section.wall, section.begin);
+    flight_.enter(section);
+    add_planes_up_to(std::nextafter(section.end, section.begin));
+    flight_.leave(section);
   }
 
   // ---- where fields turn the velocity ----
@@ -350,13 +323,13 @@ class Compiler {
   void fly_through_region(std::span<const Section> touching, const FieldCoupling& feels,
                           const StretchOutlook& outlook = {}) {
     const double begin = touching.front().begin;
-    stop_at_chamber(begin);
+    flight_.reach(begin);
     chain_.push_back(Drift{begin});
+    flight_.skip_to(touching.back().end);
     RegionMaker maker(turning_, zones_, speed(), speed() / slowest_speed(), outlook_, feels,
                       channels_of(sections_));
     for (const Section& section : touching) add_section(section, maker);
     chain_.push_back(maker.finish(outlook));
-    flies_free_from(touching.back().end);
   }
 
   const Beamline& beamline_;
@@ -371,12 +344,10 @@ class Compiler {
   const SpinHistory spins_;
   const bool straight_;  // nothing in the whole beam turns the velocity
   const LevelQuestions questions_;
-  bool may_reach_chamber_;  // a parallel beam that nothing has bent stays where it started
-  double free_since_ = 0;   // [m] nothing but gravity has acted on paths since
-  double chamber_asked_ = 0;
   std::size_t next_plane_ = 0;
   SpinOutlook outlook_;
   std::vector<Stage> chain_;
+  FreeFlight flight_;
 };
 
 }  // namespace

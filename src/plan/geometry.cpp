@@ -7,6 +7,17 @@
 #include "core/portable_math.hpp"
 
 namespace rabiline {
+namespace {
+
+/// By how much a round opening, or a point where its radius is 0, comes beyond the walls of another one.
+double beyond(const Aperture& a, double x, double z, double radius) {
+  const double dx = x - a.x0, dz = z - a.z0;
+  if (a.radius >= 0) return portable::hypot(dx, dz) + radius - a.radius;
+  return std::max(std::abs(dx * a.cosine - dz * a.sine) + radius - a.half_x,
+                  std::abs(dx * a.sine + dz * a.cosine) + radius - a.half_z);
+}
+
+}  // namespace
 
 Aperture aperture_of(double y, const Opening& opening, const Offset& offset, const Roll& roll) {
   Aperture a;
@@ -38,6 +49,16 @@ Aperture aperture_of(double y, const PlateTerm& plate) {
 double area_of(const Aperture& a) {
   return a.radius >= 0 ? std::numbers::pi * (a.radius * a.radius - a.inner * a.inner)
                        : 4 * a.half_x * a.half_z;
+}
+
+bool lies_in(const Aperture& inner, const Aperture& outer) {
+  if (inner.radius >= 0) return beyond(outer, inner.x0, inner.z0, inner.radius) <= 0;
+  for (const double across : {-inner.half_x, inner.half_x})
+    for (const double up : {-inner.half_z, inner.half_z})
+      if (beyond(outer, inner.x0 + across * inner.cosine + up * inner.sine,
+                 inner.z0 + up * inner.cosine - across * inner.sine, 0) > 0)
+        return false;
+  return true;
 }
 
 Rectangle extent_of(const Face& face) {

@@ -17,6 +17,8 @@ Aperture aperture_of(double y, const Opening&, const Offset&, const Roll& = {});
 Aperture aperture_of(double y, const PlateTerm&);
 /// Area of an opening [m^2].
 double area_of(const Aperture&);
+/// Whether all of one opening lies in the other one: discs or rectangles.
+bool lies_in(const Aperture& inner, const Aperture& outer);
 
 /// The rectangle around a face, along its own axes.
 Rectangle extent_of(const Face&);

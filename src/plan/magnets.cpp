@@ -1,5 +1,6 @@
 #include "plan/magnets.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/constants.hpp"
@@ -65,20 +66,49 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   return s;
 }
 
+/// Whether a magnet leaves so little room between its walls that nothing meets the chamber in it.
+bool keeps_off(const MagnetTerm& magnet, double chamber) {
+  const MagnetWalls& walls = magnet.walls;
+  const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
+  const auto lies_within = [&](Aperture free, double x, double z) {
+    z -= magnet.shape.height;
+    free.x0 = magnet.offset.x + c * x + s * z;
+    free.z0 = magnet.offset.z + c * z - s * x;
+    free.cosine = c;
+    free.sine = s;
+    return lies_in(free, aperture_of(0, Disc{chamber}, {}));
+  };
+  Aperture rectangle;
+  rectangle.half_x = walls.half_x;
+  rectangle.half_z = walls.half_z;
+  if (walls.rectangle && lies_within(rectangle, walls.x, walls.z)) return true;
+  return std::ranges::any_of(walls.circles, [&](const MagnetCircle& circle) {
+    Aperture disc;
+    disc.radius = circle.radius;
+    return circle.free < 0 && lies_within(disc, circle.x, circle.z);
+  });
+}
+
 }  // namespace
 
 void add_deflection(const Plane& plane, const MagnetTerm& magnet, const Species& species, int levels,
-                    double tolerance, SampledTables& tables, std::vector<Stage>& chain) {
+                    double tolerance, double chamber, SampledTables& tables, std::vector<Stage>& chain) {
+  if (keeps_off(magnet, chamber)) chamber = std::numeric_limits<double>::infinity();
+  const auto add = [&](auto stage) {
+    stage.chamber = chamber;
+    chain.push_back(stage);
+    if (stage.marks_walls()) chain.push_back(WallStop{{chamber_number, magnet.end}});
+  };
   const bool constant_force = magnet.shape.kind == MagnetKind::gradient && !(levels > 0 && species.structure);
   if (!constant_force) {
-    chain.push_back(steering_of(plane, magnet, species, levels, tolerance, tables));
+    add(steering_of(plane, magnet, species, levels, tolerance, tables));
     return;
   }
   const Deflection d = deflection_of(plane, magnet, species, levels, tolerance);
   if (d.has_gap)
     chain.push_back(
         Passage{aperture_of(plane.y, Rectangle{2 * d.half_x, 2 * d.half_z}, {d.x0, d.z0}), plane.part});
-  chain.push_back(d);
+  add(d);
 }
 
 }  // namespace rabiline

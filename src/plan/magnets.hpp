@@ -13,8 +13,8 @@ namespace rabiline {
 double full_moment(const Species&);
 
 /// The path through a magnet, its gap included: a parabola where the force is constant, else stepped.
-/// `levels`: 0 under a vector law. `tolerance`: of the law.
+/// `levels`: 0 under a vector law. `tolerance`: of the law. `chamber`: its radius, [m] or infinite.
 void add_deflection(const Plane&, const MagnetTerm&, const Species&, int levels, double tolerance,
-                    SampledTables&, std::vector<Stage>& chain);
+                    double chamber, SampledTables&, std::vector<Stage>& chain);
 
 }  // namespace rabiline

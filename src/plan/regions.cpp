@@ -37,12 +37,21 @@ double strength_of(const SpinZone& zone, bool take_off) {
 }  // namespace
 
 RegionGap gap_of(const GapTerm& gap) {
-  return {gap.walls,
-          gap.offset.x,
-          gap.offset.z,
-          gap.height,
-          portable::cos(gap.tilt.y),
-          portable::sin(gap.tilt.y)};
+  return {
+      gap.walls, gap.offset.x, gap.offset.z, gap.height, portable::cos(gap.tilt.y), portable::sin(gap.tilt.y),
+      gap.part};
+}
+
+Aperture ChannelStretch::opening(double y) const {
+  Aperture a;
+  a.y = y;
+  a.x0 = channel.x;
+  a.z0 = channel.z;
+  a.half_x = channel.half_x;
+  a.half_z = channel.half_z;
+  a.cosine = channel.cosine;
+  a.sine = channel.sine;
+  return a;
 }
 
 std::vector<ChannelStretch> channels_of(const Sections& sections) {
@@ -53,7 +62,7 @@ std::vector<ChannelStretch> channels_of(const Sections& sections) {
     const Aperture a = aperture_of(plane.y, *plate);
     if (a.radius >= 0) continue;  // a round one is a wall of the section
     out.push_back(
-        {plane.y - plate->length, plane.y, plane.part, {a.x0, a.z0, a.half_x, a.half_z, a.cosine, a.sine}});
+        {plane.y - plate->length, plane.y, {a.x0, a.z0, a.half_x, a.half_z, a.cosine, a.sine, plane.part}});
   }
   return out;
 }
@@ -124,17 +133,14 @@ void RegionMaker::fly_through_field(RegionZone& zone) {
   zone.gap_begin = static_cast<int>(region_.gaps.size());
   for (const GapTerm& gap : section_->gaps) region_.gaps.push_back(gap_of(gap));
   zone.gap_end = static_cast<int>(region_.gaps.size());
-  if (!section_->gaps.empty()) zone.wall_part = section_->gaps.front().part;
 }
 
-/// Its walls are the zone's where no round one is narrower.
 void RegionMaker::keep_in_channels(RegionZone& zone) {
   constexpr double slack = 1e-12;  // [m] places closer than that are one
   zone.channel_begin = static_cast<int>(region_.channels.size());
   for (const ChannelStretch& c : channels_) {
     if (c.begin > zone.field.begin + slack || c.end < zone.field.end - slack) continue;
     region_.channels.push_back(c.channel);
-    if (std::min(c.channel.half_x, c.channel.half_z) < zone.wall_radius) zone.wall_part = c.part;
   }
   zone.channel_end = static_cast<int>(region_.channels.size());
 }

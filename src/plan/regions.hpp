@@ -14,8 +14,8 @@ struct SpinOutlook {
 /// A channel along the beam [m], of a part.
 struct ChannelStretch {
   double begin = 0, end = 0;
-  int part = 0;
   RegionChannel channel;
+  Aperture opening(double y) const;
 };
 std::vector<ChannelStretch> channels_of(const Sections&);
 

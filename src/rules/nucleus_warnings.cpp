@@ -1,6 +1,7 @@
 // Species with the moment of a nucleus in magnets that are made for atoms.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "particle/species.hpp"
 #include "plan/plan.hpp"
@@ -13,7 +14,8 @@ namespace {
 double acceleration_in(const Plane& plane, const MagnetTerm& magnet, const Species& species, double speed) {
   SampledTables tables;
   std::vector<Stage> chain;
-  add_deflection(plane, magnet, species, 0, usual_tolerance, tables, chain);
+  add_deflection(plane, magnet, species, 0, usual_tolerance, std::numeric_limits<double>::infinity(), tables,
+                 chain);
   double largest = 0;
   for (const Stage& stage : chain) {
     if (const auto* constant = std::get_if<Deflection>(&stage))

@@ -74,7 +74,7 @@ std::vector<double> SectionBuilder::edges() const {
   return edges;
 }
 
-/// Whether another static field acts where a magnet does.
+/// Whether another static field acts where a magnet does, or its wall stands there.
 bool SectionBuilder::is_overlapped(const Plane& plane) const {
   const double begin = plane.y + same_place, end = std::get<MagnetTerm>(plane.term).end - same_place;
   const auto overlaps = [&](const auto& contributions, auto acts) {
@@ -88,6 +88,7 @@ bool SectionBuilder::is_overlapped(const Plane& plane) const {
          overlaps(shaped_, [](const ShapedTerm&) { return true; }) ||
          overlaps(swinging_, [](const SwingingTerm&) { return true; }) ||
          overlaps(electric_, [](const ShapedTerm&) { return true; }) ||
+         overlaps(bores_, [](const Wall&) { return true; }) ||
          std::ranges::any_of(planes_, [&](const Plane& other) {
            const auto* magnet = std::get_if<MagnetTerm>(&other.term);
            return magnet != nullptr && other.part != plane.part && other.y < end && magnet->end > begin;

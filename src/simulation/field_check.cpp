@@ -141,6 +141,18 @@ bool changes_state(const TurningRegion& region) {
   return std::ranges::any_of(region.edges, [](const RegionEdge& e) { return e.kind == EdgeKind::align; });
 }
 
+/// What has met a wall on the way flies on with a mark to the stage that ends it.
+void leave_out_marked(const Stage& stage, BatchView& batch) {
+  const bool marks = std::visit(
+      [](const auto& s) {
+        if constexpr (requires { s.marks_walls(); }) return s.marks_walls();
+        return false;
+      },
+      stage);
+  for (int i = 0; marks && i < batch.count; ++i)
+    if (batch.scratch[i] != 0) batch.flying[i] = 0;
+}
+
 class Checker {
  public:
   explicit Checker(Isa isa) : isa_(isa) {}
@@ -173,14 +185,17 @@ class Checker {
       std::vector<Sum> sums(sums_needed(node.stage));
       StageContext context{isa_, key_, batch, sums.data()};
       advance(node.stage, context);
+      Batch through;
+      through.copy_from(batch);
+      leave_out_marked(node.stage, through.view());
       if (const auto* region = std::get_if<TurningRegion>(&node.stage); region && through_field(*region))
-        compare(*region, at_begin.view(), batch.view());
+        compare(*region, at_begin.view(), through.view());
       if (const auto* sorting = std::get_if<SortingField>(&node.stage))
-        compare(sorting->region, at_begin.view(), batch.view());
+        compare(sorting->region, at_begin.view(), through.view());
       if (const auto* magnet = std::get_if<Deflection>(&node.stage))
-        compare_in_magnet(*magnet, at_begin.view(), batch.view());
+        compare_in_magnet(*magnet, at_begin.view(), through.view());
       if (const auto* magnet = std::get_if<Steering>(&node.stage))
-        compare_in_magnet(*magnet, at_begin.view(), batch.view());
+        compare_in_magnet(*magnet, at_begin.view(), through.view());
       propagate(node.next, batch);
     }
   }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -76,12 +78,46 @@ class Tracer {
   }
 
   bool flying() const { return batch_.view().flying[0] != 0; }
+  /// Whether a stage has ended the path, or left it to the next one to do so.
+  template <class S>
+  static bool has_ended(const S& stage, const Batch& batch) {
+    if constexpr (requires { stage.marks_walls(); })
+      if (stage.marks_walls() && batch.view().scratch[0] != 0) return true;
+    return batch.view().flying[0] == 0;
+  }
+  /// Where a stage ends the path of a particle between two places, if it does; `up_to(y)`: that stage up to
+  /// there.
+  template <class UpTo>
+  std::optional<double> place_of_end(double begin, double end, const UpTo& up_to) {
+    Batch there;
+    const auto ends_before = [&](double y) {
+      there.copy_from(batch_);
+      const auto stage = up_to(y);
+      Sums sums(stage.sums());
+      StageContext context{isa_, tree_.source.key, there, sums.data()};
+      stage.pass(context);
+      return has_ended(stage, there);
+    };
+    if (!(begin < end) || !ends_before(end)) return std::nullopt;
+    for (double middle = std::midpoint(begin, end); begin < middle && middle < end;
+         middle = std::midpoint(begin, end))
+      (ends_before(middle) ? end : begin) = middle;
+    return end;
+  }
+  /// Where a straight flight to a stage, or along it, ends.
+  template <class S>
+  double end_of_flight(const S& stage) {
+    if constexpr (requires { stage.until(0.0); })
+      if (const auto wall = place_of_end(stage.from(), stage.to(), [&](double y) { return stage.until(y); }))
+        return *wall;
+    return stage.y();
+  }
 
   void pass(const PlanNode& node) {
     if (!flying()) return;
     const StageTraits& traits = traits_of(node.stage);
-    const double y = place_of(node.stage);
-    if (y < behind_everything) record_straight(y);
+    const double y = std::visit([&](const auto& stage) { return end_of_flight(stage); }, node.stage);
+    if (y < behind_everything && !at_wall_) record_straight(y);
     if (traits.only_reads) return;
     Sums sums(sums_needed(node.stage));
     const auto forward = [](void* self, double t, const double* place, const double* velocity,
@@ -91,6 +127,7 @@ class Tracer {
     const StepRecorder recorder{forward, this};
     StageContext context{isa_, tree_.source.key, batch_, sums.data(), &recorder};
     std::visit([&](const auto& stage) { fly_through(stage, traits, context); }, node.stage);
+    at_wall_ = std::visit([&](const auto& stage) { return has_ended(stage, batch_); }, node.stage);
     if (traits.spins == SpinEffect::set) {
       spin_at_ = y;
       record_straight(y);  // the same place, another spin
@@ -102,7 +139,7 @@ class Tracer {
   void fly_through(const S& stage, const StageTraits& traits, StageContext& context) {
     if constexpr (requires { stage.piece(0.0, 0.0); }) {
       constexpr int pieces = 32;
-      for (int i = 1; i <= pieces && flying(); ++i)
+      for (int i = 1; i <= pieces && !has_ended(stage, batch_); ++i)
         fly_piece(
             stage.piece(batch_.view().y,
                         i == pieces ? stage.end : std::lerp(stage.begin, stage.end, i * (1.0 / pieces))),
@@ -112,9 +149,12 @@ class Tracer {
       if (traits.spins == SpinEffect::carried) spin_at_ = std::max(stage.y(), batch_.view().y);
     }
   }
-  /// The path where a stage bends it, in pieces.
+  /// The path where a stage bends it, in pieces, the last one up to a wall.
   template <class S>
-  void fly_piece(const S& piece, const StageTraits& traits, StageContext& context) {
+  void fly_piece(const S& whole, const StageTraits& traits, StageContext& context) {
+    const auto wall =
+        place_of_end(whole.begin, whole.end, [&](double y) { return whole.piece(whole.begin, y); });
+    const S piece = wall ? whole.piece(whole.begin, *wall) : whole;
     piece.pass(context);
     if (traits.spins == SpinEffect::carried) spin_at_ = piece.end;
     record_at(piece.end);
@@ -187,6 +227,7 @@ class Tracer {
   std::vector<SpinZone> zones_;  // along the whole beam
   std::vector<double> along_;    // of each level, what its spin has along z or the image of z
   double spin_at_ = 0;           // [m] where the batch's spin is the particle's
+  bool at_wall_ = false;         // where the track ends
   Track track_;
 };
 

@@ -217,13 +217,6 @@ struct FieldStepper {
     return outside;
   }
 
-  /// Which lanes touch no pole.
-  inline mask in_gaps(const Vector& r) const {
-    mask free = r.x == r.x;
-    for (int i = zone.gap_begin; i < zone.gap_end; ++i) free = free & is_in(region.gaps[i], r.x, r.z);
-    return free;
-  }
-
   /// No longer than a radian of the velocity's turning.
   inline real longest(const Influence& first, real most) const {
     if (!turns()) return most;
@@ -312,11 +305,12 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   const real deadline = start.t + region.most_way / speed, most = zone.longest / speed;
   State now = start, before = start;
   real h = most, last_h = h, steps = broadcast(0);
-  const bool has_gaps = zone.gap_begin < zone.gap_end;
-  mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
-  if (has_gaps) going = going & stepper.in_gaps(start.place);
+  mask going =
+      chosen & in_wall(zone, far_out(region, zone, start.place)) & in_gaps(region, zone, start.place);
   const bool switched = is_switched(zone.field) || stepper.follows_courses();
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
+  v.tell_wall(region, zone, v.wall, start, false);
+  const mask began = going;
   while (any(going)) {
     // Straight ahead a step ends on the zone's end: only bent paths go beyond it.
     const real ahead = (end - now.place.y) / now.velocity.y;
@@ -340,12 +334,12 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     if (region.feels.watches_turning)
       Adiabaticity(region, zone, lookout.batch, lookout.row).watch(old, now, steps_on);
     if constexpr (looks)
-      lookout.look(now.place.y, steps_on, zone, [&](real y, mask crosses) {
+      lookout.look(old, now.place.y, steps_on, zone, [&](real y, mask crosses) {
         return stepper.at_plane(old, trial, select(crosses, y, now.place.y));
       });
     const FarOut farthest =
         farthest_out(region, zone, old.place, old.velocity, now.place, now.velocity, trial);
-    const mask in_gap = has_gaps ? stepper.in_gaps(now.place) : ~mask{};
+    const mask in_gap = in_gaps(region, zone, now.place);
     const mask inside = (now.place.y >= begin) & in_wall(zone, farthest) & in_gap;
     const mask in_time = (now.t < deadline) & (steps < broadcast(most_field_steps));
     const mask arrives = (now.place.y >= end - 1e-14 * (abs(end) + length)) & in_gap;
@@ -371,6 +365,7 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
   v.state.place.y = select(v.forward, end, select(v.backwards, begin, v.state.place.y));
   v.stop_at_wall(region, zone, v.forward | v.backwards, before.place, before.velocity, v.state,
                  v.state.t - before.t);
+  v.tell_wall(region, zone, v.wall & began, before, recorder != nullptr);
   v.state = choose(chosen, v.state, start);
   return v;
 }

@@ -72,7 +72,7 @@ void look_between(const Curve& curve, Lookout& lookout, const RegionZone& zone, 
     const real next = min(to, from + max(max(safe, forward), reach.finely));
     const Motion there = curve.motion(next);
     real begin = from, y_begin = at.place.y;
-    lookout.look(there.place.y, looking, zone, [&](real y, mask crosses) {
+    lookout.look(curve.state(from, at), there.place.y, looking, zone, [&](real y, mask crosses) {
       const real target = select(crosses, y, there.place.y);
       const real when =
           time_of_crossing(curve, reach.span, crosses, begin, next, y_begin, there.place.y, target);
@@ -104,6 +104,7 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
   State now = start;
   mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
+  v.tell_wall(region, zone, v.wall, start, false);
   while (any(going)) {
     curve.begin(now);
     const Reach reach{curve.ripple() * speed, curve.bend() * speed, broadcast(zone.step), span};
@@ -155,9 +156,10 @@ Visit visit_along(const Region& region, const RegionZone& zone, const real* phas
       State there = curve.state(when, curve.motion(when));
       there.place.y = select(crossed, plane, there.place.y);
       v.state = choose(leaves, there, v.state);
-      if (any(crossed)) {
-        const Motion from = curve.motion(low);
+      if (any(leaves & (crossed | v.wall))) {
+        const State from = curve.state(low, curve.motion(low));
         v.stop_at_wall(region, zone, crossed, from.place, from.velocity, v.state, when - low);
+        v.tell_wall(region, zone, v.wall & leaves, from, recorder != nullptr);
       }
       going = going & ~leaves;
     }

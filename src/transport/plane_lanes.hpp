@@ -29,10 +29,18 @@ RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i, const A
           fma(fma(0.5 * a.z, dt, load(batch.vz + i)), dt, load(batch.z + i))};
 }
 /// Free flight.
+RABILINE_LANES OnPlane after(real dt, const BatchView& batch, int i) {
+  const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i), vz = load(batch.vz + i);
+  if (batch.fall == Fall{}) return {dt, fma(vx, dt, x), fma(vz, dt, z)};
+  return {dt, fma(fma(broadcast(0.5 * batch.fall.x), dt, vx), dt, x),
+          fma(fma(broadcast(0.5 * batch.fall.z), dt, vz), dt, z)};
+}
 RABILINE_LANES OnPlane to_plane(double y, const BatchView& batch, int i) {
-  if (batch.fall != Fall{}) return to_plane(y, batch, i, {broadcast(batch.fall.x), broadcast(batch.fall.z)});
-  const real dt = broadcast(y - batch.y) * load(batch.slowness + i);
-  return {dt, fma(load(batch.vx + i), dt, load(batch.x + i)), fma(load(batch.vz + i), dt, load(batch.z + i))};
+  return after(broadcast(y - batch.y) * load(batch.slowness + i), batch, i);
+}
+/// Each lane to a plane of its own.
+RABILINE_LANES OnPlane to_plane(real y, const BatchView& batch, int i) {
+  return after((y - batch.y) * load(batch.slowness + i), batch, i);
 }
 /// The velocity across the beam behind a free flight.
 RABILINE_LANES void fall_for(real dt, BatchView& batch, int i) {
@@ -87,10 +95,10 @@ struct Parabola {
   }
 };
 
-/// Which lanes meet the wall of a channel that begins before an opening, other than in its two ends: gravity
-/// bends their paths out of it and back.
-RABILINE_LANES mask bulges_out(const Aperture& a, double begin, const BatchView& batch, int i) {
-  const OnPlane from = to_plane(begin, batch, i), to = to_plane(a.y, batch, i);
+/// Which lanes meet the wall of a channel other than in its two ends: gravity bends their paths out of it and
+/// back.
+RABILINE_LANES mask bulges_out(const Aperture& a, double begin, real end, const BatchView& batch, int i) {
+  const OnPlane from = to_plane(begin, batch, i), to = to_plane(end, batch, i);
   const real time = to.dt - from.dt, gx = time * time * batch.fall.x, gz = time * time * batch.fall.z;
   const real px = from.x - a.x0, pz = from.z - a.z0, vx = fma(broadcast(-0.5), gx, to.x - from.x),
              vz = fma(broadcast(-0.5), gz, to.z - from.z);
@@ -99,6 +107,34 @@ RABILINE_LANES mask bulges_out(const Aperture& a, double begin, const BatchView&
   const auto up = [&](real x, real z) { return fma(x, broadcast(a.sine), z * a.cosine); };
   return (Parabola::farthest_along(across(px, pz), across(vx, vz), across(gx, gz)) > broadcast(a.half_x)) |
          (Parabola::farthest_along(up(px, pz), up(vx, vz), up(gx, gz)) > broadcast(a.half_z));
+}
+
+/// Which lanes, inside of a channel where it begins, have met its wall before `end`.
+RABILINE_LANES mask meets_wall(const Aperture& a, double begin, real end, const BatchView& batch, int i) {
+  const OnPlane there = to_plane(end, batch, i);
+  const mask out = ~inside_shape(a, there.x, there.z);
+  return batch.fall == Fall{} ? out : out | bulges_out(a, begin, end, batch, i);
+}
+/// The first place between two at which a lane has met something that it has met at the second; `has_met`
+/// answers for all that lies before a place.
+template <class HasMet>
+RABILINE_LANES real first_place(real low, real high, const HasMet& has_met) {
+  for (int halving = 0; halving < 52; ++halving) {
+    const real middle = 0.5 * (low + high);
+    const mask met = has_met(middle);
+    high = select(met, middle, high);
+    low = select(met, low, middle);
+  }
+  return high;
+}
+/// The place where chosen lanes meet a wall before `end`; of others, and where they do not, `end`.
+RABILINE_LANES real place_of_meeting(const Aperture& a, double begin, double end, mask chosen,
+                                     const BatchView& batch, int i) {
+  const mask meets = chosen & meets_wall(a, begin, broadcast(end), batch, i);
+  if (!any(meets)) return broadcast(end);
+  const real place = first_place(broadcast(begin), broadcast(end),
+                                 [&](real y) { return meets_wall(a, begin, y, batch, i); });
+  return select(meets, place, broadcast(end));
 }
 
 /// Whether a particle at (x, z) touches no pole.

@@ -45,15 +45,17 @@ struct RegionGap {
   MagnetWalls walls;
   double x = 0, z = 0, height = 0;  // [m] (x, z) of the laboratory is (0, height) of the frame
   double cosine = 1, sine = 0;
+  int part = 0;  // the magnet
   bool operator==(const RegionGap&) const = default;
 };
 /// A straight channel with a rectangular opening, which stops what touches its walls.
 struct RegionChannel {
   double x = 0, z = 0, half_x = 0, half_z = 0;  // [m] its centre and halves
   double cosine = 1, sine = 0;                  // of its turn about the beam, from +z towards +x
+  int part = 0;                                 // whose it is
   bool operator==(const RegionChannel&) const = default;
 };
-/// One zone of a region with its wall and course.
+/// One zone of a region with its walls and course.
 struct RegionZone {
   SpinZone field;
   double wall_radius = 0;         // [m]
@@ -123,6 +125,7 @@ struct Region {
   const RegionZone* zones = nullptr;
   const RegionEdge* edges = nullptr;  // edges[i] is crossed between zones i and i+1; zone_count - 1 of them
   int zone_count = 0;
+  int channel_count = 0;
   bool take_off_spin_component = false;  // closure torque
   const ShapedTerm* shaped = nullptr;
   const RegionGap* gaps = nullptr;
@@ -135,11 +138,11 @@ struct Region {
   BatchView* seen = nullptr;
   int sight_count = 0;
 };
-/// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + zone or
-/// edge.
+/// How a particle's flight through a region ended, in the batch's scratch column: an end, or base + edge or
+/// wall. Walls are numbered: the round ones by their zones, then the channels, then the gaps.
 namespace region_end {
 inline constexpr std::uint64_t forward = 0, backwards = 1, gave_up = 2, left_map = 3;
-inline constexpr std::uint64_t wall_of_zone = 16, stopped_at_edge = 1 << 16, caught_at_edge = 1 << 17;
+inline constexpr std::uint64_t at_wall = 16, stopped_at_edge = 1 << 16, caught_at_edge = 1 << 17;
 }  // namespace region_end
 
 RABILINE_KERNEL(turn, void(const Region&, BatchView&, const StepRecorder*))

@@ -27,6 +27,7 @@
 #include "transport/stages/steering.hpp"
 #include "transport/stages/turning_region.hpp"
 #include "transport/stages/velocity_selection.hpp"
+#include "transport/stages/wall_stop.hpp"
 
 namespace rabiline {
 
@@ -34,7 +35,7 @@ template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
 using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, FilterStop, LevelProjection,
                         Deflection, Steering, TurningRegion, Score, Exit, SpinStretch, Census, Histogram,
-                        Attenuation, Chopping, VelocitySelection, SortingField, Bounds>;
+                        Attenuation, Chopping, VelocitySelection, SortingField, Bounds, WallStop>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

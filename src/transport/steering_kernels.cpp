@@ -2,6 +2,7 @@
 #include "transport/moment_lanes.hpp"
 #include "transport/plane_lanes.hpp"
 #include "transport/stages/steering.hpp"
+#include "transport/stages/wall_stop.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {
@@ -164,9 +165,32 @@ RABILINE_LANES real error_of(const Steering& s, const Fall& fall, words level, r
   return worst / (allowed.drift * whole);
 }
 
-/// Flies lanes through the magnet; returns which of them came through.
+/// The chamber's wall, in the magnet's frame.
+struct Surrounding {
+  double x, z, radius;
+  RABILINE_LANES mask is_beyond(real px, real pz) const {
+    const real dx = px - x, dz = pz - z;
+    return fma(dx, dx, dz * dz) > broadcast(radius * radius);
+  }
+  /// Which lanes met it in a step, on the chord, before a pole.
+  RABILINE_LANES mask is_met(const Steering& s, mask chosen, const Across& from, const Across& to) const {
+    const mask meets = chosen & is_beyond(to.x, to.z);
+    if (!any(meets)) return meets;
+    const auto along = [&](const auto& asked) {
+      return first_place(broadcast(0), broadcast(1), [&](real share) {
+        return asked(fma(share, to.x - from.x, from.x), fma(share, to.z - from.z, from.z));
+      });
+    };
+    const real wall = along([&](real px, real pz) { return is_beyond(px, pz); }),
+               pole = along([&](real px, real pz) { return ~is_free<mask>(s.walls, px, pz); });
+    return meets & ~(~is_free<mask>(s.walls, to.x, to.z) & (pole < wall));
+  }
+};
+
+/// Flies lanes through the magnet; returns which of them came through, or to the chamber's wall: these have
+/// met it.
 RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, real part, mask flying,
-                            real stay, Across& at) {
+                            real stay, const Surrounding& chamber, Across& at, mask& met) {
   const auto outside_walls = [&] { return is_free<mask>(s.walls, at.x, at.z); };
   flying = flying & outside_walls();
   const double share = s.share();
@@ -199,8 +223,9 @@ RABILINE_LANES mask through(const Steering& s, const Fall& fall, words level, re
                select(rejected, before.rate, force.rate),
                select(rejected, before.sharpness, force.sharpness)};
     }
-    flying = flying & (outside_walls() | ~goes);
-    left = select(goes & flying & (done < left), left - done, broadcast(0));
+    if (s.chamber < __builtin_inf()) met = met | chamber.is_met(s, goes & flying, from, at);
+    flying = flying & (outside_walls() | ~goes | met);
+    left = select(goes & flying & ~met & (done < left), left - done, broadcast(0));
   }
   return flying;
 }
@@ -211,12 +236,15 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
   words stopped = words{};
   const Fall fall{batch.fall.x * s.cosine - batch.fall.z * s.sine,
                   batch.fall.x * s.sine + batch.fall.z * s.cosine};  // in the magnet's frame
+  const Surrounding chamber{s.z0 * s.sine - s.x0 * s.cosine, s.shape.height - s.x0 * s.sine - s.z0 * s.cosine,
+                            s.chamber};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words was_flying = load(batch.flying + i);
     const mask flies = (mask)was_flying;
     const OnPlane straight = to_plane(s.end, batch, i);
     const real x = load(batch.x + i), z = load(batch.z + i), vx = load(batch.vx + i), vz = load(batch.vz + i);
     store(batch.t + i, load(batch.t + i) + straight.dt);
+    if (s.chamber < __builtin_inf()) store(batch.scratch + i, words{});
     fall_for(straight.dt, batch, i);  // what does not fly any more
     if (!any(flies)) {
       store(batch.x + i, straight.x);
@@ -231,7 +259,9 @@ std::uint64_t steer(const Steering& s, BatchView& batch) {
     const auto up = [&](real u, real v) { return fma(u, broadcast(s.sine), v * s.cosine); };
     Across at{across(x - s.x0, z - s.z0), up(x - s.x0, z - s.z0) + s.shape.height, across(vx, vz),
               up(vx, vz)};
-    const mask came = through(s, fall, level, part, flies, straight.dt, at);
+    mask met{};
+    const mask came = through(s, fall, level, part, flies, straight.dt, chamber, at, met);
+    if (any(met)) store(batch.scratch + i, (words)met & wall_mark::of_chamber);
     stopped = stopped + (load(batch.weight + i) & was_flying & ~(words)came);
     store(batch.flying + i, was_flying & (words)came);
     at.z = at.z - s.shape.height;

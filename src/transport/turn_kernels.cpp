@@ -48,7 +48,7 @@ void leave_zone(const Region& region, int zone, mask chosen, const Visit& visit,
   pack.state = visit.state;
   finish(pack, chosen & visit.gave_up, code(region_end::gave_up, 0));
   finish(pack, chosen & visit.left_map, code(region_end::left_map, 0));
-  finish(pack, chosen & visit.wall, code(region_end::wall_of_zone, zone));
+  finish(pack, chosen & visit.wall, visit.met + region_end::at_wall);
   const mask forward = chosen & visit.forward, backwards = chosen & visit.backwards;
   if (zone + 1 == region.zone_count) {
     finish(pack, forward, code(region_end::forward, 0));

@@ -1,6 +1,7 @@
 #pragma once
 // A visit to one zone of a region, for kernels only: by steps that follow the turning
 // (transport/turn_lanes.hpp).
+#include "transport/plane_lanes.hpp"
 #include "transport/region.hpp"
 #include "transport/turn_lanes.hpp"
 
@@ -58,6 +59,19 @@ RABILINE_LANES real highest(real from, real to, real rises, real falls) {
   const real tau = rises / select(turns, root - square, broadcast(1));
   return select(turns, max(to, fma(fma(fma(cubic, tau, square), tau, rises), tau, from)), to);
 }
+/// How far beyond the walls of a channel at the farthest, within a step and at its end.
+RABILINE_LANES real farthest_beyond(const RegionChannel& channel, const Vector& place, const Vector& velocity,
+                                    const Vector& next_place, const Vector& next_velocity, real h) {
+  const auto beyond = [&](auto along, double half) {
+    const real begin = along(channel, place.x - channel.x, place.z - channel.z),
+               end = along(channel, next_place.x - channel.x, next_place.z - channel.z),
+               leaves = h * along(channel, velocity.x, velocity.z),
+               arrives = h * along(channel, next_velocity.x, next_velocity.z);
+    return max(highest(begin, end, leaves, arrives), highest(-begin, -end, -leaves, -arrives)) - half;
+  };
+  return max(beyond([](const auto&... at) { return across_channel(at...); }, channel.half_x),
+             beyond([](const auto&... at) { return up_channel(at...); }, channel.half_z));
+}
 /// The farthest out within a step of the time h and at its end: between them a path may graze a wall. From
 /// the axis of a round one by r^2, from the middle of a channel by the place itself, so that parabolas are
 /// exact.
@@ -71,19 +85,17 @@ RABILINE_LANES FarOut farthest_out(const Region& region, const RegionZone& zone,
              rises = slope(place, velocity), falls = slope(next_place, next_velocity);
   FarOut out{highest(from, to, rises, falls), broadcast(-1)};
   for (int i = zone.channel_begin; i < zone.channel_end; ++i) {
-    const RegionChannel& channel = region.channels[i];
-    const auto beyond = [&](auto along, double half) {
-      const real begin = along(channel, place.x - channel.x, place.z - channel.z),
-                 end = along(channel, next_place.x - channel.x, next_place.z - channel.z),
-                 leaves = h * along(channel, velocity.x, velocity.z),
-                 arrives = h * along(channel, next_velocity.x, next_velocity.z);
-      return max(highest(begin, end, leaves, arrives), highest(-begin, -end, -leaves, -arrives)) - half;
-    };
-    const real wall = max(beyond([](const auto&... at) { return across_channel(at...); }, channel.half_x),
-                          beyond([](const auto&... at) { return up_channel(at...); }, channel.half_z));
+    const real wall = farthest_beyond(region.channels[i], place, velocity, next_place, next_velocity, h);
     out.beyond = i == zone.channel_begin ? wall : max(out.beyond, wall);
   }
   return out;
+}
+
+/// Which lanes touch no pole.
+RABILINE_LANES mask in_gaps(const Region& region, const RegionZone& zone, const Vector& r) {
+  mask free = ~mask{};
+  for (int i = zone.gap_begin; i < zone.gap_end; ++i) free = free & is_in(region.gaps[i], r.x, r.z);
+  return free;
 }
 
 /// Where the lanes of one pack are seen next: at the first plane ahead that they have not crossed yet.
@@ -103,15 +115,18 @@ struct Lookout {
     return y;
   }
   /// Puts down the state of what has flown forward through planes up to `now`, as `at(plane, lanes)` has it
-  /// there, inside the zone's wall. The flight goes on without it: looking does not change the path.
+  /// there, without meeting a wall since `from`. The flight goes on without it: looking does not change the
+  /// path.
   template <class At>
-  void look(const real& now, mask flying, const RegionZone& zone, const At& at) {
+  void look(const State& from, const real& now, mask flying, const RegionZone& zone, const At& at) {
     for (;;) {
       const real y = places(zone.sights_passed);
       const mask crosses = flying & (now >= y);
       if (!any(crosses)) return;
       const State there = at(y, crosses);
-      put(there, crosses & in_wall(zone, far_out(region, zone, there.place)));
+      const FarOut farthest = farthest_out(region, zone, from.place, from.velocity, there.place,
+                                           there.velocity, there.t - from.t);
+      put(there, crosses & in_wall(zone, farthest) & in_gaps(region, zone, there.place));
       next = next + select(crosses, broadcast_word(1), words{});
     }
   }
@@ -144,6 +159,7 @@ struct Visit {
   State state;
   mask forward, backwards, wall, gave_up;
   mask left_map{};
+  words met{};  // the number of that wall
 
   /// What crosses the zone's edge outside of its wall, or touched that since the last step before, met the
   /// wall.
@@ -155,6 +171,53 @@ struct Visit {
     wall = wall | meets;
     forward = forward & ~meets;
     backwards = backwards & ~meets;
+  }
+  /// Whose wall the chosen lanes met since the step that began there: of several that which comes first on
+  /// the cubic with the place and velocity of both ends. `traced`: their state is then that at the wall.
+  void tell_wall(const Region& region, const RegionZone& zone, mask chosen, const State& from, bool traced) {
+    const int round = zone.wall_radius < __builtin_inf() ? 1 : 0,
+              channels = zone.channel_end - zone.channel_begin, gaps = zone.gap_end - zone.gap_begin;
+    const int zone_number = static_cast<int>(&zone - region.zones),
+              first_channel = region.zone_count + zone.channel_begin,
+              first_gap = region.zone_count + region.channel_count + zone.gap_begin;
+    const auto number = [](int n) { return broadcast_word(static_cast<unsigned long long>(n)); };
+    const int only = round > 0 ? zone_number : channels > 0 ? first_channel : first_gap;
+    met = select(chosen, number(only), met);
+    if (!any(chosen) || (!traced && round + channels + gaps == 1)) return;
+    const real h = state.t - from.t;
+    const Vector begin = from.place, leaves{h * from.velocity.x, h * from.velocity.y, h * from.velocity.z};
+    Vector place, slope;  // in units of the step
+    const auto fly = [&](real share) {
+      const auto along = [&](real p, real q, real rises, real falls, real& at, real& slope_at) {
+        const real grown = q - p, cubic = rises + falls - 2.0 * grown,
+                   square = 3.0 * grown - 2.0 * rises - falls;
+        at = fma(fma(fma(cubic, share, square), share, rises), share, p);
+        slope_at = fma(fma(3.0 * cubic, share, 2.0 * square), share, rises);
+      };
+      along(begin.x, state.place.x, leaves.x, h * state.velocity.x, place.x, slope.x);
+      along(begin.y, state.place.y, leaves.y, h * state.velocity.y, place.y, slope.y);
+      along(begin.z, state.place.z, leaves.z, h * state.velocity.z, place.z, slope.z);
+    };
+    const auto farthest = [&](real share) {
+      return farthest_out(region, zone, begin, leaves, place, slope, share);
+    };
+    const real share = first_place(broadcast(0), broadcast(1), [&](real until) {
+      fly(until);
+      return beyond_wall(zone, farthest(until)) | ~in_gaps(region, zone, place);
+    });
+    fly(share);
+    for (int i = zone.gap_end - 1; i >= zone.gap_begin; --i)
+      met = select(chosen & ~is_in(region.gaps[i], place.x, place.z), number(first_gap + i - zone.gap_begin),
+                   met);
+    for (int i = zone.channel_end - 1; i >= zone.channel_begin; --i) {
+      const real beyond = farthest_beyond(region.channels[i], begin, leaves, place, slope, share);
+      met = select(chosen & (beyond > broadcast(0)), number(first_channel + i - zone.channel_begin), met);
+    }
+    const mask at_round = farthest(share).round2 > broadcast(zone.wall_radius * zone.wall_radius);
+    met = select(chosen & at_round, number(zone_number), met);
+    if (!traced) return;
+    state.place = select(chosen, place, state.place);
+    state.t = select(chosen, fma(share, h, from.t), state.t);
   }
 };
 
@@ -171,6 +234,8 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
   mask going = chosen & in_wall(zone, far_out(region, zone, start.place));
   real ahead = looks ? min(lookout.places(zone.sights_passed), end) : end;
   Visit v{now, mask{}, mask{}, chosen & ~going, mask{}};
+  v.tell_wall(region, zone, v.wall, start, false);
+  const mask began = going;
   for (int steps = 1; any(going); ++steps) {
     const State old = now;
     now = stepper.step(whole_step, old);
@@ -182,7 +247,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
     const mask goes_on = (now.place.y >= begin) & in_wall(zone, farthest) & (now.t < deadline);
     if (any(going & ~(goes_on & (now.place.y < ahead)))) {
       if constexpr (looks) {
-        lookout.look(now.place.y, going, zone, [&](real y, mask crosses) {
+        lookout.look(old, now.place.y, going, zone, [&](real y, mask crosses) {
           return to_edge(stepper, old, h, select(crosses, y, now.place.y));  // by a shorter step, thrown away
         });
         ahead = min(lookout.places(zone.sights_passed), end);
@@ -208,6 +273,7 @@ inline Visit visit(const Region& region, const RegionZone& zone, const real* pha
     v.state = choose(crossed, to_edge(stepper, before, h, select(v.forward, end, begin)), v.state);
     v.stop_at_wall(region, zone, crossed, before.place, before.velocity, v.state, v.state.t - before.t);
   }
+  v.tell_wall(region, zone, v.wall & began, before, recorder != nullptr);
   v.state = choose(chosen, v.state, start);
   return v;
 }

@@ -10,7 +10,7 @@ namespace rabiline {
 
 double Bounds::cost(double) const { return 20 * cost::plane; }
 void Bounds::pass(StageContext& context) const {
-  const FlightRange range{at, end};
+  const FlightRange range{at, end, {rivals.data(), static_cast<int>(rivals.size())}};
   const auto* gap = std::get_if<RegionGap>(&space);
   BatchView& batch = context.batch.view();
   context.sums[0] += gap != nullptr
@@ -27,6 +27,11 @@ void Bounds::explain(PlanReport& report) const {
       end, report.reuse);
 }
 bool Bounds::follows_paths() const { return true; }
+Bounds Bounds::until(double y) const {
+  Bounds cut = *this;
+  cut.end = y;
+  return cut;
+}
 
 }  // namespace rabiline
 
@@ -48,12 +53,17 @@ std::uint64_t end_what_leaves(const FlightRange& range, BatchView& batch, Outsid
   for (int i = 0; i < batch.padded; i += lane_count) {
     const words flying = load(batch.flying + i);
     if (!any((mask)flying)) continue;
-    mask out{};
+    mask out{}, ended_before{};
     for (int k = 0; k <= places; ++k) {
       const double share = k == 0 ? inside : k == places ? 1 - inside : static_cast<double>(k) / places;
       const double y = range.begin + share * (range.end - range.begin);
       const OnPlane there = to_plane(y, batch, i);
-      out = out | outside(there.x, broadcast(y), there.z);
+      const mask leaves = outside(there.x, broadcast(y), there.z) & (mask)flying & ~out & ~ended_before;
+      if (!any(leaves)) continue;
+      for (int r = 0; r < range.rivals.count; ++r)
+        ended_before =
+            ended_before | (leaves & meets_wall(range.rivals.walls[r], range.begin, broadcast(y), batch, i));
+      out = out | (leaves & ~ended_before);
     }
     left = left + (load(batch.weight + i) & flying & (words)out);
     store(batch.flying + i, flying & ~(words)out);

@@ -58,6 +58,7 @@ void Deflection::explain(PlanReport& report) const {
 #else  // its kernel, compiled once for each instruction set
 
 #include "transport/plane_lanes.hpp"
+#include "transport/stages/wall_stop.hpp"
 
 namespace rabiline::RABILINE_ISA {
 namespace {
@@ -69,6 +70,28 @@ RABILINE_LANES mask stays_between(real q, real v, real a, real end_time, double 
   const real turn = select(a != broadcast(0), -v / a, broadcast(-1));
   const mask turns = (turn > broadcast(0)) & (turn < end_time);
   return inside(end_time) & (inside(turn) | ~turns);
+}
+
+/// Which of the chosen lanes meet the chamber on their parabola, and no wall of the gap before.
+RABILINE_LANES mask meets_chamber(const Deflection& d, mask chosen, real x, real z, real vx, real vz,
+                                  const Acceleration& along, real time) {
+  const auto leaves_chamber = [&](real share) {
+    const real t = share * time, gx = t * t * along.x, gz = t * t * along.z;
+    const real end_x = fma(fma(0.5 * along.x, t, vx), t, x), end_z = fma(fma(0.5 * along.z, t, vz), t, z);
+    return max(fma(end_x, end_x, end_z * end_z), Parabola{x, z, vx * t, vz * t, gx, gz}.farthest2()) >
+           broadcast(d.chamber * d.chamber);
+  };
+  const real whole = broadcast(1);
+  const mask meets = chosen & leaves_chamber(whole);
+  if (!d.has_gap || !any(meets)) return meets;
+  const auto leaves_gap = [&](real share) {
+    return ~(stays_between(x, vx, along.x, share * time, d.x0, d.half_x) &
+             stays_between(z, vz, along.z, share * time, d.z0, d.half_z));
+  };
+  const real nothing = broadcast(0);
+  const mask both = meets & leaves_gap(whole);
+  return meets &
+         ~(both & (first_place(nothing, whole, leaves_gap) < first_place(nothing, whole, leaves_chamber)));
 }
 
 }  // namespace
@@ -85,9 +108,16 @@ std::uint64_t deflect(const Deflection& d, BatchView& batch) {
     const Acceleration along{a * d.along_x + batch.fall.x, a * d.along_z + batch.fall.z};
     const OnPlane there = to_plane(d.end, batch, i, along);
     const real vx = load(batch.vx + i), vz = load(batch.vz + i);
+    mask in_chamber = ~mask{};
+    if (d.chamber < __builtin_inf()) {
+      in_chamber =
+          ~meets_chamber(d, (mask)flying, load(batch.x + i), load(batch.z + i), vx, vz, along, there.dt);
+      store(batch.scratch + i, select(in_chamber, words{}, broadcast_word(wall_mark::of_chamber)));
+    }
     if (d.has_gap) {
-      const mask free = stays_between(load(batch.x + i), vx, along.x, there.dt, d.x0, d.half_x) &
-                        stays_between(load(batch.z + i), vz, along.z, there.dt, d.z0, d.half_z);
+      const mask free = (stays_between(load(batch.x + i), vx, along.x, there.dt, d.x0, d.half_x) &
+                         stays_between(load(batch.z + i), vz, along.z, there.dt, d.z0, d.half_z)) |
+                        ~in_chamber;
       stopped = stopped + (load(batch.weight + i) & flying & ~(words)free);
       store(batch.flying + i, flying & (words)free);
     }

@@ -1,5 +1,7 @@
 #pragma once
 // A deflecting magnet with a constant force.
+#include <limits>
+
 #include "transport/kernels.hpp"
 #include "transport/stage_concept.hpp"
 
@@ -12,8 +14,9 @@ struct Deflection {
   double along_x = 0, along_z = 1;  // its direction
   int levels = 0;                   // quantum: how many levels; 0: a vector law
   bool has_gap = false;
-  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;  // [m] free between the walls
-  double tolerance = 1e-6;                        // of the law; a parabola keeps any
+  double x0 = 0, z0 = 0, half_x = 0, half_z = 0;             // [m] free between the walls
+  double chamber = std::numeric_limits<double>::infinity();  // [m] radius of its wall where it may be met
+  double tolerance = 1e-6;                                   // of the law; a parabola keeps any
   int part = 0;
   bool operator==(const Deflection&) const = default;
 
@@ -27,6 +30,8 @@ struct Deflection {
   bool follows_paths() const;
   /// A part of it from one place to another.
   Deflection piece(double from, double to) const;
+  /// What has met the chamber before a pole flies on with its mark (WallStop).
+  bool marks_walls() const { return chamber < std::numeric_limits<double>::infinity(); }
 };
 static_assert(StageKind<Deflection>);
 

@@ -11,7 +11,10 @@ namespace rabiline {
 
 std::size_t Passage::sums() const { return 1; }
 void Passage::pass(StageContext& context) const {
-  context.sums[0] += kernel::pass(context.isa)(*this, context.batch.view());
+  BatchView& batch = context.batch.view();
+  const WallRow others{rivals.data(), static_cast<int>(rivals.size())};
+  context.sums[0] += rivals.empty() ? kernel::pass(context.isa)(*this, batch)
+                                    : kernel::pass_unless_met(context.isa)(*this, others, batch);
 }
 void Passage::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
 double Passage::y() const { return aperture.y; }
@@ -24,6 +27,11 @@ void Passage::explain(PlanReport& report) const {
               report.reuse);
 }
 bool Passage::follows_paths() const { return true; }
+Passage Passage::until(double y) const {
+  Passage cut = *this;
+  cut.aperture.y = y;
+  return cut;
+}
 
 }  // namespace rabiline
 
@@ -39,11 +47,28 @@ std::uint64_t pass(const Passage& passage, BatchView& batch) {
   words stopped = words{};
   for (int i = 0; i < batch.padded; i += lane_count) {
     const OnPlane there = to_plane(aperture.y, batch, i);
-    const mask misses_wall = has_walls ? ~bulges_out(aperture, passage.begin, batch, i) : ~mask{};
+    const mask misses_wall =
+        has_walls ? ~bulges_out(aperture, passage.begin, broadcast(aperture.y), batch, i) : ~mask{};
     const words through = (words)(inside(aperture, there.x, there.z) & misses_wall),
                 flying = load(batch.flying + i);
     stopped = stopped + (load(batch.weight + i) & flying & ~through);
     store(batch.flying + i, flying & through);
+  }
+  return sum_of_lanes(stopped);
+}
+
+std::uint64_t pass_unless_met(const Passage& passage, const WallRow& rivals, BatchView& batch) {
+  const Aperture& aperture = passage.aperture;
+  words stopped = words{};
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    const words flying = load(batch.flying + i);
+    mask meets = (mask)flying & meets_wall(aperture, passage.begin, broadcast(aperture.y), batch, i);
+    if (!any(meets)) continue;
+    const real here = place_of_meeting(aperture, passage.begin, aperture.y, meets, batch, i);
+    for (int k = 0; k < rivals.count; ++k)
+      meets = meets & ~(place_of_meeting(rivals.walls[k], passage.begin, aperture.y, meets, batch, i) < here);
+    stopped = stopped + (load(batch.weight + i) & (words)meets);
+    store(batch.flying + i, flying & ~(words)meets);
   }
   return sum_of_lanes(stopped);
 }

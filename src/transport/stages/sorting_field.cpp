@@ -1,5 +1,8 @@
 #include "transport/stages/sorting_field.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "particle/fate.hpp"
 #include "transport/plan_report.hpp"
 #include "transport/sum_sink.hpp"
@@ -11,12 +14,33 @@ void SortingField::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
   kernel::turn(context.isa)(view_of(region, context.key), batch, context.recorder);
   for (int i = 0; i < batch.count; ++i) {
-    if (batch.flying[i] == 0 || (batch.scratch[i] & 0xffffffffULL) == region_end::forward) continue;
+    if (batch.flying[i] == 0) continue;
+    const std::uint64_t end = batch.scratch[i] & 0xffffffffULL;
+    batch.scratch[i] = 0;
+    if (end == region_end::forward) continue;
+    if (end >= region_end::at_wall) {
+      const int met = part_of_wall(region, end - region_end::at_wall);
+      if (met != part) {
+        batch.scratch[i] = wall_mark::of(met);
+        continue;
+      }
+    }
     context.sums[0] += batch.weight[i];
     batch.flying[i] = 0;
   }
 }
 void SortingField::list_sums(SumSink& sink) const { sink.fate(fate::stopped, part, 0); }
+std::vector<WallStop> SortingField::stops_of_others() const {
+  std::vector<WallStop> stops;
+  const double end = region.zones.back().field.end;
+  for (std::size_t wall = 0; wall < region.zones.size() + region.channels.size() + region.gaps.size();
+       ++wall) {
+    if (wall < region.zones.size() && !std::isfinite(region.zones[wall].wall_radius)) continue;
+    const WallStop stop{{part_of_wall(region, wall), end}};
+    if (stop.part != part && std::ranges::find(stops, stop) == stops.end()) stops.push_back(stop);
+  }
+  return stops;
+}
 double SortingField::y() const { return region.y(); }
 double SortingField::cost(double speed) const { return region.cost(speed); }
 void SortingField::explain(PlanReport& report) const {

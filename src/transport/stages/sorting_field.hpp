@@ -1,11 +1,12 @@
 #pragma once
 // A field that differs from place to place, and sorts levels.
 #include "transport/stages/turning_region.hpp"
+#include "transport/stages/wall_stop.hpp"
 
 namespace rabiline {
 
 /// Each particle stays in its level along the field and is pushed by mu grad |B|. What does not come through
-/// is stopped.
+/// is stopped; what has met the wall of another part flies on with its mark.
 struct SortingField {
   TurningRegion region;  // whose coupling follows levels; without edges and sights
   int part = 0;          // whose field it is
@@ -20,6 +21,9 @@ struct SortingField {
   double cost(double speed) const;
   void explain(PlanReport&) const;
   bool follows_paths() const;
+  static bool marks_walls() { return true; }
+  /// What must stand behind it.
+  std::vector<WallStop> stops_of_others() const;
 };
 static_assert(StageKind<SortingField>);
 

@@ -1,5 +1,6 @@
 #pragma once
 // A deflecting magnet whose force depends on the place: stepped paths.
+#include <limits>
 #include <vector>
 
 #include "transport/kernels.hpp"
@@ -23,6 +24,7 @@ struct Steering {
   MomentLaw moments;
   double tolerance = 1e-6;  // of direction, and place over the length of the magnet
   double whole = 0;         // [m] length of the magnet that this is a piece of; 0: all of it
+  double chamber = std::numeric_limits<double>::infinity();  // [m] radius of its wall where it may be met
   int part = 0;
   bool operator==(const Steering&) const = default;
 
@@ -37,6 +39,8 @@ struct Steering {
   bool follows_paths() const;
   /// A part of it from one place to another.
   Steering piece(double from, double to) const;
+  /// What has met the chamber before a pole flies on with its mark (WallStop).
+  bool marks_walls() const { return chamber < std::numeric_limits<double>::infinity(); }
   /// Of the magnet.
   double share() const { return whole > 0 ? (end - begin) / whole : 1; }
 };

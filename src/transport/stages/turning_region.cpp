@@ -17,23 +17,26 @@
 namespace rabiline {
 namespace {
 
-/// The sums of a region: left backwards, gave up, left a map, overflowed, stopped at each zone's wall,
-/// stopped at each edge, then one ScreenSums for each edge with a screen, then those of each sight: its
-/// census, its tallies.
+/// The sums of a region: left backwards, gave up, left a map, overflowed, stopped at each wall, stopped at
+/// each edge, then one ScreenSums for each edge with a screen, then those of each sight: its census, its
+/// tallies.
 struct RegionSums {
-  std::size_t zones;
+  std::size_t walls, zones;
+  explicit RegionSums(const TurningRegion& region)
+      : walls(region.zones.size() + region.channels.size() + region.gaps.size()),
+        zones(region.zones.size()) {}
   static std::size_t backwards() { return 0; }
   static std::size_t gave_up() { return 1; }
   static std::size_t left_map() { return 2; }
   static std::size_t overflowed() { return 3; }
-  static std::size_t wall(std::size_t zone) { return 4 + zone; }
-  std::size_t edge(std::size_t edge) const { return 4 + zones + edge; }
-  std::size_t screens() const { return 4 + zones + zones; }
+  static std::size_t wall(std::size_t wall) { return 4 + wall; }
+  std::size_t edge(std::size_t edge) const { return 4 + walls + edge; }
+  std::size_t screens() const { return 4 + walls + zones; }
 };
 
 /// Where the sums of a region's sights begin among its own.
 std::size_t sums_before_sights(const TurningRegion& region) {
-  std::size_t sums = RegionSums{region.zones.size()}.screens();
+  std::size_t sums = RegionSums(region).screens();
   for (const RegionEdge& edge : region.edges)
     if (edge.kind == EdgeKind::screen) sums += sums_of(edge.screen).size();
   return sums;
@@ -54,7 +57,7 @@ bool has_overflowed(const BatchView& batch, int i, std::uint64_t end) {
 
 /// Books the end of one particle's flight through a region; returns whether it flies on.
 bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
-  const RegionSums layout{region.zones.size()};
+  const RegionSums layout(region);
   const std::uint64_t end = batch.scratch[i] & 0xffffffffULL, weight = batch.weight[i];
   if (has_overflowed(batch, i, end)) {
     sums[RegionSums::overflowed()] += weight;
@@ -80,7 +83,7 @@ bool book(const TurningRegion& region, Sum* sums, BatchView& batch, int i) {
   } else if ((end & region_end::stopped_at_edge) != 0) {
     sums[layout.edge(end & 0xffffULL)] += weight;
   } else {
-    sums[RegionSums::wall(end - region_end::wall_of_zone)] += weight;
+    sums[RegionSums::wall(end - region_end::at_wall)] += weight;
   }
   return false;
 }
@@ -204,12 +207,20 @@ void warn_of_tips(const TurningRegion& region, PlanReport& report) {
 
 }  // namespace
 
+int part_of_wall(const TurningRegion& region, std::size_t wall) {
+  const std::size_t zones = region.zones.size(), channels = region.channels.size();
+  if (wall < zones) return region.zones[wall].wall_part;
+  return wall < zones + channels ? region.channels[wall - zones].part
+                                 : region.gaps[wall - zones - channels].part;
+}
+
 Region view_of(const TurningRegion& region, const RandomKey& key) {
   Region view;
   view.key = key;
   view.zones = region.zones.data();
   view.edges = region.edges.data();
   view.zone_count = static_cast<int>(region.zones.size());
+  view.channel_count = static_cast<int>(region.channels.size());
   view.take_off_spin_component = region.take_off_spin_component;
   view.shaped = region.shaped.data();
   view.gaps = region.gaps.data();
@@ -295,15 +306,14 @@ void TurningRegion::pass(StageContext& context) const {
 }
 
 void TurningRegion::list_sums(SumSink& sink) const {
-  const RegionSums layout{zones.size()};
+  const RegionSums layout(*this);
   sink.fate(fate::left_backwards, no_part, RegionSums::backwards());
   sink.fate(fate::gave_up, no_part, RegionSums::gave_up());
   if (!shaped.empty()) sink.fate(fate::left_map, no_part, RegionSums::left_map());
   sink.fate(fate::overflowed, no_part, RegionSums::overflowed());
-  for (std::size_t i = 0; i < zones.size(); ++i)
-    if (std::isfinite(zones[i].wall_radius) || zones[i].gap_begin < zones[i].gap_end ||
-        zones[i].channel_begin < zones[i].channel_end)
-      sink.fate(fate::stopped, zones[i].wall_part, RegionSums::wall(i));
+  for (std::size_t wall = 0; wall < layout.walls; ++wall)
+    if (wall >= zones.size() || std::isfinite(zones[wall].wall_radius))
+      sink.fate(fate::stopped, part_of_wall(*this, wall), RegionSums::wall(wall));
   std::size_t screen = layout.screens();
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const RegionEdge& edge = edges[i];

@@ -42,6 +42,8 @@ struct TurningRegion {
 };
 static_assert(StageKind<TurningRegion>);
 
+/// Whose wall that is, by its number (region_end).
+int part_of_wall(const TurningRegion&, std::size_t wall);
 /// As the kernel sees it, which it must outlive.
 Region view_of(const TurningRegion&, const RandomKey&);
 /// What the electric field in one of its zones does to a spin and a charge at the mean speed.

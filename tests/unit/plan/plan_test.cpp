@@ -63,7 +63,7 @@ TEST(Compile, AsksForTheChamberWhereADivergentBeamMeetsSomething) {
   Beamline b = suggested(291e3);
   b.law = QuantumLaw{};
   b.source.direction = GaussianDirection{1e-3, 1e-3};
-  EXPECT_EQ(compiled(b), "APSEL");
+  EXPECT_EQ(compiled(b), "PAPSEL");
   b.chamber.reset();
   EXPECT_EQ(compiled(b), "ASEL");
 }

@@ -58,7 +58,15 @@ std::vector<StageSample> samples_of<Passage>() {
           {"ring", Passage{ring, part}},
           {"stop", Passage{stop, part}},
           {"channel", Passage{rectangle(1e-3, 2e-3), part, 0.05}},
-          {"bore", Passage{disc(1e-3), part, 0.05}}};
+          {"bore", Passage{disc(1e-3), part, 0.05}},
+          {"beside others",
+           Passage{rectangle(1e-3, 2e-3), part, start, {disc(1.2e-3), rectangle(2e-3, 0.7e-3)}}}};
+}
+
+template <>
+std::vector<StageSample> samples_of<WallStop>() {
+  // Nothing is marked, but for what counts as met by the part -2.
+  return {{"all", WallStop{{-2, start}}}};
 }
 
 template <>
@@ -67,7 +75,9 @@ std::vector<StageSample> samples_of<Bounds>() {
   ShapedTerm box(MapShape{nullptr, {5, 5, 4}, {-2e-3, 0, -1.5e-3}, {1e3, 10, 1e3}, 1, MapOutside::error});
   RegionGap gap{{true, 0, 0, 1e-3, 2e-3, {}}, 0.2e-3, -0.1e-3, 0.3e-3, 0.8, 0.6};
   gap.walls.circles[0] = {0, -2e-3, 1.5e-3, 1};
-  return {{"map", Bounds{{part, start}, 0.4, box}}, {"gap", Bounds{{part, start}, 0.4, gap}}};
+  return {{"map", Bounds{{part, start}, 0.4, box}},
+          {"gap", Bounds{{part, start}, 0.4, gap}},
+          {"gap in a bore", Bounds{{part, start}, 0.4, gap, {disc(1.2e-3)}}}};
 }
 
 template <>
@@ -114,7 +124,9 @@ std::vector<StageSample> samples_of<Deflection>() {
   gap.has_gap = true;
   gap.half_x = 2e-3;
   gap.half_z = 1.5e-3;
-  return {{"vectors", d}, {"levels in a gap", gap, 3}};
+  Deflection in_chamber = gap;
+  in_chamber.chamber = 1.8e-3;
+  return {{"vectors", d}, {"levels in a gap", gap, 3}, {"levels in a gap and the chamber", in_chamber, 3}};
 }
 
 template <>
@@ -142,6 +154,8 @@ std::vector<StageSample> samples_of<Steering>() {
       samples.push_back({"vectors in " + what, s});
       s.levels = 8;
       samples.push_back({"levels in " + what, s, 8});
+      samples.push_back({"levels beside the chamber in " + what, s, 8});
+      std::get<Steering>(samples.back().stage).chamber = 1.8e-3;
       s.moment = table.largest();
       s.moments = {table.coefficients().data(), table.cells(), table.scale()};
       s.walls = {.rectangle = true, .half_x = 3e-3, .half_z = 3e-3, .circles = {}};
@@ -350,7 +364,8 @@ std::vector<StageSample> samples_of<Histogram>() {
 
 template <>
 std::vector<StageSample> samples_of<Attenuation>() {
-  return {{"gas", Attenuation{{part, start}, 0.7, 0.2}}};
+  return {{"gas", Attenuation{{part, start}, 0.7, 0.2}},
+          {"gas in a bore", Attenuation{{part, start}, 0.7, 0.2, {disc(1e-3)}}}};
 }
 
 template <>

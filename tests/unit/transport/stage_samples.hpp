@@ -55,6 +55,8 @@ std::vector<StageSample> samples_of<Histogram>();
 template <>
 std::vector<StageSample> samples_of<Attenuation>();
 template <>
+std::vector<StageSample> samples_of<WallStop>();
+template <>
 std::vector<StageSample> samples_of<Chopping>();
 template <>
 std::vector<StageSample> samples_of<VelocitySelection>();
