@@ -18,10 +18,10 @@ class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
   /// Of the angle that P_4 turns by: about what Gauss' two points would differ from four by.
-  static constexpr double unseen_share = 0.025;
-  /// What is extrapolated is off by (share x difference)^(3/2): fifth order against seventh, on the safe
-  /// side.
-  static constexpr double extrapolated_share = 21.5;
+  static constexpr double unseen_share = 0.375;
+  /// What is of sixth order is off by (share x what the fourth is off by)^(3/2): seventh order against fifth, on
+  /// the safe side.
+  static constexpr double sixth_share = 0.1;
   /// Within a step levels that are coupled turn by less against one another, and all of them in an
   /// exponential.
   static constexpr double most_turning = 8, most_phase = 44;
@@ -141,7 +141,7 @@ class LevelFlight {
     to_legendre(f, h, at);
     real radius[5];
     for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
-    Amplitudes whole = state;
+    Amplitudes rough = state;
     const auto turn = [&](const auto& shares, Amplitudes& turned) {
       real bound = broadcast(0);
       for (int i = 0; i < 4; ++i) bound = fma(broadcast(largest_share(shares, i)), radius[i], bound);
@@ -153,13 +153,12 @@ class LevelFlight {
         exponentiate(f, exponent, series, turned);
       }
     };
-    turn(whole_step, whole);
-    turn(half_steps, state);
-    // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
-    const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
-    const real share = extrapolated_share * off;
-    error = min(off, share * sqrt(share));
-    extrapolate(f.levels, whole, state);
+    turn(fourth_order, rough);
+    turn(sixth_order, state);
+    // Both alike leave P_4 out, and all of what is narrow between the points.
+    const real off =
+        sixth_share * fma(radius[4], broadcast(unseen_share), difference(f.levels, rough, state));
+    error = off * sqrt(off);
     axes = moved_to(there.n, axes);
     return good;
   }
