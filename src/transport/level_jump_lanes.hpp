@@ -1,7 +1,7 @@
 #pragma once
 // What becomes of amplitudes in no field, and where the field is another one at once and the state stays, for
 // kernels only.
-#include "transport/level_exponential_lanes.hpp"
+#include "transport/level_step_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
