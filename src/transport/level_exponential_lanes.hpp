@@ -15,9 +15,10 @@ class ChebyshevSeries {
   real weight[most_terms];
   real twice;  // 2/R
   inline explicit ChebyshevSeries(real bound) {
-    const real radius = max(broadcast(0.1), min(bound, broadcast(largest_radius)));
-    last = floor(min(min(fma(radius, broadcast(6), broadcast(8)), fma(radius, broadcast(2.6), broadcast(12))),
-                     fma(radius, broadcast(1.4), broadcast(21))));
+    const real radius = max(broadcast(0.01), min(bound, broadcast(largest_radius)));
+    last = floor(
+        min(min(fma(radius, broadcast(40), broadcast(4)), fma(radius, broadcast(6), broadcast(8))),
+            min(fma(radius, broadcast(2.6), broadcast(12)), fma(radius, broadcast(1.4), broadcast(21)))));
     twice = 2.0 / radius;
     // Downwards by J_k-1 = (2k/R) J_k - J_k+1 from some number, then J_0 + 2 J_2 + 2 J_4 + ... = 1.
     real above = broadcast(0), here = broadcast(0), even = broadcast(0);
@@ -144,82 +145,6 @@ RABILINE_LANES void choose(int levels, mask m, const Amplitudes& yes, Amplitudes
   for (int k = 0; k < levels; ++k) {
     a.re[k] = select(m, yes.re[k], a.re[k]);
     a.im[k] = select(m, yes.im[k], a.im[k]);
-  }
-}
-
-/// Calls act(number) where number(matrix) is one of the real numbers of a matrix, for all of them.
-template <typename Act>
-RABILINE_LANES void for_each_number(const LevelManifold& f, const Act& act) {
-  for (int k = 0; k < f.levels; ++k) act([=](auto& h) -> auto& { return h.diagonal[k]; });
-  for (int j = 0; j < f.couplings; ++j) {
-    act([=](auto& h) -> auto& { return h.re[j]; });
-    act([=](auto& h) -> auto& { return h.im[j]; });
-  }
-}
-inline void copy_matrix(const LevelManifold& f, const LevelMatrix& from, LevelMatrix& to) {
-  for_each_number(f, [&](auto&& number) { number(to) = number(from); });
-}
-constexpr double lobatto_inner = 0.65465367070797714380;  // sqrt(3/7)
-constexpr double lobatto_point[5] = {-1, -lobatto_inner, 0, lobatto_inner, 1};
-/// From the values at Lobatto's five points to the factors of P_0 to P_4, times h.
-inline void to_legendre(const LevelManifold& f, real h, LevelMatrix* at) {
-  for_each_number(f, [&](auto&& number) {
-    const real outer = h * (number(at[0]) + number(at[4])), inner = h * (number(at[1]) + number(at[3])),
-               middle = h * number(at[2]), out = h * (number(at[4]) - number(at[0])),
-               in = h * (number(at[3]) - number(at[1]));
-    number(at[0]) = (1.0 / 20) * outer + (49.0 / 180) * inner + (16.0 / 45) * middle;
-    number(at[1]) = (3.0 / 20) * out + (49.0 / 60 * lobatto_inner) * in;
-    number(at[2]) = (1.0 / 4) * outer + (7.0 / 36) * inner - (8.0 / 9) * middle;
-    number(at[3]) = 0.5 * out - number(at[1]);
-    number(at[4]) = (1.0 / 5) * outer - (7.0 / 15) * inner + (8.0 / 15) * middle;
-  });
-}
-/// What a step of a time-dependent H exponentiates one after the other: shares of the factors of P_0 to P_3,
-/// those of two steps of half the length by what the polynomials are there.
-constexpr double whole_step[2][4] = {{1.0 / 2, -1.0 / 3, 0, 0}, {1.0 / 2, 1.0 / 3, 0, 0}};
-constexpr double half_steps[4][4] = {{1.0 / 4, -5.0 / 24, 1.0 / 8, -1.0 / 32},
-                                     {1.0 / 4, -1.0 / 24, -1.0 / 8, 3.0 / 32},
-                                     {1.0 / 4, 1.0 / 24, -1.0 / 8, -3.0 / 32},
-                                     {1.0 / 4, 5.0 / 24, 1.0 / 8, 1.0 / 32}};
-template <int count>
-constexpr double largest_share(const double (&shares)[count][4], int power) {
-  double most = 0;
-  for (const auto& share : shares) {
-    const double size = share[power] < 0 ? -share[power] : share[power];
-    most = size > most ? size : most;
-  }
-  return most;
-}
-inline void sum_up(const LevelManifold& f, const LevelMatrix* at, const double (&share)[4], LevelMatrix& h) {
-  for_each_number(f, [&](auto&& number) {
-    real sum = share[0] * number(at[0]);
-    for (int i = 1; i < 4; ++i) sum = fma(broadcast(share[i]), number(at[i]), sum);
-    number(h) = sum;
-  });
-}
-/// By how much two states differ, but for a common phase.
-inline real difference(int levels, const Amplitudes& one, const Amplitudes& other) {
-  real square = broadcast(0), phase = broadcast(0);
-  for (int k = 0; k < levels; ++k) {
-    const real re = one.re[k] - other.re[k], im = one.im[k] - other.im[k];
-    square = fma(re, re, fma(im, im, square));
-    phase = fma(other.re[k], im, fnma(other.im[k], re, phase));
-  }
-  return sqrt(max(broadcast(0), fnma(phase, phase, square)));
-}
-
-/// What whole steps of fourth order and halves of them would come to with ever shorter ones.
-inline void extrapolate(int levels, const Amplitudes& whole, Amplitudes& halves) {
-  real size2 = broadcast(0);
-  for (int k = 0; k < levels; ++k) {
-    halves.re[k] = fma(halves.re[k] - whole.re[k], broadcast(1.0 / 15), halves.re[k]);
-    halves.im[k] = fma(halves.im[k] - whole.im[k], broadcast(1.0 / 15), halves.im[k]);
-    size2 = fma(halves.re[k], halves.re[k], fma(halves.im[k], halves.im[k], size2));
-  }
-  const real unit = 1.0 / sqrt(size2);
-  for (int k = 0; k < levels; ++k) {
-    halves.re[k] = halves.re[k] * unit;
-    halves.im[k] = halves.im[k] * unit;
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // What becomes of amplitudes in no field, and where the field is another one at once and the state stays, for
 // kernels only.
-#include "transport/level_exponential_lanes.hpp"
+#include "transport/level_step_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
@@ -60,7 +60,7 @@ RABILINE_LANES mask differ(const Vector& a, const Vector& b) {
     LevelMatrix points[5], h;
     for (int p = 0; p < 5; ++p) at(0.5 + 0.5 * lobatto_point[p], points[p]);
     to_legendre(f, broadcast(1), points);
-    for (const auto& share : whole_step) {
+    for (const auto& share : fourth_order) {
       sum_up(f, points, share, h);
       exponentiate(f, h, a);
     }

@@ -2,10 +2,11 @@
 // Amplitudes of an atom's levels along a straight path through fields of any direction, for kernels only.
 //
 // In a frame whose third axis n follows +-B, from step to step without turning about n, H is that of
-// LevelManifold. A step takes it at Lobatto's five points; of the polynomial through them the whole and both
-// halves are two exponentials each, of fourth order (the commutator-free Magnus method: S. Blanes and P.
-// Moan, Appl. Numer. Math. 56, 1519 (2006)), and tell the error and what they extrapolate to. Inside of it
-// the frame turns from n at the begin by the shortest way, which adds a turn about n. Where all couplings
+// LevelManifold. A step takes it at Lobatto's five points; of the polynomial through them five exponentials
+// are of sixth order, and two of fourth, which tell the error (the commutator-free Magnus method: S. Blanes
+// and P. Moan, Appl. Numer. Math. 56, 1519 (2006)). Where couplings are weak the polynomials of the energies
+// are phases, and the exponentials are those of couplings that turn with them. Inside of a step the frame
+// turns from n at the begin by the shortest way, which adds a turn about n. Where all couplings
 // V_kl are weak against E_k - E_l the amplitudes are those of the states dressed by them, a' = exp(S) a with
 // S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "transport/level_jump_lanes.hpp"
@@ -17,11 +18,6 @@ namespace rabiline::RABILINE_ISA {
 class LevelFlight {
   /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
   static constexpr double calm_share = 0.01;
-  /// Of the angle that P_4 turns by: about what Gauss' two points would differ from four by.
-  static constexpr double unseen_share = 0.025;
-  /// What is extrapolated is off by (share x difference)^(3/2): fifth order against seventh, on the safe
-  /// side.
-  static constexpr double extrapolated_share = 21.5;
   /// Within a step levels that are coupled turn by less against one another, and all of them in an
   /// exponential.
   static constexpr double most_turning = 8, most_phase = 44;
@@ -138,28 +134,8 @@ class LevelFlight {
       matrix_at(section, then, axes, at[i], there);
       good = good & (there.cosine > broadcast(0.5));
     }
-    to_legendre(f, h, at);
-    real radius[5];
-    for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
-    Amplitudes whole = state;
-    const auto turn = [&](const auto& shares, Amplitudes& turned) {
-      real bound = broadcast(0);
-      for (int i = 0; i < 4; ++i) bound = fma(broadcast(largest_share(shares, i)), radius[i], bound);
-      good = good & (bound < broadcast(largest_radius));
-      const ChebyshevSeries series(bound);
-      for (const auto& share : shares) {
-        LevelMatrix exponent;
-        sum_up(f, at, share, exponent);
-        exponentiate(f, exponent, series, turned);
-      }
-    };
-    turn(whole_step, whole);
-    turn(half_steps, state);
-    // Whole and halves alike leave P_4 out, and all of what is narrow between the points.
-    const real off = fma(radius[4], broadcast(unseen_share), difference(f.levels, whole, state) * (1.0 / 15));
-    const real share = extrapolated_share * off;
-    error = min(off, share * sqrt(share));
-    extrapolate(f.levels, whole, state);
+    // H of waves may stand still with couplings in it, which exponentials follow exactly.
+    good = good & step_through(f, h, section.wave < 0, at, state, error);
     axes = moved_to(there.n, axes);
     return good;
   }
