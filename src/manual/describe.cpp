@@ -322,6 +322,10 @@ std::string describe(std::string_view topic) {
     names.push_back(species.name);
     if (species.name == topic) out = describe_species_with_levels(species);
   }
+  for (const Mixture& mixture : natural_mixtures()) {
+    names.push_back(mixture.name);
+    if (mixture.name == topic) out = describe_mixture(mixture);
+  }
   if (out.empty()) {
     std::vector<Word> words;
     words.reserve(names.size());

@@ -97,4 +97,12 @@ std::string describe_species_of_library(const Species& s) {
   return out + fmt::format("\nExample\n  species: {}\n", s.name);
 }
 
+std::string describe_mixture(const Mixture& mixture) {
+  std::string out = fmt::format("{}: its isotopes as they are found on Earth, in one beam\n", mixture.name);
+  for (const Component& isotope : mixture.components)
+    out += fmt::format("  {:<16} {:>8.4f} %\n", isotope.species.name, 100 * isotope.fraction);
+  return out +
+         fmt::format("\n`rabiline describe \"{}\"` tells more of one.\n", mixture.components[0].species.name);
+}
+
 }  // namespace rabiline

@@ -14,6 +14,9 @@ std::string describe_species_of_library(const Species&);
 std::string table_of_species_with_levels();
 std::string describe_species_with_levels(const Species&);
 
+/// Its isotopes and how many atoms of a hundred they are.
+std::string describe_mixture(const Mixture&);
+
 /// The pages `species` and `structure`.
 std::string describe_species();
 std::string describe_structure();

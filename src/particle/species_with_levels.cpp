@@ -151,8 +151,9 @@ std::span<const Species> species_with_levels() {
 }
 
 std::span<const Mixture> natural_mixtures() {
-  // J. Meija et al., Pure Appl. Chem. 88, 293 (2016), representative abundances; K-40, 1.17e-4 of potassium,
-  // is left out. Each is divided by the sum.
+  // J. Meija et al., Pure Appl. Chem. 88, 293 (2016), representative abundances, where the sources on Earth do
+  // not differ by more: of H and Li those of M. Berglund and M. Wieser, Pure Appl. Chem. 83, 397 (2011). K-40,
+  // 1.17e-4 of potassium, is left out. Each is divided by the sum.
   static const std::vector<Mixture> library = [] {
     struct Isotope {
       const char* name;
@@ -166,8 +167,8 @@ std::span<const Mixture> natural_mixtures() {
     };
     std::vector<Mixture> out;
     for (const char* ending : {"", " atom"}) {
-      out.push_back(mixture("H", ending, {"H", 0.99985}, {"D", 0.00015}));
-      out.push_back(mixture("Li", ending, {"Li-6", 0.078}, {"Li-7", 0.922}));
+      out.push_back(mixture("H", ending, {"H", 0.999885}, {"D", 0.000115}));
+      out.push_back(mixture("Li", ending, {"Li-6", 0.0759}, {"Li-7", 0.9241}));
       out.push_back(mixture("K", ending, {"K-39", 0.932581}, {"K-41", 0.067302}));
       out.push_back(mixture("Rb", ending, {"Rb-85", 0.7217}, {"Rb-87", 0.2783}));
       out.push_back(mixture("Ag", ending, {"Ag-107", 0.51839}, {"Ag-109", 0.48161}));

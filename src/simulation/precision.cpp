@@ -1,12 +1,28 @@
 #include "simulation/precision.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "simulation/line_centre.hpp"
 #include "simulation/work.hpp"
 
 namespace rabiline {
+namespace {
+
+/// What the error of a fraction may be: of a sample that happens to have few counts it comes out too small,
+/// and a run that ended there would have a result that is too small, too. The sample counts for n =
+/// p(1 - p)/error^2 of equal weight, and k = n p of these (or what is missing, if that is less) for k + 1 +
+/// sqrt(k + 1): one standard error more, and one count, of which none has been seen.
+double most_error(double fraction, double error) {
+  const double p = std::clamp(std::min(fraction, 1 - fraction), 0.0, 1.0);
+  if (!(error > 0)) return error;
+  const double n = p > 0 ? p * (1 - p) / (error * error) : 0.5 / error;
+  const double more = n * p + 1, most = std::min(0.5, (more + std::sqrt(more)) / n);
+  return std::max(error, std::sqrt(most * (1 - most) / n));
+}
+
+}  // namespace
 
 Experiment part_of(const Experiment& experiment, const Plan& plan, int halvings) {
   if (halvings == 0) return experiment;
@@ -32,8 +48,9 @@ double Reached::over(const Until& wanted) const {
 Reached reached_by(const Result& result, const Until& wanted) {
   Reached reached;
   for (const DetectorResult& detector : result.detectors)
-    for (const double error : detector.detected_errors)
-      reached.detected_error = std::max(reached.detected_error, error);
+    for (std::size_t p = 0; p < detector.detected.size(); ++p)
+      reached.detected_error =
+          std::max(reached.detected_error, most_error(detector.detected[p], detector.detected_errors[p]));
   if (!wanted.centre_error) return reached;
   reached.centre_error = std::numeric_limits<double>::infinity();
   for (const DetectorResult& detector : result.detectors)

@@ -12,7 +12,7 @@ Experiment part_of(const Experiment&, const Plan&, int halvings);
 
 /// What is known after a flight.
 struct Reached {
-  double detected_error = 0;  // the largest over all detectors and scan points
+  double detected_error = 0;  // the largest over all detectors and scan points, as it may be
   double centre_error = 0;    // the smallest over all detectors; 0 where it is not wanted
   /// The largest ratio of an error to what is wanted: 1 or less is enough.
   double over(const Until&) const;

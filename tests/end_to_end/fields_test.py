@@ -103,6 +103,14 @@ def test_probe_names_the_parts_and_their_shares(tmp_path: Path) -> None:
     assert run("probe", path, "--at", "0,1.6 m,0").stdout.splitlines()[2].split()[0] == "F"
 
 
+def test_probe_warns_where_a_fringe_does_not_tell_what_the_field_is(tmp_path: Path) -> None:
+    path = experiment(tmp_path, "kind: uniform_field, length: 0.2 m, field: 1 mT, fringe: {kind: tanh, length: 10 mm}")
+    assert run("probe", path, "--at", "0 m,1.0 m,1 mm").stderr == ""
+    for place in (("--at", "0 m,1.0 m,200 mm"), ("--at", "0 m,1.0 m,0 m", "--along", "z", "--from", "0 m", "--to", "0.2 m")):
+        told = run("probe", path, *place).stderr
+        assert told.startswith("warning: ") and told.count("warning") == 1 and "from the axis of `F`" in told
+
+
 def test_probe_takes_a_clock_at_its_time(tmp_path: Path) -> None:
     path = experiment(tmp_path, "kind: rotating_field, length: 0.2 m, amplitude: 1 uT, frequency: 1 kHz, sense: positive, phase: locked")
     assert "B = (1 uT, 0 T, 0 T)" in run("probe", path, "--at", "0 m,1.1 m,0 m").stdout

@@ -133,6 +133,11 @@ TEST(Describe, LeadsFromElementsToSpecies) {
   EXPECT_EQ(help("H2"), "did you mean `ortho-H2`?");
 }
 
+TEST(Describe, TellsWhatIsInANaturalMixture) {
+  EXPECT_THAT(describe("natural K atom"), HasSubstr("K-41 atom          6.7310 %"));
+  EXPECT_THAT(describe("natural Li"), HasSubstr("Li-6               7.5900 %"));
+}
+
 TEST(Describe, ShowsEveryKindOfSpin) {
   EXPECT_THAT(describe("spin"),
               HasSubstr("spin: {kind: levels, levels: [F=4 m=0, F=3 m=0], shares: [0.9, 0.1]}"));

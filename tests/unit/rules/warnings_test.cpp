@@ -256,6 +256,20 @@ TEST(Warnings, TellThatAMagnetHasMoreFieldThanThereIs) {
   }
 }
 
+TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAMagnetThatIsTurned) {
+  for (const double turn : {0.0, 5e-3, 0.5}) {
+    Beamline b = test::atoms("K-39 atom", 200, test::in_level(2, 2));
+    TwoWireMagnet wires;
+    wires.length = 0.1;
+    wires.half_distance = 5e-3;
+    wires.wire_radius = 4e-3;
+    wires.strength = FieldAtBeam{0.1};
+    wires.tilt.y = turn;
+    b.parts = {place("M", 0.1, wires), place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
+    EXPECT_EQ(std::ranges::count(warned({b}), "tilt", &Fault::key), turn > 0.1 ? 1 : 0) << turn;
+  }
+}
+
 /// Atoms through a gradient along x, whose bins are of a given size.
 std::vector<Fault> warned_of_gradient(double bins, Outcomes outcomes) {
   Beamline b = test::atoms("Cs-133 atom", 200, test::in_level(4, 4));

@@ -52,6 +52,24 @@ TEST(Until, EndsTheRunAtTheFirstPartThatIsPreciseEnough) {
   fewer.particles = 8000;
   EXPECT_EQ(run_points({fewer}).detectors[0].counts, result.detectors[0].counts);
 }
+TEST(Until, DoesNotEndWhereADetectorHasCaughtLittleByChance) {
+  // One in a thousand is detected: 3e-4 takes 11,100 particles, and zero of 500 is no answer.
+  constexpr int seeds = 40;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    Experiment e = half_detected(64000, 3e-4);
+    Beamline b = e.points.front();
+    b.seed = seed;
+    b.parts.back() = place("screen", 1.2, Detector{Rectangle{4e-6, 4e-3}, {1, 1}, {}});
+    e.points = {b};
+    const Plan plan = make_plan(e);
+    const Result result = finish_part(e, plan, run_until(e, plan));
+    EXPECT_GE(result.particles, 8000U) << seed;
+    sum += result.detectors[0].detected[0];
+  }
+  EXPECT_NEAR(sum / seeds, 1e-3, 0.15e-3);  // a quarter of it in each, over the root of 40, 4 times; ends at
+                                            // low counts had made it 0.28e-3 too small
+}
 TEST(Until, FliesAllParticlesWhereTheyAreTooFew) {
   const Experiment e = half_detected(9000, 1e-5);
   const Plan plan = make_plan(e);
