@@ -61,6 +61,7 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection,
     node = &node->next.front();
     why_not = "levels are found once more behind it";
     if (traits_of(node->stage).spins == SpinEffect::set) return {};
+    if (traits_of(node->stage).counts_levels && !path_of(node->stage)->keeps_levels()) return {};
     TransitLink link = LinkMaker(node->stage, outcomes).link;
     link.whole = links.size();
     if (traits_of(node->stage).only_reads && !link.groups) {

@@ -259,7 +259,7 @@ class LevelFlight {
         LevelAxes turned = axes;
         real error;
         const mask good = step(section, s, trial, now, there, turned, error);
-        error = error / (tolerance * (0.25 * (trial / stay) + 1e-2));
+        error = error / (tolerance * (0.25 * (trial / stay) + 2e-3));
         const mask accepted = resolves & good & (error <= broadcast(1));
         choose(f_.levels, accepted, there, a);
         axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};

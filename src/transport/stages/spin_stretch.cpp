@@ -44,32 +44,75 @@ void count_levels_of_atoms(const SpinStretch& stretch, StageContext& context) {
   }
 }
 
+/// Of each level along one axis, what is found in each along another: nothing where both are the same one.
+using LevelShares = std::vector<std::vector<double>>;
+
+LevelShares shares_of(const SpinPath& known) {
+  LevelShares shares;
+  if (!known.is_idle() || known.keeps_levels()) return shares;
+  Batch batch;
+  BatchView& b = batch.view();
+  b.count = known.levels;
+  b.padded = (known.levels + 7) / 8 * 8;
+  for (int from = 0; from < b.padded; ++from) {
+    b.level[from] = static_cast<std::uint64_t>(std::min(from, known.levels - 1));
+    b.weight[from] = quanta_per_particle;
+    b.sx[from] = known.start->x;
+    b.sy[from] = known.start->y;
+    b.sz[from] = known.start->z;
+    b.vy[from] = b.slowness[from] = 1;
+  }
+  alignas(64) std::uint64_t found[most_levels * most_levels];
+  share_levels(known, {}, best_isa(), b, b.weight, found);
+  for (int from = 0; from < known.levels; ++from) {
+    std::vector<double>& of = shares.emplace_back();
+    for (int to = 0; to < known.levels; ++to)
+      of.push_back(static_cast<double>(found[to * b.padded + from]) /
+                   static_cast<double>(quanta_per_particle));
+  }
+  return shares;
+}
+
 /// The levels in which paths end, by the shares of their weights that the screen counted.
 class LevelPaths : public PathTally {
  public:
-  explicit LevelPaths(LevelLayout layout) : layout_(layout) {}
+  LevelPaths(LevelLayout layout, LevelShares shares) : layout_(layout), shares_(std::move(shares)) {}
 
   void add(const Paths& paths, const PathWeights& counted, Sum* sums, Sum*) override {
-    if (paths.levels_stay) {
+    if (paths.levels_stay && shares_.empty()) {
       for (std::size_t path = 0; path < paths.levels.size(); ++path) {
         const auto level = static_cast<std::size_t>(paths.levels[path]);
         if (level < layout_.levels) add_sums(layout_, level, *counted.by_path, path, sums);
       }
       return;
     }
-    // Another projection further on has drawn levels along each path.
+    // Another projection further on has drawn levels along each path, or they are asked for along another
+    // axis.
     for (std::size_t k = 0; k < paths.count(); ++k) {
       if (counted.totals[k] == 0) continue;
       std::array<std::uint64_t, most_levels> found{};
       for (std::size_t path = 0; path < paths.levels.size(); ++path)
-        found[paths.ends[path].level[paths.number[k]]] += counted.of[path][k];
+        add_found(paths.ends[path].level[paths.number[k]], counted.of[path][k], found);
       for (std::size_t level = 0; level < layout_.levels; ++level)
         add_share(layout_, level, found[level], counted.totals[k], sums);
     }
   }
 
  private:
+  /// All are floored, and the level itself takes what is missing.
+  void add_found(std::size_t level, std::uint64_t q, std::array<std::uint64_t, most_levels>& found) const {
+    std::uint64_t rest = q;
+    for (std::size_t to = 0; to < shares_.size(); ++to) {
+      if (to == level) continue;
+      const auto share = static_cast<std::uint64_t>(static_cast<double>(q) * shares_[level][to]);
+      found[to] += share;
+      rest -= std::min(rest, share);
+    }
+    found[level] += rest;
+  }
+
   const LevelLayout layout_;
+  const LevelShares shares_;
 };
 
 }  // namespace
@@ -81,9 +124,9 @@ double SpinStretch::cost(double speed) const {
   if (spins.from_level() && spins.zones.size() <= 1 && spins.levels == 2) return cost::closed_form;
   return spins.cost(speed);
 }
-bool SpinStretch::follows_paths() const { return spins.keeps_levels(); }
+bool SpinStretch::follows_paths() const { return spins.is_idle(); }
 std::unique_ptr<PathTally> SpinStretch::tally_paths() const {
-  return std::make_unique<LevelPaths>(layout_of(*this));
+  return std::make_unique<LevelPaths>(layout_of(*this), shares_of(spins));
 }
 
 void SpinStretch::pass(StageContext& context) const {
