@@ -141,6 +141,9 @@ inline real difference(int levels, const Amplitudes& one, const Amplitudes& othe
 
 /// Of the angle that P_4 turns by: about what Gauss' two points would differ from four by.
 constexpr double unseen_share = 0.375;
+/// The same of couplings that are turned by energies taken out: of their P_4, which tells what P_5 and more
+/// would.
+constexpr double turned_share = 0.25;
 /// What is of sixth order is off by (share x what the fourth is off by)^(3/2): seventh order against fifth,
 /// on the safe side.
 constexpr double sixth_share = 0.1;
@@ -152,11 +155,12 @@ constexpr double apart_share = 0.0003;
 inline mask step_through(const LevelManifold& f, real h, bool take_out, LevelMatrix* at, Amplitudes& state,
                          real& error) {
   to_legendre(f, h, at);
-  const real unseen = radius_of(f, at[4]);
+  const real whole = radius_of(f, at[4]);
   const mask weak = take_out ? are_weak(f, at[0]) : mask{};
   real phase[most_levels], radius[5];
   if (any(weak)) take_energies_out(f, weak, at, phase);
   for (int i = 0; i < 5; ++i) radius[i] = radius_of(f, at[i]);
+  const real unseen = max(whole, turned_share * radius[4]);
   mask good = ~mask{};
   const auto turn = [&](const auto& shares, Amplitudes& turned) {
     real bound = broadcast(0);
