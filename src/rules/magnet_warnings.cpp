@@ -1,7 +1,13 @@
 // Deflecting magnets that nobody can build.
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/portable_math.hpp"
+#include "field/host_maths.hpp"
+#include "field/shaped_field.hpp"
+#include "plan/plan.hpp"
+#include "plan/stretches.hpp"
 #include "rules/warning_room.hpp"
 #include "section/magnet_field.hpp"
 
@@ -19,6 +25,41 @@ double largest_field(const MagnetTerm& magnet) {
                          ? std::abs(shape.along_x) * walls.half_x + std::abs(shape.along_z) * walls.half_z
                          : beside_beam;
   return std::abs(shape.field) + std::abs(shape.gradient) * way;
+}
+
+/// [T] All static fields there on the beam's axis.
+Vector3 field_on_axis(const Sections& sections, double y) {
+  for (const Section& section : sections.sections) {
+    if (y < section.begin || y >= section.end) continue;
+    FieldHere<double> here{};
+    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
+    return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
+  }
+  return {};
+}
+double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
+
+/// Where the direction of a stretch's field jumps by more than a tenth of a radian; before and behind it
+/// levels are those along +z.
+std::optional<double> first_jump(const Sections& sections, const Stretch& stretch) {
+  constexpr double beside = 1e-9, most = 0.1, weak = 0.01;  // [m], [rad], of the largest field
+  double largest = 0;
+  for (const Section& s : sections.sections)
+    if (s.begin >= stretch.begin && s.end <= stretch.end)
+      largest = std::max(largest, size_of(field_on_axis(sections, (s.begin + s.end) / 2)));
+  const auto field_at = [&](double y) {
+    const Vector3 b = field_on_axis(sections, y);
+    const bool outside = y < stretch.begin || y >= stretch.end;
+    return outside || size_of(b) < weak * largest ? Vector3{0, 0, largest} : b;
+  };
+  const auto jumps_at = [&](double y) {
+    const Vector3 before = field_at(y - beside), behind = field_at(y + beside);
+    return size_of((1 / size_of(before)) * before - (1 / size_of(behind)) * behind) > most;
+  };
+  if (largest > 0 && jumps_at(stretch.begin)) return stretch.begin;
+  for (const Section& s : sections.sections)
+    if (largest > 0 && s.end > stretch.begin && s.end <= stretch.end && jumps_at(s.end)) return s.end;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -61,6 +102,34 @@ Faults turned_magnets_of(const Beamline& beamline) {
                     "back, without a flip",
                     name, pretty_quantity(angle, Dimension::angle), atom->name),
         "to see what flips, put the fields on the way into the file and let one overlap the magnet"));
+  }
+  return out;
+}
+
+Faults jumps_of_sorting_fields_of(const Beamline& beamline) {
+  Faults out;
+  if (!is_quantum(beamline)) return out;
+  const Sections sections = sections_of(beamline);
+  for (const Component& component : beamline.species) {
+    const Species& species = component.species;
+    if (species.structure) continue;
+    for (const Stretch& stretch : stretches_of(beamline, species, sections)) {
+      if (!stretch.outlook.sorts) continue;
+      const std::optional<double> jump = first_jump(sections, stretch);
+      if (!jump) continue;
+      const Section& first = *std::ranges::find_if(
+          sections.sections, [&](const Section& s) { return s.begin >= stretch.begin && !s.shaped.empty(); });
+      const std::string& name =
+          beamline.parts[static_cast<std::size_t>(first.shaped.front().part)].placement.name;
+      out.push_back(warning(
+          name, "kind",
+          fmt::format("`{}` sorts levels in a field whose direction jumps at {}: levels are those along +z "
+                      "in front of it, and spins are taken to follow the field, without a flip",
+                      name, metres(*jump)),
+          "a fringe or a field between shows whether they do; `law: {name: quantum, outcomes: coherent}` "
+          "follows "
+          "each spin"));
+    }
   }
   return out;
 }

@@ -29,6 +29,8 @@ bool is_deflected(const Beamline&, const Fault&);
 Faults impossible_magnets_of(const Beamline&);
 /// Deflecting magnets whose field stands at an angle to +z, which levels of atoms are taken to follow.
 Faults turned_magnets_of(const Beamline&);
+/// Edges in fields that sort levels where the direction jumps, which spins are taken to follow.
+Faults jumps_of_sorting_fields_of(const Beamline&);
 /// Numbers that no apparatus has, at one scan point.
 Faults absurd_numbers_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.

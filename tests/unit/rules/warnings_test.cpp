@@ -270,6 +270,28 @@ TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAMagnetThatIsTurned) {
   }
 }
 
+TEST(Warnings, TellWhereTheFieldThatSortsLevelsJumps) {
+  for (const double turn : {0.0, 0.5, 3.141592653589793}) {
+    Beamline b = standard();
+    b.law = QuantumLaw{};
+    b.source.direction = ParallelDirection{};
+    b.source.opening = Rectangle{1e-4, 1e-4};
+    TwoWireMagnet wires;
+    wires.length = 0.3;
+    wires.half_distance = 2e-3;
+    wires.wire_radius = 1e-3;
+    wires.strength = FieldAtBeam{0.3};
+    wires.tilt.y = turn;
+    b.parts = {place("M", 0.5, wires), place("G", 0.6, UniformField{0.1, 1e-9, {}}),
+               place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
+    const std::vector<Fault> faults = warned({b});
+    EXPECT_EQ(std::ranges::any_of(
+                  faults, [](const Fault& f) { return f.message.find("jumps at") != std::string::npos; }),
+              turn > 0)
+        << turn;
+  }
+}
+
 /// Atoms through a gradient along x, whose bins are of a given size.
 std::vector<Fault> warned_of_gradient(double bins, Outcomes outcomes) {
   Beamline b = test::atoms("Cs-133 atom", 200, test::in_level(4, 4));
