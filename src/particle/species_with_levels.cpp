@@ -151,9 +151,9 @@ std::span<const Species> species_with_levels() {
 }
 
 std::span<const Mixture> natural_mixtures() {
-  // J. Meija et al., Pure Appl. Chem. 88, 293 (2016), representative abundances, where the sources on Earth do
-  // not differ by more: of H and Li those of M. Berglund and M. Wieser, Pure Appl. Chem. 83, 397 (2011). K-40,
-  // 1.17e-4 of potassium, is left out. Each is divided by the sum.
+  // J. Meija et al., Pure Appl. Chem. 88, 293 (2016), representative abundances, where the sources on Earth
+  // do not differ by more: of H and Li those of M. Berglund and M. Wieser, Pure Appl. Chem. 83, 397 (2011).
+  // K-40, 1.17e-4 of potassium, is left out. Each is divided by the sum.
   static const std::vector<Mixture> library = [] {
     struct Isotope {
       const char* name;

@@ -28,8 +28,8 @@ class SpinHistory {
   std::vector<SpinZone> zones_before(const Stretch&) const;
   /// Where spins were last set anew or brought up to date before the plane, 0 at the source [m].
   double known_before(const Plane&) const;
-  /// The axis of the levels behind the source, an alignment or a magnet, whichever came last before the plane;
-  /// nothing where it differs from particle to particle, as behind a filter.
+  /// The axis of the levels behind the source, an alignment or a magnet, whichever came last before the
+  /// plane; nothing where it differs from particle to particle, as behind a filter.
   std::optional<UnitVector> start_before(const Plane&) const;
 
  private:

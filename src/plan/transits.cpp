@@ -127,7 +127,8 @@ class TransitMaker {
     if (!cells) return by_particle(node, turns_too_fast);
     const auto layout =
         std::make_shared<TransitLayout>(*cells, node.reachable_levels, *links, full && !weights_differ_);
-    if (layout->size() > most_moments) return by_particle(node, "the moments of so many bins would need much memory");
+    if (layout->size() > most_moments)
+      return by_particle(node, "the moments of so many bins would need much memory");
     const double levels = static_cast<double>(layout->levels());
     double shared = cost::share * levels, entries = levels * (levels + 1);
     for (const TransitLink& link : *links) {
