@@ -3,9 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "plan/plan.hpp"
 #include "rules/room.hpp"
-#include "section/magnet_field.hpp"
 #include "section/section_builder.hpp"
 #include "spin/level_names.hpp"
 #include "transport/kernels.hpp"
@@ -60,8 +58,7 @@ void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
 
 // ---- fields ----
 
-/// A magnet finds levels along +z and pushes them along its gradient. Those of another that is turned about
-/// the beam are taken to follow its field from +z.
+/// A magnet finds levels along +z and pushes them along its gradient.
 void check_magnets(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
     const std::optional<StaticField> own = static_field_of(part.part);
@@ -71,17 +68,6 @@ void check_magnets(const Beamline& beamline, const Species& atom, Faults& out) {
                    fmt::format("`{}` does not point along +z, where magnets find the levels of `{}`",
                                part.placement.name, atom.name),
                    "turn the axes of the experiment so that its field is along +z"});
-  }
-  for (const Plane& plane : sections_of(beamline).planes) {
-    const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
-    if (magnet == nullptr || spin_axis(*magnet).z >= 0) continue;
-    const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
-    out.push_back(
-        {name, magnet->shape.field < 0 ? "field" : "tilt",
-         fmt::format("the field of `{}` points against +z at the beam, and levels of `{}` are those "
-                     "along +z",
-                     name, atom.name),
-         "let its field change sign: the push, by the field's size, stays the same"});
   }
 }
 

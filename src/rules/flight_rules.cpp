@@ -320,6 +320,23 @@ void check_fall(const Beamline& beamline, Faults& out) {
         "use `direction: {kind: cone, ...}`, or give a direction without a part along y");
 }
 
+/// Levels of atoms are those along +z, and are taken to follow the field of a magnet that is turned about the
+/// beam; but not to turn round.
+void check_turned_magnets(const Beamline& beamline, const Species& atom, const Sections& sections,
+                          Faults& out) {
+  for (const Plane& plane : sections.planes) {
+    const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+    if (magnet == nullptr || spin_axis(*magnet).z >= 0) continue;
+    const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
+    out.push_back(
+        {name, magnet->shape.field < 0 ? "field" : "tilt",
+         fmt::format("the field of `{}` points against +z at the beam, and levels of `{}` are those "
+                     "along +z",
+                     name, atom.name),
+         "let its field change sign: the push, by the field's size, stays the same"});
+  }
+}
+
 }  // namespace
 
 void check_flight(const Beamline& beamline, Faults& out) {
@@ -331,6 +348,7 @@ void check_flight(const Beamline& beamline, Faults& out) {
   if (!out.empty()) return;
   for (const Component& component : beamline.species) {
     if (is_quantum(beamline) && component.species.structure) {
+      check_turned_magnets(beamline, component.species, sections, out);
       check_clocks(beamline, component.species, sections, out);
       check_cycles(beamline, component.species, sections, out);
     } else {
