@@ -10,7 +10,7 @@ namespace rabiline {
 namespace {
 
 /// By how much a round opening, or a point where its radius is 0, comes beyond the walls of another one.
-double beyond(const Aperture& a, double x, double z, double radius) {
+double lies_beyond(const Aperture& a, double x, double z, double radius) {
   const double dx = x - a.x0, dz = z - a.z0;
   if (a.radius >= 0) return portable::hypot(dx, dz) + radius - a.radius;
   return std::max(std::abs(dx * a.cosine - dz * a.sine) + radius - a.half_x,
@@ -52,11 +52,11 @@ double area_of(const Aperture& a) {
 }
 
 bool lies_in(const Aperture& inner, const Aperture& outer) {
-  if (inner.radius >= 0) return beyond(outer, inner.x0, inner.z0, inner.radius) <= 0;
+  if (inner.radius >= 0) return lies_beyond(outer, inner.x0, inner.z0, inner.radius) <= 0;
   for (const double across : {-inner.half_x, inner.half_x})
     for (const double up : {-inner.half_z, inner.half_z})
-      if (beyond(outer, inner.x0 + across * inner.cosine + up * inner.sine,
-                 inner.z0 + up * inner.cosine - across * inner.sine, 0) > 0)
+      if (lies_beyond(outer, inner.x0 + across * inner.cosine + up * inner.sine,
+                      inner.z0 + up * inner.cosine - across * inner.sine, 0) > 0)
         return false;
   return true;
 }
