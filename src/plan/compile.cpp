@@ -13,6 +13,7 @@
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
+#include "section/magnet_field.hpp"
 
 namespace rabiline {
 namespace {
@@ -81,7 +82,7 @@ class Compiler {
     chain_.push_back(Drift{plane.y});
     std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    if (auto asked = questions_.at_magnet(plane)) chain_.push_back(std::move(*asked));
+    if (auto asked = questions_.at_magnet(plane, spin_axis(magnet))) chain_.push_back(std::move(*asked));
     add_deflection(plane, magnet, species_, levels(), law_traits(beamline_.law).tolerance,
                    beamline_.chamber ? beamline_.chamber->radius : std::numeric_limits<double>::infinity(),
                    tables_, chain_);
@@ -267,10 +268,11 @@ class Compiler {
     const Section& first =
         *std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); });
     const Plane entrance{begin, first.shaped.front().part, MagnetTerm{stretch.end}};
-    if (auto asked = questions_.at_magnet(entrance)) chain_.push_back(std::move(*asked));
+    if (auto asked = questions_.at_magnet(entrance, stretch.entrance)) chain_.push_back(std::move(*asked));
     fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
     TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
-    const SortingField field{std::move(region), entrance.part};
+    SortingField field{std::move(region), entrance.part, {}};
+    if (stretch.exit != stretch.entrance) field.axis_behind = stretch.exit;
     chain_.back() = field;
     for (const WallStop& stop : field.stops_of_others()) chain_.push_back(stop);
   }

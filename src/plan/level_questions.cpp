@@ -5,7 +5,6 @@
 
 #include "plan/level_history.hpp"
 #include "plan/level_ways.hpp"
-#include "section/magnet_field.hpp"
 #include "spin/majorana.hpp"
 
 namespace rabiline {
@@ -42,7 +41,7 @@ void LevelQuestions::carry_levels(const Plane& plane, SpinPath& path) const {
   path.way = &tables_.way(*species_.structure, fields);
 }
 
-std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) const {
+std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane, const UnitVector& axis) const {
   if (!quantum_) return std::nullopt;
   LevelProjection asked;
   asked.part = plane.part;
@@ -53,7 +52,7 @@ std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane) con
     return asked.spins.is_idle() ? std::nullopt : std::optional(asked);
   }
   asked.spins.start = spins_.start_before(plane);
-  asked.spins.axis = spin_axis(std::get<MagnetTerm>(plane.term));
+  asked.spins.axis = axis;
   asked.spins.zones = spins_.zones_before_levels(plane, asked.spins.axis);
   if (asked.spins.start && asked.spins.keeps_levels()) return std::nullopt;
   asked.spins.polynomials = majorana_table(species_.spin.twice).coefficients;

@@ -17,7 +17,7 @@ class LevelQuestions {
                  const SpinHistory& spins, bool straight, SampledTables& tables);
 
   /// None where the level is still the one that was asked for last, or under a vector law.
-  std::optional<LevelProjection> at_magnet(const Plane&) const;
+  std::optional<LevelProjection> at_magnet(const Plane&, const UnitVector& axis) const;
   SpinStretch at_detector(const Plane&) const;
 
   /// What acts on the levels of an atom since they were known last.

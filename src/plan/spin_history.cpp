@@ -103,7 +103,7 @@ std::optional<UnitVector> SpinHistory::start_before(const Plane& plane) const {
   const Plane* last = last_known_spin(plane.y, &plane);
   const Stretch* stepped = last_stretch(plane.y);
   if (stepped != nullptr && (last == nullptr || last->y < stepped->end))
-    return stepped->outlook.sorts ? std::optional(UnitVector{}) : std::nullopt;
+    return stepped->outlook.sorts ? std::optional(stepped->exit) : std::nullopt;
   if (last == nullptr) return axis_of(source_.spin);
   if (const auto* magnet = std::get_if<MagnetTerm>(&last->term)) return spin_axis(*magnet);
   const auto* align = std::get_if<AlignTerm>(&last->term);

@@ -144,6 +144,16 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   return out;
 }
 
+/// +z where the field is weak against the stretch's largest, as at the end of a fringe, or hardly beside it.
+UnitVector axis_at(const Sections& sections, double y, double largest) {
+  constexpr double weak = 0.01, beside = 0.01;  // of the largest; [rad]
+  const Vector3 b = field_on_axis(sections, y);
+  const double size = portable::hypot(b.x, b.y, b.z), across = portable::hypot(b.x, b.y);
+  if (!(size > weak * largest)) return {};
+  if (across < beside * size) return {0, 0, b.z < 0 ? -1.0 : 1.0};
+  return {b.x / size, b.y / size, b.z / size};
+}
+
 bool asks_for_adiabaticity(const Beamline& beamline) {
   return std::ranges::any_of(beamline.parts, [](const PlacedPart& part) {
     const std::vector<Tally>* tallies = tallies_of(part.part);
@@ -203,6 +213,26 @@ FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species
   return feels;
 }
 
+Vector3 field_on_axis(const Sections& sections, double y) {
+  for (const Section& section : sections.sections) {
+    if (y < section.begin || y >= section.end) continue;
+    FieldHere<double> here{};
+    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
+    return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
+  }
+  return {};
+}
+
+double largest_on_axis(const Sections& sections, const Stretch& stretch) {
+  double largest = 0;
+  for (const Section& section : sections.sections) {
+    if (section.begin < stretch.begin || section.end > stretch.end) continue;
+    const Vector3 b = field_on_axis(sections, (section.begin + section.end) / 2);
+    largest = std::max(largest, portable::hypot(b.x, b.y, b.z));
+  }
+  return largest;
+}
+
 std::vector<Stretch> stretches_of(const Sections& sections) {
   std::vector<Stretch> stretches;
   for (const Section& section : sections.sections) {
@@ -218,7 +248,13 @@ std::vector<Stretch> stretches_of(const Sections& sections) {
 std::vector<Stretch> stretches_of(const Beamline& beamline, const Species& species,
                                   const Sections& sections) {
   std::vector<Stretch> stretches = stretches_of(sections);
-  for (Stretch& stretch : stretches) stretch.outlook = outlook_of(beamline, species, sections, stretch);
+  for (Stretch& stretch : stretches) {
+    stretch.outlook = outlook_of(beamline, species, sections, stretch);
+    if (!stretch.outlook.sorts || species.structure) continue;
+    const double inside = 1e-9, largest = largest_on_axis(sections, stretch);
+    stretch.entrance = axis_at(sections, stretch.begin + inside, largest);
+    stretch.exit = axis_at(sections, stretch.end - inside, largest);
+  }
   return stretches;
 }
 

@@ -14,7 +14,13 @@ namespace rabiline {
 struct Stretch {
   double begin = 0, end = 0;  // [m]
   StretchOutlook outlook{};
+  UnitVector entrance{},
+      exit{};  // of the field on the axis there, which levels of one moment that it sorts have
 };
+/// [T] All static fields on the beam's axis.
+Vector3 field_on_axis(const Sections&, double y);
+/// The largest of it in the middles of a stretch's sections.
+double largest_on_axis(const Sections&, const Stretch&);
 /// Whatever flies.
 std::vector<Stretch> stretches_of(const Sections&);
 /// As a species finds them.

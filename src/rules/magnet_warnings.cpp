@@ -27,38 +27,22 @@ double largest_field(const MagnetTerm& magnet) {
   return std::abs(shape.field) + std::abs(shape.gradient) * way;
 }
 
-/// [T] All static fields there on the beam's axis.
-Vector3 field_on_axis(const Sections& sections, double y) {
-  for (const Section& section : sections.sections) {
-    if (y < section.begin || y >= section.end) continue;
-    FieldHere<double> here{};
-    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
-    return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
-  }
-  return {};
-}
 double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
 
-/// Where the direction of a stretch's field jumps by more than a tenth of a radian; before and behind it
-/// levels are those along +z.
+/// Where the direction of the field jumps inside of a stretch, from one section to the next: by more than a
+/// tenth of a radian, where none is so weak that it counts as +z.
 std::optional<double> first_jump(const Sections& sections, const Stretch& stretch) {
   constexpr double beside = 1e-9, most = 0.1, weak = 0.01;  // [m], [rad], of the largest field
-  double largest = 0;
-  for (const Section& s : sections.sections)
-    if (s.begin >= stretch.begin && s.end <= stretch.end)
-      largest = std::max(largest, size_of(field_on_axis(sections, (s.begin + s.end) / 2)));
-  const auto field_at = [&](double y) {
+  const double largest = largest_on_axis(sections, stretch);
+  const auto direction_at = [&](double y) {
     const Vector3 b = field_on_axis(sections, y);
-    const bool outside = y < stretch.begin || y >= stretch.end;
-    return outside || size_of(b) < weak * largest ? Vector3{0, 0, largest} : b;
+    const double size = size_of(b);
+    return size > weak * largest ? (1 / size) * b : Vector3{0, 0, 1};
   };
-  const auto jumps_at = [&](double y) {
-    const Vector3 before = field_at(y - beside), behind = field_at(y + beside);
-    return size_of((1 / size_of(before)) * before - (1 / size_of(behind)) * behind) > most;
-  };
-  if (largest > 0 && jumps_at(stretch.begin)) return stretch.begin;
   for (const Section& s : sections.sections)
-    if (largest > 0 && s.end > stretch.begin && s.end <= stretch.end && jumps_at(s.end)) return s.end;
+    if (s.end > stretch.begin && s.end < stretch.end &&
+        size_of(direction_at(s.end - beside) - direction_at(s.end + beside)) > most)
+      return s.end;
   return std::nullopt;
 }
 
@@ -123,12 +107,11 @@ Faults jumps_of_sorting_fields_of(const Beamline& beamline) {
           beamline.parts[static_cast<std::size_t>(first.shaped.front().part)].placement.name;
       out.push_back(warning(
           name, "kind",
-          fmt::format("`{}` sorts levels in a field whose direction jumps at {}: levels are those along +z "
-                      "in front of it, and spins are taken to follow the field, without a flip",
+          fmt::format("`{}` sorts levels in a field whose direction jumps at {}: spins are taken to follow "
+                      "it, without a flip",
                       name, metres(*jump)),
           "a fringe or a field between shows whether they do; `law: {name: quantum, outcomes: coherent}` "
-          "follows "
-          "each spin"));
+          "follows each spin"));
     }
   }
   return out;

@@ -13,6 +13,11 @@ std::size_t SortingField::sums() const { return 1; }
 void SortingField::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
   kernel::turn(context.isa)(view_of(region, context.key), batch, context.recorder);
+  if (axis_behind) {
+    std::fill_n(batch.sx, batch.padded, axis_behind->x);
+    std::fill_n(batch.sy, batch.padded, axis_behind->y);
+    std::fill_n(batch.sz, batch.padded, axis_behind->z);
+  }
   for (int i = 0; i < batch.count; ++i) {
     if (batch.flying[i] == 0) continue;
     const std::uint64_t end = batch.scratch[i] & 0xffffffffULL;

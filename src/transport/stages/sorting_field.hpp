@@ -1,5 +1,8 @@
 #pragma once
 // A field that differs from place to place, and sorts levels.
+#include <optional>
+
+#include "core/unit_vector.hpp"
 #include "transport/stages/turning_region.hpp"
 #include "transport/stages/wall_stop.hpp"
 
@@ -8,8 +11,9 @@ namespace rabiline {
 /// Each particle stays in its level along the field and is pushed by mu grad |B|. What does not come through
 /// is stopped; what has met the wall of another part flies on with its mark.
 struct SortingField {
-  TurningRegion region;  // whose coupling follows levels; without edges and sights
-  int part = 0;          // whose field it is
+  TurningRegion region;                     // whose coupling follows levels; without edges and sights
+  int part = 0;                             // whose field it is
+  std::optional<UnitVector> axis_behind{};  // of levels of one moment, where they follow the field to another
   bool operator==(const SortingField&) const = default;
 
   static constexpr StageTraits traits{

@@ -256,16 +256,20 @@ TEST(Warnings, TellThatAMagnetHasMoreFieldThanThereIs) {
   }
 }
 
+TwoWireMagnet turned_wires(double turn) {
+  TwoWireMagnet wires;
+  wires.length = 0.3;
+  wires.half_distance = 2e-3;
+  wires.wire_radius = 1e-3;
+  wires.strength = FieldAtBeam{0.3};
+  wires.tilt.y = turn;
+  return wires;
+}
 TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAMagnetThatIsTurned) {
   for (const double turn : {0.0, 5e-3, 0.5}) {
     Beamline b = test::atoms("K-39 atom", 200, test::in_level(2, 2));
-    TwoWireMagnet wires;
-    wires.length = 0.1;
-    wires.half_distance = 5e-3;
-    wires.wire_radius = 4e-3;
-    wires.strength = FieldAtBeam{0.1};
-    wires.tilt.y = turn;
-    b.parts = {place("M", 0.1, wires), place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
+    b.parts = {place("M", 0.1, turned_wires(turn)),
+               place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
     EXPECT_EQ(std::ranges::count(warned({b}), "tilt", &Fault::key), turn > 0.1 ? 1 : 0) << turn;
   }
 }
@@ -276,13 +280,7 @@ TEST(Warnings, TellWhereTheFieldThatSortsLevelsJumps) {
     b.law = QuantumLaw{};
     b.source.direction = ParallelDirection{};
     b.source.opening = Rectangle{1e-4, 1e-4};
-    TwoWireMagnet wires;
-    wires.length = 0.3;
-    wires.half_distance = 2e-3;
-    wires.wire_radius = 1e-3;
-    wires.strength = FieldAtBeam{0.3};
-    wires.tilt.y = turn;
-    b.parts = {place("M", 0.5, wires), place("G", 0.6, UniformField{0.1, 1e-9, {}}),
+    b.parts = {place("G", 0.45, UniformField{0.1, 1e-9, {}}), place("M", 0.5, turned_wires(turn)),
                place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
     const std::vector<Fault> faults = warned({b});
     EXPECT_EQ(std::ranges::any_of(

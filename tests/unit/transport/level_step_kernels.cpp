@@ -1,4 +1,4 @@
-#include "unit/transport/level_step_kernels.hpp"
+#include "level_step_kernels.hpp"
 
 #include "transport/level_step_lanes.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-#include "unit/transport/level_step_kernels.hpp"
+#include "level_step_kernels.hpp"
 
 namespace rabiline::test::level_step_test {
 namespace {
