@@ -280,7 +280,8 @@ TEST(Warnings, TellWhereTheFieldThatSortsLevelsJumps) {
     b.law = QuantumLaw{};
     b.source.direction = ParallelDirection{};
     b.source.opening = Rectangle{1e-4, 1e-4};
-    b.parts = {place("G", 0.45, UniformField{0.1, 1e-9, {}}), place("M", 0.5, turned_wires(turn)),
+    b.parts = {place("M", 0.5, turned_wires(0)), place("G", 0.75, UniformField{0.1, 1e-9, {}}),
+               place("N", 0.8, turned_wires(turn)),
                place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
     const std::vector<Fault> faults = warned({b});
     EXPECT_EQ(std::ranges::any_of(
