@@ -77,8 +77,8 @@ void FreeFlight::keep_inside(double y, const std::vector<Aperture>& walls) {
 void FreeFlight::reach(double y) {
   if (!(y > reached_)) return;
   const std::vector<Barrier> walls = walls_up_to(y);
-  std::vector<Aperture> openings;
-  for (const Barrier& wall : walls) openings.push_back(wall.opening);
+  std::vector<Aperture> openings(walls.size());
+  std::ranges::transform(walls, openings.begin(), &Barrier::opening);
   attenuate_up_to(y, openings);
   keep_inside(y, openings);
   for (const Barrier& wall : walls) {
