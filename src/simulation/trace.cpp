@@ -125,6 +125,7 @@ class Tracer {
       static_cast<Tracer*>(self)->record(t, place, velocity, spin);
     };
     const StepRecorder recorder{forward, this};
+    recorded_at_.reset();
     StageContext context{isa_, tree_.source.key, batch_, sums.data(), &recorder};
     std::visit([&](const auto& stage) { fly_through(stage, traits, context); }, node.stage);
     at_wall_ = std::visit([&](const auto& stage) { return has_ended(stage, batch_); }, node.stage);
@@ -156,6 +157,7 @@ class Tracer {
         place_of_end(whole.begin, whole.end, [&](double y) { return whole.piece(whole.begin, y); });
     const S piece = wall ? whole.piece(whole.begin, *wall) : whole;
     piece.pass(context);
+    recorded_at_.reset();
     if (traits.spins == SpinEffect::carried) spin_at_ = piece.end;
     record_at(piece.end);
   }
@@ -184,17 +186,26 @@ class Tracer {
     }
     record_at(y);
   }
-  void record_at(double y) {
-    Batch there;
-    there.copy_from(batch_);
-    there.view().flying[0] = ~std::uint64_t{0};
+  /// Turns the spin of the recorded batch from where it is on to y.
+  void turn_recorded_to(double y) {
+    if (!recorded_at_ || y < *recorded_at_) {
+      recorded_.copy_from(batch_);
+      recorded_.view().flying[0] = ~std::uint64_t{0};
+      recorded_at_ = spin_at_;
+    }
     std::vector<SpinZone> passed;
     for (SpinZone zone : zones_) {
-      zone.begin = std::max(zone.begin, spin_at_);
+      zone.begin = std::max(zone.begin, *recorded_at_);
       zone.end = std::min(zone.end, y);
       if (zone.begin < zone.end) passed.push_back(zone);
     }
-    kernel::precess(isa_)(passed.data(), static_cast<int>(passed.size()), tree_.source.key, there.view());
+    kernel::precess(isa_)(passed.data(), static_cast<int>(passed.size()), tree_.source.key, recorded_.view());
+    recorded_at_ = std::max(*recorded_at_, y);
+  }
+  void record_at(double y) {
+    turn_recorded_to(y);
+    Batch there;
+    there.copy_from(recorded_);
     kernel::drift(isa_)(y, there.view());
     const BatchView& b = there.view();
     const double place[3] = {b.x[0], y, b.z[0]}, velocity[3] = {b.vx[0], b.vy[0], b.vz[0]},
@@ -227,7 +238,9 @@ class Tracer {
   std::vector<SpinZone> zones_;  // along the whole beam
   std::vector<double> along_;    // of each level, what its spin has along z or the image of z
   double spin_at_ = 0;           // [m] where the batch's spin is the particle's
-  bool at_wall_ = false;         // where the track ends
+  Batch recorded_;               // the batch with its spin further on, for places along a straight flight
+  std::optional<double> recorded_at_;  // [m] where; empty where the batch is another one since
+  bool at_wall_ = false;               // where the track ends
   Track track_;
 };
 
