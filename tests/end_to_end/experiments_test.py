@@ -1,6 +1,7 @@
 """Every shipped experiment gives the result that its header promises."""
 
 import re
+import subprocess
 
 import atom_experiments_test
 import electric_test
@@ -10,7 +11,7 @@ import numpy as np
 import paper_test
 import pytest
 from constants import BOLTZMANN, DALTON, GAMMA, NEUTRON, PLANCK
-from experiments import EXPERIMENTS, crossings, dip_centre
+from experiments import EXPERIMENTS, RABILINE, crossings, dip_centre
 
 LARMOR = -GAMMA / (2 * np.pi) * 10e-3  # Hz, neutron in 10 mT
 
@@ -19,6 +20,12 @@ def test_every_shipped_experiment_has_a_test_of_what_its_header_promises():
     tests = [test for module in (paper_test, atom_experiments_test, electric_test, field_experiments_test, level_experiments_test) for test in vars(module).values()] + [*globals().values()]
     marks = [mark for test in tests for mark in getattr(test, "pytestmark", []) if mark.name == "experiment"]
     assert {path.stem for path in EXPERIMENTS.glob("*.yaml")} == {name for mark in marks for name in mark.args}
+
+
+def test_check_warns_of_no_shipped_experiment():
+    for path in EXPERIMENTS.glob("*.yaml"):
+        told = subprocess.run([RABILINE, "check", path], text=True, capture_output=True, check=True)
+        assert "warning" not in told.stderr, told.stderr
 
 
 @pytest.mark.experiment("suggested-experiment")
@@ -95,7 +102,7 @@ def test_the_flipper_of_the_neutron_line_turns_all_spins_at_the_larmor_frequency
     errors = file["entry/scan/detected_errors"][:]
     up, down = 0.98, 0.02
     on = np.argmin(detected)
-    assert abs(x[on] - 29.1646935e3) <= 126  # half the distance between points
+    assert abs(x[on] - 58.329387e3) <= 126  # half the distance between points
     left_over = np.pi**2 / 4 * 0.01**2
     assert abs(detected[on] - (up * down + left_over * (up - down)**2 / 2)) < 4 * errors[on]
     assert abs(detected.max() - (up**2 + down**2) / 2) < 0.02
