@@ -1,10 +1,12 @@
 """The program inside Python gives the bits, the messages and the files of the command."""
 from __future__ import annotations
 
+import cProfile
 import copy
 import csv
 import os
 import pickle
+import pstats
 import signal
 import subprocess
 import sys
@@ -244,23 +246,18 @@ def test_a_result_draws_itself(ramsey: rabiline.Experiment, tmp_path: Path) -> N
     assert "Ramsey" in flown.summary()
 
 
-def test_importing_it_is_quick_and_loads_nothing_else() -> None:
-    code = "import time; t = time.process_time(); import rabiline, sys; rabiline.load; print(time.process_time() - t, *sys.modules)"
-    seconds, *modules = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
-    assert float(seconds) < 0.2
+def test_importing_it_loads_nothing_that_takes_long() -> None:
+    code = "import rabiline, sys; rabiline.load; print(*sys.modules)"
+    modules = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.split()
     assert not {"matplotlib", "lmfit", "scipy", "h5py"} & set(modules)
 
 
-def test_a_call_of_one_particle_costs_milliseconds(ramsey: rabiline.Experiment) -> None:
+def test_a_call_of_one_particle_is_few_calls_inside(ramsey: rabiline.Experiment) -> None:
     one = ramsey.scan().set(particles=1)
     one.run()
-
-    def seconds(field: float) -> float:
-        begin = time.perf_counter()
-        one.set({"B.field": field}).run().detected
-        return time.perf_counter() - begin
-
-    assert min(seconds(field) for field in np.linspace(0.009, 0.01, 20)) < 0.005
+    with cProfile.Profile() as profile:
+        one.set({"B.field": 0.0095}).run().detected
+    assert pstats.Stats(profile).total_calls < 400  # 154 of them took 4 ms, nearly all in `load` and `fly`
 
 
 @pytest.mark.parametrize(("arguments", "said"), [
