@@ -54,7 +54,7 @@ Steering steering_of(const Plane& plane, const MagnetTerm& magnet, const Species
   s.axis_x = axis.x;
   s.axis_z = axis.z;
   s.mass = species.mass;
-  s.moment = full_moment(species);
+  s.moment = is_against_axis(magnet) ? -full_moment(species) : full_moment(species);
   s.levels = levels;
   s.tolerance = tolerance;
   s.part = plane.part;

@@ -326,7 +326,7 @@ void check_turned_magnets(const Beamline& beamline, const Species& atom, const S
                           Faults& out) {
   for (const Plane& plane : sections.planes) {
     const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
-    if (magnet == nullptr || spin_axis(*magnet).z >= 0) continue;
+    if (magnet == nullptr || !is_against_axis(*magnet) || spin_axis(*magnet).z == 0) continue;
     const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
     out.push_back(
         {name, magnet->shape.field < 0 ? "field" : "tilt",

@@ -31,6 +31,17 @@ ShapedTerm along_beam(ShapedTerm wire) {
   return wire;
 }
 
+UnitVector field_at_beam(const MagnetTerm& magnet) {
+  if (magnet.shape.kind != MagnetKind::two_wire || magnet.shape.field == 0) return {};
+  const double sign = magnet.shape.field < 0 ? -1 : 1;
+  const double x = sign * portable::sin(magnet.tilt.y), z = sign * portable::cos(magnet.tilt.y);
+  constexpr double rounding = 1e-12;  // of half a turn, written in degrees
+  if (std::abs(x) < rounding) return {0, 0, z < 0 ? -1.0 : 1.0};
+  return {x, 0, std::abs(z) < rounding ? 0 : z};
+}
+
+bool is_downwards(const UnitVector& v) { return v.z < 0 || (v.z == 0 && v.x < 0); }
+
 }  // namespace
 
 std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
@@ -54,12 +65,10 @@ std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
 }
 
 UnitVector spin_axis(const MagnetTerm& magnet) {
-  if (magnet.shape.kind != MagnetKind::two_wire || magnet.shape.field == 0) return {};
-  const double sign = magnet.shape.field < 0 ? -1 : 1;
-  const double x = sign * portable::sin(magnet.tilt.y), z = sign * portable::cos(magnet.tilt.y);
-  constexpr double rounding = 1e-12;  // of half a turn, written in degrees
-  if (std::abs(x) < rounding) return {0, 0, z < 0 ? -1.0 : 1.0};
-  return {x, 0, std::abs(z) < rounding ? 0 : z};
+  const UnitVector field = field_at_beam(magnet);
+  return is_downwards(field) ? UnitVector{-field.x, 0, -field.z} : field;
 }
+
+bool is_against_axis(const MagnetTerm& magnet) { return is_downwards(field_at_beam(magnet)); }
 
 }  // namespace rabiline

@@ -11,9 +11,12 @@ namespace rabiline {
 /// have it.
 std::vector<ShapedTerm> field_terms_of(const MagnetTerm&, double begin);
 
-/// The axis of the levels that a magnet finds: of its field where the beam is, whichever way that points. One
-/// whose field turns about the beam's axis, of poles that alternate, takes the levels along +z along with it;
-/// so does an even gradient, whose field changes its sign beside the beam and is along z everywhere.
+/// The axis of the levels that a magnet finds: of its field where the beam is, taken upwards, so that a
+/// magnet along z keeps the levels along +z whichever way its field points. One whose field turns about the
+/// beam's axis, of poles that alternate, takes the levels along +z along with it; so does an even gradient,
+/// whose field changes its sign beside the beam and is along z everywhere.
 UnitVector spin_axis(const MagnetTerm&);
+/// Whether its field points against that axis.
+bool is_against_axis(const MagnetTerm&);
 
 }  // namespace rabiline

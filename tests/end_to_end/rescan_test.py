@@ -67,6 +67,21 @@ def test_points_that_were_not_flown_are_as_if_they_had_been(folder: Path) -> Non
     assert numbers(folder / "new.h5", "entry/screen/counts").shape == (8, 1, 1)
 
 
+def test_a_magnet_whose_field_points_against_z_keeps_levels_along_z(tmp_path: Path) -> None:
+    magnet = "kind: two_wire_magnet, length: 0.1 m, half_distance: 4 mm, wire_radius: 1 mm"
+    (tmp_path / "magnets.yaml").write_text(
+        f"rabiline: 1\nparts:\n  - {{name: A, at: 0.1 m, {magnet}, field: 200 mT}}\n  - {{name: B, at: 0.5 m, {magnet}, field: -400 mT}}\n")
+    (tmp_path / "rabi.yaml").write_text(BEAMLINE)
+    for output, *scan in (("rabi.h5",), ("narrow.h5", "--scan", NARROW, "--no-scan", "--transit", "none")):
+        done = rabiline("run", "rabi.yaml", "-o", output, "--progress", "none", *scan, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    done = rabiline("rescan", "rabi.h5", "--scan", NARROW, "-o", "new.h5", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    narrow = numbers(tmp_path / "narrow.h5", "entry/scan/detected")
+    assert np.ptp(narrow) > 0.05  # the magnets part what flipped
+    assert numbers(tmp_path / "new.h5", "entry/scan/detected") == pytest.approx(narrow, abs=1e-9)
+
+
 def test_the_same_points_have_the_same_bits_where_all_bins_are_kept(folder: Path) -> None:
     assert rabiline("rescan", "images.h5", "-o", "again.h5", cwd=folder).returncode == 0
     for name in ("scan/detected", "scan/detected_covariance", "screen/counts", "screen_levels/levels_errors",

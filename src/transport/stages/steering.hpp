@@ -10,17 +10,17 @@
 namespace rabiline {
 
 /// A force mu(|B|) grad |B| across the beam, from one plane to another. A level, or the part of S, is that
-/// along the field where the beam enters; beside it the spin follows the field (adiabatically).
+/// along the axis of the field where the beam enters; beside it the spin follows the field (adiabatically).
 struct Steering {
   double begin = 0, end = 0;  // [m]
   MagnetShape shape;
   MagnetWalls walls;
   double x0 = 0, z0 = 0;          // [m] of the point (0, shape.height) of the magnet's frame
   double cosine = 1, sine = 0;    // of the frame's turn about the beam, from +z towards +x
-  double axis_x = 0, axis_z = 1;  // of the field where the beam is: what pushes a vector is its S along it
+  double axis_x = 0, axis_z = 1;  // of that axis: what pushes a vector is its S along it
   double mass = 1;                // [kg]
-  double moment = 0;  // [J/T] the largest; signed, that of m = I or S along the field, if constant
-  int levels = 0;     // quantum: how many levels; 0: a vector law
+  double moment = 0;              // [J/T] the largest; signed, that of m = I or S along the axis, if constant
+  int levels = 0;                 // quantum: how many levels; 0: a vector law
   MomentLaw moments;
   double tolerance = 1e-6;  // of direction, and place over the length of the magnet
   double whole = 0;         // [m] length of the magnet that this is a piece of; 0: all of it
