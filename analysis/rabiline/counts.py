@@ -14,8 +14,8 @@ from .hdf5 import FileError
 if TYPE_CHECKING:
     import pandas
 
-COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds`, `emitted` and "
-           "`detector`")
+COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds` (time at each "
+           "point), `emitted` (particles) and `detector`")
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,13 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     for what is no table."""
     table = read_table(source)
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
-    if "counts" not in table.names or len(others) not in (1, 2):
+    unknown = [name for name, _ in others if "." not in name and any("." in other for other, _ in others)]  # as a part has keys
+    if "counts" not in table.names or len(others) not in (1, 2) or unknown:
         near = difflib.get_close_matches("counts", [name.lower() for name in table.names], 1, 0.4)
         written = [name for name in table.names if name.lower() in near]
         wrong = f"no column `counts`{f', but `{written[0]}`' if written else ''}" if "counts" not in table.names else \
             "no column of the scanned parameter" if not others else \
+            f"what is the column `{unknown[0]}`?" if unknown else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
     if not table.rows:

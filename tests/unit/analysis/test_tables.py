@@ -35,6 +35,11 @@ def test_what_is_wrong_in_a_frame_is_told_as_in_a_table() -> None:
         read_counts([1, 2])
 
 
+def test_a_column_that_is_none_of_the_table_is_asked_about() -> None:
+    with pytest.raises(FileError, match="^DataFrame: line 1: what is the column `time`\\? \\(columns: .*`seconds`"):
+        read_counts(pandas.DataFrame({"RF.frequency [kHz]": [1, 2], "counts": [3, 4], "time [s]": [1, 1]}))
+
+
 def test_pandas_is_imported_only_by_who_has_a_frame(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("f [kHz],counts\n1,2\n2,3\n")
     code = f"from rabiline.counts import read_counts; read_counts({str(tmp_path / 'a.csv')!r}); import sys; print('pandas' in sys.modules)"
