@@ -144,14 +144,23 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   return out;
 }
 
-/// +z where the field is weak against the stretch's largest, as at the end of a fringe, or hardly beside it.
+/// [T] All static fields on the beam's axis.
+Vector3 field_on_axis(const Sections& sections, double y) {
+  for (const Section& section : sections.sections) {
+    if (y < section.begin || y >= section.end) continue;
+    FieldHere<double> here{};
+    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
+    return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
+  }
+  return {};
+}
+
+/// That of the levels: the direction of the field, and along z where it is hardly beside it.
 UnitVector axis_at(const Sections& sections, double y, double largest) {
-  constexpr double weak = 0.01, beside = 0.01;  // of the largest; [rad]
-  const Vector3 b = field_on_axis(sections, y);
-  const double size = portable::hypot(b.x, b.y, b.z), across = portable::hypot(b.x, b.y);
-  if (!(size > weak * largest)) return {};
-  if (across < beside * size) return {0, 0, b.z < 0 ? -1.0 : 1.0};
-  return {b.x / size, b.y / size, b.z / size};
+  constexpr double beside = 0.01;  // [rad]
+  const Vector3 b = direction_on_axis(sections, y, largest);
+  if (portable::hypot(b.x, b.y) < beside) return {0, 0, b.z < 0 ? -1.0 : 1.0};
+  return {b.x, b.y, b.z};
 }
 
 bool asks_for_adiabaticity(const Beamline& beamline) {
@@ -213,16 +222,6 @@ FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species
   return feels;
 }
 
-Vector3 field_on_axis(const Sections& sections, double y) {
-  for (const Section& section : sections.sections) {
-    if (y < section.begin || y >= section.end) continue;
-    FieldHere<double> here{};
-    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
-    return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
-  }
-  return {};
-}
-
 double largest_on_axis(const Sections& sections, const Stretch& stretch) {
   double largest = 0;
   for (const Section& section : sections.sections) {
@@ -231,6 +230,13 @@ double largest_on_axis(const Sections& sections, const Stretch& stretch) {
     largest = std::max(largest, portable::hypot(b.x, b.y, b.z));
   }
   return largest;
+}
+
+Vector3 direction_on_axis(const Sections& sections, double y, double largest) {
+  constexpr double weak = 0.01;  // of the largest
+  const Vector3 b = field_on_axis(sections, y);
+  const double size = portable::hypot(b.x, b.y, b.z);
+  return size > weak * largest ? Vector3{b.x / size, b.y / size, b.z / size} : Vector3{0, 0, 1};
 }
 
 std::vector<Stretch> stretches_of(const Sections& sections) {

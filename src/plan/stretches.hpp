@@ -14,13 +14,12 @@ namespace rabiline {
 struct Stretch {
   double begin = 0, end = 0;  // [m]
   StretchOutlook outlook{};
-  UnitVector entrance{},
-      exit{};  // of the field on the axis there, which levels of one moment that it sorts have
+  UnitVector entrance{}, exit{};  // along the field on the beam's axis: of levels of one moment that it sorts
 };
-/// [T] All static fields on the beam's axis.
-Vector3 field_on_axis(const Sections&, double y);
-/// The largest of it in the middles of a stretch's sections.
+/// [T] The largest static field on the beam's axis, in the middles of a stretch's sections.
 double largest_on_axis(const Sections&, const Stretch&);
+/// Of that field at y: +z where it is below a hundredth of the largest, as at the end of a fringe.
+Vector3 direction_on_axis(const Sections&, double y, double largest);
 /// Whatever flies.
 std::vector<Stretch> stretches_of(const Sections&);
 /// As a species finds them.

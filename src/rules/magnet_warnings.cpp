@@ -4,8 +4,6 @@
 #include <optional>
 
 #include "core/portable_math.hpp"
-#include "field/host_maths.hpp"
-#include "field/shaped_field.hpp"
 #include "plan/plan.hpp"
 #include "plan/stretches.hpp"
 #include "rules/warning_room.hpp"
@@ -32,13 +30,9 @@ double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
 /// Where the direction of the field jumps inside of a stretch, from one section to the next: by more than a
 /// tenth of a radian, where none is so weak that it counts as +z.
 std::optional<double> first_jump(const Sections& sections, const Stretch& stretch) {
-  constexpr double beside = 1e-9, most = 0.1, weak = 0.01;  // [m], [rad], of the largest field
+  constexpr double beside = 1e-9, most = 0.1;  // [m], [rad]
   const double largest = largest_on_axis(sections, stretch);
-  const auto direction_at = [&](double y) {
-    const Vector3 b = field_on_axis(sections, y);
-    const double size = size_of(b);
-    return size > weak * largest ? (1 / size) * b : Vector3{0, 0, 1};
-  };
+  const auto direction_at = [&](double y) { return direction_on_axis(sections, y, largest); };
   for (const Section& s : sections.sections)
     if (s.end > stretch.begin && s.end < stretch.end &&
         size_of(direction_at(s.end - beside) - direction_at(s.end + beside)) > most)
