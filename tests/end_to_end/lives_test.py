@@ -226,7 +226,9 @@ def test_a_second_run_to_the_same_output_is_refused(tmp_path: Path) -> None:
 
 def test_checkpoints_are_written_as_often_as_was_asked(tmp_path: Path) -> None:
     process = long_run(tmp_path / "a.h5", "--checkpoint-every", "0.1 s")
-    time.sleep(0.5)
+    while not (tmp_path / "a.h5.checkpoint").exists():
+        assert process.poll() is None
+        time.sleep(0.01)
     process.kill()
     process.communicate()
     done = rabiline("resume", tmp_path / "a.h5", "--max-time", "0.3 s", "--threads", "2", "--progress", "none")

@@ -86,7 +86,9 @@ def test_a_signal_to_one_stops_all_with_a_checkpoint_for_any_number(tmp_path: Pa
 def test_a_rank_that_dies_takes_nothing_but_what_flew_since_the_last_checkpoint(tmp_path: Path, reference: Path) -> None:
     output = tmp_path / "a.h5"
     job, processes = started(2, output, *MORE, "--checkpoint-every", "0.05 s")
-    time.sleep(0.2)
+    while not (tmp_path / "a.h5.checkpoint").exists():
+        assert job.poll() is None
+        time.sleep(0.01)
     os.kill(processes[1], signal.SIGKILL)
     job.communicate(timeout=300)
     assert job.returncode != DONE and not output.exists()
