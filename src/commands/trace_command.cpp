@@ -1,4 +1,6 @@
 // rabiline trace: the paths of a few particles, by the same kernels as a run.
+#include <map>
+
 #include "commands/common.hpp"
 #include "commands/stop.hpp"
 #include "scan/settings.hpp"
@@ -14,6 +16,20 @@ struct TraceArguments {
   std::string count = "5";
   std::optional<std::string> particle;
 };
+
+/// A line for each particle; of many, for each fate.
+void tell(const std::vector<Track>& tracks) {
+  constexpr std::size_t few = 20;
+  std::map<std::string, std::size_t> fates;
+  for (const Track& t : tracks) {
+    const std::string fate = fmt::format("{}{}{}", t.fate, t.where.empty() ? "" : " at ", t.where);
+    if (tracks.size() <= few)
+      say(stdout, "particle {}: {}, {} places recorded\n", t.particle, fate, t.t.size());
+    ++fates[fate];
+  }
+  if (tracks.size() <= few) return;
+  for (const auto& [fate, count] : fates) say(stdout, "{} particles: {}\n", count, fate);
+}
 
 void trace_command(const TraceArguments& a) {
   const std::uint64_t count = read_argument("-n", a.count, {1, 10000, true, true, "from 1 to 10000"});
@@ -31,9 +47,7 @@ void trace_command(const TraceArguments& a) {
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
   write(tracks, setup.title(), a.output, parts_of(setup));
-  for (const Track& t : tracks)
-    say(stdout, "particle {}: {}{}{}, {} places recorded\n", t.particle, t.fate,
-        t.where.empty() ? "" : " at ", t.where, t.t.size());
+  tell(tracks);
   say(stdout, "wrote {}\n", a.output);
 }
 

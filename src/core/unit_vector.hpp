@@ -7,6 +7,14 @@ namespace rabiline {
 struct UnitVector {
   double x = 0, y = 0, z = 1;
   bool operator==(const UnitVector&) const = default;
+  UnitVector operator-() const { return {0 - x, 0 - y, 0 - z}; }
 };
+
+/// Of the two ends of an axis, the one with z < 0; of one across z, that with x < 0, and along y that with y
+/// < 0.
+inline bool is_downwards(const UnitVector& v) {
+  if (v.z != 0) return v.z < 0;
+  return v.x != 0 ? v.x < 0 : v.y < 0;
+}
 
 }  // namespace rabiline

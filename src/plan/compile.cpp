@@ -269,7 +269,7 @@ class Compiler {
         *std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); });
     const Plane entrance{begin, first.shaped.front().part, MagnetTerm{stretch.end}};
     if (auto asked = questions_.at_magnet(entrance, stretch.entrance)) chain_.push_back(std::move(*asked));
-    fly_through_region(touching, level_coupling_of(beamline_, species_, tables_), stretch.outlook);
+    fly_through_region(touching, level_coupling_of(beamline_, species_, stretch, tables_), stretch.outlook);
     TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
     SortingField field{std::move(region), entrance.part, {}};
     if (stretch.exit != stretch.entrance) field.axis_behind = stretch.exit;

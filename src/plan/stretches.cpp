@@ -155,12 +155,18 @@ Vector3 field_on_axis(const Sections& sections, double y) {
   return {};
 }
 
-/// That of the levels: the direction of the field, and along z where it is hardly beside it.
-UnitVector axis_at(const Sections& sections, double y, double largest) {
+/// That of the levels at one end of a stretch: the direction of the field where it has grown, seen from there
+/// to the other end, and along z where it is hardly beside it.
+UnitVector axis_at(const Sections& sections, double end, double other, double largest) {
   constexpr double beside = 0.01;  // [rad]
-  const Vector3 b = direction_on_axis(sections, y, largest);
-  if (portable::hypot(b.x, b.y) < beside) return {0, 0, b.z < 0 ? -1.0 : 1.0};
-  return {b.x, b.y, b.z};
+  constexpr int places = 1000;
+  for (int i = 0; i <= places; ++i) {
+    const auto b = direction_on_axis(sections, end + (other - end) * i / places, largest);
+    if (!b) continue;
+    if (portable::hypot(b->x, b->y) < beside) return {0, 0, b->z < 0 ? -1.0 : 1.0};
+    return {b->x, b->y, b->z};
+  }
+  return {};
 }
 
 bool asks_for_adiabaticity(const Beamline& beamline) {
@@ -210,8 +216,10 @@ FieldCoupling coupling_of(const Beamline& beamline, const Species& species) {
   return feels;
 }
 
-FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species, SampledTables& tables) {
+FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species, const Stretch& stretch,
+                                SampledTables& tables) {
   FieldCoupling feels = coupling_of(beamline, species);
+  if (stretch.against_axis) feels.pull = -feels.pull;
   feels.follows_level = true;
   feels.mass = species.mass;
   if (species.structure) {
@@ -232,11 +240,12 @@ double largest_on_axis(const Sections& sections, const Stretch& stretch) {
   return largest;
 }
 
-Vector3 direction_on_axis(const Sections& sections, double y, double largest) {
+std::optional<Vector3> direction_on_axis(const Sections& sections, double y, double largest) {
   constexpr double weak = 0.01;  // of the largest
   const Vector3 b = field_on_axis(sections, y);
   const double size = portable::hypot(b.x, b.y, b.z);
-  return size > weak * largest ? Vector3{b.x / size, b.y / size, b.z / size} : Vector3{0, 0, 1};
+  if (!(size > weak * largest)) return std::nullopt;
+  return Vector3{b.x / size, b.y / size, b.z / size};
 }
 
 std::vector<Stretch> stretches_of(const Sections& sections) {
@@ -257,9 +266,14 @@ std::vector<Stretch> stretches_of(const Beamline& beamline, const Species& speci
   for (Stretch& stretch : stretches) {
     stretch.outlook = outlook_of(beamline, species, sections, stretch);
     if (!stretch.outlook.sorts || species.structure) continue;
-    const double inside = 1e-9, largest = largest_on_axis(sections, stretch);
-    stretch.entrance = axis_at(sections, stretch.begin + inside, largest);
-    stretch.exit = axis_at(sections, stretch.end - inside, largest);
+    const double inside = 1e-9, largest = largest_on_axis(sections, stretch), begin = stretch.begin + inside,
+                 end = stretch.end - inside;
+    stretch.entrance = axis_at(sections, begin, end, largest);
+    stretch.exit = axis_at(sections, end, begin, largest);
+    if (!is_downwards(stretch.entrance)) continue;
+    stretch.against_axis = true;
+    stretch.entrance = -stretch.entrance;
+    stretch.exit = -stretch.exit;
   }
   return stretches;
 }

@@ -28,15 +28,16 @@ double largest_field(const MagnetTerm& magnet) {
 double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
 
 /// Where the direction of the field jumps inside of a stretch, from one section to the next: by more than a
-/// tenth of a radian, where none is so weak that it counts as +z.
+/// tenth of a radian, where neither is weak.
 std::optional<double> first_jump(const Sections& sections, const Stretch& stretch) {
   constexpr double beside = 1e-9, most = 0.1;  // [m], [rad]
   const double largest = largest_on_axis(sections, stretch);
   const auto direction_at = [&](double y) { return direction_on_axis(sections, y, largest); };
-  for (const Section& s : sections.sections)
-    if (s.end > stretch.begin && s.end < stretch.end &&
-        size_of(direction_at(s.end - beside) - direction_at(s.end + beside)) > most)
-      return s.end;
+  for (const Section& s : sections.sections) {
+    if (s.end <= stretch.begin || s.end >= stretch.end) continue;
+    const auto before = direction_at(s.end - beside), behind = direction_at(s.end + beside);
+    if (before && behind && size_of(*before - *behind) > most) return s.end;
+  }
   return std::nullopt;
 }
 

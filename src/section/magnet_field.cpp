@@ -40,8 +40,6 @@ UnitVector field_at_beam(const MagnetTerm& magnet) {
   return {x, 0, std::abs(z) < rounding ? 0 : z};
 }
 
-bool is_downwards(const UnitVector& v) { return v.z < 0 || (v.z == 0 && v.x < 0); }
-
 }  // namespace
 
 std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
@@ -66,7 +64,7 @@ std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
 
 UnitVector spin_axis(const MagnetTerm& magnet) {
   const UnitVector field = field_at_beam(magnet);
-  return is_downwards(field) ? UnitVector{-field.x, 0, -field.z} : field;
+  return is_downwards(field) ? -field : field;
 }
 
 bool is_against_axis(const MagnetTerm& magnet) { return is_downwards(field_at_beam(magnet)); }

@@ -121,36 +121,45 @@ struct Lookout {
   void look(const State& from, const real& now, mask flying, const RegionZone& zone, const At& at) {
     for (;;) {
       const real y = places(zone.sights_passed);
-      const mask crosses = flying & (now >= y);
+      mask crosses = flying & (now >= y);
       if (!any(crosses)) return;
+      const unsigned long long plane = first_plane(crosses);
+      crosses = crosses & (next == broadcast_word(plane));
       const State there = at(y, crosses);
       const FarOut farthest = farthest_out(region, zone, from.place, from.velocity, there.place,
                                            there.velocity, there.t - from.t);
-      put(there, crosses & in_wall(zone, farthest) & in_gaps(region, zone, there.place));
+      put(there, crosses & in_wall(zone, farthest) & in_gaps(region, zone, there.place), region.seen[plane]);
       next = next + select(crosses, broadcast_word(1), words{});
     }
   }
-  void put(const State& s, mask chosen) const {
-    for (int i = 0; i < lane_count; ++i) {
-      if (lane((words)chosen, i) == 0) continue;
-      const BatchView& to = region.seen[lane(next, i)];
-      const int at = row + i;
-      to.x[at] = lane(s.place.x, i);
-      to.z[at] = lane(s.place.z, i);
-      to.t[at] = lane(s.t, i);
-      to.vx[at] = lane(s.velocity.x, i);
-      to.vy[at] = lane(s.velocity.y, i);
-      to.vz[at] = lane(s.velocity.z, i);
-      to.sx[at] = lane(s.spin.x, i);
-      to.sy[at] = lane(s.spin.y, i);
-      to.sz[at] = lane(s.spin.z, i);
-      to.adiabaticity[at] = batch.adiabaticity[at];
-      to.adiabaticity_y[at] = batch.adiabaticity_y[at];
-      to.level[at] = to.prepared[at] = lane(level, i);
-      to.weight[at] = batch.weight[at];
-      to.particle[at] = batch.particle[at];
-      to.flying[at] = ~std::uint64_t{0};
-    }
+
+ private:
+  unsigned long long first_plane(mask crosses) const {
+    unsigned long long first = ~0ULL;
+    for (int i = 0; i < lane_count; ++i)
+      if (lane((words)crosses, i) != 0) first = std::min(first, lane(next, i));
+    return first;
+  }
+  void put(const State& s, mask chosen, const BatchView& to) const {
+    const auto keep = [&](auto* column, auto value) {
+      store(column + row, select(chosen, value, load(column + row)));
+    };
+    keep(to.x, s.place.x);
+    keep(to.z, s.place.z);
+    keep(to.t, s.t);
+    keep(to.vx, s.velocity.x);
+    keep(to.vy, s.velocity.y);
+    keep(to.vz, s.velocity.z);
+    keep(to.sx, s.spin.x);
+    keep(to.sy, s.spin.y);
+    keep(to.sz, s.spin.z);
+    keep(to.adiabaticity, load(batch.adiabaticity + row));
+    keep(to.adiabaticity_y, load(batch.adiabaticity_y + row));
+    keep(to.level, level);
+    keep(to.prepared, level);
+    keep(to.weight, load(batch.weight + row));
+    keep(to.particle, load(batch.particle + row));
+    keep(to.flying, ~words{});
   }
 };
 

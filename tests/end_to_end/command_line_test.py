@@ -347,6 +347,7 @@ def test_trace_writes_the_paths_of_the_particles_asked_for(tmp_path: Path) -> No
         for name in ("t", "x", "y", "z", "vx", "vy", "vz", "sx", "sy", "sz"):
             assert np.array_equal(three[f"entry/particle_2/{name}"], single[f"entry/particle_2/{name}"])
         assert (np.diff(three["entry/particle_0/t"]) >= 0).all() and three["entry/particle_0/y"][0] == 0
+    assert rabiline("trace", EXPERIMENT, "-n", 30, "-o", one).stdout == f"30 particles: passed\nwrote {one}\n"  # of many no lines of their own
 
 
 def test_viewers_read_what_the_program_wrote(tmp_path: Path, reference: Path, crowded_reference: Path) -> None:

@@ -7,11 +7,10 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
-from lives_test import BAD_INPUT, DONE, EXPERIMENT, LONG, MODEL, MORE, PROGRAM, STOPPED, THREE, bits, rabiline, run
+from lives_test import BAD_INPUT, DONE, EXPERIMENT, LONG, MODEL, MORE, PROGRAM, STOPPED, THREE, bits, rabiline, run, wait_for
 
 # As root in a container, and with more ranks than cores.
 os.environ.update({"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
@@ -86,9 +85,7 @@ def test_a_signal_to_one_stops_all_with_a_checkpoint_for_any_number(tmp_path: Pa
 def test_a_rank_that_dies_takes_nothing_but_what_flew_since_the_last_checkpoint(tmp_path: Path, reference: Path) -> None:
     output = tmp_path / "a.h5"
     job, processes = started(2, output, *MORE, "--checkpoint-every", "0.05 s")
-    while not (tmp_path / "a.h5.checkpoint").exists():
-        assert job.poll() is None
-        time.sleep(0.01)
+    wait_for(tmp_path / "a.h5.checkpoint", job)
     os.kill(processes[1], signal.SIGKILL)
     job.communicate(timeout=300)
     assert job.returncode != DONE and not output.exists()

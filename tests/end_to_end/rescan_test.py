@@ -67,10 +67,11 @@ def test_points_that_were_not_flown_are_as_if_they_had_been(folder: Path) -> Non
     assert numbers(folder / "new.h5", "entry/screen/counts").shape == (8, 1, 1)
 
 
-def test_a_magnet_whose_field_points_against_z_keeps_levels_along_z(tmp_path: Path) -> None:
+@pytest.mark.parametrize("beside", ["", "  - {name: G, kind: uniform_field, at: 0.55 m, length: 0.02 m, field: -1 mT}\n"], ids=["alone", "overlapped"])
+def test_a_magnet_whose_field_points_against_z_keeps_levels_along_z(tmp_path: Path, beside: str) -> None:
     magnet = "kind: two_wire_magnet, length: 0.1 m, half_distance: 4 mm, wire_radius: 1 mm"
     (tmp_path / "magnets.yaml").write_text(
-        f"rabiline: 1\nparts:\n  - {{name: A, at: 0.1 m, {magnet}, field: 200 mT}}\n  - {{name: B, at: 0.5 m, {magnet}, field: -400 mT}}\n")
+        f"rabiline: 1\nparts:\n  - {{name: A, at: 0.1 m, {magnet}, field: 200 mT}}\n  - {{name: B, at: 0.5 m, {magnet}, field: -400 mT}}\n{beside}")
     (tmp_path / "rabi.yaml").write_text(BEAMLINE)
     for output, *scan in (("rabi.h5",), ("narrow.h5", "--scan", NARROW, "--no-scan", "--transit", "none")):
         done = rabiline("run", "rabi.yaml", "-o", output, "--progress", "none", *scan, cwd=tmp_path)

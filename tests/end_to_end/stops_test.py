@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from runs import DONE, EDGES, EXPERIMENT, PROGRAM, STOPPED, assert_same_bits, folder, rabiline, reference, run  # noqa: F401 (fixtures)
 
-LONG = ("--particles", 4_800_001, *EDGES)
+LONG = ("--particles", 2_400_001, *EDGES)
 
 
 def start_and_wait_for_progress(*arguments: object, cwd: Path | None = None) -> subprocess.Popen[str]:

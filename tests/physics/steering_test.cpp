@@ -130,8 +130,9 @@ struct Analysis {
   double turn = 0, field = 0.2;  // [rad], [T]
   int twice_spin = 1, magnets = 1;
   Outcomes outcomes = Outcomes::split;
-  bool guided =
-      false;  // by a weak field within the first magnet, so that both are one field that sorts levels
+  // A weak field within the first magnet, or one that begins and ends in a fringe around it: both are one
+  // field that sorts levels.
+  enum class Guide { none, within, around } guide = Guide::none;
   double along() const { return std::copysign(1, field) * std::cos(turn); }  // z . B/|B|
 };
 DetectorResult found(const Analysis& a, std::vector<double> populations) {
@@ -140,9 +141,14 @@ DetectorResult found(const Analysis& a, std::vector<double> populations) {
   for (int i = 0; i < a.magnets; ++i) {
     TwoWireMagnet m = wires(a.field, 4e-3);
     m.tilt.y = a.turn;
-    parts.push_back(place(i == 0 ? "A" : "B", 0.6 * i, m));
+    parts.push_back(place(i == 0 ? "A" : "B", 0.05 + 0.6 * i, m));
   }
-  if (a.guided) parts.push_back(place("G", 0.2, UniformField{0.1, 1e-9, {}}));
+  if (a.guide == Analysis::Guide::within) parts.push_back(place("G", 0.2, UniformField{0.1, 1e-9, {}}));
+  if (a.guide == Analysis::Guide::around) {
+    UniformField around{0.58, 1e-14, {}};
+    around.fringe = TanhFringe{1e-3};
+    parts.push_back(place("G", 0.02, around));
+  }
   Detector half{Rectangle{0.1, 0.1}, {1, 1}, {}};
   half.tilt.y = a.turn;
   const double centre = 0.05 + 20e-6;  // what is not pushed misses it
@@ -167,9 +173,10 @@ TEST(TurnedMagnets, FindSpinsAlongTheirOwnField) {
         if (d.detected[0] > 1e-6) {
           EXPECT_NEAR(d.levels[0], (1 + a.along()) / 2, 1e-6) << turn;
         }
-        EXPECT_NEAR(found({turn, field, 1, magnets, Outcomes::split, true}, {1, 0}).detected[0],
-                    d.detected[0], 1e-9)
-            << turn;
+        for (const auto guide : {Analysis::Guide::within, Analysis::Guide::around})
+          EXPECT_NEAR(found({turn, field, 1, magnets, Outcomes::split, guide}, {1, 0}).detected[0],
+                      d.detected[0], 1e-9)
+              << turn;
         EXPECT_NEAR(found({turn, field, 1, magnets, Outcomes::sample}, {1, 0}).detected[0], d.detected[0],
                     4.5 * 0.5 / 100)
             << turn;

@@ -26,9 +26,9 @@ void add_score(std::size_t bin, std::uint64_t q, Sum* sums) {
 
 /// Where a value is on an axis.
 struct Mark {
-  int bin = 0;                              // or outside_axis
-  std::uint64_t u = 0;                      // in steps
-  std::uint64_t first = u, second = u * u;  // what is summed for the axis' moments
+  int bin;                      // or outside_axis
+  std::uint64_t u;              // in steps
+  std::uint64_t first, second;  // what is summed for the axis' moments: u and its square, or a direction
 };
 
 /// Finds bins; one for each axis, so that divisions are made once.
@@ -43,13 +43,13 @@ class Ruler {
         of_levels_(is_categorical(axis.quantity)) {}
 
   Mark mark(double value) const {
-    if (of_levels_) return {static_cast<int>(value), 0};
-    if (!(value >= low_ && value <= high_)) return {outside_axis, 0};
+    if (of_levels_) return {static_cast<int>(value), 0, 0, 0};
+    if (!(value >= low_ && value <= high_)) return {outside_axis, 0, 0, 0};
     // Conversion to an integer rounds down, since nothing is negative.
     const double from_low = value - low_;
-    return {std::min(static_cast<int>(from_low * bins_per_unit_), bins_ - 1),
-            static_cast<std::uint64_t>(
-                std::min(static_cast<std::int64_t>(from_low * steps_per_unit_), last_step))};
+    const auto u = static_cast<std::uint64_t>(
+        std::min(static_cast<std::int64_t>(from_low * steps_per_unit_), last_step));
+    return {std::min(static_cast<int>(from_low * bins_per_unit_), bins_ - 1), u, u, u * u};
   }
   bool of_levels() const { return of_levels_; }
   int bins() const { return bins_; }
@@ -157,7 +157,7 @@ class Filler {
   }
 
   void score(int i) {
-    Mark marks[most_axes];
+    Mark marks[most_axes];  // set where they are asked for
     for (std::size_t a = 0; a < rulers_.size(); ++a)
       if (!is_measured(histogram_.axes[a])) marks[a] = mark(a, i);
     if (!measured_) {
