@@ -25,10 +25,11 @@ def not_negative(text: str) -> float:
 
 
 def count(text: str, least: int = 1) -> int:
-    """A whole number that is large enough."""
-    if not (text.isascii() and text.isdigit() and int(text) >= least):
+    """A whole number that is large enough; 1e5 is one, too."""
+    value = _number(text)
+    if not (value >= least and value == int(value)):
         raise ArgumentTypeError(f"`{text}` is no whole number, {least} or above")
-    return int(text)
+    return int(value)
 
 
 def file_name(text: str) -> Path:

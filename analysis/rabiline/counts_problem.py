@@ -15,6 +15,7 @@ import numpy as np
 
 from .curve_model import Surface
 
+IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
 LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter
 DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
 TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
@@ -109,6 +110,8 @@ class Problem:
 
     def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
         """Q and its gradient."""
+        if SCALE in self.extra and values[self.surface.centre.size + self.extra.index(SCALE)] <= 0:
+            return IMPOSSIBLE, np.zeros(values.size)
         mu, slopes, _ = self.mean(values)
         z = np.zeros(modes.shape[1])
         for _ in range(20):  # Newton's method with the expected curvature

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import asked
-from .hdf5 import FileError, is_hdf5
+from .hdf5 import FileError, UnreadableFile, is_hdf5
 
 if TYPE_CHECKING:
     import pandas
@@ -96,9 +96,9 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
     path = Path(asked.path("data", source))
     try:
         if not path.exists():
-            raise FileError(path, "no such file")
+            raise UnreadableFile(path, "no such file")
         if not path.is_file():
-            raise FileError(path, "is not a file")
+            raise UnreadableFile(path, "is not a file")
         if path.stat().st_size > LARGEST_TABLE:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
         return path, path.read_text(encoding="utf-8-sig").splitlines()
@@ -106,7 +106,7 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
         raise FileError(path, "a table of counts belongs here (CSV), and this is an HDF5 file" if is_hdf5(path) else
                         "neither an HDF5 file nor a table in UTF-8: save it as that") from None
     except OSError as problem:
-        raise FileError(path, problem.strerror or str(problem)) from None
+        raise UnreadableFile(path, problem.strerror or str(problem)) from None
 
 
 def _counted(number: int, noun: str) -> str:

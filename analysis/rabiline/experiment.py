@@ -123,7 +123,7 @@ class Experiment:
         if not isinstance(values, Iterable):
             raise TypeError(f'the values of a scan are a list, or a range such as "280 kHz:300 kHz:21", not {type(values).__name__}')
         if not isinstance(values, str):
-            values = ",".join(self._text(names.split(",")[0], value) for value in values)
+            values = ",".join(_quoted(self._text(names.split(",")[0], value), ",") for value in values)
         return replace(self, scans=(*self.scans, f"{names}={values}"))
 
     def check(self) -> Report:
@@ -199,7 +199,7 @@ class Experiment:
         """As the file would have it."""
         asked.text("the name of what is changed", name)
         if isinstance(value, str):
-            return value
+            return _quoted(value, r"(^|\s)#|:(\s|$)|^[@`%&*!|>]")
         if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, str)):
             return json.dumps(value)
         if not isinstance(value, Real):
@@ -210,6 +210,11 @@ class Experiment:
             number = repr(float(value))
         unit = (self._setup.value(name) or (0.0, ""))[1]
         return f"{number} {unit}".strip()
+
+
+def _quoted(text: str, special: str) -> str:
+    """Within quotes, where YAML would read something else in it, as `special` says; lists, mappings and what has quotes stand as they are."""
+    return json.dumps(text, ensure_ascii=False) if re.search(special, text) and text[0] not in "[{\"'" else text
 
 
 def _fly(setup: object, threads: int | None, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:

@@ -58,7 +58,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("--data", type=Path, required=True, metavar="COUNTS.csv")
         parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture with residuals")
         parser.add_argument("--title", help="of the picture")
-        parser.add_argument("--explore", type=int, default=0, metavar="N",
+        parser.add_argument("--explore", type=count, default=0, metavar="N",
                             help="particles that show how the curve changes with the parameters; by default a quarter of all and 5000 "
                                  "at most, or as many more as this needs. The curve itself is that of all --particles")
     else:

@@ -45,7 +45,8 @@ class Direction:
 
     def __str__(self) -> str:
         changes = ", ".join(f"`{self.names[i]}` by {100 * self.parts[i]:+.3g} %" for i in self.involved)
-        return f"degenerate: {changes} together change next to nothing that this simulation could see"
+        change = "changes" if self.involved.size == 1 else "together change"
+        return f"degenerate: {changes} {change} next to nothing that this simulation could see"
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,7 +123,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
     the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
     for a table that cannot be used, InputError as `load` does, and TypeError."""
-    free, detector = asked.names("free", free), asked.name("detector", detector)
+    free, detector, explore = asked.names("free", free), asked.name("detector", detector), asked.whole_number("explore", explore)
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
     names = [name for name in free if name not in (SCALE, BACKGROUND)]

@@ -36,7 +36,7 @@ class FileError(InputError):
 
 
 class UnreadableFile(FileError, StorageError):
-    """A file that should be a result and cannot be read: missing, damaged, forged, or no HDF5."""
+    """A file that cannot be read: missing, or a result that is damaged, forged, or no HDF5."""
 
     exit_code = 3
 

@@ -278,6 +278,30 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
 }
 
+/// The help for a number that goes on as none does: `9,81 m/s^2`, `1_000 uT`.
+std::string as_numbers_are_written(std::string_view text, std::string_view rest,
+                                   std::optional<Dimension> wanted) {
+  const std::size_t at = text.size() - rest.size();
+  const std::string before(text.substr(0, at)), behind(rest.substr(1));
+  const auto is_quantity = [&](const std::string& changed) {
+    return parse_quantity(changed, wanted).error.empty();
+  };
+  if (rest.front() == ',' && is_quantity(before + behind)) {
+    const std::size_t digits = std::min(behind.find_first_not_of("0123456789"), behind.size());
+    return digits == 3 ? fmt::format(
+                             "numbers have a decimal point, and no commas between thousands: write "
+                             "`{0}.{1}` or `{0}{1}`",
+                             before, behind)
+                       : fmt::format("numbers have a decimal point: write `{}.{}`", before, behind);
+  }
+  std::string plain(text);
+  std::erase(plain, '_');
+  if (rest.front() == '_' && is_quantity(plain)) return fmt::format("write `{}`", plain);
+  if (wanted == Dimension::number) return "write digits with a point, such as `0.5`";
+  return fmt::format("write digits with a point and a power of ten, then the unit: `1.5e-3 {}`",
+                     si_unit_of(wanted.value_or(Dimension::length)));
+}
+
 ParsedQuantity failure(Misread misread, std::string error, std::string suggestion = {}) {
   return {0, Dimension::number, std::move(error), std::move(suggestion), misread};
 }
@@ -324,16 +348,14 @@ ParsedQuantity parse_quantity(std::string_view written, std::optional<Dimension>
     return failure(Misread::not_a_number, "is not a number", fmt::format("write `{}`", degrees));
   if (!number) return failure(Misread::not_a_number, "is not a number");
   if (number->mantissa.size() > 60) return failure(Misread::too_many_digits, "has too many digits");
+  const bool is_apart = !rest.empty() && is_blank(rest.front());
   while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
 
   const UnitSymbol* unit = rest.empty() ? nullptr : find_unit(rest);
   if (!rest.empty() && !unit) {
-    const bool number_goes_on = rest.find_first_of("0123456789._,+-") != rest.npos;
-    if (number_goes_on || rest.size() > 16)
-      return failure(Misread::not_a_number, "is not a number",
-                     wanted == Dimension::number
-                         ? "write digits with a point, such as `0.5`"
-                         : "write digits with a point and a power of ten, then the unit: `1.5e-3 m`");
+    const std::size_t digit = rest.find_first_of("0123456789._,+-");
+    if (digit == 0 || (digit != rest.npos && !is_apart) || rest.size() > 16)
+      return failure(Misread::not_a_number, "is not a number", as_numbers_are_written(text, rest, wanted));
     return failure(Misread::unknown_unit, fmt::format("has the unknown unit `{}`", rest),
                    suggest_unit(*number, rest, wanted));
   }

@@ -216,12 +216,19 @@ class TreeBuilder final : public YAML::EventHandler {
   void begin_entry(Unfinished& parent, Node key) {
     if (!key.is_scalar() || key.scalar.empty())
       refuse(key.place, "a key is a word, followed by a colon and its value", "write `key: value`");
+    const std::size_t colon = key.scalar.find(':');
+    if (!key.quoted && colon != 0 && colon < key.scalar.size() - 1) refuse_narrow_colon(key, colon);
     if (const Entry* first = parent.node.find(key.scalar))
       refuse(key.place,
              fmt::format("`{}` is given twice; it was first given in line {}", key.scalar,
                          first->key_place.line),
              "keep one of them");
     parent.waiting = Entry{std::move(key.scalar), std::move(key.place), {}};
+  }
+
+  static void refuse_narrow_colon(const Node& key, std::size_t colon) {
+    refuse(key.place, "a space is missing behind the colon",
+           fmt::format("write `{}: {}`", key.scalar.substr(0, colon), key.scalar.substr(colon + 1)));
   }
 
   YAML::Mark mark_of(const Place& place) const {

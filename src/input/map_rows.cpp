@@ -133,7 +133,10 @@ Rows rows_of(std::ifstream& file, std::uint64_t& digest) {
     if (file.fail() && !file.eof())
       throw MapFault(fmt::format("line {} has {} characters or more", number, line.size() - 1),
                      "a map of text has a row in each line");
-    const std::string_view whole(line.data());
+    const std::string_view whole(line.data(), static_cast<std::size_t>(file.gcount()) - (file.eof() ? 0 : 1));
+    if (whole.find('\0') != whole.npos)
+      throw MapFault(fmt::format("line {}: the byte 0x00 is not text", number),
+                     "save the map as text, or as HDF5");
     digest = mixed(digest, whole);
     std::string_view text = trimmed(whole);
     if (number == 1 && text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);

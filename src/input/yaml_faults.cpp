@@ -67,6 +67,26 @@ std::optional<Diagnostic> missing_comma(const Place& colon) {
   return std::nullopt;
 }
 
+/// `law:quantum` in a line of its own above a key: both are one text for YAML.
+std::optional<Diagnostic> missing_space(const Place& colon) {
+  const std::vector<std::string>& lines = colon.text->lines;
+  for (auto above = std::min(static_cast<std::size_t>(colon.line - 1), lines.size()); above-- > 0;) {
+    const std::string line = without_texts(lines[above]);
+    const std::size_t end = line.find_last_not_of(' ');
+    if (end == line.npos) continue;
+    const std::size_t begin = line.find_first_not_of(" -"), narrow = line.find(':');
+    if (narrow == line.npos || narrow <= begin || narrow >= end || line[narrow + 1] == ' ' ||
+        line.find(' ', begin) < narrow)
+      return std::nullopt;
+    const std::string key = line.substr(begin, narrow - begin);
+    return Diagnostic{{colon.text, static_cast<int>(above) + 1, static_cast<int>(begin) + 1,
+                       static_cast<int>(narrow - begin) + 1},
+                      "a space is missing behind the colon",
+                      fmt::format("write `{}: {}`", key, line.substr(narrow + 1, end - narrow))};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Diagnostic explain_yaml(Place place, std::string_view message) {
@@ -75,6 +95,8 @@ Diagnostic explain_yaml(Place place, std::string_view message) {
   if (place.text && message.find("illegal block entry") != message.npos)
     if (const std::optional<Place> open = last_open(place))
       return {*open, "this is never closed", "a `}` or `]` is missing in front of the next item"};
+  if (place.text && message.find("illegal map value") != message.npos)
+    if (std::optional<Diagnostic> missing = missing_space(place)) return *std::move(missing);
   struct Case {
     std::string_view message, problem, help;
   };
@@ -88,7 +110,9 @@ Diagnostic explain_yaml(Place place, std::string_view message) {
       {"end of sequence not found", "this item stands in another column than the items it belongs to",
        "items of a list begin in the same column, each with `- `"},
       {"illegal map value", "a second colon makes no sense here",
-       "a text that holds `: ` stands in quotes; or a brace or a line end is missing before it"},
+       "a text that holds `: ` stands in quotes; or a brace or a line end is missing before it, or the line "
+       "is "
+       "indented further than the keys above it"},
       {"illegal flow end", "this closes what was not opened, or something before it is still open",
        "compare the brackets and braces"},
   };

@@ -145,6 +145,14 @@ def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fr
     assert wrong.p < 1e-6 and "does not describe these counts" in str(wrong)
 
 
+def test_a_factor_stays_above_zero_where_the_curve_is_far_from_the_counts(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    far = ramsey.set({"guide.field": "1.01 mT", "particles": 200})
+    lost = fit_counts(far, fringes, ["background"], intervals=False)
+    assert lost["scale"][0] > 0 and "does not describe these counts" in str(lost)
+    with pytest.raises(ValueError, match="`explore` is 0 or above, not -5"):
+        fit_counts(far, fringes, ["background"], explore=-5)
+
+
 def test_a_known_exposure_has_no_free_scale(ramsey: rabiline.Experiment, fringes: Counts) -> None:
     known = Counts(**{**vars(fringes), "emitted": np.full(41, 40000.0)})
     assert fit_counts(ramsey, known, ["guide.field"], intervals=False).names == ("guide.field",)

@@ -42,8 +42,9 @@ def texts(figure: Figure) -> list[tuple[str, Bbox, bool]]:
 
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
-        figure.draw_without_rendering()  # the layout settles, as it does where a picture is saved
-    figure.set_layout_engine("none")  # it is settled, likewise
+        if figure.get_layout_engine():  # it settles, as it does where a picture is saved
+            figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine("none")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Text, "draw", watched)
         figure.draw_without_rendering()

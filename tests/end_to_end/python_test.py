@@ -98,6 +98,13 @@ def test_nothing_changes_what_was_loaded(ramsey: rabiline.Experiment) -> None:
     assert (ramsey.run().detected == before).all() and ramsey.points == 14 and ramsey.scan().points == 1
 
 
+def test_texts_stay_whole_whatever_they_mean_in_yaml(ramsey: rabiline.Experiment) -> None:
+    for title in ("run #3", "a: b", "@home", "a, b", "it's"):
+        assert ramsey.set({"title": title}).title == title
+    assert ramsey.scan().scan("title", ["a, b", "c"]).points == 2
+    assert ramsey.set({"source.speed": "{kind: single, value: 600 m/s}"}).value("source.speed.value") == 600
+
+
 def test_errors_keep_line_and_caret() -> None:
     text = (BEAMLINES / "ramsey.yaml").read_text().replace("species: neutron", "species: neutorn")
     with pytest.raises(rabiline.InputError) as caught:

@@ -203,8 +203,6 @@ def test_the_picture_of_a_bound_names_the_law_and_the_counts(folder: Path) -> No
     ("compare-laws laws.h5 --rate 3 --background 3 --data quantum.csv",
      "counts without a beam are stated, and not for how long: --seconds, the time at each scan point of the data"),
     ("compare-laws laws.h5 --detector far", "laws.h5: no detector `far` (there is screen)"),
-    ("compare-laws laws.h5 --data .", ".: is not a file"),
-    ("compare-laws laws.h5 --data missing.csv", "missing.csv: no such file"),
     ("compare-laws laws.h5 --data quantum.csv --histogram x",
      "quantum.csv: its columns are those of --histogram detected, not x"),
     ("compare-laws laws.h5 --data image.csv", "image.csv: no column `H0.frequency`, over which laws.h5 scans"),
@@ -224,6 +222,14 @@ def test_bad_input_is_one_line_and_exit_code_2(folder: Path, monkeypatch: pytest
                                                capsys: pytest.CaptureFixture, command: str, message: str) -> None:
     monkeypatch.chdir(folder)
     assert main(command.split()) == 2
+    assert capsys.readouterr().err == f"rabiline: {message}\n"
+
+
+@pytest.mark.parametrize(("data", "message"), [(".", ".: is not a file"), ("missing.csv", "missing.csv: no such file")])
+def test_a_table_that_cannot_be_read_is_one_line_and_exit_code_3(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture,
+                                                                 data: str, message: str) -> None:
+    monkeypatch.chdir(folder)
+    assert main(["compare-laws", "laws.h5", "--data", data]) == 3
     assert capsys.readouterr().err == f"rabiline: {message}\n"
 
 
