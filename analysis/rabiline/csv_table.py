@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import asked
-from .hdf5 import FileError, UnreadableFile, is_hdf5
+from .hdf5 import FileError, UnreadableFile, is_hdf5, require_file
 
 if TYPE_CHECKING:
     import pandas
@@ -94,11 +94,8 @@ def _lines_of(source: Path | str | pandas.DataFrame) -> tuple[Path, list[str]]:
     if not isinstance(source, (str, Path)):
         raise TypeError(f"a table is the path of a file or a pandas.DataFrame, not {type(source).__name__}")
     path = Path(asked.path("data", source))
+    require_file(path)
     try:
-        if not path.exists():
-            raise UnreadableFile(path, "no such file")
-        if not path.is_file():
-            raise UnreadableFile(path, "is not a file")
         if path.stat().st_size > LARGEST_TABLE:
             raise FileError(path, f"larger than {LARGEST_TABLE} bytes")
         return path, path.read_text(encoding="utf-8-sig").splitlines()

@@ -11,7 +11,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
 from . import style
-from .hdf5 import FileError
+from .hdf5 import FileError, require_file
 from .regions import Region, shade
 from .style import INK, OTHERS
 from .units import fitting_scale
@@ -33,8 +33,7 @@ class FieldLine:
 
 def read_field(path: Path) -> FieldLine:
     """Raises FileError where the file is no such table, and OSError."""
-    if path.exists() and not path.is_file():  # a pipe would be waited for
-        raise FileError(path, "is not a file")
+    require_file(path)
     try:
         with path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))

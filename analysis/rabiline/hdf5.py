@@ -147,12 +147,17 @@ def open_entry(source: Path | str | bytes) -> Iterator[Group]:
             raise UnreadableFile(path, f"cannot be used: {problem}") from problem
 
 
-def is_hdf5(path: Path) -> bool:
-    """Whether a file is HDF5 and no table; raises FileError where there is no file."""
+def require_file(path: Path) -> None:
+    """Raises UnreadableFile where there is none; a pipe would be waited for."""
     if not path.exists():
-        raise FileError(path, "no such file")
-    if not path.is_file():  # a pipe would be waited for
-        raise FileError(path, "is not a file")
+        raise UnreadableFile(path, "no such file")
+    if not path.is_file():
+        raise UnreadableFile(path, "is not a file")
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a file is HDF5 and no table; raises UnreadableFile where there is no file."""
+    require_file(path)
     return h5py.is_hdf5(path)
 
 
@@ -183,10 +188,7 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
     """The file, and whether it is known to be whole."""
     if isinstance(source, bytes):
         return h5py.File(h5py.h5f.open_file_image(source)), True
-    if not path.exists():
-        raise UnreadableFile(path, "no such file")
-    if not path.is_file():
-        raise UnreadableFile(path, "is not a file")
+    require_file(path)
     sealed = _has_seal(path)
     try:
         return h5py.File(path, "r"), sealed
