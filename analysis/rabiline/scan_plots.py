@@ -29,6 +29,9 @@ ROOM = 2.0  # inches of a piece, for a line's numbers above it
 LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
 LETTER, ROW = 0.09, 12.0  # inches of a panel for each letter of a mark's name, points from row to row
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
+WIDE = 0.85  # of a picture's width, about, that of its axes
+AWAY = 10.0  # points from a line's width to its numbers
+LETTER_WIDE, LINE_HIGH = 0.55, 1.3  # of the size of letters
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     if len(pieces) > 1:
         return _draw_pieces(curves, labels, title, marks, pieces)
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.5), layout="constrained")
-    _draw_panel(axes, curves, labels, marks)
+    _draw_panel(axes, curves, labels, marks, measured=measured)
     limits = _fraction_limits(curves)
     about = f"{_measure(curves)}\n({about_errors(curves, limits)})"
     if measured is not None:
@@ -141,8 +144,8 @@ def _scale(curves: Sequence[Curve]) -> Scale:
 
 
 def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], marks: dict[str, float],
-                beside: bool = True) -> int:
-    """Curves over their axis; numbers of a single resonance stand beside it, if wanted, else in the legend. Returns how many rows of
+                beside: bool = True, measured: Measured | None = None) -> int:
+    """Curves over their axis; numbers of a single resonance stand beside it, if wanted and where they cover nothing, else in the legend. Returns how many rows of
     names stand above."""
     axis = curves[0].axis
     scale = _scale(curves)
@@ -160,11 +163,14 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
             _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, place)
             continue
         words = _in_words(told, scale, axis.units) if told else []
-        _draw_curve(axes, curve, "\n".join([style.plain(label), *([] if beside else words)]), look, scale, place)
+        text = "\n".join(words).replace(", FWHM", "\nFWHM")
+        side = _free_side(axes, text, told.resonances[0], [*curves, *([measured] if measured else [])]) if beside and words else None
+        side = side or ("right" if beside and not label else None)  # without a legend
+        _draw_curve(axes, curve, "\n".join([style.plain(label), *([] if side else words)]), look, scale, place)
         for resonance in told.resonances if told else []:
             _draw_width(axes, resonance, look, scale)
-            if beside:
-                _write_beside(axes, "\n".join(words).replace(", FWHM", "\nFWHM"), resonance, curve, look, scale)
+            if side:
+                _write_beside(axes, text, resonance, side, look, scale)
     if axis.labels:
         axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
@@ -315,12 +321,34 @@ def _draw_width(axes: Axes, resonance: Resonance, look: Look, scale: Scale) -> N
                   arrowprops={"arrowstyle": "<->", "color": look.colour, "shrinkA": 0, "shrinkB": 0})
 
 
-def _write_beside(axes: Axes, text: str, resonance: Resonance, curve: Curve, look: Look, scale: Scale) -> None:
-    """Text on that side of the resonance where there is more room."""
+def _free_side(axes: Axes, text: str, resonance: Resonance, drawn: Sequence[Curve | Measured]) -> str | None:
+    """On which side of a resonance, "left" or "right", its numbers cover nothing of what is drawn; that with more room first."""
+    curve, lines = drawn[0], text.splitlines()
+    low, high = np.min(curve.x), np.max(curve.x)
+    wide = (high - low) / (WIDE * axes.figure.get_figwidth() * 72)  # of a point
+    letters = style.points("font.size") * np.array([LETTER_WIDE * max(map(len, lines)), LINE_HIGH * len(lines)])
+    width, half = (letters[0] + AWAY) * wide, letters[1] / 2 / (PANEL * 72) * np.ptp(_fraction_limits([curve]))
+
+    def is_free(side: str) -> bool:
+        edge = resonance.centre.value + (-0.5 if side == "left" else 0.5) * resonance.width.value
+        begin, end = (edge - width, edge) if side == "left" else (edge, edge + width)
+        for each in drawn:
+            order = np.argsort(each.x)
+            x = each.x if isinstance(each, Measured) else np.linspace(max(begin, low), min(end, high), 50)
+            y, errors = (np.interp(x, each.x[order], values[order]) for values in (each.y, each.errors))
+            if ((x > begin) & (x < end) & (np.abs(y - resonance.level) < half + errors)).any():
+                return False
+        return begin >= low and end <= high
+
+    sides = ("left", "right") if resonance.centre.value > np.mean(curve.x) + 0.1 * (high - low) else ("right", "left")
+    return next(filter(is_free, sides), None)
+
+
+def _write_beside(axes: Axes, text: str, resonance: Resonance, side: str, look: Look, scale: Scale) -> None:
     low, high = _edges(resonance, scale)
-    on_left = resonance.centre.value > curve.x.mean() + 0.1 * np.ptp(curve.x)
-    axes.annotate(text, (low if on_left else high, resonance.level), xytext=(-10 if on_left else 10, 0),
-                  textcoords="offset points", ha="right" if on_left else "left", va="center", color=look.colour,
+    away = -AWAY if side == "left" else AWAY
+    axes.annotate(text, (low if side == "left" else high, resonance.level), xytext=(away, 0), textcoords="offset points",
+                  ha="right" if side == "left" else "left", va="center", color=look.colour,
                   bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5}, zorder=6)
 
 

@@ -14,7 +14,7 @@ from rabiline.curves import curves
 from rabiline.line_plots import draw_line
 from rabiline.lines import fit_line, gauss
 from rabiline.pictures import plot_of
-from rabiline.scan_plots import Panel, draw_beside, draw_scan
+from rabiline.scan_plots import Measured, Panel, draw_beside, draw_scan
 from rabiline.transit_plots import draw_transit
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results
 
@@ -88,6 +88,25 @@ def test_detectors_with_one_label_keep_their_names(tmp_path: Path) -> None:
             del file[f"entry/{name}/title"]
             file[f"entry/{name}/title"] = "tube"
     assert legend(plot_of(results.read(path), "scan")) == ["up: quantum", "down: quantum"]
+
+
+def test_numbers_of_a_line_cover_nothing_that_is_drawn(tmp_path: Path) -> None:
+    (curve,) = curves(results.read(write_results(tmp_path / "a.h5", [frequencies(41)], dip(frequencies(41).values), law=["quantum"], bins=4)))
+
+    def beside(measured: Measured | None) -> list[str]:
+        figure = draw_scan([curve], ["quantum"], "", {}, measured)
+        written = [text.get_text() for text in figure.axes[0].texts if "centre" in text.get_text()]
+        assert bool(written) != ("centre" in legend(figure)[0])
+        return [text.get_horizontalalignment() for text in figure.axes[0].texts if "centre" in text.get_text()]
+
+    half, middle = (curve.y.min() + curve.y.max()) / 2, curve.x.mean()
+
+    def counted(x: np.ndarray) -> Measured:
+        return Measured(x, np.full(x.size, half), np.full(x.size, 0.01))
+
+    assert beside(None) == ["left"]  # on the right
+    assert beside(counted(curve.x[curve.x > middle])) == ["right"]
+    assert beside(counted(curve.x)) == []
 
 
 def test_many_counts_per_second_have_a_power_of_ten(tmp_path: Path) -> None:
