@@ -122,7 +122,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
     a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
     the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
-    for a table that cannot be used, InputError as `load` does, and TypeError."""
+    for a table that cannot be used, InputError as `load` does, TypeError, and ValueError for fewer than 0 to explore."""
     free, detector, explore = asked.names("free", free), asked.name("detector", detector), asked.whole_number("explore", explore)
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
     check_columns(experiment, counts)
