@@ -14,7 +14,7 @@
 namespace rabiline {
 namespace {
 
-/// A field along the beam's axis, where it is taken.
+/// A field along the beam's axis, where there is any: a map that is tilted has its corners beside the axis.
 struct AxisField {
   double begin = 0, end = 0;  // [m]
   double largest = 0;         // [T], or [V/m], its size in between
@@ -45,7 +45,7 @@ Vector3 electric_field_at(const Section& section, double y, double /*it stands*/
   for (const ShapedTerm& term : section.electric) add_field<HostMaths>(term, 0.0, y, 0.0, sum);
   return {sum.field[0], sum.field[1], sum.field[2]};
 }
-constexpr double hair = 1e-9;  // of a section's length: its end itself may be rounded to outside
+constexpr double hair = 1e-6;  // of a section's length: its end itself may be rounded to outside
 
 /// Static fields of all parts but one just inside of where that one's begins or ends; what follows another
 /// part's clock has none.
@@ -73,6 +73,16 @@ std::vector<double> moments_of(const Part& part) {
   return out;
 }
 
+/// The last place from `yes` on, where it is so, towards `no`, where it is not.
+template <class Is>
+double bisected(double yes, double no, double most_off, const Is& is_so) {
+  while (std::abs(yes - no) > most_off) {
+    const double middle = 0.5 * (yes + no);
+    (is_so(middle) ? yes : no) = middle;
+  }
+  return yes;
+}
+
 void take_longer(Vector3& longest, const Vector3& other) {
   if (length_of(other) > length_of(longest)) longest = other;
 }
@@ -87,15 +97,31 @@ std::optional<AxisField> axis_field_of(const PlacedPart& part) {
   std::optional<AxisField> out;
   for (const Section& section : builder.build().sections) {
     if (!section.needs_steps()) continue;
+    const auto largest_at = [&](double y) {
+      Vector3 longest;
+      for (const double t : moments) take_longer(longest, field(section, y, t));
+      return longest;
+    };
     constexpr int places = 256;
+    const auto place = [&](int i) { return section.begin + (section.end - section.begin) * i / places; };
     const double inside = hair * (section.end - section.begin);
-    AxisField here{section.begin, section.end, 0, {}, {}};
-    for (const double t : moments) {
-      take_longer(here.first, field(section, section.begin + inside, t));
-      take_longer(here.last, field(section, section.end - inside, t));
-      for (int i = 0; i <= places; ++i)
-        here.largest = std::max(
-            here.largest, length_of(field(section, here.begin + (here.end - here.begin) * i / places, t)));
+    AxisField here{section.begin, section.end, 0, largest_at(section.begin + inside),
+                   largest_at(section.end - inside)};
+    int first = -1, last = places;
+    for (int i = 0; i <= places; ++i) {
+      const double size = length_of(largest_at(place(i)));
+      if (size > 0) last = i;
+      if (size > 0 && first < 0) first = i;
+      here.largest = std::max(here.largest, size);
+    }
+    const auto is_there = [&](double y) { return largest_at(y) != Vector3{}; };
+    if (first > 0 && here.first == Vector3{}) {
+      here.begin = bisected(place(first), place(first - 1), inside, is_there);
+      here.first = largest_at(here.begin);
+    }
+    if (last < places && here.last == Vector3{}) {
+      here.end = bisected(place(last), place(last + 1), inside, is_there);
+      here.last = largest_at(here.end);
     }
     if (!out) {
       out = here;

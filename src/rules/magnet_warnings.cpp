@@ -12,17 +12,20 @@
 namespace rabiline {
 namespace {
 
-constexpr double beside_beam = 1e-3;  // [m]
+/// [m] from the middle to the walls of its gap along the field of an even gradient, or what is told where it
+/// has none.
+double room_along(const MagnetTerm& magnet, double without_gap) {
+  const MagnetWalls& walls = magnet.walls;
+  return walls.rectangle
+             ? std::abs(magnet.shape.along_x) * walls.half_x + std::abs(magnet.shape.along_z) * walls.half_z
+             : without_gap;
+}
 
 /// [T] at the walls of its gap, or 1 mm from the beam where it has none; of others as it is stated.
 double largest_field(const MagnetTerm& magnet) {
   const MagnetShape& shape = magnet.shape;
   if (shape.kind != MagnetKind::gradient) return std::abs(shape.field);
-  const MagnetWalls& walls = magnet.walls;
-  const double way = walls.rectangle
-                         ? std::abs(shape.along_x) * walls.half_x + std::abs(shape.along_z) * walls.half_z
-                         : beside_beam;
-  return std::abs(shape.field) + std::abs(shape.gradient) * way;
+  return std::abs(shape.field) + std::abs(shape.gradient) * room_along(magnet, 1e-3);
 }
 
 double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
@@ -59,6 +62,27 @@ Faults impossible_magnets_of(const Beamline& beamline) {
                                                       : " 1 mm from the beam",
                             most_magnetic_field),
                 gradient ? "a gradient in T/m, such as 1000 T/m" : ""));
+  }
+  return out;
+}
+
+Faults zeros_of_magnets_of(const Beamline& beamline) {
+  constexpr double surely_met = 1e-4;  // [m] beside the axis
+  Faults out;
+  const Species* atom = atom_of(beamline);
+  if (atom == nullptr) return out;
+  for (const Plane& plane : sections_of(beamline).planes) {
+    const auto* magnet = std::get_if<MagnetTerm>(&plane.term);
+    if (magnet == nullptr || magnet->shape.kind != MagnetKind::gradient) continue;
+    const double field = magnet->shape.field, gradient = magnet->shape.gradient;
+    if (gradient == 0 || std::abs(field) > std::abs(gradient) * room_along(*magnet, surely_met)) continue;
+    const std::string& name = beamline.parts[static_cast<std::size_t>(plane.part)].placement.name;
+    out.push_back(warning(
+        name, "field",
+        fmt::format("the field of `{}` is 0 at {} from its middle: levels of `{}` are taken to follow it "
+                    "through 0, without a flip, and are pushed back behind it",
+                    name, pretty_quantity(std::abs(field / gradient), Dimension::length), atom->name),
+        "a larger `field`, or a `gap` that ends before, keeps the beam away from there"));
   }
   return out;
 }

@@ -27,6 +27,8 @@ Faults nuclei_among_atoms_of(const Beamline&);
 bool is_deflected(const Beamline&, const Fault&);
 /// Deflecting magnets with fields that nobody can make, at one scan point.
 Faults impossible_magnets_of(const Beamline&);
+/// Magnets of an even gradient whose field is 0 where atoms fly, which their levels are taken to follow.
+Faults zeros_of_magnets_of(const Beamline&);
 /// Deflecting magnets whose field stands at an angle to +z, which levels of atoms are taken to follow.
 Faults turned_magnets_of(const Beamline&);
 /// Edges in fields that sort levels where the direction jumps, which spins are taken to follow.

@@ -63,6 +63,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(at_every_point(experiment.points, &nuclei_among_atoms_of, &is_deflected), out);
   add_once(at_any_point(experiment.points, &absurd_numbers_of), out);
   add_once(at_any_point(experiment.points, &impossible_magnets_of), out);
+  add_once(at_any_point(experiment.points, &zeros_of_magnets_of), out);
   add_once(at_any_point(experiment.points, &turned_magnets_of), out);
   add_once(at_any_point(experiment.points, &jumps_of_sorting_fields_of), out);
   add_once(warnings_of_stages(experiment, plan), out);

@@ -161,8 +161,8 @@ struct FieldStepper {
   inline Influence begin(const State& s) const {
     return bends() ? at(s.t, s.place, [&] { return s.velocity; }) : Influence{};
   }
-  /// One step of the length h from there.
-  inline State once(real h, State s, const Influence& first) const {
+  /// One step of the length h from there, and the square of the angle by which it turns the spin.
+  inline State once(real h, State s, const Influence& first, real* angle2 = nullptr) const {
     const real dt1 = gauss_first * h, dt2 = gauss_second * h;
     Vector a0 = gravity(), jerk{};
     if (bends()) {
@@ -180,7 +180,9 @@ struct FieldStepper {
     const Influence at1 = known_at(dt1), at2 = known_at(dt2);
     const ChangingRate spin(at1.spin, at2.spin, h);
     const Vector s0 = s.spin, velocity = s.velocity;
-    s.spin = turned_by(spin.between(0, 1), s0);
+    const Vector rotation = spin.between(0, 1);
+    s.spin = turned_by(rotation, s0);
+    if (angle2 != nullptr) *angle2 = dot(rotation, rotation);
     s.t = s.t + h;
     const Vector s1 = turned_by(spin.between(0, gauss_first), s0),
                  s2 = turned_by(spin.between(0, gauss_second), s0);
@@ -318,12 +320,16 @@ inline Visit visit_in_field(const Region& region, const RegionZone& zone, const 
     const Influence first = stepper.begin(now);
     const real free = stepper.longest(first, min(h, most)), to_end = select(comes, min(free, ahead), free);
     const real trial = stepper.until_face(now, switched ? stepper.until_change(now, to_end) : to_end);
-    const State whole = stepper.once(trial, now, first), halves = stepper.twice(trial, now, first);
+    real angle2 = broadcast(0);
+    const State whole = stepper.once(trial, now, first, &angle2), halves = stepper.twice(trial, now, first);
     // Each half has a 32nd of the whole step's error, both of them a 16th: what they differ by, over 15, is
     // taken off (Richardson), so that what is left is of fifth order and smaller than what steps are chosen
-    // by. A jump of the field may take a thousandth of the tolerance, or steps would become shorter for ever.
-    const real allowed = region.feels.tolerance * (0.1 * (trial / stay) + 1e-3),
-               error = difference(whole, halves, length) * (1.0 / 15) / allowed;
+    // by. That is so while a step turns the spin by a radian or two; halves of one that turns it further may
+    // be off by as much as the whole, so that the share rises to 1, which it comes to at 8 rad. A jump of
+    // the field may take a thousandth of the tolerance, or steps would become shorter for ever.
+    const real share = min(broadcast(1), max(broadcast(1), 0.25 * angle2) * (1.0 / 15)),
+               allowed = region.feels.tolerance * (0.1 * (trial / stay) + 1e-3),
+               error = difference(whole, halves, length) * share / allowed;
     const mask rejected = error > broadcast(1), steps_on = going & ~rejected;
     const real root = sqrt(sqrt(max(error, broadcast(1e-4))));
     h = select(steps_on & (trial < 0.5 * free), free, max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root)));

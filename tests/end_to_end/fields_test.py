@@ -93,6 +93,8 @@ def test_check_says_what_a_map_is_worth(maps: Path) -> None:
     out = run("check", experiment(maps, "kind: field_map, map: loop.csv", "check.yaml"))
     assert "9 x 21 x 9 nodes" in out.stdout
     assert "ends with a step" in out.stdout
+    turned = run("check", experiment(maps, "kind: field_map, map: loop.csv, tilt: {x: 45 deg}", "turned.yaml")).stdout
+    assert "ends with a step" in turned  # although its corners, beside the axis, reach further
 
 
 def test_probe_names_the_parts_and_their_shares(tmp_path: Path) -> None:

@@ -96,6 +96,25 @@ TEST(SpinSteps, KeepTheToleranceOfTenLevels) {
   }
 }
 
+// Off the axis of a gradient along the beam a spin turns many times, in one step, about a direction that
+// hardly changes: halves of a step are then off by as much as the whole.
+TEST(SpinSteps, OfManyTurnsKeepTheTolerance) {
+  UniformField guide{3, 1e-3, {}};
+  guide.gradient.longitudinal = 1e-4;
+  Beamline b = suggested(0);
+  b.law = QuantumLaw{};
+  b.source.speed = GaussianSpeed{1000, 25};
+  b.source.opening = Rectangle{2e-3, 1e-2};
+  b.source.direction = GaussianDirection{1e-3, 1e-3};
+  b.particles = 2000;
+  b.parts = {place("P", 0.1, SpinFilter{}), place("guide", 0.3, guide),
+             place("screen", 3.5, Detector{Rectangle{1, 1}, {1, 1}, {}})};
+  const auto check = check_of(b);
+  ASSERT_TRUE(check);
+  EXPECT_GT(check->spin, 1e-12);
+  EXPECT_LT(check->spin, 1e-6);
+}
+
 TEST(SpinSteps, ThatWouldBeTooManyAreRefused) {
   Beamline b = line(swept_field(), ClassicalLaw{1e-10});
   auto& swept = std::get<OscillatingField>(b.parts.at(2).part);

@@ -274,6 +274,19 @@ TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAMagnetThatIsTurned) {
   }
 }
 
+TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAFieldThroughZero) {
+  for (const double field : {1e-3, 0.1}) {
+    Beamline b = test::atoms("K-39 atom", 200, test::in_level(2, 2));
+    b.parts = {place("M", 0.1, GradientMagnet{0.1, field, 20, {0, 0, 1}, Rectangle{4e-3, 4e-3}, {}}),
+               place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
+    EXPECT_EQ(std::ranges::any_of(warned({b}),
+                                  [](const Fault& f) {
+                                    return f.message.find("0 at 50 um from its middle") != f.message.npos;
+                                  }),
+              field < 0.1);
+  }
+}
+
 TEST(Warnings, TellWhereTheFieldThatSortsLevelsJumps) {
   for (const double turn : {0.0, 0.5, 3.141592653589793}) {
     Beamline b = standard();
