@@ -39,8 +39,7 @@ def print_summary(options: argparse.Namespace) -> None:
 
 
 def export(options: argparse.Namespace) -> None:
-    """The numbers of a scan as CSV: a line for each scan point of each detector, in SI, with the units in the header. Raises InputError where the
-    output is not for a table."""
+    """The numbers of a scan as CSV: a line for each scan point of each detector, in SI, with the units in the header."""
     file = results.read(options.file)
     try:
         tables.to_csv(file, options.output or sys.stdout)

@@ -55,10 +55,16 @@ void require_known_options(const CLI::App& app, const std::vector<std::string>& 
   }
 }
 
-/// An empty text is no value: a variable of a shell that is not set leaves one.
+/// An empty text is no value: a variable of a shell that is not set leaves one. Nor is what stands last
+/// without one, which CLI11 would count.
 void require_values(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments.front().starts_with('-')) return;
   const CLI::App* verb = app.get_subcommand(arguments.front());
+  if (const std::string& last = arguments.back(); last.starts_with('-') && last.size() > 1)
+    if (const CLI::Option* option = verb->get_option_no_throw(last);
+        option != nullptr && option->get_items_expected_min() > 0)
+      throw ArgumentError(
+          fmt::format("`{0}` needs a value\n  help: write `{0} {1}`", last, option->get_type_name()));
   for (std::size_t i = 1; i < arguments.size(); ++i) {
     const bool joined = arguments[i].ends_with('=');  // `--threads=`
     if (!joined && !arguments[i].empty()) continue;
@@ -67,6 +73,8 @@ void require_values(const CLI::App& app, const std::vector<std::string>& argumen
     if (option != nullptr && option->get_items_expected_min() > 0)
       throw ArgumentError(
           fmt::format("`{}` is set to nothing\n  help: write a value behind it, or omit it", name));
+    if (!joined && option == nullptr)
+      throw ArgumentError(fmt::format("one of the names for `rabiline {}` is empty", arguments.front()));
   }
 }
 

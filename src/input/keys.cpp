@@ -67,11 +67,16 @@ void Keys::missing(std::string_view key, std::string_view meaning, std::string_v
                        example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example)}});
 }
 
-std::optional<std::string_view> Keys::word_elsewhere(std::span<const Word> words) const {
-  for (const Entry& entry : node_->entries)
-    for (const Word& word : words)
-      if (entry.key != "name" && entry.value.is_scalar() && entry.value.scalar == word.word) return word.word;
-  return std::nullopt;
+void Keys::missing_word(std::string_view key, std::span<const Word> words) {
+  const auto elsewhere = std::ranges::find_if(node_->entries, [&](const Entry& entry) {
+    return entry.key != "name" && entry.value.is_scalar() &&
+           std::ranges::find(words, entry.value.scalar, &Word::word) != words.end();
+  });
+  if (elsewhere == node_->entries.end()) return missing(key, list_of(words), words[0].word);
+  missing(key, list_of(words), elsewhere->value.scalar);
+  missing_.back().diagnostic.place = elsewhere->key_place;
+  missing_.back().diagnostic.suggestion =
+      fmt::format("write `{0}: {1}` for `{2}: {1}`", key, elsewhere->value.scalar, elsewhere->key);
 }
 
 bool Keys::is_near_a_known(std::string_view key) const {

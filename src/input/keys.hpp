@@ -22,8 +22,9 @@ class Keys {
   const Entry* take_value(std::string_view key, bool& given);
   /// Notes a key that must be given and is not.
   void missing(std::string_view key, std::string_view meaning, std::string_view example);
-  /// One of the words that stands under another key: `type: coil` for `kind: coil`.
-  std::optional<std::string_view> word_elsewhere(std::span<const Word> words) const;
+  /// Notes a key whose word must be given and is not; it may stand under another key: `type: coil` for
+  /// `kind: coil`.
+  void missing_word(std::string_view key, std::span<const Word> words);
   /// Reports every key that nobody asked for, and those that are missing: a misspelt one once only.
   /// `owner_of` names what has such a key instead, or is empty.
   void finish(const std::function<std::string(std::string_view key)>& owner_of = {});

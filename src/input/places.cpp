@@ -18,8 +18,8 @@ void Places::add(const Node& node, const Place& place, const std::string& name) 
     const Node& item = node.items[i];
     add(item, item.place, fmt::format("{}[{}]", name, i));
     const Entry* own = name == "parts" ? item.find("name") : nullptr;
-    if (own && own->value.is_scalar() && !places_.contains(own->value.scalar))
-      add(item, item.place, own->value.scalar);
+    if (own && own->value.is_scalar())
+      add(item, item.place, (places_.contains(own->value.scalar) ? "parts." : "") + own->value.scalar);
   }
 }
 
@@ -34,7 +34,9 @@ const Place& Places::of(std::string name) const {
 }
 
 Diagnostic Places::locate(const Fault& fault) const {
-  return {of(dotted_name(fault.subject, fault.key)), fault.message, fault.help, fault.severity};
+  std::string name = dotted_name(fault.subject, fault.key);
+  if (fault.key == "name" && places_.contains("parts." + name)) name = "parts." + name;  // it is not its own
+  return {of(std::move(name)), fault.message, fault.help, fault.severity};
 }
 
 }  // namespace rabiline

@@ -98,7 +98,7 @@ bool read_tagged(Keys& keys, const Row& row, V& out, bool& tagged) {
   bool given = false;
   const Entry* entry = keys.take_value(tag, given);
   if (!entry) {
-    if (!given) keys.missing(tag, list_of(words), keys.word_elsewhere(words).value_or(words[0].word));
+    if (!given) keys.missing_word(tag, words);
     return false;
   }
   const std::optional<std::size_t> index =

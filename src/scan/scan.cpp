@@ -12,15 +12,16 @@
 namespace rabiline {
 namespace {
 
-std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view key, Reading& reading) {
+std::optional<ParsedQuantity> end_of_range(const Node& node, std::string_view key, std::string_view listed,
+                                           Reading& reading) {
   const ParsedQuantity parsed =
       node.is_scalar() ? parse_quantity(node.scalar)
                        : ParsedQuantity{0, Dimension::number, "is not a number", {}, Misread::not_a_number};
   if (parsed.error.empty()) return parsed;
   const bool unit = parsed.misread != Misread::not_a_number;
-  reading.error(node.place,
-                fmt::format("`{}` begins or ends a range, but {} {}", key, quote(node), parsed.error),
-                unit ? parsed.suggestion : "write what is not a number one by one: `values: [...]`");
+  reading.error(
+      node.place, fmt::format("`{}` begins or ends a range, but {} {}", key, quote(node), parsed.error),
+      unit ? parsed.suggestion : fmt::format("write what is not a number one by one: `{}`", listed));
   return std::nullopt;
 }
 
@@ -48,12 +49,12 @@ bool has_ratio(const Node& from, const Node& to, double first, double last, Read
   return false;
 }
 
-/// The range, or no values where something is wrong with it.
+/// The range, or no values where something is wrong with it; `listed` is how values stand one by one.
 decltype(Axis::values) range_values(const Node& from, const Node& to, std::uint64_t points,
-                                    ScanSpacing spacing, Reading& reading) {
+                                    ScanSpacing spacing, std::string_view listed, Reading& reading) {
   const std::vector<Node> none;
-  const auto first = end_of_range(from, "from", reading);
-  const auto last = end_of_range(to, "to", reading);
+  const auto first = end_of_range(from, "from", listed, reading);
+  const auto last = end_of_range(to, "to", listed, reading);
   if (!first || !last) return none;
   if (first->dimension != last->dimension) {
     reading.error(
@@ -120,7 +121,7 @@ Axis read_entry(const Node& node, const Place& named_at, Reading& reading,
                   "a range has `from`, `to` and `points`");
   else
     axis.values = range_values(*entry.from, *entry.to, *entry.points,
-                               entry.spacing.value_or(ScanSpacing::linear), reading);
+                               entry.spacing.value_or(ScanSpacing::linear), "values: [...]", reading);
   return axis;
 }
 
@@ -230,7 +231,8 @@ Axis read_argument(const std::shared_ptr<const SourceText>& source, Reading& rea
                   "write `FROM:TO:POINTS:log` for equal ratios, `FROM:TO:POINTS` for equal steps");
   else if (read_count(nodes[2], {"points", Dimension::number, scan_points, ""}, reading, points))
     axis.values = range_values(nodes[0], nodes[1], points,
-                               nodes.size() == 4 ? ScanSpacing::logarithmic : ScanSpacing::linear, reading);
+                               nodes.size() == 4 ? ScanSpacing::logarithmic : ScanSpacing::linear,
+                               axis.name() + "=A,B,C", reading);
   return axis;
 }
 
@@ -286,7 +288,7 @@ Node Axis::value(std::size_t point) const {
   if (point == 0) return range->from;
   if (point + 1 == range->points) return range->to;
   const auto steps = static_cast<double>(range->points - 1), step = static_cast<double>(point);
-  Node node = range->from;
+  Node node = range->to;  // the end to blame, since what begins the range has been found good
   node.scalar = write_quantity(range->spacing == ScanSpacing::logarithmic
                                    ? between_logarithmic(range->first, range->last, step / steps)
                                    : (range->first * (steps - step) + range->last * step) / steps,
