@@ -90,7 +90,8 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
-    _require(table, kept, (values >= least) & (values <= 2**53), f"`{name}` is out of range")
+    good = (values >= least) & (values <= 2**53)
+    _require(table, kept, good, f"`{name}` is {values[np.argmin(good)]:g}, which is out of range")
     return values
 
 

@@ -179,7 +179,10 @@ MapAxis axis_of(const Rows& rows, std::size_t axis) {
   std::string why;
   const std::string_view names = rows.axes == 2 ? "rz" : "xyz";
   const std::optional<MapAxis> found = even_axis(places, names.substr(axis, 1), why);
-  if (!found) throw MapFault(why, "a map stands on a regular grid: coordinates need enough digits");
+  if (!found)
+    throw MapFault(why, places.size() < 3
+                            ? "where the field does not change along it, repeat the table at four places"
+                            : "a map stands on a regular grid: coordinates need enough digits");
   return *found;
 }
 

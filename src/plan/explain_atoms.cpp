@@ -33,14 +33,17 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   const Levels levels = levels_at(spins, zone.field);
   const DrivenStates states = driven_states(spins, levels, drive);
   const bool swings = sense_of(drive) == 0;
+  const double rounding = 1e-14 * states.energy.cwiseAbs().maxCoeff();
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
-      const double apart = states.energy(i) - states.energy(k);
+      const double exactly = states.energy(i) - states.energy(k),
+                   apart = std::abs(exactly) < rounding ? 0 : exactly;
       const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
       const bool turns =
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
-      if (i == k || apart < 0 || (apart == 0 && i > k) || states.coupling(i, k) == 0 || !turns) continue;
+      if (i == k || apart < 0 || (apart == 0 && swings && i > k) || states.coupling(i, k) == 0 || !turns)
+        continue;
       out.push_back({i, k, apart, drive.oscillator.frequency - apart,
                      (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
     }
