@@ -37,8 +37,8 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
-      const double exactly = states.energy(i) - states.energy(k),
-                   apart = std::abs(exactly) < rounding ? 0 : exactly;
+      double apart = states.energy(i) - states.energy(k);
+      if (std::abs(apart) < rounding) apart = 0;
       const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
       const bool turns =
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
@@ -99,14 +99,11 @@ std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_fiel
 std::string parts_of(const RotatingTerm& drive) {
   const double swings = drive.amplitude * portable::hypot(drive.first.x, drive.first.y) / 2;
   const int sense = sense_of(drive);
+  const auto sigma = [&](int which) {
+    return tesla(sense == 0 ? swings : sense * which > 0 ? drive.amplitude : 0);
+  };
   return fmt::format("pi {}, sigma+ {}, sigma- {}",
-                     tesla(sense == 0 ? drive.amplitude * std::abs(drive.first.z) : 0),
-                     tesla(sense == 0  ? swings
-                           : sense > 0 ? drive.amplitude
-                                       : 0),
-                     tesla(sense == 0  ? swings
-                           : sense < 0 ? drive.amplitude
-                                       : 0));
+                     tesla(sense == 0 ? drive.amplitude * std::abs(drive.first.z) : 0), sigma(1), sigma(-1));
 }
 
 /// The nearest transitions, a line each: so many, and all within 100 widths where `all`.
@@ -181,9 +178,9 @@ const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Be
                                                   const Species& atom) {
   const Structure& structure = *atom.structure;
   const void* of = path.way != nullptr ? static_cast<const void*>(path.way) : path.transitions;
-  const auto known = std::ranges::find(driven_, of, &Driven::of);
-  if (known != driven_.end()) return &*known;
-  Driven& made = driven_.emplace_back(Driven{of, structure});
+  const auto [known, is_new] = driven_.try_emplace(of, Driven{structure});
+  Driven& made = known->second;
+  if (!is_new) return &made;
   if (path.way != nullptr) {
     made.on_way = true;
     made.zones =
@@ -232,8 +229,7 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
   const std::size_t last = at.size() - 1;
   const LevelZone* before = nullptr;
   for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
-    if (at[point] == nullptr) continue;
-    if (number >= at[point]->zones.size()) continue;
+    if (at[point] == nullptr || number >= at[point]->zones.size()) continue;
     const LevelZone& zone = at[point]->zones[number];
     if (before && *before == zone) continue;
     before = &zone;

@@ -1,6 +1,5 @@
 #pragma once
 // What a plan does to the levels of atoms, in words.
-#include <list>
 #include <map>
 #include <string>
 #include <utility>
@@ -30,7 +29,6 @@ class DrivenParts {
  private:
   /// The zones that drive levels before a part, those of a way with the field where a line is nearest.
   struct Driven {
-    const void* of = nullptr;  // the transitions or the way that a path has
     Structure structure{};
     std::vector<LevelZone> zones{};
     std::vector<std::string> names{};  // [zone] of the fields that drive there
@@ -47,7 +45,7 @@ class DrivenParts {
 
   const Experiment& experiment_;
   const Plan& plan_;
-  std::list<Driven> driven_;
+  std::map<const void*, Driven> driven_;  // by the transitions or the way that a path has
   /// Of a component before a part, by name: [points], null where nothing drives them.
   std::map<std::pair<int, std::string>, std::vector<const Driven*>> parts_;
   Beamline beamline_{};  // of the scan point that was asked for last
