@@ -8,10 +8,11 @@
 #include "field/multipole.hpp"
 #include "field/straight_wire.hpp"
 #include "field/time_course.hpp"
+#include "field/twisted.hpp"
 
 namespace rabiline {
 
-enum class ShapedKind { linear, loop, sheet, flat_sheet, wire, multipole, fringed, map, round_map };
+enum class ShapedKind { linear, loop, sheet, flat_sheet, wire, multipole, fringed, map, round_map, twisted };
 
 /// B = B_0 + G r, r from the origin of its frame.
 struct LinearShape {
@@ -36,6 +37,7 @@ struct ShapedTerm {
     FringeShape fringed;
     MapShape map;
     RoundMapShape round_map;
+    TwistedShape twisted;
   };
   TimeCourse course{};
   int part = 0;    // whose field it is
@@ -51,6 +53,7 @@ struct ShapedTerm {
   explicit ShapedTerm(const FringeShape& f) : kind(ShapedKind::fringed), fringed(f) {}
   explicit ShapedTerm(const MapShape& f) : kind(ShapedKind::map), map(f) {}
   explicit ShapedTerm(const RoundMapShape& f) : kind(ShapedKind::round_map), round_map(f) {}
+  explicit ShapedTerm(const TwistedShape& f) : kind(ShapedKind::twisted), twisted(f) {}
 };
 
 /// Calls ask(shape) with the member of the union that a term has.
@@ -73,6 +76,8 @@ template <class Ask>
       return ask(term.map);
     case ShapedKind::round_map:
       return ask(term.round_map);
+    case ShapedKind::twisted:
+      return ask(term.twisted);
     case ShapedKind::linear:
       break;
   }
@@ -103,6 +108,8 @@ inline bool operator==(const ShapedTerm& a, const ShapedTerm& b) {
       return a.map == b.map;
     case ShapedKind::round_map:
       return a.round_map == b.round_map;
+    case ShapedKind::twisted:
+      return a.twisted == b.twisted;
     case ShapedKind::linear:
       break;
   }

@@ -122,6 +122,41 @@ double largest_turn(const std::vector<Section>& sections, double from, double to
   return most;
 }
 
+/// Whether the static field at a place, on one side of it, turns spins by a hundredth of a radian before its
+/// direction is another one or it ends: what is too weak for that, as the tail of a fringe far away, gives
+/// levels no axis.
+bool is_felt(const std::vector<Section>& sections, double place, double side, const CoupledSpins& spins,
+             double speed) {
+  constexpr int places = 2000;
+  constexpr double hair = 1e-9, another = 0.01, felt = 0.01;  // [m], [rad], [rad]
+  const auto field_at = [&](double y) {
+    for (const Section& section : sections)
+      if (y >= section.begin && y < section.end)
+        return static_field_on_axis(section.field, section.shaped, y, y / speed).here;
+    return Vector3{};
+  };
+  const double turn =
+      2 * std::numbers::pi * std::max(std::abs(spins.zeeman_j), std::abs(spins.zeeman_i)) / speed;
+  const double first = sections.front().begin, last = sections.back().end, step = (last - first) / places;
+  Vector3 axis{};
+  double angle = 0;
+  const auto walk = [&](double direction) {
+    for (double y = place + side * hair; y > first - hair && y < last && angle < felt;
+         y += direction * step) {
+      const Vector3 b = field_at(y);
+      const double size = length_of(b);
+      if (size == 0 && axis != Vector3{}) return;
+      if (size == 0) continue;
+      if (axis == Vector3{}) axis = (1 / size) * b;
+      if (length_of((1 / size) * b - axis) > another) return;
+      angle += turn * size * step;
+    }
+  };
+  walk(side);
+  walk(-side);
+  return angle >= felt;
+}
+
 /// By which energies F must differ to exchange nothing (level_fields), where static fields turn at once by
 /// `turned` [T] at most.
 double far_apart(const Species& species, const LevelFields& fields, double speed, double turned) {
@@ -214,14 +249,17 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     out.sections.push_back(part);
   }
   out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind, speed));
-  const std::vector<int> manifolds = manifolds_of(coupled_spins(*species.structure), out.apart);
+  const CoupledSpins spins = coupled_spins(*species.structure);
+  const std::vector<int> manifolds = manifolds_of(spins, out.apart);
   for (const Section& section : driven) {
     Section alone = section;
     alone.field = {};
     out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed));
   }
-  out.begins_in_field = out.sections.front().field.begin <= from + no_length;
-  out.ends_in_field = out.sections.back().field.end >= to - no_length;
+  out.begins_in_field =
+      out.sections.front().field.begin <= from + no_length && is_felt(sections, from, 1, spins, speed);
+  out.ends_in_field =
+      out.sections.back().field.end >= to - no_length && is_felt(sections, to, -1, spins, speed);
   out.behind = behind;
   return out;
 }

@@ -10,7 +10,9 @@ namespace rabiline {
 Sections sections_of(const Beamline& beamline) {
   Wall chamber;
   if (beamline.chamber) chamber.radius = beamline.chamber->radius;
-  SectionBuilder builder(chamber);
+  SectionBuilder builder(chamber, std::ranges::any_of(beamline.species, [](const Component& component) {
+                           return component.species.structure.has_value();
+                         }));
   for (std::size_t i = 0; i < beamline.parts.size(); ++i) {
     builder.begin_part(static_cast<int>(i));
     std::visit([&](const auto& part) { contribute(part, beamline.parts[i].placement, builder); },

@@ -72,14 +72,14 @@ double last_look(const Sections& sections, double last) {
   return last;
 }
 
-/// The smallest slit or bin behind a place, and before the last look `lever` from where paths part [m].
+/// The smallest slit, or bin behind a place, and before the last look `lever` from where paths part [m].
 double smallest_feature(const Sections& sections, double behind, double lever) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const Plane& plane : sections.planes) {
-    if (plane.y < behind) continue;
-    if (const auto* tallies = tallies_at(plane)) smallest = std::min(smallest, smallest_bin(*tallies, lever));
     if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
       smallest = std::min(smallest, width_of(aperture_of(plane.y, *plate)));
+    if (plane.y < behind) continue;
+    if (const auto* tallies = tallies_at(plane)) smallest = std::min(smallest, smallest_bin(*tallies, lever));
     if (const auto* screen = std::get_if<ScreenTerm>(&plane.term)) {
       const Rectangle extent = extent_of(screen->face);
       smallest = std::min({smallest, extent.width / screen->bins_x, extent.height / screen->bins_z});
@@ -100,24 +100,62 @@ double spot_of(const SourceOpening& opening) {
   const auto& hole = std::get<Rectangle>(opening);
   return smaller(hole.width, hole.height);
 }
-/// The narrowest way of the beam up to a place, half of it: about its own size [m].
-double beam_size(const Beamline& beamline, const Sections& sections, double before) {
-  const auto* spot = std::get_if<GaussianSpot>(&beamline.source.opening);
-  double size = spot != nullptr ? std::max(spot->sigma_x, spot->sigma_z)
-                                : std::visit(
-                                      [](const auto& hole) {
-                                        if constexpr (requires { hole.width; })
-                                          return std::max(hole.width, hole.height) / 2;
-                                        else if constexpr (requires { hole.radius; })
-                                          return hole.radius;
-                                        else
-                                          return 0.0;
-                                      },
-                                      beamline.source.opening);
-  for (const Plane& plane : sections.planes)
-    if (const auto* plate = std::get_if<PlateTerm>(&plane.term); plate && plane.y <= before)
-      size = std::max(size, width_of(aperture_of(plane.y, *plate)) / 2);
+/// [m] Half of the beam at a place, along x and z.
+struct HalfSizes {
+  double x, z;
+};
+HalfSizes halves_of(const SourceOpening& opening) {
+  if (const auto* spot = std::get_if<GaussianSpot>(&opening)) return {spot->sigma_x, spot->sigma_z};
+  if (const auto* disc = std::get_if<Disc>(&opening)) return {disc->radius, disc->radius};
+  if (const auto* ring = std::get_if<Ring>(&opening)) return {ring->outer_radius, ring->outer_radius};
+  const auto& hole = std::get<Rectangle>(opening);
+  return {hole.width / 2, hole.height / 2};
+}
+HalfSizes halves_of(const Aperture& a) {
+  return a.radius >= 0 ? HalfSizes{a.radius, a.radius} : HalfSizes{a.half_x, a.half_z};
+}
+/// What of the beam gets to the end: straight lines through the source's opening and each of those behind it.
+HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) {
+  const double angle =
+      std::visit([](const auto& law) { return law.widest_angle(1); }, beamline.source.direction);
+  const HalfSizes own = halves_of(beamline.source.opening);
+  HalfSizes size{own.x + angle * y, own.z + angle * y};
+  const auto passes = [&](double at, const HalfSizes& opening) {
+    const auto through = [&](double from, double to) {
+      return angle == 0 ? to : std::abs(1 - y / at) * from + y / at * to;
+    };
+    size = {std::min(size.x, through(own.x, opening.x)), std::min(size.z, through(own.z, opening.z))};
+  };
+  for (const Plane& plane : sections.planes) {
+    if (!(plane.y > 0)) continue;
+    if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
+      passes(plane.y, halves_of(aperture_of(plane.y, *plate)));
+    if (const auto* screen = std::get_if<ScreenTerm>(&plane.term)) {
+      const Rectangle extent = extent_of(screen->face);
+      passes(plane.y, {extent.width / 2, extent.height / 2});
+    }
+  }
   return size;
+}
+/// Integral along the beam of how far |B| there is from that on its axis [T m].
+double spread_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+  constexpr int places = 64;
+  double sum = 0;
+  for (const Section& section : sections.sections) {
+    if (section.begin < stretch.begin || section.end > stretch.end) continue;
+    const double step = (section.end - section.begin) / places;
+    const auto size_at = [&](double beside_x, double y, double beside_z) {
+      FieldHere<double> here{};
+      here.field[0] = section.field.x, here.field[1] = section.field.y, here.field[2] = section.field.z;
+      for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, beside_x, y, beside_z, here);
+      return portable::hypot(here.field[0], here.field[1], here.field[2]);
+    };
+    for (int i = 0; i < places; ++i) {
+      const double y = section.begin + (i + 0.5) * step;
+      sum += std::abs(size_at(x, y, z) - size_at(0, y, 0)) * step;
+    }
+  }
+  return sum;
 }
 
 StretchOutlook outlook_of(const Beamline& beamline, const Species& species, const Sections& sections,
@@ -125,18 +163,20 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   StretchOutlook out;
   const LawTraits law = law_traits(beamline.law);
   if (!law.has_levels || species.charge != 0) return out;
-  const double speed = mean_speed(beamline.source.speed, species.mass),
-               size = beam_size(beamline, sections, stretch.begin),
-               integral = std::max({gradient_along(sections, stretch, 0, 0),
-                                    gradient_along(sections, stretch, size, 0),
-                                    gradient_along(sections, stretch, 0, size)});
+  const double speed = mean_speed(beamline.source.speed, species.mass);
+  const HalfSizes half = beam_at((stretch.begin + stretch.end) / 2, beamline, sections);
+  const double integral = std::max({gradient_along(sections, stretch, 0, 0),
+                                    gradient_along(sections, stretch, half.x, 0),
+                                    gradient_along(sections, stretch, 0, half.z)}),
+               spread = std::max(spread_along(sections, stretch, half.x, 0),
+                                 spread_along(sections, stretch, 0, half.z));
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
   const double lever = last_look(sections, stretch.end) - (stretch.begin + stretch.end) / 2;
   const double pushed =
       2 * moment * integral / (species.mass * speed * speed);  // [1] of the two outer levels
   out.splitting = pushed * lever;
   out.feature = std::min(smallest_feature(sections, stretch.begin, lever), spot_of(beamline.source.opening));
-  out.turns = 2 * moment * integral * size / (constants::hbar * speed) / (2 * std::numbers::pi);
+  out.turns = 2 * moment * spread / (constants::hbar * speed) / (2 * std::numbers::pi);
   if (out.splitting > one_path * out.feature) {
     out.between = out.turns <= no_phase;
     out.sorts = !out.between || !law.stays_coherent;

@@ -30,14 +30,15 @@ double largest_field(const MagnetTerm& magnet) {
 
 double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
 
-/// Where the direction of the field jumps inside of a stretch, from one section to the next: by more than a
-/// tenth of a radian, where neither is weak.
-std::optional<double> first_jump(const Sections& sections, const Stretch& stretch) {
+/// Where the direction of the field jumps inside of a stretch, or where it begins, from one section to the
+/// next: by more than a tenth of a radian, where neither is weak.
+std::optional<double> first_jump(const Sections& sections, const Stretch& stretch, bool where_it_begins) {
   constexpr double beside = 1e-9, most = 0.1;  // [m], [rad]
   const double largest = largest_on_axis(sections, stretch);
   const auto direction_at = [&](double y) { return direction_on_axis(sections, y, largest); };
   for (const Section& s : sections.sections) {
-    if (s.end <= stretch.begin || s.end >= stretch.end) continue;
+    if (s.end < stretch.begin || (s.end == stretch.begin && !where_it_begins) || s.end >= stretch.end)
+      continue;
     const auto before = direction_at(s.end - beside), behind = direction_at(s.end + beside);
     if (before && behind && size_of(*before - *behind) > most) return s.end;
   }
@@ -115,10 +116,9 @@ Faults jumps_of_sorting_fields_of(const Beamline& beamline) {
   const Sections sections = sections_of(beamline);
   for (const Component& component : beamline.species) {
     const Species& species = component.species;
-    if (species.structure) continue;
     for (const Stretch& stretch : stretches_of(beamline, species, sections)) {
       if (!stretch.outlook.sorts) continue;
-      const std::optional<double> jump = first_jump(sections, stretch);
+      const std::optional<double> jump = first_jump(sections, stretch, species.structure.has_value());
       if (!jump) continue;
       const Section& first = *std::ranges::find_if(
           sections.sections, [&](const Section& s) { return s.begin >= stretch.begin && !s.shaped.empty(); });
@@ -126,11 +126,13 @@ Faults jumps_of_sorting_fields_of(const Beamline& beamline) {
           beamline.parts[static_cast<std::size_t>(first.shaped.front().part)].placement.name;
       out.push_back(warning(
           name, "kind",
-          fmt::format("`{}` sorts levels in a field whose direction jumps at {}: spins are taken to follow "
+          fmt::format("`{}` sorts levels in a field whose direction jumps at {}: {} are taken to follow "
                       "it, without a flip",
-                      name, metres(*jump)),
-          "a fringe or a field between shows whether they do; `law: {name: quantum, outcomes: coherent}` "
-          "follows each spin"));
+                      name, metres(*jump), species.structure ? "levels" : "spins"),
+          species.structure
+              ? "fields of one direction, or a way without a field between them, ask for no flip"
+              : "a fringe or a field between shows whether they do; `law: {name: quantum, "
+                "outcomes: coherent}` follows each spin"));
     }
   }
   return out;

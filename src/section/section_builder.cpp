@@ -22,6 +22,12 @@ void SectionBuilder::zone(double begin, double end, const RotatingTerm& term, co
   zones_.push_back({{begin, end, part_}, {term, oscillator}});
 }
 void SectionBuilder::twisted(double begin, double end, const RotatingTerm& term) {
+  if (atoms_) {
+    const Vector3 first = term.amplitude * term.first, second = term.amplitude * term.second;
+    ShapedTerm field(TwistedShape{{first.x, first.y, first.z}, {second.x, second.y, second.z}, term.twist});
+    field.y = begin;
+    return shaped(begin, end, field);
+  }
   zones_.push_back({{begin, end, part_}, {term, {}}});
 }
 void SectionBuilder::coil(double begin, double end, const CoilTerm& term) {

@@ -19,8 +19,10 @@ enum class Magnets {
 
 class SectionBuilder {
  public:
-  /// `wall` is the chamber's; every part's own bore narrows it.
-  explicit SectionBuilder(Wall wall) : chamber_(wall) {}
+  /// `wall` is the chamber's; every part's own bore narrows it. Levels of atoms tell static fields, which
+  /// meet at edges without a flip, from what drives them: where there are any, a field that turns along the
+  /// beam is one that differs from place to place.
+  explicit SectionBuilder(Wall wall, bool atoms = false) : chamber_(wall), atoms_(atoms) {}
 
   /// The following contributions come from this part.
   void begin_part(int part) { part_ = part; }
@@ -58,6 +60,7 @@ class SectionBuilder {
     int part;
   };
   Wall chamber_;
+  bool atoms_;
   int part_ = 0;
   std::vector<std::pair<Extent, UniformTerm>> uniform_;
   struct Zone {
