@@ -30,10 +30,11 @@ if __name__ == "__main__":
 import argparse
 import re
 import warnings
+from contextlib import redirect_stderr, redirect_stdout
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn, Sequence
+from typing import NoReturn, Sequence, TextIO
 
 from .argument_types import file_name
 
@@ -79,6 +80,20 @@ class Once(argparse._StoreAction):
         super().__call__(parser, *rest)
 
 
+class Printable:
+    """A stream without the control characters of names and tables, which would steer a terminal."""
+    CONTROL = {code: "?" for code in (*range(32), *range(127, 160)) if chr(code) not in "\n\t\r"}
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return self._stream.write(text.translate(self.CONTROL))
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)
+
+
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated. No name is empty."""
 
@@ -98,11 +113,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = _with_negative_values(list(sys.argv[1:] if arguments is None else arguments))
     os.environ.setdefault("MPLBACKEND", "Agg")
     _open_streams()
-    try:
-        return _explained(words)
-    except KeyboardInterrupt:
-        print("rabiline: stopped", file=sys.stderr)
-        return STOPPED
+    with redirect_stdout(Printable(sys.stdout)), redirect_stderr(Printable(sys.stderr)):
+        try:
+            return _explained(words)
+        except KeyboardInterrupt:
+            print("rabiline: stopped", file=sys.stderr)
+            return STOPPED
 
 
 def _explained(words: list[str]) -> int:

@@ -39,9 +39,12 @@ def new(options: argparse.Namespace) -> None:
     schema = target.with_name(SCHEMA)
     if not schema.exists():
         beside[schema] = (folder() / SCHEMA).read_text(encoding="utf-8")
-    for path in beside:
-        if path.exists():
-            raise InputError(f"{path} is there already")
+    for path, content in list(beside.items()):
+        if not path.exists():
+            continue
+        if path == target or path.read_text(encoding="utf-8", errors="replace") != content:
+            raise InputError(f"{path} is there already; `-o` names another file or folder")
+        del beside[path]  # that of another starter
     with ExitStack() as together:  # all of them or none
         for path, content in beside.items():
             together.enter_context(whole(path)).write_text(content, encoding="utf-8")

@@ -313,6 +313,7 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
   result.parameters = resolved_parameters(wanted.experiment);
   Provenance provenance = record.finish();
   provenance.slabs = result.provenance.slabs;
+  provenance.rescanned = true;
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   for (const std::string& warning : effects.warnings(result)) provenance.warnings.push_back(warning);
   result.provenance = std::move(provenance);
@@ -372,6 +373,12 @@ Reproduced reproduce(const std::filesystem::path& path, RunSettings settings) {
   settings.max_memory = origin.max_memory;
   const auto compared = [&](auto result) {
     std::vector<std::string> paths = differing(path, image_of(result));
+    if (origin.rescanned && !paths.empty())
+      throw std::invalid_argument(fmt::format(
+          "{}: `rabiline rescan` worked it out from a flight for another scan, whose bits a run of "
+          "its own scan does not have\n  help: reproduce the file that it was made of, and rescan "
+          "that again",
+          path.string()));
     return Reproduced{std::move(result), std::move(paths)};
   };
   if (setup.is_model()) return compared(solve(setup, settings.arguments, settings.stop));

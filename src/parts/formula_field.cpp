@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "field/field_formula.hpp"
+#include "field/host_maths.hpp"
 #include "parts/own_frame.hpp"
 
 namespace rabiline {
@@ -23,7 +24,55 @@ std::array<MapAxis, 3> axes_of(const FormulaBox& box) {
           axis_of(-box.height / 2, box.height, box.step)};
 }
 
+FieldFormula formula_of(const FormulaBox& box) {
+  FieldFormula formula{{box.bx, box.by, box.bz}, box.constants.value_or(NamedValues{}), 0};
+  if (box.is_electric())
+    formula.components = {box.ex.value_or("0"), box.ey.value_or("0"), box.ez.value_or("0")};
+  formula.frequency = box.frequency.value_or(0);
+  formula.duration = box.duration.value_or(0);
+  return formula;
+}
+
+/// Some of the cells, each at the same share of it, which is no simple fraction: what repeats with the step
+/// would look even at simple ones.
+MapAxis between(const MapAxis& axis) {
+  constexpr int most = 16;
+  const int cells = axis.nodes - 1, each = (cells + most - 1) / most;
+  return {(cells - 1) / each + 1, axis.begin + 0.3819660112501051 * axis.step, each * axis.step};
+}
+
 }  // namespace
+
+double missed_between(const SampledFormula& sampled_formula) {
+  const FormulaBox& box = sampled_formula.box;
+  if (box.duration) return 0;
+  std::array<MapAxis, 3> axes = axes_of(box);
+  for (MapAxis& axis : axes) axis = between(axis);
+  double largest = 0, missed = 0;
+  for (const FieldHarmonic& exact : sampled(formula_of(box), axes)) {
+    const auto own = std::ranges::find_if(*sampled_formula.maps, [&](const FormulaMap& map) {
+      return map.number == exact.number && map.sine == exact.sine;
+    });
+    for (std::size_t i = 0; i < exact.nodes.field.size() / 3; ++i) {
+      const auto node = [&](int axis, std::size_t number) {
+        return axes[static_cast<std::size_t>(axis)].begin +
+               axes[static_cast<std::size_t>(axis)].step * static_cast<double>(number);
+      };
+      const auto y_nodes = static_cast<std::size_t>(axes[1].nodes),
+                 z_nodes = static_cast<std::size_t>(axes[2].nodes);
+      FieldHere<double> here{};
+      if (own != sampled_formula.maps->end())
+        here = field_of<HostMaths>(own->map.shape(1, MapOutside::zero), node(0, i / (y_nodes * z_nodes)),
+                                   node(1, i / z_nodes % y_nodes), node(2, i % z_nodes));
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double value = exact.nodes.field[3 * i + k];
+        largest = std::max(largest, std::abs(value));
+        missed = std::max(missed, std::abs(value - here.field[k]));
+      }
+    }
+  }
+  return largest > 0 ? missed / largest : 0;
+}
 
 double places_of(const FormulaBox& box) {
   double places = 1;
@@ -34,11 +83,7 @@ double places_of(const FormulaBox& box) {
 }
 
 std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox& box) {
-  FieldFormula formula{{box.bx, box.by, box.bz}, box.constants.value_or(NamedValues{}), 0};
-  if (box.is_electric())
-    formula.components = {box.ex.value_or("0"), box.ey.value_or("0"), box.ez.value_or("0")};
-  formula.frequency = box.frequency.value_or(0);
-  formula.duration = box.duration.value_or(0);
+  const FieldFormula formula = formula_of(box);
   auto maps = std::make_shared<FormulaMaps>();
   const auto map_of = [&](MapNodes& nodes) {
     nodes.electric = box.is_electric();

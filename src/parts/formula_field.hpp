@@ -73,6 +73,9 @@ struct SampledFormula {
 
 /// The maps of a formula, of which there is one at least. Throws FormulaFault.
 std::shared_ptr<const FormulaMaps> maps_of(const FormulaBox&);
+/// By which part of its largest component the maps are off between their nodes, of what repeats or stands.
+/// Throws FormulaFault.
+double missed_between(const SampledFormula&);
 /// How many values it is worked out at.
 double places_of(const FormulaBox&);
 inline constexpr double most_formula_places = 2e7;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/portable_math.hpp"
+#include "field/field_formula.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "rules/warning_room.hpp"
@@ -155,6 +156,7 @@ struct Tables {
   std::vector<std::pair<const FieldMap*, double>> maps{};
   std::string_view key{}, step_key{};
   std::string in_time{};  // how their shares change
+  double missed = 0;      // of a formula between its places
 };
 Tables tables_of(const Part& part) {
   if (const auto* mapped = std::get_if<MappedField>(&part))
@@ -172,6 +174,11 @@ Tables tables_of(const Part& part) {
     out.in_time = fmt::format(", followed for {}", pretty_quantity(*box.duration, Dimension::time));
   if (box.frequency)
     out.in_time = fmt::format(", repeated with {}", pretty_quantity(*box.frequency, Dimension::frequency));
+  try {
+    out.missed = missed_between(formula->formula);
+  } catch (const FormulaFault&) {  // it has no value between the places where it has one
+    out.missed = 1;
+  }
   return out;
 }
 
@@ -195,6 +202,10 @@ MapQuality quality_of(const Tables& tables) {
     take(worst.curl, one.curl, weight);
     worst.halved = worst.halved && one.halved;
     worst.noisy = worst.noisy || one.noisy;
+  }
+  if (tables.missed > worst.error.largest) {
+    worst.error.largest = tables.missed;
+    worst.halved = true;
   }
   return worst;
 }

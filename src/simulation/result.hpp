@@ -115,6 +115,7 @@ struct Provenance {
   std::uint64_t slabs = 1;            // of scan points, worked out one behind the other from one flight
   std::string commit{}, processor{};  // of the program's source; as the machine calls it
   int ranks = 1;                      // processes, each with so many threads
+  bool rescanned = false;             // worked out from a flight that was kept, mostly for another scan
 };
 
 /// A parameter of the experiment as it was flown.

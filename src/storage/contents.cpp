@@ -11,9 +11,10 @@ namespace rabiline {
 namespace {
 
 /// How, where, when and by which version of the program.
-constexpr std::array<std::string_view, 16> circumstances{
-    "version", "compiler", "commit",     "libraries", "processor", "instruction_set", "host",     "threads",
-    "ranks",   "seconds",  "start_time", "end_time",  "date",      "arguments",       "warnings", "slabs"};
+constexpr std::array<std::string_view, 17> circumstances{
+    "version", "compiler",  "commit",   "libraries", "processor",  "instruction_set",
+    "host",    "threads",   "ranks",    "seconds",   "start_time", "end_time",
+    "date",    "arguments", "warnings", "slabs",     "rescanned"};
 
 bool is_compared(std::string_view name, bool with_flight) {
   constexpr std::string_view simulation = "entry/simulation/";

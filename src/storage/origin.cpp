@@ -38,6 +38,7 @@ Origin read_origin(const hdf5::FileReader& file, const std::filesystem::path& pa
     origin.transit = static_cast<KeptTransit>(number("transit", 3));
   if (file.contains("entry/simulation/max_memory"))
     origin.max_memory = number("max_memory", ~std::uint64_t{0});
+  origin.rescanned = file.contains("entry/simulation/rescanned");
   return origin;
 }
 

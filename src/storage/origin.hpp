@@ -24,6 +24,7 @@ struct Origin {
   std::vector<std::string> changes;  // as options
   KeptTransit transit = KeptTransit::if_small;
   std::uint64_t max_memory = 0;  // [bytes] that its run was given; 0: none was stated
+  bool rescanned = false;        // worked out from a flight that was kept
 };
 /// Throws StorageError where the file is no result of this program, or is damaged.
 Origin read_origin(const std::filesystem::path&);

@@ -155,6 +155,9 @@ void write_simulation(const GroupWriter& entry, const Result& result) {
                      {{"units", "byte"}, {"long_name", "memory that the run was given; 0: none was stated"}});
   simulation.dataset("slabs", {1}, std::vector{result.provenance.slabs},
                      {{"long_name", "of scan points, worked out one behind the other from one flight"}});
+  if (result.provenance.rescanned)
+    simulation.dataset("rescanned", {1}, std::vector{std::uint64_t{1}},
+                       {{"long_name", "1: worked out from a flight that was kept"}});
   simulation.number("seed", result.seed, {{"units", "1"}});
   for (const auto& choice : choices<ScanParticles>) {
     if (choice.value != result.particles_mode) continue;

@@ -19,6 +19,13 @@ def same_levels(one: Path, other: Path, within: float = 2e-6) -> None:
     assert np.abs(levels[0] - levels[1]).max() < within
 
 
+@pytest.mark.parametrize(("period", "coarse"), [("1 mm", True), ("0.25 mm", True), ("50 mm", False)])
+def test_check_says_what_is_missed_between_the_places_of_a_formula(tmp_path: Path, period: str, coarse: bool) -> None:
+    box = "width: 1 cm, height: 1 cm, length: 10 cm, step: 1 mm"  # with which the period may agree
+    path = experiment(tmp_path, f"kind: formula_field, formula: {{Bz: B0*cos(2*pi*y/P), constants: {{B0: 1 mT, P: {period}}}, {box}}}")
+    assert ("is coarse" in run("check", path).stdout) == coarse
+
+
 @pytest.mark.parametrize("phase", ["locked", "70 deg", "random"])
 def test_a_formula_with_t_turns_as_the_rotating_field_that_it_states(tmp_path: Path, phase: str) -> None:
     formula = of_formula(tmp_path, f"Bx: A*cos(2*pi*f*t), By: A*sin(2*pi*f*t), constants: {{A: 40 uT, f: -29.2 kHz}}, frequency: 29.2 kHz, phase: {phase}")

@@ -95,3 +95,18 @@ def test_levels_keep_their_phase_in_a_gap_without_a_field(tmp_path: Path, speed:
     assert np.abs(whole - found(("none", "none"), "1 nT")).max() < 1e-6
     for approximations in (("rotating_wave", "rotating_wave"), ("none", "rotating_wave"), ("rotating_wave", "none")):
         assert np.abs(whole - found(approximations, "")).max() < 1e-3
+
+
+@pytest.mark.parametrize("to", ["z", "[0.01, 0, 1]", "x"])
+def test_a_guide_field_that_begins_and_ends_at_once_mixes_no_F(tmp_path: Path, to: str) -> None:
+    guide = f"name: g, kind: guide_field, at: 0.05 m, length: 0.1 m, field: 50 mT, from: z, to: {to}"
+    inside, behind = (levels(tmp_path, [guide], "F=1 m=0", asked, species="H atom", speed=1000) for asked in (0.12, 0.2))
+    assert inside[1] > 0.9999 and inside[3] < 1e-6 and behind[3] < 1e-6
+
+
+@pytest.mark.parametrize("at", ["0.3", "0.9"])
+def test_the_far_tail_of_a_fringe_gives_levels_no_axis(tmp_path: Path, at: str) -> None:
+    fields = ["name: C, kind: uniform_field, at: 0.05 m, length: 1.5 m, field: 10 uT",
+              f"name: X, kind: uniform_field, at: {at} m, length: 0.3 m, field: 1 uT, direction: x, fringe: {{kind: tanh, length: 45 mm}}"]
+    found = levels(tmp_path, fields, "F=3 m=+3", 0.06, species="Rb-85 atom", speed=300)  # at 0.3 m about 1 pT are at the source
+    assert found[0] > 0.9999

@@ -121,6 +121,7 @@ def test_every_starter_is_a_file_without_a_fault(tmp_path: Path, monkeypatch: py
         assert main(["new", name]) == 0
         rabiline.load(tmp_path / f"{name}.yaml").check()
     assert main(["new", "ramsey"]) == 2  # it is there already
+    assert main(["new", "rabi", "-o", "other.yaml"]) == 0  # the geometry beside it may be
 
 
 def test_every_shipped_file_names_the_schema_that_the_program_writes(tmp_path: Path) -> None:

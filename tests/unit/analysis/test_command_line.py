@@ -97,6 +97,14 @@ def test_the_summary_names_the_hypothesis_its_dip_and_the_ledger(folder: Path, c
     assert "the ledger closes" in text
 
 
+def test_control_characters_of_tables_do_not_reach_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    table = tmp_path / "counts.csv"
+    table.write_text("f [kHz],counts\n1,8\x1b[31m29\n2,3\n")
+    assert main(["fit-line", str(table)]) == 2
+    told = capsys.readouterr().err
+    assert "`8?[31m29` is no number" in told and "\x1b" not in told
+
+
 def test_the_summary_repeats_what_the_run_warned_of(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     shutil.copy(folder / "laws.h5", tmp_path / "warned.h5")
     with h5py.File(tmp_path / "warned.h5", "a") as file:

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "beamline/experiment.hpp"
 #include "physics/atoms.hpp"
 #include "plan/explain.hpp"
@@ -71,6 +73,25 @@ TEST(Stretches, AreJudgedByWhatMonitorsTally) {
   EXPECT_NEAR(outlook(b).feature, 10e-6, 1e-12);
   b.parts[1].placement.at = 0.1;
   EXPECT_NEAR(outlook(b).feature, 1, 1e-12);  // nothing has come apart there
+}
+
+// A beam 4 cm high in a gradient across its width: |B| grows along its height in second order alone.
+TEST(Stretches, AreJudgedByHowFarTheFieldSpreadsPhasesOverTheBeam) {
+  constexpr double half = 0.02, field = 10e-3, gradient = 0.075, length = 1.9, speed = 791.2;
+  Beamline b = neutrons();
+  b.source.speed = SingleSpeed{speed};
+  b.source.opening = Rectangle{0, 2 * half};
+  UniformField guide{length, field, {}};
+  guide.gradient.transverse = gradient;
+  b.parts = {place("A", 0.1, guide), test::wide_screen(2.2)};
+  const double turns = std::abs(test::gamma_n) / test::two_pi * length / speed;
+  EXPECT_NEAR(outlook(b).turns, turns * (std::hypot(field, gradient * half) - field),
+              1e-6 * outlook(b).turns);
+  guide.gradient = {0, 0, gradient};  // along the height of what a slit lets through
+  b.parts = {place("slit", 0.05, Slit{Rectangle{1e-3, 50e-6}, {}}), place("A", 0.1, guide),
+             test::wide_screen(2.2)};
+  EXPECT_NEAR(outlook(b).turns, turns * gradient * 25e-6, 1e-6 * outlook(b).turns);
+  EXPECT_NEAR(outlook(b).feature, 50e-6, 1e-12);
 }
 
 TEST(Stretches, AreJudgedByTheSpotOfTheBeam) {

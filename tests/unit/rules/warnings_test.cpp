@@ -304,6 +304,23 @@ TEST(Warnings, TellWhereTheFieldThatSortsLevelsJumps) {
   }
 }
 
+TEST(Warnings, TellThatLevelsOfAtomsAreTakenToFollowAFieldThatTurnsAtOnceWhereTheyAreSorted) {
+  for (const bool turns : {false, true}) {
+    Beamline b = test::atoms("Rb-85 atom", 500, test::in_level(3, 3));
+    UniformField sorting{0.4, 20e-3, {}};
+    sorting.direction = {1, 0, 0};
+    sorting.gradient.quadrupole = 10;
+    UniformField before{0.1, 20e-3, {}};
+    if (!turns) before.direction = {1, 0, 0};
+    b.parts = {place("U", 0.2, before), place("Q", 0.3, sorting),
+               place("screen", 1.3, Detector{Rectangle{0.1, 0.1}, {100, 100}, {}})};
+    EXPECT_EQ(
+        std::ranges::any_of(
+            warned({b}), [](const Fault& f) { return f.message.find("jumps at 300 mm") != f.message.npos; }),
+        turns);
+  }
+}
+
 /// Atoms through a gradient along x, whose bins are of a given size.
 std::vector<Fault> warned_of_gradient(double bins, Outcomes outcomes) {
   Beamline b = test::atoms("Cs-133 atom", 200, test::in_level(4, 4));
