@@ -21,6 +21,14 @@ constexpr double one_path = 0.01, no_phase = 100;
 /// [m] An opening below it, such as a disc of 1 um, stands for a pencil beam and has no size of its own.
 constexpr double smallest_spot = 5e-6;
 
+FieldHere<double> field_beside(const Section& section, double x, double y, double z) {
+  FieldHere<double> here{};
+  here.field[0] = section.field.x, here.field[1] = section.field.y, here.field[2] = section.field.z;
+  for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, x, y, z, here);
+  return here;
+}
+double tesla_of(const FieldHere<double>& b) { return portable::hypot(b.field[0], b.field[1], b.field[2]); }
+
 /// Integral of |grad |B|| along the beam at a place across it [T].
 double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
   constexpr int places = 64;
@@ -29,11 +37,8 @@ double gradient_along(const Sections& sections, const Stretch& stretch, double x
     if (section.begin < stretch.begin || section.end > stretch.end) continue;
     const double step = (section.end - section.begin) / places;
     for (int i = 0; i < places; ++i) {
-      FieldHere<double> here{};
-      here.field[0] = section.field.x, here.field[1] = section.field.y, here.field[2] = section.field.z;
-      for (const ShapedTerm& term : section.shaped)
-        add_field<HostMaths>(term, x, section.begin + (i + 0.5) * step, z, here);
-      const double *b = here.field, *g = here.slope, size = portable::hypot(b[0], b[1], b[2]);
+      const FieldHere<double> here = field_beside(section, x, section.begin + (i + 0.5) * step, z);
+      const double *b = here.field, *g = here.slope, size = tesla_of(here);
       const auto grows = [&](int k) {
         return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
                         : std::max({std::abs(g[k]), std::abs(g[3 + k]), std::abs(g[6 + k])});
@@ -114,7 +119,8 @@ HalfSizes halves_of(const SourceOpening& opening) {
 HalfSizes halves_of(const Aperture& a) {
   return a.radius >= 0 ? HalfSizes{a.radius, a.radius} : HalfSizes{a.half_x, a.half_z};
 }
-/// What of the beam gets to the end: straight lines through the source's opening and each of those behind it.
+/// The beam at a place: straight lines through the source's opening and, where they go apart, each of those
+/// behind it; a beam of parallel lines is as wide as the narrowest opening.
 HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) {
   const double angle =
       std::visit([](const auto& law) { return law.widest_angle(1); }, beamline.source.direction);
@@ -128,9 +134,12 @@ HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) 
   };
   for (const Plane& plane : sections.planes) {
     if (!(plane.y > 0)) continue;
-    if (const auto* plate = std::get_if<PlateTerm>(&plane.term))
-      passes(plane.y, halves_of(aperture_of(plane.y, *plate)));
-    if (const auto* screen = std::get_if<ScreenTerm>(&plane.term)) {
+    if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
+      const Aperture aperture = aperture_of(plane.y, *plate);
+      if (!aperture.stops_inside) passes(plane.y, halves_of(aperture));
+    }
+    const auto* screen = std::get_if<ScreenTerm>(&plane.term);
+    if (screen != nullptr && angle > 0) {  // else what is pushed there need not have started in front of it
       const Rectangle extent = extent_of(screen->face);
       passes(plane.y, {extent.width / 2, extent.height / 2});
     }
@@ -144,15 +153,10 @@ double spread_along(const Sections& sections, const Stretch& stretch, double x, 
   for (const Section& section : sections.sections) {
     if (section.begin < stretch.begin || section.end > stretch.end) continue;
     const double step = (section.end - section.begin) / places;
-    const auto size_at = [&](double beside_x, double y, double beside_z) {
-      FieldHere<double> here{};
-      here.field[0] = section.field.x, here.field[1] = section.field.y, here.field[2] = section.field.z;
-      for (const ShapedTerm& term : section.shaped) add_field<HostMaths>(term, beside_x, y, beside_z, here);
-      return portable::hypot(here.field[0], here.field[1], here.field[2]);
-    };
     for (int i = 0; i < places; ++i) {
       const double y = section.begin + (i + 0.5) * step;
-      sum += std::abs(size_at(x, y, z) - size_at(0, y, 0)) * step;
+      sum += std::abs(tesla_of(field_beside(section, x, y, z)) - tesla_of(field_beside(section, 0, y, 0))) *
+             step;
     }
   }
   return sum;
