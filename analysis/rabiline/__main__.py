@@ -88,6 +88,7 @@ class Printable:
         self._stream = stream
 
     def write(self, text: str) -> int:
+        """As that of the stream."""
         return self._stream.write(text.translate(self.CONTROL))
 
     def __getattr__(self, name: str) -> object:

@@ -124,11 +124,11 @@ def test_what_does_not_follow_from_the_flight_is_refused(folder: Path, result: s
 
 
 def test_reproduce_says_that_a_rescan_has_the_bits_of_another_scan(folder: Path) -> None:
-    field = ("--scan", "C.field=99.9 mT:100.1 mT:5")
-    assert rabiline("rescan", "rabi.h5", *field, "-o", "field.h5", cwd=folder).returncode == 0
-    done = rabiline("reproduce", "field.h5", cwd=folder)
+    weaker = ("--scan", "RF.amplitude=0.5 uT:1 uT:3")
+    assert rabiline("rescan", "rabi.h5", *weaker, "-o", "weaker.h5", cwd=folder).returncode == 0
+    done = rabiline("reproduce", "weaker.h5", cwd=folder)
     assert done.returncode == 2 and "`rabiline rescan` worked it out from a flight for another scan" in done.stderr, done.stderr
-    assert not (folder / "field-again.h5").exists()
+    assert not (folder / "weaker-again.h5").exists()
 
 
 def test_a_result_is_not_replaced_by_its_rescan(folder: Path) -> None:
