@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from argparse import ArgumentParser
 from pathlib import Path
 
@@ -49,6 +50,8 @@ def arguments(parser: ArgumentParser) -> None:
 def fit_a_line(options: argparse.Namespace) -> Figure | None:
     """A closed form of a line fitted to a result or to measured counts: centre, width, contrast."""
     forms: dict[str, Form] = dict(FORMS)
+    per_field = _rate(options.per_field) if options.per_field else None
+    field = _quantity("--field", options.field, "T") if options.field else None
     if is_hdf5(options.file):
         file = results.read(options.file)
         found = curves(file, options.detector)
@@ -69,7 +72,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         covariance = np.diag(np.maximum(y, 1.0))
     start = dict(_start(text, unit) for text in options.start)
     fitted = fit_line(x, y, covariance, forms[options.form or DEFAULT], lines=options.lines, start=start)
-    words = [*described(fitted, unit), *derived(fitted, unit, options.per_field, options.field)]
+    words = [*described(fitted, unit), *derived(fitted, unit, per_field, field)]
     print("\n".join(words))
     if options.form is None:
         others = {name: form for name, form in forms.items() if name != DEFAULT}
@@ -117,8 +120,9 @@ def unit_of(name: str, unit: str) -> str:
     return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
 
 
-def derived(fitted: LineFit, unit: str, per_field: str | None, field: str | None) -> list[str]:
-    """What the centres mean, with the covariance of the fit: distances between them, fields, moments and g factors."""
+def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | None) -> list[str]:
+    """What the centres mean, with the covariance of the fit: distances between them, fields by a frequency `per_field` [Hz/T], moments and
+    g factors by the `field` [T]."""
     centres = [i for i, name in enumerate(fitted.names) if name.startswith("centre")]
     lines = []
     for i, j in zip(centres, centres[1:]):
@@ -131,13 +135,11 @@ def derived(fitted: LineFit, unit: str, per_field: str | None, field: str | None
         value, error = float(fitted.values[i]), float(fitted.errors[i])
         which = fitted.names[i].replace("centre", "")
         if per_field:
-            rate = _rate(per_field)
-            lines.append(f"{'field' + which:<10} {format_value(value / rate, 'T', abs(error / rate))}")
+            lines.append(f"{'field' + which:<10} {format_value(value / per_field, 'T', abs(error / per_field))}")
         if field:
-            known = _quantity("--field", field, "T")
-            lines.append(f"{'moment' + which:<10} {format_value(value / known, 'Hz/T', abs(error / known))} times h")
+            lines.append(f"{'moment' + which:<10} {format_value(value / field, 'Hz/T', abs(error / field))} times h")
             for name, magneton in MAGNETONS.items():
-                g, g_error = (PLANCK * one / known / magneton for one in (value, error))
+                g, g_error = (PLANCK * one / field / magneton for one in (value, error))
                 lines.append(f"{'g' + which:<10} {format_value(g, '', abs(g_error))} in {name}")
     return lines
 
@@ -150,6 +152,8 @@ def _rate(text: str) -> float:
 
 
 def _quantity(option: str, text: str, unit: str) -> float:
+    if re.fullmatch(r"[-+.\deE\s]+", text):
+        raise InputError(f"{option} {text}: its unit is missing, such as `{text.strip()} {unit}`")
     try:
         value = parse_quantity(text, unit)
     except ValueError as problem:

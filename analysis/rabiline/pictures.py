@@ -181,7 +181,7 @@ def plot_levels(options: argparse.Namespace) -> Figure:
     file = _results(options.file)
     rows = _curves(file, _detector(file, options.detector))
     if len(rows) > MOST_PANELS:
-        raise InputError(f"{len(rows)} curves are too many for one picture")
+        raise InputError(f"{len(rows)} curves are too many for one picture; `rabiline plot-scan` shows what arrives as a map")
     detector = file.detectors[_detector(file, options.detector)]
     marks = dict(_mark(text, rows[0].axis.units) for text in options.mark)
     return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks, _levels(detector, options.levels))

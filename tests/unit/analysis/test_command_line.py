@@ -169,8 +169,11 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
     ("plot-scan grid.h5 dorado.h5", "rabiline: 10 curves are too many for one picture"),
     ("plot-scan grid_of_two.h5", "rabiline: 18 curves are too many for one picture; choose one detector with "
                                  "--detector"),
+    ("fit-line dorado.h5 --per-field 29MHz", 'rabiline: --per-field 29MHz: a frequency per field is meant, such as "29.1646935 MHz/T"'),
+    ("fit-line dorado.h5 --field 10", "rabiline: --field 10: its unit is missing, such as `10 T`"),
     ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
-    ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture"),
+    ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture; `rabiline plot-scan` shows what arrives "
+                              "as a map"),
     ("plot-profiles point.h5 dorado.h5", "rabiline: 42 profiles are too many for one picture: choose some by "
                                          "--points, such as 0,21"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),
