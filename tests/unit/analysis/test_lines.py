@@ -10,7 +10,6 @@ import pytest
 from matplotlib import pyplot as plt
 from rabiline.__main__ import main
 from rabiline.counts import read_counts
-from rabiline.errors import InputError
 from rabiline.hdf5 import FileError
 from rabiline.line_commands import derived, described
 from rabiline.line_plots import draw_line
