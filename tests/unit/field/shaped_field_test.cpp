@@ -172,5 +172,18 @@ TEST(MultipoleField, PointsUpAboveItsAxisAndGrowsWithItsPower) {
   EXPECT_DOUBLE_EQ(std::hypot(f.field[0], f.field[2]), 1e-3 * 0.25);
 }
 
+TEST(TwistedField, TurnsFromItsFirstDirectionToItsSecondAlongY) {
+  constexpr double rate = 5;  // [rad/m]
+  const ShapedTerm twisted(TwistedShape{{0, 0, 2e-3}, {2e-3, 0, 0}, rate});
+  for (const double angle : {0.0, 0.4, pi / 2}) {
+    const Here f = field_at(twisted, {0.01, angle / rate, -0.02});
+    EXPECT_NEAR(f.field[0], 2e-3 * std::sin(angle), 1e-17);
+    EXPECT_NEAR(f.field[2], 2e-3 * std::cos(angle), 1e-17);
+    EXPECT_NEAR(f.slope[1], rate * 2e-3 * std::cos(angle), 1e-16);
+    EXPECT_NEAR(f.slope[7], -rate * 2e-3 * std::sin(angle), 1e-16);
+    for (const int none : {0, 2, 3, 4, 5, 6, 8}) EXPECT_EQ(f.slope[none], 0);
+  }
+}
+
 }  // namespace
 }  // namespace rabiline::test::shaped_field_test
