@@ -29,24 +29,35 @@ FieldHere<double> field_beside(const Section& section, double x, double y, doubl
 }
 double tesla_of(const FieldHere<double>& b) { return portable::hypot(b.field[0], b.field[1], b.field[2]); }
 
-/// Integral of |grad |B|| along the beam at a place across it [T].
-double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+/// Integral along the beam over a stretch; density(section, y).
+template <class Density>
+double integral_along(const Sections& sections, const Stretch& stretch, const Density& density) {
   constexpr int places = 64;
   double sum = 0;
   for (const Section& section : sections.sections) {
     if (section.begin < stretch.begin || section.end > stretch.end) continue;
     const double step = (section.end - section.begin) / places;
-    for (int i = 0; i < places; ++i) {
-      const FieldHere<double> here = field_beside(section, x, section.begin + (i + 0.5) * step, z);
-      const double *b = here.field, *g = here.slope, size = tesla_of(here);
-      const auto grows = [&](int k) {
-        return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
-                        : std::max({std::abs(g[k]), std::abs(g[3 + k]), std::abs(g[6 + k])});
-      };
-      sum += portable::hypot(grows(0), grows(1), grows(2)) * step;
-    }
+    for (int i = 0; i < places; ++i) sum += density(section, section.begin + (i + 0.5) * step) * step;
   }
   return sum;
+}
+/// Integral of |grad |B|| along the beam at a place across it [T].
+double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+  return integral_along(sections, stretch, [&](const Section& section, double y) {
+    const FieldHere<double> here = field_beside(section, x, y, z);
+    const double *b = here.field, *g = here.slope, size = tesla_of(here);
+    const auto grows = [&](int k) {
+      return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
+                      : std::max({std::abs(g[k]), std::abs(g[3 + k]), std::abs(g[6 + k])});
+    };
+    return portable::hypot(grows(0), grows(1), grows(2));
+  });
+}
+/// Integral along the beam of how far |B| there is from that on its axis [T m].
+double spread_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+  return integral_along(sections, stretch, [&](const Section& section, double y) {
+    return std::abs(tesla_of(field_beside(section, x, y, z)) - tesla_of(field_beside(section, 0, y, 0)));
+  });
 }
 
 double width_of(const Aperture& a) { return a.radius >= 0 ? 2 * a.radius : 2 * std::min(a.half_x, a.half_z); }
@@ -145,21 +156,6 @@ HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) 
     }
   }
   return size;
-}
-/// Integral along the beam of how far |B| there is from that on its axis [T m].
-double spread_along(const Sections& sections, const Stretch& stretch, double x, double z) {
-  constexpr int places = 64;
-  double sum = 0;
-  for (const Section& section : sections.sections) {
-    if (section.begin < stretch.begin || section.end > stretch.end) continue;
-    const double step = (section.end - section.begin) / places;
-    for (int i = 0; i < places; ++i) {
-      const double y = section.begin + (i + 0.5) * step;
-      sum += std::abs(tesla_of(field_beside(section, x, y, z)) - tesla_of(field_beside(section, 0, y, 0))) *
-             step;
-    }
-  }
-  return sum;
 }
 
 StretchOutlook outlook_of(const Beamline& beamline, const Species& species, const Sections& sections,

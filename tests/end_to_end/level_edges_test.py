@@ -104,6 +104,15 @@ def test_a_guide_field_that_begins_and_ends_at_once_mixes_no_F(tmp_path: Path, t
     assert inside[1] > 0.9999 and inside[3] < 1e-6 and behind[3] < 1e-6
 
 
+def test_a_guide_field_is_the_static_field_of_its_formula(tmp_path: Path) -> None:
+    box = "width: 1 cm, height: 1 cm, length: 0.1 m, step: 1 mm"  # too short for levels to follow
+    ways = ("name: g, kind: guide_field, at: 0.05 m, length: 0.1 m, field: 0.3 uT, from: z, to: x",
+            f"name: g, kind: formula_field, at: 0.05 m, formula: {{Bx: A*sin(k*y), Bz: A*cos(k*y), constants: {{A: 0.3 uT, k: {np.pi / 0.2} 1/m}}, {box}}}")
+    guide, formula = (levels(tmp_path, [way], "F=1 m=+1", 0.14, species="H atom", speed=1000) for way in ways)
+    assert 0.1 < guide[0] < 0.9
+    assert np.abs(guide - formula).max() < 1e-5
+
+
 @pytest.mark.parametrize("at", ["0.3", "0.9"])
 def test_the_far_tail_of_a_fringe_gives_levels_no_axis(tmp_path: Path, at: str) -> None:
     fields = ["name: C, kind: uniform_field, at: 0.05 m, length: 1.5 m, field: 10 uT",
