@@ -1,5 +1,6 @@
 #include "spin/evolution.hpp"
 
+#include <array>
 #include <cmath>
 #include <complex>
 #include <functional>
@@ -9,6 +10,15 @@
 #include "core/portable_math.hpp"
 
 namespace rabiline {
+namespace {
+
+/// What an orthogonal mixing of two levels does to Bloch's vector, as LevelBlock has it.
+std::array<double, 5> turn_of_bloch_vector(const Eigen::MatrixXd& m) {
+  const double a = m(0, 0), b = m(0, 1), c = m(1, 0), d = m(1, 1);
+  return {0.5 * (a * a - b * b - c * c + d * d), a * b - c * d, a * c - b * d, a * d + b * c, a * d - b * c};
+}
+
+}  // namespace
 
 Evolution::Evolution(int levels, int random_angles) : levels_(levels), random_angles_(random_angles) {}
 
@@ -69,6 +79,7 @@ LevelBlock Evolution::lay_out(std::vector<double>& numbers) const {
                    .first_number = static_cast<int>(numbers.size())};
   const auto add_row = [&](const auto& row) { numbers.insert(numbers.end(), row.begin(), row.end()); };
   const auto add_matrix = [&](const Eigen::MatrixXd& m) {
+    if (levels_ == 2) return add_row(turn_of_bloch_vector(m));
     for (int i = 0; i < levels_; ++i) add_row(m.row(i));
   };
   add_matrix(steps_.front().mixing);

@@ -1,4 +1,6 @@
 // In which level along the field a state is found: shared out among all levels, or drawn.
+#include <cstring>
+
 #include "transport/level_lanes.hpp"
 #include "transport/outcome_lanes.hpp"
 
@@ -62,18 +64,36 @@ void share_by_flip(const SpinPathView& q, const BatchView& batch, const std::uin
 }
 
 /// Particles of a batch that count, in the order of their levels: from begin[level] to begin[level + 1].
-struct ByLevel {
+class ByLevel {
+ public:
+  ByLevel(const BatchView& batch, const std::uint64_t* weights, int levels) {
+    int count[most_levels] = {};
+    each_run(batch, weights, [&](int from, int to, std::uint64_t level) { count[level] += to - from; });
+    int next[most_levels];
+    for (int level = 0; level < levels; ++level) {
+      next[level] = begin[level];
+      begin[level + 1] = begin[level] + count[level];
+    }
+    each_run(batch, weights, [&](int from, int to, std::uint64_t level) {
+      for (int i = from; i < to; ++i) particles[next[level] + i - from] = i;
+      next[level] += to - from;
+    });
+  }
   int particles[Batch::capacity];
   int begin[most_levels + 1] = {};
 
-  ByLevel(const BatchView& batch, const std::uint64_t* weights, int levels) {
-    for (int i = 0; i < batch.padded; ++i)
-      if (weights[i] != 0) ++begin[batch.level[i] + 1];
-    for (int level = 0; level < levels; ++level) begin[level + 1] += begin[level];
-    int next[most_levels];
-    for (int level = 0; level < levels; ++level) next[level] = begin[level];
-    for (int i = 0; i < batch.padded; ++i)
-      if (weights[i] != 0) particles[next[batch.level[i]]++] = i;
+ private:
+  /// Particles that stand side by side in one level.
+  template <class F>
+  static void each_run(const BatchView& batch, const std::uint64_t* weights, const F& f) {
+    for (int from = 0, to = 0; from < batch.padded; from = to) {
+      const std::uint64_t level = batch.level[from];
+      for (; to < batch.padded && batch.level[to] == level && weights[to] != 0;) ++to;
+      if (to > from)
+        f(from, to, level);
+      else
+        ++to;
+    }
   }
 };
 
@@ -123,65 +143,108 @@ RABILINE_LANES void mix_levels(const LevelBlock& block, const double* numbers, i
   }
   for (int to = 0; to < n; ++to) p[to] = min(broadcast(1), p[to] * (1.0 / block.samples));
 }
-inline void mix_block(const LevelBlock& block, const double* numbers, int from, real slowness, real* p) {
-  switch (block.levels) {
-    case 2:
-      return mix_levels<2>(block, numbers, from, slowness, p);
-    case 3:
-      return mix_levels<3>(block, numbers, from, slowness, p);
-    default:
-      return mix_levels<0>(block, numbers, from, slowness, p);
-  }
-}
-
 /// Whether particles in ascending order stand one behind the other, in whole lanes.
 RABILINE_LANES bool stand_together(const int* particles, int lanes) {
   return lanes == lane_count && particles[lane_count - 1] - particles[0] == lane_count - 1;
 }
 
-/// Particles that begin in one level, a vector of them at a time.
+/// The probability to end in the other one of two levels: LevelBlock tells how.
+RABILINE_LANES real flip_of_two(const LevelBlock& block, const double* numbers, int from, real slowness) {
+  constexpr double two_pi = 6.283185307179586;
+  const double up = from == 0 ? 1 : -1;
+  real stays = broadcast(0);
+  for (int sample = 0; sample < block.samples; ++sample) {
+    const double* at = numbers;
+    real x = broadcast(up * at[2]), y = broadcast(0), z = broadcast(up * at[0]);
+    at += 5;
+    for (int step = 0; step < block.steps; ++step) {
+      const real cycles = fma(broadcast(at[1]), slowness, broadcast(at[3 + 2 * sample]));
+      real sine, cosine;
+      sincos((cycles - round_to_nearest(cycles)) * two_pi, sine, cosine);
+      at += 2 + 2 * block.samples;
+      const real turned = fma(x, cosine, y * sine);
+      y = fnma(x, sine, y * cosine) * at[4];
+      x = fma(turned, broadcast(at[3]), z * at[2]);
+      z = fma(turned, broadcast(at[1]), z * at[0]);
+      at += 5;
+    }
+    stays = stays + z;
+  }
+  return max(broadcast(0),
+             min(broadcast(1), fma(stays, broadcast(-0.5 * up / block.samples), broadcast(0.5))));
+}
+
+/// A weight in the level at one place of a block, shared between all of its levels.
+template <int fixed>
+RABILINE_LANES void share_out(const LevelBlock& block, const double* numbers, int from, real slowness,
+                              real weight, real* parts) {
+  if constexpr (fixed == 2) {
+    const Shares two = share(weight, flip_of_two(block, numbers, from, slowness));
+    parts[1 - from] = two.first;
+    parts[from] = two.second;
+  } else {
+    const int levels = fixed > 0 ? fixed : block.levels;
+    mix_levels<fixed>(block, numbers, from, slowness, parts);
+    for (int to = 0; to < levels; ++to) parts[to] = floor(weight * parts[to]);
+    give_rest_to_largest(parts, levels, weight);
+  }
+}
+
+/// Particles that begin in that level, a vector of them at a time. `columns`: the shares of the block's
+/// levels.
+template <int fixed>
+[[gnu::noinline]] void share_in_block(const LevelBlock& block, const double* numbers, int from,
+                                      const int* particles, int count, const double* slownesses,
+                                      const std::uint64_t* weights, std::uint64_t* const* columns) {
+  const int levels = fixed > 0 ? fixed : block.levels;
+  for (int begin = 0; begin < count; begin += lane_count) {
+    const int* here = particles + begin;
+    const int lanes = count - begin < lane_count ? count - begin : lane_count;
+    const bool together = stand_together(here, lanes);
+    words weight{};
+    real slowness = broadcast(1), parts[fixed > 0 ? fixed : most_levels];
+    if (together) {
+      weight = load_anywhere(weights + here[0]);
+      slowness = load_anywhere(slownesses + here[0]);
+    } else
+      for (int k = 0; k < lanes; ++k) {
+        set_lane(weight, k, weights[here[k]]);
+        set_lane(slowness, k, slownesses[here[k]]);
+      }
+    share_out<fixed>(block, numbers, from, slowness, number_of(weight), parts);
+    for (int to = 0; to < levels; ++to) {
+      const words part = weight_of(parts[to]);
+      if (together)
+        store_anywhere(columns[to] + here[0], part);
+      else
+        for (int k = 0; k < lanes; ++k) columns[to][here[k]] = lane(part, k);
+    }
+  }
+}
+
 void share_by_transitions(const SpinPathView& q, const BatchView& batch, const std::uint64_t* weights,
                           std::uint64_t* shares) {
   const Transitions& t = q.transitions;
-  for (int i = 0; i < q.levels * batch.padded; i += lane_count) store(shares + i, words{});
+  const int padded = batch.padded;
+  std::memset(shares, 0, sizeof(std::uint64_t) * static_cast<std::size_t>(q.levels * padded));
   const ByLevel ordered(batch, weights, q.levels);
   for (int level = 0; level < q.levels; ++level) {
     const int* particles = ordered.particles + ordered.begin[level];
     const int count = ordered.begin[level + 1] - ordered.begin[level];
     if (t.block_of[level] < 0) {
-      for (int i = 0; i < count; ++i) shares[level * batch.padded + particles[i]] = weights[particles[i]];
+      for (int i = 0; i < count; ++i) shares[level * padded + particles[i]] = weights[particles[i]];
       continue;
     }
     const LevelBlock& block = t.blocks[t.block_of[level]];
     const int* levels = t.levels + block.first_level;
     int from = 0;
     while (levels[from] != level) ++from;
-    for (int begin = 0; begin < count; begin += lane_count) {
-      const int lanes = count - begin < lane_count ? count - begin : lane_count;
-      const bool together = stand_together(particles + begin, lanes);
-      words weight_words{};
-      real slowness = broadcast(1), parts[most_levels];
-      if (together) {
-        weight_words = load_anywhere(weights + particles[begin]);
-        slowness = load_anywhere(batch.slowness + particles[begin]);
-      } else
-        for (int k = 0; k < lanes; ++k) {
-          set_lane(weight_words, k, weights[particles[begin + k]]);
-          set_lane(slowness, k, batch.slowness[particles[begin + k]]);
-        }
-      const real weight = number_of(weight_words);
-      mix_block(block, t.numbers + block.first_number, from, slowness, parts);
-      for (int to = 0; to < block.levels; ++to) parts[to] = floor(weight * parts[to]);
-      give_rest_to_largest(parts, block.levels, weight);
-      for (int to = 0; to < block.levels; ++to) {
-        const words part = weight_of(parts[to]);
-        std::uint64_t* column = shares + levels[to] * batch.padded;
-        if (together)
-          store_anywhere(column + particles[begin], part);
-        else
-          for (int k = 0; k < lanes; ++k) column[particles[begin + k]] = lane(part, k);
-      }
-    }
+    std::uint64_t* columns[most_levels];
+    for (int to = 0; to < block.levels; ++to) columns[to] = shares + levels[to] * padded;
+    const auto share_in = block.levels == 2   ? share_in_block<2>
+                          : block.levels == 3 ? share_in_block<3>
+                                              : share_in_block<0>;
+    share_in(block, t.numbers + block.first_number, from, particles, count, batch.slowness, weights, columns);
   }
 }
 

@@ -32,6 +32,7 @@ void ScreenPaths::gather(const Paths& paths, std::size_t link, Isa isa) {
       cell_paths_.insert(cell_paths_.begin() + static_cast<std::ptrdiff_t>(end),
                          static_cast<std::uint8_t>(path));
     }
+    if (cells_.size() > known) scored_.push_back(static_cast<std::uint16_t>(k));
   }
   find_neighbours();
   find_eights();
@@ -64,6 +65,9 @@ void ScreenPaths::find_neighbours() {
 void ScreenPaths::add(const Paths& paths, const PathWeights& weights, Sum* sums, Sum* ledger) {
   const BatchView& asked = paths.asked.view();
   const std::size_t all = paths.levels.size();
+  // Each setting has sums of its own, which have left the cache since the last batch.
+  for (const Cell& cell : cells_) __builtin_prefetch(&sums[ScreenSums::bin(cell.bin)], 1);
+  for (std::size_t g = 0; g < group_count; g += 4) __builtin_prefetch(&sums[layout_.group(g)], 1);
   by_path_ = {};
   const ShareCount shares{.shares = weights.shares,
                           .hits = hits_.column(0),
@@ -92,11 +96,12 @@ void ScreenPaths::add(const Paths& paths, const PathWeights& weights, Sum* sums,
   }
   for (const Neighbours& pair : neighbours_)
     sums[pair.sum] += static_cast<Sum>(2 * scores_[pair.first]) * scores_[pair.second];
+  auto scores = scored_.begin();
   for (const PreparedGroup& group : paths.groups) {
     std::uint64_t counted = 0, hit = 0;
-    for (int i = group.begin; i < group.end; ++i) {
-      counted += totals[i];
-      sums[layout_.group(asked.particle[i] % group_count)] += totals[i];
+    for (; scores != scored_.end() && *scores < group.end; ++scores) {
+      counted += totals[*scores];
+      sums[layout_.group(asked.particle[*scores] % group_count)] += totals[*scores];
     }
     if (screen_.efficiency != 1)
       for (std::size_t path = 0; path < all; ++path)

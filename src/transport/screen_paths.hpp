@@ -34,6 +34,7 @@ class ScreenPaths : public PathTally {
   PathMasks counts_;                      // likewise, then one for the totals [quanta]
   std::vector<std::uint16_t> eights_;     // of particles, some of which a path has here
   std::vector<std::size_t> first_eight_;  // [path], and where those of the last end
+  std::vector<std::uint16_t> scored_;     // particles that some path has here
   std::vector<Cell> cells_;
   std::vector<std::uint8_t> cell_paths_;
   std::vector<Neighbours> neighbours_;
