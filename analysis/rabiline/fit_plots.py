@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from scipy import stats
 
 from . import style
-from .covariance import LEAST_P, freedom_in_words, p_in_words
-from .fit_report import REJECTED, is_undetermined
+from .covariance import freedom_in_words, p_in_words
+from .fit_report import is_undetermined, verdict_of
 from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale, format_value
 
@@ -74,7 +74,7 @@ def _numbers(fit: CountsFit) -> list[str]:
         lost = "not known by itself" if i in unknown else "not determined" if is_undetermined(fit, i) else ""
         width.append(f"{name} {lost}" if lost else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −"))
     return [*width, *([f"χ² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
-            *([REJECTED] if fit.p < LEAST_P else [])]
+            *filter(None, [verdict_of(fit)])]
 
 
 def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

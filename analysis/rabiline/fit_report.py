@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 LOST = 10  # times a parameter: an error that leaves nothing of it
 BORNE_OUT = 3  # a factor between an error by the curvature and one by the profile that leaves them one
 REJECTED = "the experiment does not describe these counts: errors mean little"
+COARSE = "the simulation has too few particles to tell more: what is not known, and chi², are no verdict on the counts"
+LARGEST_SHARE = 0.5  # of a variance that may be the simulation's own, where it tells what is degenerate
+ROUGH = 0.2  # relative error of a curve that is beyond what chi² can judge: some 25 particles at a point
 
 
 def report(fit: CountsFit) -> Iterable[str]:
@@ -48,13 +51,21 @@ def report(fit: CountsFit) -> Iterable[str]:
         "  as many parameters as points: nothing is left that could tell whether the experiment describes these counts"
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
-        wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.99)) * fit.particles
+        wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.999)) * fit.particles
         yield (f"  {fit.share_of_simulation:.0%} of a variance is the simulation's own: `particles` of {wanted:.2g} make it a "
                "tenth")
     for one in fit.held:
         yield from _about_held(fit, one)
-    if fit.p < LEAST_P:
-        yield f"  {REJECTED}"
+    if verdict := verdict_of(fit):
+        yield f"  {verdict}"
+
+
+def verdict_of(fit: CountsFit) -> str:
+    """What is wrong with the whole of it; empty where nothing is."""
+    is_rejected, is_rough = fit.p < LEAST_P, np.median(fit.template_errors / fit.expected) > ROUGH
+    if (fit.degenerate and fit.share_of_simulation > LARGEST_SHARE) or (is_rejected and is_rough):
+        return COARSE
+    return REJECTED if is_rejected else ""
 
 
 def is_undetermined(fit: CountsFit, number: int) -> bool:

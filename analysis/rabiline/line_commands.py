@@ -90,6 +90,9 @@ def _require_unit(counts: Counts) -> None:
     unit = NEEDED.get(counts.parameter.rpartition(".")[2])
     if unit and not counts.unit:
         raise InputError(f"{counts.path}: the column `{counts.parameter}`: it has no unit\n  help: write `{counts.parameter} [{unit}]`")
+    if unit == "Hz" and base_of(counts.unit)[0] != unit:
+        raise InputError(f"{counts.path}: the column `{counts.parameter}`: `{counts.unit}` is no unit of a frequency\n"
+                         f"  help: write `{counts.parameter} [kHz]` or another multiple of Hz")
 
 
 def _start(text: str, unit: str) -> tuple[str, float]:

@@ -145,6 +145,12 @@ def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fr
     assert wrong.p < 1e-6 and "does not describe these counts" in str(wrong)
 
 
+def test_a_simulation_of_few_particles_is_no_verdict_on_the_counts(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    few = fit_counts(ramsey.set({"particles": 20}), fringes, ["guide.field", "C1.amplitude"], intervals=False)
+    assert few.p < 1e-6 or few.degenerate
+    assert "too few particles to tell more" in str(few) and "does not describe" not in str(few)
+
+
 def test_a_factor_stays_above_zero_where_the_curve_is_far_from_the_counts(ramsey: rabiline.Experiment, fringes: Counts) -> None:
     far = ramsey.set({"guide.field": "1.01 mT", "particles": 200})
     lost = fit_counts(far, fringes, ["background"], intervals=False)

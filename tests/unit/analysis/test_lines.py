@@ -287,6 +287,14 @@ def test_a_column_without_its_unit_is_refused_as_by_a_fit_of_the_experiment(tmp_
     assert capsys.readouterr().err == f"rabiline: {path}: the column `{name}`: it has no unit\n  help: write `{name} [{unit}]`\n"
 
 
+@pytest.mark.parametrize("unit", ["hz", "T"])
+def test_a_frequency_in_another_unit_is_refused(unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "counts.csv"
+    path.write_text(f"RF.frequency [{unit}],counts\n1,2\n2,3\n")
+    assert main(["fit-line", str(path)]) == 2
+    assert f"`RF.frequency`: `{unit}` is no unit of a frequency" in capsys.readouterr().err
+
+
 def test_a_result_is_no_table_of_counts(tmp_path: Path) -> None:
     path = write_results(tmp_path / "a.h5", [frequencies(5)], np.ones(5), law=["quantum"], bins=4)
     with pytest.raises(FileError, match="a table of counts belongs here \\(CSV\\), and this is an HDF5 file$"):
