@@ -5,7 +5,7 @@ import json
 import re
 import sys
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Iterable, Mapping, Sequence, Union
@@ -66,11 +66,16 @@ class Experiment:
     changes: tuple[str, ...] = ()  # "B.field=9 mT"
     scans: tuple[str, ...] = ()  # "H0.frequency=280 kHz:300 kHz:21"
     without_scan: bool = False
+    origin: object = field(default=None, repr=False, compare=False)  # as it was loaded, before any change
 
     def __post_init__(self) -> None:
+        if self.origin is None:
+            none = _core.Changes([], [], False)
+            origin = _core.load(self.path, none) if self.text is None else _core.load_text(self.text, self.path, none)
+            object.__setattr__(self, "origin", origin)
+        is_changed = self.changes or self.scans or self.without_scan
         changes = _core.Changes(list(self.changes), list(self.scans), self.without_scan)
-        setup = _core.load(self.path, changes) if self.text is None else _core.load_text(self.text, self.path, changes)
-        object.__setattr__(self, "_setup", setup)
+        object.__setattr__(self, "_setup", _core.load_again(self.origin, changes) if is_changed else self.origin)
 
     def __reduce__(self) -> tuple[type[Experiment], tuple[object, ...]]:
         """Copies and other processes read it again."""
@@ -185,8 +190,7 @@ class Experiment:
 
     def _variable(self, name: str) -> tuple[float, str] | None:
         """A number with a unit of the file's `variables`, in that unit."""
-        text = self.text if self.text is not None else self.path.read_text(encoding="utf-8")
-        block = re.search(r"^variables:((?:[^\n]*\n)(?:[ \t]+[^\n]*\n|\n)*)", text + "\n", re.MULTILINE)
+        block = re.search(r"^variables:((?:[^\n]*\n)(?:[ \t]+[^\n]*\n|\n)*)", self.origin.text + "\n", re.MULTILINE)
         written = [change.partition("=")[2] for change in self.changes if change.startswith(f"variables.{name}=")]
         found = re.search(rf"(?<![\w.]){name}\s*:\s*([^,}}#\n]+)", block[1]) if block else None
         words = (written[-1:] or [found[1] if found else ""])[0].strip().strip("'\"").split()

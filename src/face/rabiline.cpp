@@ -49,6 +49,7 @@ struct Setup::Contents {
   Loaded loaded;
   Changes changes;
   std::string fingerprint;
+  bool is_of_result = false;  // whose scan gives way to another
 };
 
 namespace {
@@ -72,10 +73,10 @@ const std::vector<InputText>& inputs_of(const Loaded& loaded) {
   return std::visit([](const auto& any) -> const std::vector<InputText>& { return any.inputs; }, loaded);
 }
 
-Setup setup_of(Loaded loaded, const Changes& changes) {
+Setup setup_of(Loaded loaded, const Changes& changes, bool is_of_result = false) {
   std::string fingerprint = fingerprint_of(inputs_of(loaded), changes);
   return Setup(std::make_shared<const Setup::Contents>(
-      Setup::Contents{std::move(loaded), changes, std::move(fingerprint)}));
+      Setup::Contents{std::move(loaded), changes, std::move(fingerprint), is_of_result}));
 }
 
 const LoadedExperiment& experiment_of(const Setup& setup) {
@@ -107,16 +108,19 @@ Snapshot beginning_of(const Plan& plan, const Snapshot* start) {
 }
 
 /// The changes of a result come first; its scan stays unless there is another.
-std::pair<LoadedFile, Changes> text_of(const std::filesystem::path& file, const Changes& changes) {
-  if (!is_hdf5(file)) return {load_file(file), changes};
-  Origin origin = read_origin(file);
-  const Changes before = changes_of(origin.changes);
+Changes after(const Changes& before, const Changes& changes) {
   Changes all = joined(before, changes);
   if (changes.scan.empty() && !changes.without_scan) {
     all.scan = before.scan;
     all.without_scan = before.without_scan;
   }
-  return {file_of_stored(std::move(origin.inputs)), all};
+  return all;
+}
+std::pair<LoadedFile, Changes> text_of(const std::filesystem::path& file, const Changes& changes) {
+  if (!is_hdf5(file)) return {load_file(file), changes};
+  Origin origin = read_origin(file);
+  const Changes before = changes_of(origin.changes);
+  return {file_of_stored(std::move(origin.inputs)), after(before, changes)};
 }
 
 }  // namespace
@@ -135,7 +139,8 @@ const std::string& Setup::fingerprint() const { return contents_->fingerprint; }
 
 Setup load(const std::filesystem::path& file, const Changes& changes) {
   auto [text, all] = text_of(file, changes);
-  return setup_of(load_any(std::move(text), all), all);
+  const bool is_of_result = text.stored != nullptr;
+  return setup_of(load_any(std::move(text), all), all, is_of_result);
 }
 Setup load_beamline(const std::filesystem::path& file, const Changes& changes) {
   auto [text, all] = text_of(file, changes);
@@ -144,6 +149,11 @@ Setup load_beamline(const std::filesystem::path& file, const Changes& changes) {
 Setup load(const Snapshot& snapshot) {
   const Changes changes = changes_of(snapshot.changes);
   return setup_of(load_any(file_of_stored(snapshot.inputs), changes), changes);
+}
+Setup load(const Setup& setup, const Changes& changes) {
+  const auto& [loaded, before, fingerprint, is_of_result] = setup.contents();
+  const Changes all = is_of_result ? after(before, changes) : changes;
+  return setup_of(load_any(file_of_stored(inputs_of(loaded)), all), all, is_of_result);
 }
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& changes) {
   return setup_of(load_any(file_of_text(text, folder), changes), changes);

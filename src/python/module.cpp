@@ -25,6 +25,7 @@ void add_setups(py::module_& module) {
   py::class_<Setup>(module, "Setup")
       .def_property_readonly("is_model", &Setup::is_model)
       .def_property_readonly("title", &Setup::title)
+      .def_property_readonly("text", [](const Setup& setup) { return setup.inputs().front().text; })
       .def_property_readonly("points", &Setup::points)
       .def_property_readonly("fingerprint", &Setup::fingerprint)
       .def_property_readonly("parts",
@@ -41,6 +42,7 @@ void add_setups(py::module_& module) {
       });
   module.def("load",
              [](const std::filesystem::path& file, const Changes& changes) { return load(file, changes); });
+  module.def("load_again", [](const Setup& setup, const Changes& changes) { return load(setup, changes); });
   module.def("load_text", load_text);
   module.def("check", [](const Setup& setup) {
     const Report report = check(setup);

@@ -98,6 +98,18 @@ def test_nothing_changes_what_was_loaded(ramsey: rabiline.Experiment) -> None:
     assert (ramsey.run().detected == before).all() and ramsey.points == 14 and ramsey.scan().points == 1
 
 
+def test_a_file_that_changes_afterwards_changes_nothing(ramsey: rabiline.Experiment, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(ramsey.origin.text.replace("parts:", "geometry: bench.yaml\nparts:"))
+    (tmp_path / "bench.yaml").write_text("rabiline: 1\nparts:\n  - {name: mark, kind: slit, at: 1 mm, width: 1 mm, height: 1 mm}\n")
+    loaded = rabiline.load(path)
+    path.write_text("rabiline: 1\n")
+    (tmp_path / "bench.yaml").unlink()
+    assert loaded.set({"mark.width": "2 mm"}).value("mark.width") == 2e-3 and loaded.scan().points == 1
+    with pytest.raises(rabiline.InputError, match="the file needs `species`"):
+        rabiline.load(path)
+
+
 def test_texts_stay_whole_whatever_they_mean_in_yaml(ramsey: rabiline.Experiment) -> None:
     for title in ("run #3", "a: b", "@home", "a, b", "it's"):
         assert ramsey.set({"title": title}).title == title
