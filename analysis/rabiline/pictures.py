@@ -23,6 +23,7 @@ from .units import law_name, parse_quantity
 
 MOST_CURVES = 8  # in one picture; a larger grid is drawn as a map
 MOST_PANELS = 6
+MOST_MAPS = 9
 
 
 def arguments(verb: str, parser: ArgumentParser) -> None:
@@ -114,8 +115,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     title = options.title or _title(files, chosen)
     marks = dict(_mark(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
-    across = sorted((axis for axis in files[0].scan.axes if axis.parameter != first.parameter and not axis.labels),
-                    key=lambda axis: -axis.values.size)
+    across = _across(files[0], first)
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:
@@ -126,9 +126,8 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
         figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
-    elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across[0].values.size:
-        figure = scan_plots.draw_maps(_grids(lines, [axis for axis in files[0].scan.axes if axis.parameter != first.parameter], across[0]), across[0],
-                                      title, marks)
+    elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across.values.size:
+        figure = scan_plots.draw_maps(_grids(files[0], lines, across), across, title, marks)
     else:
         several = any(len(file.scan.detectors) > 1 for file in files) and options.detector is None
         choose = "; choose one detector with --detector" if several else ""
@@ -165,8 +164,15 @@ def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
     return scan_plots.Measured(x, factor * counts.counts, factor * np.sqrt(np.maximum(counts.counts, 1.0)))
 
 
-def _grids(lines: Sequence[Curve], others: Sequence[results.Axis], across: results.Axis) -> list[list[Curve]]:
-    """The curves of a scan over more than two axes, those that differ along `across` together."""
+def _across(file: results.Results, along: results.Axis) -> results.Axis | None:
+    """The other axis of numbers that has most of them: of a map."""
+    others = [axis for axis in file.scan.axes if axis.parameter != along.parameter and not axis.labels]
+    return max(others, key=lambda axis: axis.values.size, default=None)
+
+
+def _grids(file: results.Results, lines: Sequence[Curve], across: results.Axis) -> list[list[Curve]]:
+    """The curves of a scan over two axes or more, those that differ along `across` together."""
+    others = [axis for axis in file.scan.axes if axis.parameter != lines[0].axis.parameter]
     number = next(i for i, axis in enumerate(others) if axis is across)
     order = np.moveaxis(np.arange(len(lines)).reshape([axis.values.size for axis in others]), number, -1)
     return [[lines[i] for i in row] for row in order.reshape(-1, across.values.size)]
@@ -180,11 +186,19 @@ def plot_levels(options: argparse.Namespace) -> Figure:
     """Populations of the spin levels at a detector, over the scan."""
     file = _results(options.file)
     rows = _curves(file, _detector(file, options.detector))
-    if len(rows) > MOST_PANELS:
-        raise InputError(f"{len(rows)} curves are too many for one picture; `rabiline plot-scan` shows what arrives as a map")
     detector = file.detectors[_detector(file, options.detector)]
     marks = dict(_mark(text, rows[0].axis.units) for text in options.mark)
-    return level_plots.draw_levels(rows, detector, options.title or _title([file]), marks, _levels(detector, options.levels))
+    title, levels = options.title or _title([file]), _levels(detector, options.levels)
+    if len(rows) <= MOST_PANELS:
+        return level_plots.draw_levels(rows, detector, title, marks, levels)
+    across = _across(file, rows[0].axis)
+    if across is None:
+        raise InputError(f"{len(rows)} curves are too many for one picture")
+    shown = range(len(detector.levels.labels)) if levels is None else levels
+    maps = [grid for level in shown for grid in _grids(file, [level_plots.share_of(level, row, detector.levels) for row in rows], across)]
+    if len(maps) > MOST_MAPS:
+        raise InputError(f"{len(maps)} maps are too many for one picture: choose some of {', '.join(detector.levels.labels)} by --levels")
+    return scan_plots.draw_maps(maps, across, title, marks, f"fraction of what {detector.label} detected")
 
 
 def _levels(detector: results.Detector, names: str | None) -> list[int] | None:

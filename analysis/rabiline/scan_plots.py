@@ -181,8 +181,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     return draw_marks(axes, marks, scale)
 
 
-def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks: dict[str, float]) -> Figure:
-    """The detected fraction over both axes of each grid; `across` tells the curves of one apart."""
+def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks: dict[str, float], measure: str = "") -> Figure:
+    """The detected fraction, or another `measure`, over both axes of each grid; `across` tells the curves of one apart."""
     along, order = grids[0][0].axis, np.argsort(across.values, kind="stable")  # a scan may run downwards
     across, grids = replace(across, values=across.values[order]), [[grid[i] for i in order] for grid in grids]
     scale, scale_across = along.scale, across.scale
@@ -190,8 +190,8 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
     columns = -(-len(grids) // rows)
     figure, panels = plt.subplots(rows, columns, figsize=style.size(7.2, 4.8 if rows == 1 else 2.9 * rows), squeeze=False, sharex=True,
                                   sharey=True, layout="constrained")
-    most = max(curve.y.max() for grid in grids for curve in grid)
-    least = min(curve.y.min() for grid in grids for curve in grid)
+    known = np.nan_to_num(np.concatenate([curve.y for grid in grids for curve in grid]))
+    most, least = known.max(), known.min()
     least = least if least > WHOLE * most else 0.0
     if is_logarithmic(along.values):
         style.logarithmic(panels[0, 0].xaxis)
@@ -208,7 +208,7 @@ def draw_maps(grids: Sequence[Sequence[Curve]], across: Axis, title: str, marks:
     for axes in panels.flat[len(grids):]:
         axes.remove()
     curves = [curve for grid in grids for curve in grid]
-    figure.colorbar(mesh, ax=list(panels.flat[:len(grids)]), label=_measure(curves))
+    figure.colorbar(mesh, ax=list(panels.flat[:len(grids)]), label=measure or _measure(curves))
     for axes in panels.flat[max(0, len(grids) - columns):len(grids)]:
         axes.tick_params(labelbottom=True)
         axes.set_xlabel(scale.label(along.parameter))

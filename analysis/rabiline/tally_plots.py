@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from . import style
-from .image_plots import about, shot_of
+from .image_plots import about, scanned_at, shot_of
 from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, is_logarithmic, law_name
@@ -57,15 +57,19 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
         panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
     panel.set_ylabel(_label(axis, up))
     figure.colorbar(mesh, ax=panel, label="particles per bin")
-    _write_title(figure, results, tally, [axis], title)
+    first = scanned_at(results, int(flat[0]))
+    others = [f"{name} = {value}" for name, value in first.items() if name != scanned.parameter]
+    if len(set(results.laws)) > 1 and scanned.parameter != "law":
+        others.append(law_name(results.laws[int(flat[0])]))
+    _write_title(figure, results, tally, [axis], title, ", ".join(others))
     return figure
 
 
-def _write_title(figure: Figure, results: Results, tally: Tally, shown: Sequence[TallyAxis], title: str | None) -> None:
-    """With what is not shown. Outcomes are those of a measurement, which only one law knows."""
+def _write_title(figure: Figure, results: Results, tally: Tally, shown: Sequence[TallyAxis], title: str | None, held: str = "") -> None:
+    """With what is not shown, and at which values of what is scanned. Outcomes are those of a measurement, which only one law knows."""
     split = tally.is_expectation and all(law.startswith("quantum") for law in results.laws)
     summed = " and ".join(_name(axis) for axis in tally.axes if not any(axis is one for one in shown))
-    style.write_title(figure, "\n".join([title or tally.title, *([f"summed over {summed}"] if summed else []),
+    style.write_title(figure, "\n".join([title or tally.title, *([f"at {held}"] if held else []), *([f"summed over {summed}"] if summed else []),
                                         *(["spin: expectation, weights split over the outcomes"] if split else [])]))
 
 

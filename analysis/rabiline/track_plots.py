@@ -24,13 +24,13 @@ ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a sta
 
 @style.in_proportion
 def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
-    """x, z and the tilt of the spin from the z axis, over y, with the fields of the file where no `regions` are named; and the
+    """x, z and the tilt of the spin from the z axis, over y, with the parts of the file where no `regions` are named; and the
     spins' paths in three dimensions. Spins are shown from their first alignment on: what they were before is chance."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
     if not any(_tilt(track).max() > STILL for track, _ in spinning):
         spinning = []
-    regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts if part.has_field or part.drives]
+    regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts]
     turning = [(track, look) for track, look in spinning if _while_turning(track)]
     scales = [fitting_scale(np.concatenate([track.position[:, i] for file in files for track in file.tracks]), "m") for i in (0, 2)]
     figure = plt.figure(figsize=(11.0 if turning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
@@ -56,7 +56,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         sphere = figure.add_subplot(grid[:, 1], projection="3d")
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
     panels[0].set_xlim(*_extent(files))
-    regions = [region for region in regions if region.begin < _extent(files)[1]]
+    regions = [region for region in regions if region.begin <= _extent(files)[1]]
     for panel in panels:
         shade(panel, regions, named=panel is panels[0])
         panel.label_outer()

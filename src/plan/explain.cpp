@@ -108,7 +108,7 @@ class Explainer {
     line("{}  source, {}", PlanReport::metres(0),
          drawn.kind == SpeedKind::single ||
                  (drawn.kind == SpeedKind::gaussian && drawn.scale == SpeedScale::proportional)
-             ? fmt::format("{} m/s{}", report_.speed,
+             ? fmt::format("{:.9g} m/s{}", report_.speed,
                            drawn.sigma > 0 ? fmt::format(" +- {}", drawn.sigma) : "")
              : fmt::format("{}, {:.6g} m/s on average",
                            std::visit([](const auto& l) { return l.kind; }, beamline_.source.speed),

@@ -217,7 +217,8 @@ class TransitMaker {
 
 bool is_one_flight(const std::vector<PlanNode>& nodes, std::size_t points, std::string_view& why) {
   for (const PlanNode& node : nodes) {
-    if (node.points.size() == points && !node.why_one_by_one.empty()) why = node.why_one_by_one;
+    const bool tells = node.points.size() == points || traits_of(node.stage).counts_levels;
+    if (tells && !node.why_one_by_one.empty()) why = node.why_one_by_one;
     if (node.points.size() != points || (!node.reweightings.empty() && !node.transit)) return false;
     if (!node.transit && traits_of(node.stage).counts_levels && path_of(node.stage) != nullptr) return false;
     if (!node.transit && !is_one_flight(node.next, points, why)) return false;

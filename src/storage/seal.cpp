@@ -79,6 +79,12 @@ std::string require_seal(const Path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) reject(path, std::strerror(errno));
   const std::uintmax_t size = std::filesystem::file_size(path, error);
+  constexpr std::string_view hdf5 = "\x89HDF\r\n\x1a\n";
+  std::string begin(hdf5.size(), '\0');
+  if (file.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin != hdf5)
+    reject(path, "it is no HDF5 file, such as `rabiline run` writes");
+  file.clear();
+  file.seekg(0);
   Sha256 digest;
   add(file, size < seal_size ? 0 : size - seal_size, path, digest);
   std::string seal(std::min<std::uintmax_t>(size, seal_size), '\0');

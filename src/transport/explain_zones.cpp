@@ -134,11 +134,11 @@ void explain_zone(const SpinZone& zone, PlanReport& report) {
     report.line("{:>16}one period of {} is worked out and repeated, {} harmonics (Floquet)", "",
                 hertz(zone.floquet.omega), zone.floquet.harmonics);
   else if (zone.step > 0)
-    report.line("{:>16}{}: about {:.0f} steps", "",
+    report.line("{:>16}{}: {}", "",
                 zone.kind != ZoneKind::profiled                      ? "no closed form"
                 : zone.drive[0].envelope.shape != Shape::rectangular ? "its size runs along the beam"
                                                                      : "it changes on the way",
-                stay / zone.step);
+                PlanReport::about_steps(stay / zone.step));
   explain_neglected(zone, report);
 }
 

@@ -38,6 +38,9 @@ class PlanReport {
   std::string name_of(int number) const { return number < 0 ? "chamber" : part(number).placement.name; }
   /// A place along the beam, at the beginning of a line.
   static std::string metres(double y) { return fmt::format("{:8.4f} m", y); }
+  static std::string about_steps(double n) {
+    return fmt::format("about {:.0f} step{}", n, n < 1.5 ? "" : "s");
+  }
 
   const Beamline& beamline;
   // the species at hand

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 BEAMLINES = Path(__file__).parents[2] / "beamline"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
-PARTICLES = 100  # at most: what is drawn, not what it means
+PARTICLES = 40  # at most: what is drawn, not what it means
 COLUMN, SMALL, PAGE = (100 / 25.4, 80 / 25.4), (86 / 25.4, 60 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
 MINUS = re.compile(r"(?:^|[\s=(,±×])-[\d.]")  # of ASCII, where the ticks have a true one
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink

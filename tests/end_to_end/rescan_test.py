@@ -47,6 +47,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         assert done.returncode == 0, done.stderr
     (folder / "rabi.yaml").unlink()
     (folder / "magnets.yaml").unlink()
+    for arguments in (("new", "ramsey"), ("run", "ramsey.yaml", "-o", "levels.h5", "--particles", 100, "--progress", "none")):
+        assert rabiline(*arguments, cwd=folder).returncode == 0
     return folder
 
 
@@ -106,6 +108,7 @@ def test_a_rescan_is_a_result_that_can_be_scanned_again(folder: Path) -> None:
 @pytest.mark.parametrize(("result", "arguments", "reason", "code"), [
     ("rabi.h5", ("--scan", "A.gradient=8 T/m,9 T/m"), "changes more than how spins turn", 2),
     ("rabi.h5", ("--scan", "RF.amplitude=1 uT,100 uT"), "spins turn faster than the moments", 2),
+    ("levels.h5", ("--scan", "first.frequency=290 kHz:390 kHz:3"), "spins turn faster than the moments", 2),
     ("rabi.h5", ("--scan", "source.speed.temperature=900 K,901 K"), "changes more than how spins turn", 2),
     ("rabi.h5", ("--scan", "RF.frequncy=1 MHz,2 MHz"), "did you mean `frequency`?", 2),
     ("rabi.h5", ("--set", "geometry=other.yaml"), "geometry", 2),

@@ -52,8 +52,8 @@ Steering Steering::piece(double from, double to) const {
 void Steering::explain(PlanReport& report) const {
   const double stay = (end - begin) / report.speed;
   const SteeringOutlook outlook = outlook_of(*this, report.speed);
-  report.line("{}  {}: steers up to {}, about {:.0f} steps{}", PlanReport::metres(begin),
-              report.name_of(part), PlanReport::metres(end), outlook.steps, report.reuse);
+  report.line("{}  {}: steers up to {}, {}{}", PlanReport::metres(begin), report.name_of(part),
+              PlanReport::metres(end), PlanReport::about_steps(outlook.steps), report.reuse);
   const bool multipole = shape.kind == MagnetKind::multipole;
   report.line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
               multipole ? "halfway to the poles" : "at the beam",

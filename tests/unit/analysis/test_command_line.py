@@ -172,8 +172,6 @@ def test_scans_of_different_things_are_not_compared(folder: Path, monkeypatch: p
     ("fit-line dorado.h5 --per-field 29MHz", 'rabiline: --per-field 29MHz: a frequency per field is meant, such as "29.1646935 MHz/T"'),
     ("fit-line dorado.h5 --field 10", "rabiline: --field 10: its unit is missing, such as `10 T`"),
     ("plot-levels point.h5", "rabiline: point.h5: nothing is scanned in this file"),
-    ("plot-levels grid.h5", "rabiline: 9 curves are too many for one picture; `rabiline plot-scan` shows what arrives "
-                              "as a map"),
     ("plot-profiles point.h5 dorado.h5", "rabiline: 42 profiles are too many for one picture: choose some by "
                                          "--points, such as 0,21"),
     ("plot-image dorado.h5 --points 0,41", "rabiline: --points 0,41: the scan points are 0 to 40"),

@@ -231,6 +231,20 @@ def test_a_law_has_only_its_own_levels(tmp_path: Path) -> None:
     assert dorado.get_legend_handles_labels()[1] == ["(1 + $S_z$)/2", "(1 − $S_z$)/2"]
 
 
+def test_levels_of_a_large_grid_are_maps_over_both_axes(tmp_path: Path) -> None:
+    axis, across = frequencies(11), Axis("H0.amplitude", np.linspace(1e-7, 9e-7, 9), "T")
+    path = write_results(tmp_path / "a.h5", [across, axis], np.ones(99), law=["quantum"] * 99, bins=4)
+    shares = np.linspace(0, 1, 99).reshape(9, 11)
+    with h5py.File(path, "a") as file:
+        file["entry/screen_levels/levels"][...] = np.stack([shares, 1 - shares], axis=-1)
+    up, down, bar = plot_of(results.read(path), "levels").axes
+    assert [axes.get_title() for axes in (up, down)] == ["m = +1/2, quantum", "m = −1/2, quantum"] and bar.get_ylabel() == "fraction of what screen detected"
+    np.testing.assert_allclose(np.ravel(up.collections[0].get_array()), np.ravel(shares))
+    np.testing.assert_allclose(np.ravel(down.collections[0].get_array()), np.ravel(1 - shares))
+    (only, _) = plot_of(results.read(path), "levels", {"levels": "m=-1/2"}).axes
+    np.testing.assert_allclose(np.ravel(only.collections[0].get_array()), np.ravel(1 - shares))
+
+
 def test_sixteen_levels_differ_in_colour_symbol_or_line_and_m_has_one_colour(tmp_path: Path) -> None:
     axis, levels = frequencies(11), [(F, m) for F in (4, 3) for m in range(F, -F - 1, -1)]
     path = write_results(tmp_path / "a.h5", [axis], np.ones(11), law=["quantum"] * 11, bins=4)

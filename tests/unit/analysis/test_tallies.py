@@ -69,6 +69,13 @@ def test_a_tally_over_the_scan_says_what_it_is_summed_over() -> None:
     plt.close(figure)
 
 
+def test_a_tally_over_one_of_two_scanned_axes_says_where_the_other_stands() -> None:
+    scanned = rabiline.load(BEAM).set(particles=100).scan("source.speed.mean", "700 m/s:900 m/s:3").scan("mon.radius", ["9 mm", "8 mm"]).run()
+    figure = scanned.plot(kind="tally", name="mon_energies", points="all")
+    assert "at mon.radius = 9 mm" in figure._suptitle.get_text()
+    plt.close(figure)
+
+
 def test_a_tally_over_a_scan_in_any_order_is_that_over_a_rising_one() -> None:
     meshes = []
     for values in (["700 m/s", "800 m/s", "900 m/s"], ["900 m/s", "700 m/s", "800 m/s"]):
