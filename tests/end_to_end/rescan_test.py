@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         assert done.returncode == 0, done.stderr
     (folder / "rabi.yaml").unlink()
     (folder / "magnets.yaml").unlink()
-    for arguments in (("new", "ramsey"), ("run", "ramsey.yaml", "-o", "levels.h5", "--particles", 100, "--progress", "none")):
+    for arguments in (("new", "ramsey"), ("run", "ramsey.yaml", "-o", "levels.h5", "--transit", "totals", "--progress", "none")):
         assert rabiline(*arguments, cwd=folder).returncode == 0
     return folder
 
