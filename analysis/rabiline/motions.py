@@ -3,11 +3,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from . import tables
+from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
-from .results import Axis
+from .results import Axis, program_of
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
 
 # Motions in which a velocity or an angular momentum turns as the paper has it and established mechanics does not
 ON_HYPOTHESIS = {"paper", "euler", "larmor", "torque", "eq74"}
@@ -69,9 +77,38 @@ class Motions:
     axis: Axis | None  # what is scanned
     points: tuple[tuple[Motion, ...], ...]  # [points][motions]
     findings: tuple[Finding, ...]
+    program: str = ""  # name and version
 
     def __repr__(self) -> str:
         return f"<motions of {self.title}>"
+
+    def to_csv(self, path: Path | str) -> None:
+        """A line for each scan point with what the model found and what was expected, in SI, with the units in the header. Raises
+        StorageError, and InputError for the name of a result or an experiment and a file that is no such table."""
+        tables.to_csv(self, path)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The same for pandas; units stand in `attrs["units"]`."""
+        return tables.to_dataframe(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """What the model found over the scan, each with its `..._expected`, in SI; units stand in the `attrs` of each."""
+        return tables.to_xarray(self)
+
+    def summary(self) -> str:
+        """In words."""
+        from .motion_report import motion_summary
+        return motion_summary(self)
+
+    def plot(self, output: Path | str | None = None, **options: object) -> Figure:
+        """The picture of `rabiline plot-motion`, with its options as keywords; written to `output` where that is given. Raises
+        InputError for an option that there is not or an ending that is no picture's, and StorageError."""
+        from . import pictures, style
+        with as_keywords():
+            figure = pictures.plot_of(self, "motion", options)
+        if output is not None:
+            style.save(figure, output)
+        return figure
 
 
 def has_motions(path: Path | str) -> bool:
@@ -93,7 +130,7 @@ def read(source: Path | str | bytes) -> Motions:
         groups = [entry.group(f"point_{i}") for i in range(points)] if axis else [entry]
         return Motions(path, entry.text("title"), entry.text("model"), axis,
                        tuple(_read_motions(one, names) for one in groups),
-                       tuple(_read_findings(group, points)))
+                       tuple(_read_findings(group, points)), program_of(entry))
 
 
 def _read_motions(point: Group, names: list[str]) -> tuple[Motion, ...]:

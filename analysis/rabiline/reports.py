@@ -39,8 +39,8 @@ def print_summary(options: argparse.Namespace) -> None:
 
 
 def export(options: argparse.Namespace) -> None:
-    """The numbers of a scan as CSV: a line for each scan point of each detector, in SI, with the units in the header."""
-    file = results.read(options.file)
+    """The numbers of a scan as CSV: a line for each scan point of each detector, or of a model, in SI, with the units in the header."""
+    file = motions.read(options.file) if motions.has_motions(options.file) else results.read(options.file)
     try:
         tables.to_csv(file, options.output or sys.stdout)
     except InputError as problem:

@@ -202,7 +202,7 @@ def read(source: Path | str | bytes) -> Results:
         return Results(
             path=path,
             title=entry.text("title"),
-            program=" ".join((entry.text("program_name"), *_program_version(entry))).strip(),
+            program=program_of(entry),
             laws=_per_point(entry, "law", points),
             species=_per_point(entry, "species", points),
             particles=np.broadcast_to(entry.numbers("particles").ravel(), points),
@@ -222,8 +222,10 @@ def read(source: Path | str | bytes) -> Results:
         )
 
 
-def _program_version(entry: Group) -> tuple[str, ...]:
-    return entry.attribute("version", of="program_name") if "program_name" in entry else ()
+def program_of(entry: Group) -> str:
+    """What wrote the file: its name and version."""
+    version = entry.attribute("version", of="program_name") if "program_name" in entry else ()
+    return " ".join((entry.text("program_name", "rabiline"), *version)).strip()
 
 
 def _group_of_detector(entry: Group, name: str) -> str:

@@ -15,13 +15,16 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
+    from .motions import Motions
     from .results import Results
 
 LINE = 1 << 16  # bytes that are read of one
 
 
-def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
-    """(name, unit) and [rows] of each column: a row for each scan point of each detector."""
+def columns(results: Results | Motions) -> dict[tuple[str, str], np.ndarray]:
+    """(name, unit) and [rows] of each column: a row for each scan point of each detector, or of a model with what it found."""
+    if hasattr(results, "findings"):
+        return _findings(results)
     scan = results.scan
     points, detectors = int(np.prod(scan.shape)), len(scan.detectors)
     table: dict[tuple[str, str], np.ndarray] = {}
@@ -38,8 +41,17 @@ def columns(results: Results) -> dict[tuple[str, str], np.ndarray]:
     return table
 
 
-def to_csv(results: Results, to: Path | str | TextIO) -> None:
-    """A line for each scan point of each detector, numbers in SI. Raises InputError for a file that is no such table, which is not
+def _findings(results: Motions) -> dict[tuple[str, str], np.ndarray]:
+    axis = results.axis
+    table = {} if axis is None else {(axis.parameter, axis.units): np.array(axis.labels, dtype=object) if axis.labels else axis.values}
+    for finding in results.findings:
+        table[finding.name, finding.units] = finding.values
+        table[f"{finding.name}_expected", finding.units] = finding.expected
+    return table
+
+
+def to_csv(results: Results | Motions, to: Path | str | TextIO) -> None:
+    """A line for each row of `columns`, numbers in SI. Raises InputError for a file that is no such table, which is not
     written over, and StorageError."""
     if hasattr(to, "write"):
         _write(results, to)
@@ -49,7 +61,7 @@ def to_csv(results: Results, to: Path | str | TextIO) -> None:
         _write(results, file)
 
 
-def _write(results: Results, file: TextIO) -> None:
+def _write(results: Results | Motions, file: TextIO) -> None:
     table = columns(results)
     file.write(f"# {results.title}\n# {results.program}\n")
     writer = csv.writer(file, lineterminator="\n")
@@ -67,7 +79,7 @@ def _require_own(path: Path) -> None:
                                  "or remove it")
 
 
-def to_dataframe(results: Results) -> pandas.DataFrame:
+def to_dataframe(results: Results | Motions) -> pandas.DataFrame:
     """The same for pandas; the units stand in its `attrs["units"]`."""
     import pandas
     table = columns(results)
@@ -76,10 +88,15 @@ def to_dataframe(results: Results) -> pandas.DataFrame:
     return frame
 
 
-def to_xarray(results: Results) -> xarray.Dataset:
+def to_xarray(results: Results | Motions) -> xarray.Dataset:
     """Everything over the scan with its axes: `detected`, and for each detector `counts_NAME` over x and z, monitors and
-    tallies; each has its `NAME_error`."""
+    tallies; each has its `NAME_error`. Of a model, what it found, each with its `NAME_expected`."""
     import xarray
+    about = {"title": results.title, "program": results.program}
+    if hasattr(results, "findings"):
+        over = [results.axis.parameter] if results.axis else []
+        found = {name: (over, values if over else values[0], {"units": unit} if unit else {}) for (name, unit), values in columns(results).items()}
+        return xarray.Dataset({name: one for name, one in found.items() if name not in over}, {name: found[name] for name in over}, about)
     scan = results.scan
     over = tuple(axis.parameter for axis in scan.axes)
     shape = scan.shape if over else ()
@@ -117,4 +134,4 @@ def to_xarray(results: Results) -> xarray.Dataset:
                            {"units": axis.units or "1"})
         whole = (*shape, *tally.counts.shape[1:])
         add(f"tally_{name}", (*over, *dims), tally.counts.reshape(whole), tally.errors.reshape(whole))
-    return xarray.Dataset(data, coords, {"title": results.title, "program": results.program})
+    return xarray.Dataset(data, coords, about)

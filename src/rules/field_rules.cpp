@@ -118,26 +118,32 @@ void check_filters(const Beamline& beamline, Faults& out) {
   }
 }
 
-/// Where paths turn, a plane may be crossed both ways and again.
+/// Where paths turn, a plane may be crossed both ways and again, and a path through gas is no straight line.
 void check_one_way(const Beamline& beamline, Faults& out) {
   if (!turns_paths(beamline)) return;
+  constexpr double rounding = 1e-12;  // [m] 0.1 m + 0.2 m is more than 0.3 m, in binary digits
   for (const PlacedPart& part : beamline.parts) {
     if (!traits_of(part.part).one_way) continue;
-    const double y = part.placement.at;
-    const auto is_field = [&](const PlacedPart& p) { return traits_of(p.part).field; };
-    const auto field = std::ranges::find_if(beamline.parts, [&](const PlacedPart& p) {
-      return is_field(p) && p.placement.at < y && y <= end_of(p);
-    });
-    const bool goes_on = std::ranges::any_of(beamline.parts, [&](const PlacedPart& p) {
-      return is_field(p) && p.placement.at <= y && y < end_of(p);
-    });
-    if (field != beamline.parts.end() && goes_on)
+    const double y = part.placement.at, end = end_of(part);
+    const auto first_field = [&](const auto& where) {
+      return std::ranges::find_if(beamline.parts, [&](const PlacedPart& p) {
+        return traits_of(p.part).field && where(p.placement.at, end_of(p));
+      });
+    };
+    const auto none = beamline.parts.end();
+    const auto behind = first_field([&](double from, double to) { return from <= y && y < to; });
+    const auto before = first_field([&](double from, double to) { return from < y && y <= to; });
+    const auto along = first_field(
+        [&](double from, double to) { return from < end - rounding && to > y + rounding && end > y; });
+    const auto field = along != none ? along : behind != none ? before : none;
+    if (field != none)
       out.push_back(
           {part.placement.name, "at",
            fmt::format(
                "`{}` stands in the field `{}`, which turns the path under this law, and a {} can only be "
-               "passed in one direction",
-               part.placement.name, field->placement.name, kind_of(part.part)),
+               "passed {}",
+               part.placement.name, field->placement.name, kind_of(part.part),
+               along != none ? "along a straight line" : "in one direction"),
            "move it out of the field, or omit it under this law"});
   }
 }

@@ -184,6 +184,20 @@ def test_other_commands_say_what_the_file_is(tmp_path: Path, capsys: pytest.Capt
     assert main(["plot-motion", str(path), "-o", str(tmp_path / "x.png")]) == 0
 
 
+def test_what_a_model_found_is_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_model(tmp_path / "m.h5", spins=[1.0, 2.0, 3.0])
+    file = motions.read(path)
+    frame, data = file.to_dataframe(), file.to_xarray()
+    finding, parameter = file.findings[0], file.axis.parameter
+    np.testing.assert_array_equal(frame[finding.name], finding.values)
+    np.testing.assert_array_equal(data[f"{finding.name}_expected"].sel({parameter: file.axis.values[1]}), finding.expected[1])
+    assert main(["export", str(path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].startswith("# rabiline") and len(lines) == 6 and lines[2].startswith(parameter)
+    file.plot(tmp_path / "m.png")
+    assert (tmp_path / "m.png").stat().st_size > 1000 and file.summary().startswith(file.title)
+
+
 def test_a_file_without_motions_is_refused(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "n.h5", "w") as file:
         file.create_group("entry")
