@@ -288,13 +288,39 @@ void judge_coherence(const Beamline& beamline, const Species& atom, Faults& out)
   }
 }
 
+/// Drives of atoms in no field: nothing there tells the levels of one F apart, or along which axis they are.
+void judge_fieldless(const Beamline& beamline, const Species& atom, Faults& out) {
+  const ZoneMaker maker = zone_maker(beamline, atom);
+  std::vector<const PlacedPart*> told;
+  for (const Section& section : sections_of(beamline).sections) {
+    const SpinZone zone = maker.zone_of(section);
+    if (!section.shaped.empty() || zone.drives == 0 || zone.spin_rate != 0 || atom.gyromagnetic_ratio == 0)
+      continue;
+    const double middle = (section.begin + section.end) / 2;
+    for (const PlacedPart& part : beamline.parts) {
+      if (!is_on(part.part) || part.placement.at > middle || middle > end_of(part) ||
+          std::ranges::find(told, &part) != told.end())
+        continue;
+      told.push_back(&part);
+      const std::string& name = part.placement.name;
+      out.push_back(warning(name, "at",
+                            fmt::format("`{}` drives atoms where there is no static field: levels of one F "
+                                        "have one energy there, and their m is that along z by name alone",
+                                        name),
+                            "let a static field, such as a `uniform_field`, reach over it"));
+    }
+  }
+}
+
 }  // namespace
 
 Faults approximations_of(const Beamline& beamline) {
   Faults out;
   for (const Component& component : beamline.species)
-    if (is_quantum(beamline) && component.species.structure)
+    if (is_quantum(beamline) && component.species.structure) {
       judge_coherence(beamline, component.species, out);
+      judge_fieldless(beamline, component.species, out);
+    }
   for (const Species* species : points_of(beamline)) judge_rotating_wave(beamline, *species, out);
   judge_gradients(beamline, out);
   return out;

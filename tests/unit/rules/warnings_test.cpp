@@ -146,6 +146,21 @@ TEST(Warnings, TellThatADriveStandsInNoStaticField) {
   EXPECT_NE(faults[0].message.find("no static field"), std::string::npos);
 }
 
+TEST(Warnings, TellThatAtomsAreDrivenInNoStaticField) {
+  Beamline b = test::atoms("K-39 atom", 600, test::in_level(2, 2));
+  b.parts = {place("C", 0.2, UniformField{0.4, 1e-4, {}}), place("rf", 0.3, test::swinging(0.1, 1e-6, 461.7e6)),
+             test::wide_screen(1)};
+  const auto is_told = [&] {
+    return std::ranges::any_of(warned({b}), [](const Fault& f) {
+      return f.subject == "rf" &&
+             f.message.find("drives atoms where there is no static field") != f.message.npos;
+    });
+  };
+  EXPECT_FALSE(is_told());
+  b.parts[0].placement.at = 0.5;
+  EXPECT_TRUE(is_told());
+}
+
 /// Silver through a magnet of so many T/m onto bins of 20 um.
 Beamline silver(const std::string& species, double gradient) {
   Beamline b = test::atoms(species, 600, UnpolarisedSpin{});
