@@ -206,8 +206,23 @@ bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
   return all_read;
 }
 
-void omit_disabled(std::vector<PlacedPart>& parts) {
-  std::erase_if(parts, [](const PlacedPart& part) { return !part.placement.enabled; });
+/// Gives those back.
+std::vector<PlacedPart> omit_disabled(std::vector<PlacedPart>& parts) {
+  const auto rest = std::ranges::stable_partition(parts, [](const auto& p) { return p.placement.enabled; });
+  std::vector<PlacedPart> disabled(rest.begin(), rest.end());
+  parts.erase(rest.begin(), rest.end());
+  return disabled;
+}
+
+/// What is missed may be there, and not enabled.
+void name_disabled(const std::vector<PlacedPart>& disabled, std::vector<Fault>& faults) {
+  for (const PlacedPart& part : disabled) {
+    const std::string name = fmt::format("`{}`", part.placement.name);
+    for (Fault& fault : faults)
+      if (fault.message.find(name) != std::string::npos ||
+          (std::holds_alternative<Detector>(part.part) && fault.subject.empty() && fault.key == "parts"))
+        fault.help = name + " is not enabled";
+  }
 }
 
 }  // namespace
@@ -230,7 +245,7 @@ void finish_beamline(Beamline& beamline) {
 Beamline read_beamline(const Node& root, Reading& reading) {
   Beamline out;
   const bool all_read = read_by_tables(root, reading, out);
-  omit_disabled(out.parts);
+  const std::vector<PlacedPart> disabled = omit_disabled(out.parts);
   // Rules between parts are asked where all of them could be read.
   std::vector<Fault> faults;
   if (all_read)
@@ -238,6 +253,7 @@ Beamline read_beamline(const Node& root, Reading& reading) {
   else
     for (const PlacedPart& part : out.parts)
       for (Fault& fault : faults_of(part)) faults.push_back(std::move(fault));
+  name_disabled(disabled, faults);
   if (!faults.empty()) {
     const Places places(root);
     for (const Fault& fault : faults) reading.errors.push_back(places.locate(fault));
