@@ -140,6 +140,7 @@ def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[
             label = None
     if top == 0:
         axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center")
+        axes.update_datalim(np.column_stack([x, np.zeros(x.size)]))
     axes.margins(x=0.1 if row.axis.labels else 0.02)
     axes.grid(axis="y")
     return top

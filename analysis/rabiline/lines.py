@@ -157,7 +157,8 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     if x.size < len(chosen.parameters) + 2 * lines + 2:
         raise NoLine(f"{x.size} points are too few for {lines} line{'s' if lines > 1 else ''} of the form {chosen.name}")
     if np.ptp(y) == 0:
-        raise NoLine("the curve is flat, there is no line in it\n  help: a detector that catches all levels alike does not see what fields did; "
+        raise NoLine("nothing was detected, at no point\n  help: `rabiline summary` of the result tells where particles ended" if not y.any() else
+                     "the curve is flat, there is no line in it\n  help: a detector that catches all levels alike does not see what fields did; "
                      "put a magnet or a `spin_filter` in front of it, or look at `plot-levels`")
     order = np.argsort(x)
     unit, origin = float(np.ptp(x)), float(x[order[x.size // 2]])

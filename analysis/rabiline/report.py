@@ -56,7 +56,8 @@ def _run(results: Results) -> Iterable[str]:
     yield f"  written by   {results.program}"
     yield f"  law          {'; '.join(map(law_name, dict.fromkeys(results.laws)))}"
     yield f"  species      {'; '.join(dict.fromkeys(results.species))}"
-    yield f"  particles    {results.particles[0]:.0f} per point, {len(results.laws)} point{'s' if len(results.laws) > 1 else ''}"
+    fewest, most = results.particles.min(), results.particles.max()
+    yield f"  particles    {fewest:.0f}{f' to {most:.0f}' if most > fewest else ''} per point, {len(results.laws)} point{'s' if len(results.laws) > 1 else ''}"
     if results.solid_angle is not None:
         yield f"  solid angle  {results.solid_angle:.6g} sr"
     if results.aimed_fraction is not None:

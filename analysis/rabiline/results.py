@@ -205,7 +205,7 @@ def read(source: Path | str | bytes) -> Results:
             program=program_of(entry),
             laws=_per_point(entry, "law", points),
             species=_per_point(entry, "species", points),
-            particles=np.broadcast_to(entry.numbers("particles").ravel(), points),
+            particles=_particles(entry, scan, points),
             solid_angle=float(entry.numbers("solid_angle", (1,))[0]) if "solid_angle" in entry else None,
             aimed_fraction=entry.numbers("aimed_fraction", (points,)) if "aimed_fraction" in entry else None,
             rate=float(entry.numbers("rate").ravel()[0]) if "rate" in entry else None,
@@ -220,6 +220,14 @@ def read(source: Path | str | bytes) -> Results:
             warnings=read_warnings(entry),
             field_check=_read_field_check(entry.group("field_check")) if "field_check" in entry else None,
         )
+
+
+def _particles(entry: Group, scan: Scan, points: int) -> np.ndarray:
+    """[points] What the file asks for, or what is scanned of it."""
+    for axis, number in zip(scan.axes, np.unravel_index(np.arange(points), scan.shape)):
+        if axis.parameter == "particles":
+            return axis.values[number]
+    return np.broadcast_to(entry.numbers("particles").ravel(), points)
 
 
 def program_of(entry: Group) -> str:

@@ -45,7 +45,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.8), layout="constrained")
     across, up = scanned.scale, axis.scale
     mesh = panel.pcolormesh(across.apply(edges_of(scanned.values)), up.apply(axis.edges), counts[flat].T, cmap=COUNTS,
-                            vmin=0, rasterized=True)
+                            vmin=0, vmax=counts[flat].max() or 1, rasterized=True)
     if is_logarithmic(scanned.values):
         style.logarithmic(panel.xaxis)
     if scanned.labels:
@@ -125,7 +125,7 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
     figure, panels = plt.subplots(1, len(points), figsize=(1.4 + 4.4 * len(points), 4.8), squeeze=False,
                                   sharey=True, layout="constrained")
     scales = [axis.scale for axis in axes]
-    most = max(float(counts[list(points)].max()), 1e-300)
+    most = float(counts[list(points)].max()) or 1.0
     for panel, point in zip(panels[0], points):
         edges = [np.asarray(scale.apply(axis.edges)) for axis, scale in zip(axes, scales)]
         mesh = panel.pcolormesh(*edges, counts[point].T, cmap=COUNTS, vmin=0, vmax=most, rasterized=True)

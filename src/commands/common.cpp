@@ -225,9 +225,15 @@ std::string headed(const std::string& title) { return title.empty() ? "" : title
 
 void print_summary(const Result& result, const std::filesystem::path& output, std::string_view note) {
   const std::size_t points = result.emitted.size();
-  say(stdout, "{}{}{} particle{}{}, {:.2f} s\n", headed(result.title),
-      points == 1 ? "" : fmt::format("{} scan points, ", points), result.particles,
-      result.particles == 1 ? "" : "s", points == 1 ? "" : " each", result.provenance.seconds);
+  std::string particles = fmt::format("{} particle{}", result.particles, result.particles == 1 ? "" : "s");
+  for (const ScanAxis& axis : result.axes)
+    if (axis.parameter == "particles" && !axis.values.empty()) {
+      const auto [fewest, most] = std::minmax_element(axis.values.begin(), axis.values.end());
+      particles = fmt::format("{:.0f} to {:.0f} particles", *fewest, *most);
+    }
+  say(stdout, "{}{}{}{}, {:.2f} s\n", headed(result.title),
+      points == 1 ? "" : fmt::format("{} scan points, ", points), particles, points == 1 ? "" : " each",
+      result.provenance.seconds);
   for (const DetectorResult& d : result.detectors) {
     const auto [least, most] = std::minmax_element(d.detected.begin(), d.detected.end());
     if (points == 1)

@@ -98,6 +98,11 @@ def test_nothing_changes_what_was_loaded(ramsey: rabiline.Experiment) -> None:
     assert (ramsey.run().detected == before).all() and ramsey.points == 14 and ramsey.scan().points == 1
 
 
+def test_points_of_other_numbers_of_particles_know_theirs() -> None:
+    result = rabiline.load(BEAMLINES / "ramsey.yaml").scan().scan("particles", [10, 1000]).run()
+    assert result.particles.tolist() == [10, 1000] and "particles    10 to 1000 per point" in result.summary()
+
+
 def test_a_file_that_changes_afterwards_changes_nothing(ramsey: rabiline.Experiment, tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(ramsey.origin.text.replace("parts:", "geometry: bench.yaml\nparts:"))

@@ -299,3 +299,8 @@ def test_a_result_is_no_table_of_counts(tmp_path: Path) -> None:
     path = write_results(tmp_path / "a.h5", [frequencies(5)], np.ones(5), law=["quantum"], bins=4)
     with pytest.raises(FileError, match="a table of counts belongs here \\(CSV\\), and this is an HDF5 file$"):
         read_counts(path)
+
+
+def test_a_curve_of_nothing_says_so() -> None:
+    with pytest.raises(NoLine, match="nothing was detected"):
+        fit_line(X, np.zeros(X.size), np.eye(X.size) * 1e-6, "gauss")
