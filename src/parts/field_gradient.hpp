@@ -16,7 +16,9 @@ inline constexpr auto parameters<FieldGradient> = std::tuple{
     param("longitudinal", &FieldGradient::longitudinal, Dimension::field_gradient, range::any,
           "growth along the beam, from the middle of the field", 0.0),
     param("transverse", &FieldGradient::transverse, Dimension::field_gradient, range::any,
-          "growth across the beam, across the field as well", 0.0),
+          "growth across the beam, across the field as well: towards +x for a field along +z, -z for one "
+          "along +x",
+          0.0),
     param("quadrupole", &FieldGradient::quadrupole, Dimension::field_gradient, range::any,
           "growth across the beam along the field, and as much decay of the component across both", 0.0),
 };
