@@ -23,6 +23,7 @@ from .counts import Counts
 from .covariance import Spread
 from .errors import InputError
 from .experiment import Experiment
+from .units import format_value
 
 NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
@@ -103,8 +104,14 @@ class CurveModel:
         return experiment.scan(name, ",".join(outer)).scan(self.parameter, ",".join(inner)), rows
 
     def _unit(self, name: str) -> str:
+        if name in ("seed", "particles"):
+            raise NoFit(f"`{name}` is a number of the simulation, not of the beam")
         try:
-            return [self.experiment.scan().unit(one) for one in name.split("+")][0]
+            each = {one: (self.experiment.scan().value(one), self.experiment.scan().unit(one)) for one in name.split("+")}
+            if len(set(each.values())) > 1:
+                starts = " and ".join(f"{format_value(value, unit)} for `{one}`" for one, (value, unit) in each.items())
+                raise NoFit(f"`{name}` is to be one value, and starts at {starts}\n  help: start them alike, or free each by itself")
+            return next(iter(each.values()))[1]
         except KeyError:
             wrong = [text for one in name.split("+") for text in unknown(self.experiment, one, 1.0)]
             numbers = [f"{name}.{key}" for key in USUAL if self.experiment.scan()._setup.value(f"{name}.{key}") is not None]

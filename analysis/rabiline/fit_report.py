@@ -79,7 +79,7 @@ def is_undetermined(fit: CountsFit, number: int) -> bool:
 def _about_unit(fit: CountsFit) -> Iterable[str]:
     counts = fit.counts
     extent = f"{counts.places[int(np.argmin(counts.x))]} to {counts.places[int(np.argmax(counts.x))]}"
-    yield f"the counts change from {extent}, and the simulated curve does not: is the unit of the column `{counts.parameter}` right?"
+    yield f"the counts change from {extent}, and the simulated curve does not: is the unit of the column `{counts.parameter}` right, or does the fit start too far away?"
 
 
 def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import tables
-from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .results import Axis, program_of
 
@@ -103,12 +102,8 @@ class Motions:
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-motion`, with its options as keywords; written to `output` where that is given. Raises
         InputError for an option that there is not or an ending that is no picture's, and StorageError."""
-        from . import pictures, style
-        with as_keywords():
-            figure = pictures.plot_of(self, "motion", options)
-        if output is not None:
-            style.save(figure, output)
-        return figure
+        from .pictures import picture
+        return picture(self, "motion", output, options)
 
 
 def has_motions(path: Path | str) -> bool:

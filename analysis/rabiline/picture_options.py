@@ -3,7 +3,50 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, ArgumentTypeError
 from math import inf
+from numbers import Real
 from pathlib import Path
+from typing import Callable, NoReturn, TypeVar
+
+from .errors import InputError
+
+T = TypeVar("T")
+
+
+class KeywordParser(ArgumentParser):
+    """Reads options that are keywords of a call: what is wrong with one is an InputError."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises it."""
+        raise InputError(message.removeprefix("argument "))
+
+    @staticmethod
+    def require(name: str, read: Callable[[str], T], text: str) -> T:
+        """One option by itself."""
+        try:
+            return read(text)
+        except ArgumentTypeError as problem:
+            raise InputError(f"--{name}: {problem}") from None
+
+
+def words_of(key: str, value: object) -> list[str]:
+    """A keyword as on the command line: a list is an option for each of its values, True one without a value, None and False none."""
+    option = f"--{key.replace('_', '-')}"
+    if value is None or isinstance(value, bool):
+        return [option] if value else []
+    if isinstance(value, list):
+        return [word for one in value for word in words_of(key, one)]
+    if not isinstance(value, (str, Path, Real)):
+        value = ":".join(map(repr, pair_of(key, value)))
+    return [f"{option}={value}"]
+
+
+def pair_of(key: str, value: object) -> tuple[float, float]:
+    """Two numbers. Raises TypeError."""
+    try:
+        first, second = map(float, value)
+    except (TypeError, ValueError):
+        raise TypeError(f"`{key}` is {value!r}: a text is meant, as on the command line, or a pair of numbers") from None
+    return first, second
 
 
 def add_options(verb: str, parser: ArgumentParser) -> None:

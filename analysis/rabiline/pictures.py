@@ -14,10 +14,10 @@ from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots,
                space_plots, style, tally_plots, track_plots, tracks, transit_plots)
 from .counts import read_counts
 from .curves import Curve, NoResonance, curves, labels_of
-from .errors import InputError
+from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
-from .picture_options import add_options
+from .picture_options import KeywordParser, add_options, dots, pair_of, size_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
 
@@ -45,22 +45,36 @@ def limited(figure: Figure, options: argparse.Namespace) -> Figure:
     return figure
 
 
+def picture(opened: object, kind: str | None, output: Path | str | None, options: dict[str, object]) -> Figure:
+    """As `plot_of`, with `dpi` among the options; written to `output` where that is given."""
+    with as_keywords():
+        dpi = options.pop("dpi", 200)
+        figure = plot_of(opened, kind, options)
+        KeywordParser.require("dpi", dots, str(dpi))
+    if output is not None:
+        style.save(figure, output, dpi)
+    return figure
+
+
 def plot_of(opened: object, kind: str | None = None, options: dict[str, object] | None = None) -> Figure:
-    """The picture of what is open, with the options of `plot-KIND` as keywords."""
-    parser, options = ArgumentParser(), dict(options or {})
+    """The picture of what is open, with the options of `plot-KIND` as keywords: texts and numbers as on the command line, a range or a size
+    also as a pair of numbers, the size then in inches."""
+    parser, options = KeywordParser(), dict(options or {})
     size = options.pop("size", None)
     verb = f"plot-{kind or _fitting_kind(opened)}"
     if verb.replace("-", "_") not in globals():
         raise InputError(f"there is no picture `{kind}`")
     arguments(verb, parser)
     name = [str(options.pop("name"))] if verb == "plot-tally" else []
-    chosen = parser.parse_args(["FILE", *name, "-o", "none.png"])
-    for key, value in options.items():
-        if not hasattr(chosen, key):
-            raise InputError(f"{verb} has no option `{key}`")
-        setattr(chosen, key, value)
+    fixed = ["FILE", *name, "-o", "none.png"]
+    known = vars(parser.parse_args(fixed))
+    if unknown := [key for key in options if key not in known]:
+        raise InputError(f"{verb} has no option `{unknown[0]}`")
+    chosen = parser.parse_args([*fixed, *(word for key, value in options.items() for word in words_of(key, value))])
     chosen.file, chosen.files = opened, [opened]
-    with style.here(size):
+    if size is not None and not isinstance(size, str):  # in inches
+        size = "x".join(f"{25.4 * each:.6g}" for each in pair_of("size", size))
+    with style.here(size and KeywordParser.require("size", size_of, size)):
         return limited(chosen.command(chosen), chosen)
 
 
@@ -116,6 +130,8 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     marks = dict(_mark(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
     across = _across(files[0], first)
+    if options.data and (options.beside or len(lines) > MOST_CURVES):
+        raise InputError("--data stands beside curves in one panel")
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Sequence
 import numpy as np
 
 from . import tables
-from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
 from .tallies import Tally, TallyAxis, read_tally
@@ -178,14 +177,10 @@ class Results:
 
     def plot(self, output: Path | str | None = None, kind: str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-KIND`, "scan" where there is one and else "image", with its options as keywords:
-        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"]; written to `output` where that is given. Raises
+        detector="wire", title="...", mark=["Larmor frequency=291.647 kHz"], size="86x60" (mm), dpi=300; written to `output` where that is given. Raises
         InputError for what there is not or an ending that is no picture's, and StorageError."""
-        from . import pictures, style
-        with as_keywords():
-            figure = pictures.plot_of(self, kind, options)
-        if output is not None:
-            style.save(figure, output)
-        return figure
+        from .pictures import picture
+        return picture(self, kind, output, options)
 
 
 def read(source: Path | str | bytes) -> Results:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .errors import as_keywords
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
 
 if TYPE_CHECKING:
@@ -103,12 +102,8 @@ class Tracks:
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
         InputError for an option that there is not or an ending that is no picture's, and StorageError."""
-        from . import pictures, style
-        with as_keywords():
-            figure = pictures.plot_of(self, "tracks", options)
-        if output is not None:
-            style.save(figure, output)
-        return figure
+        from .pictures import picture
+        return picture(self, "tracks", output, options)
 
 
 def read(source: Path | str | bytes) -> Tracks:

@@ -108,12 +108,14 @@ inline constexpr QuantityRow quantity_rows[] = {
      .circular = true},
     {.quantity = Quantity::level,
      .word = "level",
-     .meaning = "m along +z, one bin for each from I down to -I, the weight split over them (quantum)",
+     .meaning =
+         "m along +z, one bin for each from I down to -I, or an atom's level along the field there; the "
+         "weight split over them (quantum)",
      .dimension = Dimension::number,
      .limits = limits::any,
      .from = "",
      .to = "",
-     .title = "m along +z",
+     .title = "m along +z, or an atom's level along the field there",
      .categorical = true,
      .of_spin = true},
     {.quantity = Quantity::prepared_level,
@@ -123,7 +125,7 @@ inline constexpr QuantityRow quantity_rows[] = {
      .limits = limits::any,
      .from = "",
      .to = "",
-     .title = "m along +z that the particle was prepared in",
+     .title = "m along +z, or an atom's level along the field there, that the particle was prepared in",
      .categorical = true},
     {Quantity::adiabaticity, "adiabaticity",
      "the smallest Larmor frequency over the rate at which the static field turns, on the way through fields "

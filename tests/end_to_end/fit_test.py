@@ -145,6 +145,13 @@ def test_counts_of_another_experiment_do_not_fit(ramsey: rabiline.Experiment, fr
     assert wrong.p < 1e-6 and "does not describe these counts" in str(wrong)
 
 
+@pytest.mark.parametrize(("free", "says"), [("seed", "a number of the simulation, not of the beam"),
+                                            ("guide.field+C1.amplitude", "is to be one value, and starts at")])
+def test_what_is_no_parameter_of_a_beam_is_not_fitted(ramsey: rabiline.Experiment, fringes: Counts, free: str, says: str) -> None:
+    with pytest.raises(NoFit, match=says):
+        fit_counts(ramsey, fringes, [free], intervals=False)
+
+
 def test_a_simulation_of_few_particles_is_no_verdict_on_the_counts(ramsey: rabiline.Experiment, fringes: Counts) -> None:
     few = fit_counts(ramsey.set({"particles": 20}), fringes, ["guide.field", "C1.amplitude"], intervals=False)
     assert few.p < 1e-6 or few.degenerate
@@ -246,7 +253,7 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
 def test_counts_far_from_the_line_are_asked_for_their_unit(ramsey: rabiline.Experiment, fringes: Counts) -> None:
     places = tuple(place.replace("Hz", "kHz") for place in fringes.places)
     lost = fit_counts(ramsey, replace(fringes, places=places, unit="kHz"), ["guide.field"], intervals=False)
-    assert "28664.7 kHz to 29664.7 kHz, and the simulated curve does not: is the unit of the column `C1.frequency` right?" in str(lost)
+    assert "28664.7 kHz to 29664.7 kHz, and the simulated curve does not: is the unit of the column `C1.frequency` right, or does the fit start too far away?" in str(lost)
     assert "unit" not in str(fit_counts(ramsey, fringes, ["guide.field"], intervals=False))
     chance = replace(fringes, places=places, counts=np.random.default_rng(1).poisson(np.full(fringes.x.size, 900.0)).astype(float))
     assert "unit" not in str(fit_counts(ramsey, chance, ["guide.field"], intervals=False))
