@@ -332,10 +332,12 @@ int run_program(const std::vector<std::string>& arguments) {
     return ranks && !ranks->leads() ? fly_along(*ranks) : parse_and_run(arguments, ranks.get());
   });
   if (ranks && ranks->leads()) dismiss(*ranks, code);
-  const std::string lost = lost_text(prints(arguments));
+  const bool is_asked_for = prints(arguments);
+  const std::string lost = lost_text(is_asked_for);
   if (lost.empty() || code != exit_code::done) return code;
-  say(stderr, "error: what was to be printed could not be written to the standard output ({})\n", lost);
-  return exit_code::not_written;
+  say(stderr, "{}: what was to be printed could not be written to the standard output ({})\n",
+      is_asked_for ? "error" : "warning", lost);
+  return is_asked_for ? exit_code::not_written : code;
 }
 
 }  // namespace rabiline

@@ -67,16 +67,24 @@ std::optional<Diagnostic> missing_comma(const Place& colon) {
   return std::nullopt;
 }
 
-/// `law:quantum` in a line of its own above a key: both are one text for YAML.
-std::optional<Diagnostic> missing_space(const Place& colon) {
+/// `law:quantum` or `law quantum` in a line of its own above a key: both lines are one text for YAML.
+std::optional<Diagnostic> incomplete_colon(const Place& colon) {
   const std::vector<std::string>& lines = colon.text->lines;
   for (auto above = std::min(static_cast<std::size_t>(colon.line - 1), lines.size()); above-- > 0;) {
     const std::string line = without_texts(lines[above]);
     const std::size_t end = line.find_last_not_of(' ');
     if (end == line.npos) continue;
-    const std::size_t begin = line.find_first_not_of(" -"), narrow = line.find(':');
-    if (narrow == line.npos || narrow <= begin || narrow >= end || line[narrow + 1] == ' ' ||
-        line.find(' ', begin) < narrow)
+    const std::size_t begin = line.find_first_not_of(" -"), narrow = line.find(':'),
+                      gap = line.find(' ', begin);
+    if (narrow == line.npos && gap < end) {
+      const std::string key = line.substr(begin, gap - begin);
+      const std::string value = line.substr(gap, end + 1 - gap);
+      return Diagnostic{{colon.text, static_cast<int>(above) + 1, static_cast<int>(begin) + 1,
+                         static_cast<int>(gap - begin)},
+                        fmt::format("a colon is missing behind `{}`", key),
+                        fmt::format("write `{}:{}`", key, value)};
+    }
+    if (narrow == line.npos || narrow <= begin || narrow >= end || line[narrow + 1] == ' ' || gap < narrow)
       return std::nullopt;
     const std::string key = line.substr(begin, narrow - begin);
     return Diagnostic{{colon.text, static_cast<int>(above) + 1, static_cast<int>(begin) + 1,
@@ -85,6 +93,15 @@ std::optional<Diagnostic> missing_space(const Place& colon) {
                       fmt::format("write `{}: {}`", key, line.substr(narrow + 1, end - narrow))};
   }
   return std::nullopt;
+}
+
+/// An apostrophe within '...' ends it, and what follows is another text.
+bool is_behind_quote(const Place& place) {
+  const auto number = static_cast<std::size_t>(place.line - 1),
+             at = static_cast<std::size_t>(place.column - 1);
+  const std::vector<std::string>& lines = place.text->lines;
+  return number < lines.size() && at > 0 && at < lines[number].size() &&
+         (lines[number][at - 1] == '\'' || lines[number][at - 1] == '"');
 }
 
 }  // namespace
@@ -96,7 +113,10 @@ Diagnostic explain_yaml(Place place, std::string_view message) {
     if (const std::optional<Place> open = last_open(place))
       return {*open, "this is never closed", "a `}` or `]` is missing in front of the next item"};
   if (place.text && message.find("illegal map value") != message.npos)
-    if (std::optional<Diagnostic> missing = missing_space(place)) return *std::move(missing);
+    if (std::optional<Diagnostic> missing = incomplete_colon(place)) return *std::move(missing);
+  if (place.text && message.find("end of map not found") != message.npos && is_behind_quote(place))
+    return {std::move(place), "the text has ended at the quote in front of this",
+            "a text with an apostrophe stands between \"...\", one with a \" between '...'"};
   struct Case {
     std::string_view message, problem, help;
   };

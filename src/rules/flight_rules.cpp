@@ -136,6 +136,16 @@ bool sorts_levels(const Beamline& beamline, const Sections& sections, const Stre
   });
 }
 
+/// Gas somewhere on a stretch, which scatters as a whole where that begins.
+const PlacedPart* gas_in(const Beamline& beamline, const Stretch& stretch) {
+  constexpr double rounding = 1e-12;  // [m]
+  for (const PlacedPart& part : beamline.parts)
+    if (std::holds_alternative<GasCell>(part.part) && part.placement.at < stretch.end - rounding &&
+        end_of(part) > stretch.begin + rounding)
+      return &part;
+  return nullptr;
+}
+
 /// What stands in a field that differs from place to place may be passed both ways; where levels are sorted,
 /// nothing may stand, and nothing may drive them.
 void check_stepped(const Beamline& beamline, const Sections& sections, Faults& out) {
@@ -174,8 +184,22 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
       const bool both_ways =
           std::holds_alternative<PlateTerm>(plane.term) || std::holds_alternative<ScreenTerm>(plane.term) ||
           std::holds_alternative<MonitorTerm>(plane.term) || std::holds_alternative<AlignTerm>(plane.term);
-      if (both_ways && !sorts) continue;
       const PlacedPart& inside = part(plane.part);
+      if (both_ways && !sorts) {
+        if (const PlacedPart* gas = gas_in(beamline, stretch)) {
+          out.push_back(
+              {gas->placement.name, "at",
+               fmt::format("`{}` stands in the gas `{}`, which acts at once where {} begins ({} to {})",
+                           inside.placement.name, gas->placement.name,
+                           field == nullptr
+                               ? std::string("the flight under gravity along the beam")
+                               : fmt::format("the field of `{}`, which is followed along each path,", *field),
+                           metres(stretch.begin), metres(stretch.end)),
+               fmt::format("end the gas in front of that, or move `{}` out of it", inside.placement.name)});
+          return;
+        }
+        continue;
+      }
       out.push_back(
           {inside.placement.name, "at",
            field == nullptr

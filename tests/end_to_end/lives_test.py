@@ -162,10 +162,12 @@ def test_a_limit_on_file_sizes_exits_3(tmp_path: Path, arguments: list) -> None:
     assert [path for path in tmp_path.iterdir() if path.suffix == ".tmp"] == []
 
 
-def test_lost_text_is_told_where_it_matters() -> None:
-    with open("/dev/full", "w") as full:
-        done = subprocess.run([PROGRAM, "describe"], stdout=full, stderr=subprocess.PIPE, text=True)
-    assert done.returncode == NOT_WRITTEN and "No space left on device" in done.stderr
+def test_lost_text_is_told_and_an_error_where_it_matters(tmp_path: Path) -> None:
+    for arguments, code, word in ((["describe"], NOT_WRITTEN, "error"), (["run", EXPERIMENT, *FEW, "-o", tmp_path / "a.h5"], 0, "warning")):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE, text=True)
+        assert done.returncode == code and f"{word}: what was to be printed" in done.stderr and "No space left on device" in done.stderr
+    assert rabiline("verify", tmp_path / "a.h5").returncode == 0
 
 
 def test_threads_that_cannot_be_started_are_told(tmp_path: Path) -> None:

@@ -98,23 +98,6 @@ def test_nothing_changes_what_was_loaded(ramsey: rabiline.Experiment) -> None:
     assert (ramsey.run().detected == before).all() and ramsey.points == 14 and ramsey.scan().points == 1
 
 
-@pytest.mark.parametrize(("options", "error", "says"), [
-    ({"size": "0x0"}, rabiline.InputError, "`size`: `0x0` is no size"), ({"size": (0, 0)}, rabiline.InputError, "no size"),
-    ({"size": 3}, TypeError, "a pair of numbers"), ({"x_range": "29:"}, rabiline.InputError, "`x_range`: `29:` is no range"),
-    ({"x_range": 3}, rabiline.InputError, "is no range"), ({"dpi": 1e9}, rabiline.InputError, "dots per inch"),
-    ({"detector": [b"x"]}, TypeError, "a text is meant"), ({"colour": "red"}, rabiline.InputError, "no option `colour`")])
-def test_options_of_pictures_are_read_as_on_the_command_line(ramsey: rabiline.Experiment, options: dict, error: type, says: str) -> None:
-    result = ramsey.set(particles=20).run()
-    with pytest.raises(error, match=says):
-        result.plot(kind="scan", **options)
-
-
-def test_a_picture_takes_texts_and_numbers(ramsey: rabiline.Experiment) -> None:
-    figure = ramsey.set(particles=20).run().plot(kind="scan", size="100x80", x_range="286:290", mark=["here=288 kHz"], title=3)
-    assert figure.get_size_inches() * 25.4 == pytest.approx([100, 80]) and figure.axes[0].get_xlim() == (286, 290)
-    assert figure._suptitle.get_text().startswith("3")
-
-
 def test_points_of_other_numbers_of_particles_know_theirs() -> None:
     result = rabiline.load(BEAMLINES / "ramsey.yaml").scan().scan("particles", [10, 1000]).run()
     assert result.particles.tolist() == [10, 1000] and "particles    10 to 1000 per point" in result.summary()
