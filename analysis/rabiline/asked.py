@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import operator
 import os
+from numbers import Real
 from typing import TYPE_CHECKING, Iterable
 
 from .errors import InputError
@@ -29,6 +30,13 @@ def path(name: str, value: object) -> str | os.PathLike[str]:
     if "\0" in os.fspath(value):
         raise InputError(f"`{name}` is the path of a file, and has a zero byte in it")
     return value
+
+
+def number(name: str, value: object) -> float:
+    """Raises TypeError."""
+    if not isinstance(value, Real):
+        raise TypeError(f"`{name}` is a number, not {_kind(value)}")
+    return float(value)
 
 
 def whole_number(name: str, value: object, least: int = 0, most: int | None = None) -> int:

@@ -204,7 +204,7 @@ class Experiment:
         asked.text("the name of what is changed", name)
         if isinstance(value, str):
             return _quoted(value, r"(^|\s)#|:(\s|$)|^[@`%&*!|>]")
-        if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, str)):
+        if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, (str, bytes))):
             return json.dumps(value)
         if not isinstance(value, Real):
             raise TypeError(f"`{name}` is a number in SI, a text with its unit, a list or a mapping, not {type(value).__name__}")

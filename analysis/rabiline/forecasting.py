@@ -56,9 +56,9 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     factor of the exposure is free unless `known_rate`. Raises NoFit where nothing can be forecast, and InputError as `load` does."""
     free = asked.names("free", free)
     for name, value in (("rate", rate), ("seconds", seconds)):
-        if value is not None and not 0 < value <= LARGEST:
+        if value is not None and not 0 < asked.number(name, value) <= LARGEST:
             raise NoFit(f"`{name}` is {value}, and must be above 0, up to {LARGEST:g}")
-    if background is not None and not 0 <= background <= LARGEST:
+    if background is not None and not 0 <= asked.number("background", background) <= LARGEST:
         raise NoFit(f"`background` is {background}, and must be 0 or above, up to {LARGEST:g}")
     flown = experiment.set(particles=1000).fly()
     axes = flown.core.axes
