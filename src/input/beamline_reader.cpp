@@ -208,9 +208,10 @@ bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
 
 /// Gives those back.
 std::vector<PlacedPart> omit_disabled(std::vector<PlacedPart>& parts) {
-  const auto rest = std::ranges::stable_partition(parts, [](const auto& p) { return p.placement.enabled; });
-  std::vector<PlacedPart> disabled(rest.begin(), rest.end());
-  parts.erase(rest.begin(), rest.end());
+  const auto rest = std::stable_partition(parts.begin(), parts.end(),
+                                          [](const PlacedPart& part) { return part.placement.enabled; });
+  std::vector<PlacedPart> disabled(rest, parts.end());
+  parts.erase(rest, parts.end());
   return disabled;
 }
 
