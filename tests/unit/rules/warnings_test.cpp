@@ -148,8 +148,8 @@ TEST(Warnings, TellThatADriveStandsInNoStaticField) {
 
 TEST(Warnings, TellThatAtomsAreDrivenInNoStaticField) {
   Beamline b = test::atoms("K-39 atom", 600, test::in_level(2, 2));
-  b.parts = {place("C", 0.2, UniformField{0.4, 1e-4, {}}), place("rf", 0.3, test::swinging(0.1, 1e-6, 461.7e6)),
-             test::wide_screen(1)};
+  b.parts = {place("C", 0.2, UniformField{0.4, 1e-4, {}}),
+             place("rf", 0.3, test::swinging(0.1, 1e-6, 461.7e6)), test::wide_screen(1)};
   const auto is_told = [&] {
     return std::ranges::any_of(warned({b}), [](const Fault& f) {
       return f.subject == "rf" &&
