@@ -60,8 +60,8 @@ Setup load(const std::filesystem::path& file, const Changes& = {});
 Setup load_beamline(const std::filesystem::path& file, const Changes& = {});
 /// As `load`, of what a snapshot was made from.
 Setup load(const Snapshot&);
-/// The same once more with other changes, behind those that it was loaded with; files are as they were then,
-/// and a map that is another one now is refused.
+/// The same once more with these changes instead, behind those of a result; files are as they were when it
+/// was loaded, and a map that is another one now is refused.
 Setup load(const Setup&, const Changes&);
 /// As `load`, of a text, which messages call `text`; paths in it begin in `folder`.
 Setup load_text(const std::string& text, const std::filesystem::path& folder, const Changes& = {});

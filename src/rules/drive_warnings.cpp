@@ -47,7 +47,7 @@ std::vector<Drive> drives_of(const Beamline& beamline, const Species& species) {
   const ZoneMaker maker = zone_maker(beamline, species);
   const double speed = mean_speed(beamline.source.speed, species.mass);
   for (const Section& section : sections_of(beamline).sections) {
-    if (section.has_shaped_fields()) continue;  // which the zone does not know
+    if (!section.shaped.empty()) continue;  // static fields that the zone does not know
     const SpinZone zone = maker.zone_of(section);
     if (zone.drives != 1 || zone.drive[0].omega == 0) continue;
     const double middle = (section.begin + section.end) / 2;

@@ -146,6 +146,13 @@ TEST(Warnings, TellThatADriveStandsInNoStaticField) {
   EXPECT_NE(faults[0].message.find("no static field"), std::string::npos);
 }
 
+TEST(Warnings, TakeAFieldWithAFringeForAStaticField) {
+  Beamline b = standard();
+  std::get<UniformField>(b.parts[1].part).fringe = TanhFringe{1e-3};
+  for (const Fault& fault : warned({b}))
+    EXPECT_EQ(fault.message.find("no static field"), std::string::npos) << fault.message;
+}
+
 TEST(Warnings, TellThatAtomsAreDrivenInNoStaticField) {
   Beamline b = test::atoms("K-39 atom", 600, test::in_level(2, 2));
   b.parts = {place("C", 0.2, UniformField{0.4, 1e-4, {}}),
