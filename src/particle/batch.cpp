@@ -31,4 +31,13 @@ void Batch::copy_from(const Batch& other) {
   view_.fall = other.view_.fall;
 }
 
+void Batch::add(const BatchView& from, int particle) {
+  view_.y = from.y;
+  view_.fall = from.fall;
+  const int at = view_.count++;
+  view_.padded = (view_.count + 7) / 8 * 8;
+  for (const auto column : real_columns) (view_.*column)[at] = (from.*column)[particle];
+  for (const auto column : word_columns) (view_.*column)[at] = (from.*column)[particle];
+}
+
 }  // namespace rabiline

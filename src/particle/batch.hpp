@@ -64,6 +64,8 @@ class Batch {
   const BatchView& view() const { return view_; }
   /// Takes over everything but the memory: what a fork of the plan does.
   void copy_from(const Batch& other);
+  /// One particle more, of a batch on the same plane.
+  void add(const BatchView& from, int particle);
 
  private:
   struct Free {

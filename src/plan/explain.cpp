@@ -153,6 +153,8 @@ class Explainer {
         report_.reweightings = flies_for_all_ ? experiment_.points.size() : node.reweightings.size();
         report_.levels_found = levels_found(node);
         report_.slowness_cells = node.transit ? node.transit->cells().count : 0;
+        report_.fewest_nodes = node.classes.empty() ? 0 : nodes_in(node.classes.front());
+        report_.most_nodes = node.classes.empty() ? 0 : nodes_in(node.classes.back());
         report_.why_one_by_one = node.why_one_by_one;
         rabiline::explain(node.stage, report_);
         walk(node.next);

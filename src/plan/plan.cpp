@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "plan/frequency_nodes.hpp"
 #include "plan/gathered_filters.hpp"
 #include "plan/neighbours.hpp"
 #include "plan/transits.hpp"
@@ -119,6 +120,14 @@ class TreeMaker {
   Neighbours& neighbours_;
 };
 
+/// For a particle of that slowness [s/m].
+double ways_booked(const PlanNode& node, double slowness) {
+  const auto known =
+      std::ranges::find_if(node.classes, [&](const SlownessClass& one) { return slowness <= one.last; });
+  if (known == node.classes.end()) return static_cast<double>(node.reweightings.size());
+  return static_cast<double>(nodes_in(*known));
+}
+
 double cost_of_branch(const PlanNode& node, double speed) {
   const double sum = cost_of(node.stage, speed);
   double behind = 0;
@@ -126,8 +135,7 @@ double cost_of_branch(const PlanNode& node, double speed) {
   if (node.reweightings.empty()) return sum + behind;
   const double levels = path_of(node.stage)->outcomes();
   if (node.transit) return levels * (behind + levels * cost::moment);
-  return levels * (behind + cost::share * static_cast<double>(node.reweightings.size())) +
-         sum * static_cast<double>(node.reweightings.size());
+  return levels * behind + ways_booked(node, 1 / speed) * (levels * cost::share + sum);
 }
 
 double cost_of_tree(const PlanTree& tree) {
@@ -340,6 +348,7 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost, cons
     TreePlanner planner(group, plan.points, wanted, neighbours);
     const auto whole_tree = [&](const std::vector<const Chain*>& of, std::size_t& sums, std::size_t& at) {
       PlanTree tree = planner.plan(of, sums, at);
+      lay_out_frequency_nodes(tree, *tables, group.speeds, threads, sums);
       tree.cost = cost_of_tree(tree);
       return tree;
     };

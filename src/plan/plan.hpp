@@ -13,6 +13,19 @@
 
 namespace rabiline {
 
+/// Reweightings that differ in one frequency alone, and those at Chebyshev's points of its range.
+struct FrequencyNodes {
+  std::vector<std::size_t> reweightings{};  // that follow
+  std::vector<Stage> nodes{};
+  std::size_t sums = 0;  // of the first node; those of the others follow, as many as each reweighting has
+  std::vector<double> weights{};  // [reweighting][node] of what was booked at each node
+};
+/// Particles up to a slowness [s/m], from where the class before ends. Every reweighting follows from nodes.
+struct SlownessClass {
+  double last = 0;
+  std::vector<FrequencyNodes> families{};
+};
+
 /// One stage, the scan points it serves, where its sums begin, and what follows. Stages that only read may
 /// stand beside what follows them.
 struct PlanNode {
@@ -38,7 +51,19 @@ struct PlanNode {
   std::shared_ptr<const TransitLayout> transit{};
   std::size_t moments = 0;
   std::string_view why_one_by_one{};  // why they do not
+  /// Where reweightings follow from few frequencies instead, for particles of different slowness
+  /// (plan/frequency_nodes.hpp); what is slower than the last class is booked for each reweighting.
+  std::vector<SlownessClass> classes{};
 };
+
+/// What particles of a class are booked at.
+inline std::size_t nodes_in(const SlownessClass& one) {
+  std::size_t nodes = 0;
+  for (const FrequencyNodes& family : one.families) nodes += family.nodes.size();
+  return nodes;
+}
+/// How many sums each of several reweightings has.
+inline std::size_t sums_of_reweighting(const PlanNode& node) { return node.reweightings[1].shift; }
 
 /// The sums of a source: q and q^2 of what was emitted, and where weights differ, q of every group.
 struct EmissionSums {

@@ -11,6 +11,7 @@
 #include "simulation/finish_detectors.hpp"
 #include "simulation/finish_fates.hpp"
 #include "simulation/finish_tallies.hpp"
+#include "simulation/interpolation.hpp"
 
 namespace rabiline {
 namespace {
@@ -76,6 +77,7 @@ double Summed::covariance_by_moments(const std::string& part, int plane, std::si
 }
 
 Result finish(const Experiment& experiment, const Plan& plan, Sums sums, int threads) {
+  interpolate(plan, threads, sums);
   const std::vector<CountCovariance> covariances = contract_moments(plan, threads, sums);
   const Tallies tallies(plan);
   const std::vector<Moments> emitted = emitted_of(plan, sums);

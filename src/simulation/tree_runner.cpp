@@ -58,6 +58,20 @@ bool reads_earlier_catch(const ChainLink& link, const std::vector<ChainLink>& ch
          });
 }
 
+/// What a class of particles is booked at, and how far its sums are behind those of the first reweighting:
+/// frequency nodes, or for those behind the last class each reweighting.
+template <class F>
+void each_setting(const PlanNode& node, std::size_t number, F f) {
+  if (number == node.classes.size()) {
+    for (const PlanNode::Reweighting& reweighting : node.reweightings)
+      f(reweighting.stage, reweighting.shift);
+    return;
+  }
+  for (const FrequencyNodes& family : node.classes[number].families)
+    for (std::size_t k = 0; k < family.nodes.size(); ++k)
+      f(family.nodes[k], family.sums + k * sums_of_reweighting(node) - node.sums);
+}
+
 }  // namespace
 
 Batch& TreeRunner::batch(std::size_t depth) {
@@ -76,6 +90,7 @@ void TreeRunner::fly(const PlanTree& tree, std::uint64_t first, std::uint64_t la
     count_emitted(tree, start.view(), sums.data());
     propagate(tree.next, 0, tree.source.key, sums);
   }
+  follow_waiting(tree.source.key, sums);
   flush_moments(sums);
 }
 
@@ -90,6 +105,33 @@ void TreeRunner::flush_moments(Sums& sums) {
 }
 
 void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const RandomKey& key, Sums& sums) {
+  if (node.classes.empty()) return follow_class(node, 0, batch, key, sums);
+  std::vector<Batch>& waiting = waiting_[&node];
+  waiting.resize(node.classes.size() + 1);
+  const BatchView& b = batch.view();
+  for (int i = 0; i < b.count; ++i) {
+    if (b.flying[i] == 0) continue;
+    std::size_t number = 0;
+    while (number < node.classes.size() && b.slowness[i] > node.classes[number].last) ++number;
+    Batch& of_class = waiting[number];
+    of_class.add(b, i);
+    if (of_class.view().count < batch_size_) continue;
+    follow_class(node, number, of_class, key, sums);
+    of_class.view().count = 0;
+  }
+}
+
+void TreeRunner::follow_waiting(const RandomKey& key, Sums& sums) {
+  for (auto& [node, waiting] : waiting_)
+    for (std::size_t number = 0; number < waiting.size(); ++number) {
+      BatchView& left = waiting[number].view();
+      if (left.count > 0) follow_class(*node, number, waiting[number], key, sums);
+      left.count = 0;
+    }
+}
+
+void TreeRunner::follow_class(const PlanNode& node, std::size_t number, Batch& batch, const RandomKey& key,
+                              Sums& sums) {
   std::vector<ChainLink> chain;
   for (const PlanNode* next = &node; !next->next.empty();) {
     next = &next->next.front();
@@ -104,14 +146,14 @@ void TreeRunner::follow_branches(const PlanNode& node, Batch& batch, const Rando
       if (b.flying[i] != 0 && !node.transit->cells().contains(b.slowness[i]))
         stragglers_.push_back(b.particle[i]);
   }
-  for (const PlanNode::Reweighting& reweighting : node.reweightings) {
-    branches_->book(*path_of(reweighting.stage), sums.data(), reweighting.shift);
+  each_setting(node, number, [&](const Stage& setting, std::size_t shift) {
+    branches_->book(*path_of(setting), sums.data(), shift);
     for (const ChainLink& link : chain) {
       if (!reads_earlier_catch(link, chain)) continue;
-      StageContext context{isa_, key, batch, sums.data() + link.sums + reweighting.shift};
+      StageContext context{isa_, key, batch, sums.data() + link.sums + shift};
       advance(*link.stage, context);
     }
-  }
+  });
 }
 
 /// Levels at a screen, of all points by moments; what flew too slowly or too fast for their cells is read for

@@ -23,7 +23,11 @@ class TreeRunner {
   void pass(const PlanNode&, Batch&, const RandomKey&, Sums&);
   /// Adds what was booked as moments to the sums, before it can overflow.
   void flush_moments(Sums&);
+  /// Particles behind a projection that splits weights; by classes of their slowness where there are any, for
+  /// which they wait until there are enough for a batch.
   void follow_branches(const PlanNode&, Batch&, const RandomKey&, Sums&);
+  void follow_class(const PlanNode&, std::size_t number, Batch&, const RandomKey&, Sums&);
+  void follow_waiting(const RandomKey&, Sums&);
   void read_levels(const PlanNode&, const Batch&, const RandomKey&, Sums&);
   Batch& batch(std::size_t depth);
 
@@ -34,6 +38,7 @@ class TreeRunner {
   TransitBook transits_;
   Batch outside_;  // what was caught outside the cells of moments
   std::map<const PlanNode*, MomentBuffer> moments_;
+  std::map<const PlanNode*, std::vector<Batch>> waiting_;  // [class], one more for what is slower
   std::vector<std::uint64_t> stragglers_;
 };
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -297,6 +298,11 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
     const Evolution evolution = BlockBuilder(labels, set, clocks).evolution(stretches, largest_slowness);
     if (!evolution.mixes()) continue;
     for (const int level : set) block_of_[static_cast<std::size_t>(level)] = static_cast<int>(blocks_.size());
+    if (frames.size() == 1) {
+      const auto [least, most] = std::ranges::minmax(
+          set | std::views::transform([&](int level) { return frames.front().photons[level]; }));
+      photons_ = std::max(photons_, most - least);
+    }
     blocks_.push_back(evolution.lay_out(numbers_));
     blocks_.back().first_level = static_cast<int>(levels_.size());
     levels_.insert(levels_.end(), set.begin(), set.end());

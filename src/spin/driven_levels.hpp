@@ -39,11 +39,14 @@ class DrivenLevels {
   /// Largest amplitude |V_ij| / |detuning| of the couplings that the rotating-wave approximation leaves out;
   /// 0 for rotating fields.
   double neglected() const { return neglected_; }
+  /// Most photons that levels of one block are apart, where one frame holds for all drives; else 0.
+  int photons() const { return photons_; }
   /// Operations that one particle takes, about, if each level is as likely.
   double work() const;
 
  private:
   double neglected_ = 0;
+  int photons_ = 0;
   std::vector<LevelBlock> blocks_{};
   std::vector<int> levels_{}, block_of_{};
   std::vector<double> numbers_{};

@@ -50,11 +50,12 @@ class PlanReport {
   std::function<double()> fastest;            // [m/s]
   std::function<void(int part)> tell_driven;  // what drives an atom's levels before a part asks for them
   // the stage at hand
-  std::string reuse;                  // "  [once for all points]"
-  std::size_t reweightings = 0;       // of a projection that splits
-  int levels_found = 0;               // likewise
-  int slowness_cells = 0;             // of its moments, or 0
-  std::string_view why_one_by_one{};  // why it has none
+  std::string reuse;                             // "  [once for all points]"
+  std::size_t reweightings = 0;                  // of a projection that splits
+  int levels_found = 0;                          // likewise
+  int slowness_cells = 0;                        // of its moments, or 0
+  std::size_t fewest_nodes = 0, most_nodes = 0;  // of frequencies that its reweightings follow from, or 0
+  std::string_view why_one_by_one{};             // why it has neither
   // the beam where it stands
   std::vector<int> on_axis;  // levels of a beam that nothing has bent yet
   double tip = 0;            // [rad] what all drives since the last alignment can have done at most

@@ -5,6 +5,19 @@
 #include "transport/plan_report.hpp"
 
 namespace rabiline {
+namespace {
+
+std::string how_reweighted(const PlanReport& report) {
+  if (report.slowness_cells > 0)
+    return fmt::format("by moments of the slowness in {} cells", report.slowness_cells);
+  if (report.most_nodes == 0) return fmt::format("one by one: {}", report.why_one_by_one);
+  return report.fewest_nodes == report.most_nodes
+             ? fmt::format("between {} frequencies", report.most_nodes)
+             : fmt::format("between {} to {} frequencies, more for slower particles", report.fewest_nodes,
+                           report.most_nodes);
+}
+
+}  // namespace
 
 std::size_t LevelProjection::sums() const { return 0; }
 void LevelProjection::pass(StageContext& context) const {
@@ -27,9 +40,7 @@ void LevelProjection::explain(PlanReport& report) const {
   if (report.reweightings > 1)
     report.line("{:>16}its paths in {} {} are flown once and reweighted for {} settings {}", "",
                 report.levels_found, spins.filters.empty() ? "levels" : "outcomes", report.reweightings,
-                report.slowness_cells > 0
-                    ? fmt::format("by moments of the slowness in {} cells", report.slowness_cells)
-                    : fmt::format("one by one: {}", report.why_one_by_one));
+                how_reweighted(report));
   if (report.of_atom && !report.on_axis.empty()) {
     report.on_axis.resize(static_cast<std::size_t>(spins.levels));
     std::iota(report.on_axis.begin(), report.on_axis.end(), 0);
