@@ -52,33 +52,41 @@ struct Family {
   double high() const { return *std::ranges::max_element(frequencies); }
 };
 
-/// Chebyshev's points of a range.
-std::vector<double> points_of(double low, double high, int n) {
-  std::vector<double> points;
-  for (int j = 0; j < n; ++j)
-    points.push_back((low + high) / 2 + (high - low) / 2 * portable::cos(std::numbers::pi * (j + 0.5) / n));
-  return points;
-}
-/// Of the polynomial through values at the points, at x: the weight of each value (the barycentric formula).
-std::vector<double> weights_at(double x, const std::vector<double>& points, double half) {
-  std::vector<double> weights(points.size());
-  const auto same = std::ranges::find(points, x);
-  if (same != points.end()) {
-    weights[static_cast<std::size_t>(same - points.begin())] = 1;
+/// The polynomial through values at Chebyshev's points of a range, in its barycentric form.
+class Interpolant {
+ public:
+  Interpolant(double low, double high, int n) {
+    for (int j = 0; j < n; ++j)
+      points_.push_back((low + high) / 2 +
+                        (high - low) / 2 * portable::cos(std::numbers::pi * (j + 0.5) / n));
+    for (const double point : points_) {
+      double product = 1;
+      for (const double other : points_)  // 4/(high - low) for each keeps the product of so many near 1
+        if (other != point) product *= (point - other) * 4 / (high - low);
+      scales_.push_back(1 / product);
+    }
+  }
+  const std::vector<double>& points() const { return points_; }
+  /// Of the values at the points, at x.
+  std::vector<double> weights(double x) const {
+    std::vector<double> weights(points_.size());
+    double sum = 0;
+    for (std::size_t j = 0; j < points_.size(); ++j) {
+      if (x == points_[j]) {
+        std::ranges::fill(weights, 0.0);
+        weights[j] = 1;
+        return weights;
+      }
+      weights[j] = scales_[j] / (x - points_[j]);
+      sum += weights[j];
+    }
+    for (double& weight : weights) weight /= sum;
     return weights;
   }
-  double sum = 0;
-  for (std::size_t j = 0; j < points.size(); ++j) {
-    double product = (x - points[j]) / half;
-    // 2 for each factor keeps the product of so many near 1.
-    for (std::size_t k = 0; k < points.size(); ++k)
-      if (k != j) product *= 2 * (points[j] - points[k]) / half;
-    weights[j] = 1 / product;
-    sum += weights[j];
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
-}
+
+ private:
+  std::vector<double> points_, scales_;
+};
 
 class NodeMaker {
  public:
@@ -220,16 +228,16 @@ class NodeMaker {
   FrequencyNodes nodes_of(const PlanNode& node, const Family& family, int n) {
     const Stage& stage = node.reweightings[family.members.front()].stage;
     const SampledTables::Driven& made = driven(stage);
-    const std::vector<double> points = points_of(family.low(), family.high(), n);
+    const Interpolant interpolant(family.low(), family.high(), n);
     FrequencyNodes out{family.members};
     SpinPath path = *path_of(stage);
-    for (const double frequency : points) {
+    for (const double frequency : interpolant.points()) {
       path.transitions =
           &tables_.transitions(made.structure, at_frequency(made.zones, frequency), made.largest_slowness);
       out.nodes.push_back(with_path(stage, path));
     }
     for (const double frequency : family.frequencies) {
-      const std::vector<double> weights = weights_at(frequency, points, (family.high() - family.low()) / 2);
+      const std::vector<double> weights = interpolant.weights(frequency);
       out.weights.insert(out.weights.end(), weights.begin(), weights.end());
     }
     return out;

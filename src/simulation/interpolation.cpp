@@ -1,9 +1,7 @@
 #include "simulation/interpolation.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include "core/in_parallel.hpp"
@@ -30,74 +28,94 @@ class Interpolation {
     for (const PlanNode* next = &node; !next->next.empty();) {
       next = &next->next.front();
       for (const std::size_t at : FatePlaces(next->stage).places)
-        wholes_.front().places.push_back(next->sums - node.sums + at);
+        wholes_.front().push_back(next->sums - node.sums + at);
       for (std::size_t level = 0; next->ledger != 0 && level < tree.ledger_levels; ++level)
         for (const std::size_t at : {LedgerSums::caught(level), LedgerSums::ended(level)})
-          wholes_[1 + level].places.push_back(next->ledger - node.sums + at);
+          wholes_[1 + level].push_back(next->ledger - node.sums + at);
     }
-    for (const SlownessClass& of : node.classes)
-      for (const FrequencyNodes& family : of.families) add(family);
   }
 
   void run(int threads) {
-    in_parallel(node_.reweightings.size(), threads, [&](std::size_t i) { put(i); });
+    for (std::size_t number = 0; number < node_.classes.front().families.size(); ++number) {
+      const Family family = family_of(number);
+      in_parallel((family.members.size() + at_once - 1) / at_once, threads,
+                  [&](std::size_t block) { put(family, block * at_once); });
+    }
   }
 
  private:
+  /// Reweightings that are worked out together, so that what nodes have is read once for all of them.
+  static constexpr std::size_t at_once = 4;
   /// Sums that are all of some particles together, whatever the frequency.
-  struct Whole {
-    std::vector<std::size_t> places{};
-    std::vector<Sum> of{};  // [reweighting]
-  };
-  /// What nodes have, as numbers, and which follows from them.
-  struct Known {
-    const FrequencyNodes& family;
-    std::vector<double> sums;  // [node][size]
+  using Whole = std::vector<std::size_t>;
+  /// What nodes have of one family, in every class of particles.
+  struct Family {
+    const std::vector<std::size_t>& members;
+    std::vector<std::size_t> places{};  // where anything is
+    struct Known {
+      const FrequencyNodes& nodes;
+      std::vector<double> sums{};  // [node][place]
+    };
+    std::vector<Known> known{};
+    std::vector<Sum> wholes{};
   };
 
-  void add(const FrequencyNodes& family) {
-    Known& known = known_.emplace_back(Known{family, {}});
-    for (std::size_t k = 0; k < family.nodes.size() * size_; ++k)
-      known.sums.push_back(static_cast<double>(sums_[family.sums + k]));
-    for (Whole& whole : wholes_) {
-      Sum all = 0;
-      for (const std::size_t place : whole.places) all += sums_[family.sums + place];
-      whole.of.resize(node_.reweightings.size());
-      for (const std::size_t i : family.reweightings) whole.of[i] += all;
+  Family family_of(std::size_t number) const {
+    Family family{node_.classes.front().families[number].reweightings};
+    family.wholes.resize(wholes_.size());
+    std::vector<bool> holds(size_);
+    for (const SlownessClass& of : node_.classes) {
+      const FrequencyNodes& nodes = of.families[number];
+      family.known.push_back({nodes});
+      for (std::size_t k = 0; k < nodes.nodes.size() * size_; ++k)
+        if (sums_[nodes.sums + k] != 0) holds[k % size_] = true;
+      for (std::size_t whole = 0; whole < wholes_.size(); ++whole)
+        for (const std::size_t place : wholes_[whole]) family.wholes[whole] += sums_[nodes.sums + place];
     }
+    for (std::size_t k = 0; k < size_; ++k)
+      if (holds[k]) family.places.push_back(k);
+    for (Family::Known& known : family.known)
+      for (std::size_t j = 0; j < known.nodes.nodes.size(); ++j)
+        for (const std::size_t place : family.places)
+          known.sums.push_back(static_cast<double>(sums_[known.nodes.sums + j * size_ + place]));
+    return family;
   }
 
-  void put(std::size_t i) {
-    std::vector<double> found(size_);
-    for (const Known& known : known_) {
-      const auto& members = known.family.reweightings;
-      const auto member = std::ranges::lower_bound(members, i);
-      if (member == members.end() || *member != i) continue;
-      const std::size_t nodes = known.family.nodes.size();
-      const double* weights =
-          &known.family.weights[static_cast<std::size_t>(member - members.begin()) * nodes];
-      for (std::size_t j = 0; j < nodes; ++j)
-        for (std::size_t k = 0; k < size_; ++k) found[k] += weights[j] * known.sums[j * size_ + k];
+  void put(const Family& family, std::size_t first) {
+    const std::size_t places = family.places.size(), count = std::min(at_once, family.members.size() - first);
+    std::vector<double> found(at_once * places);
+    for (const Family::Known& known : family.known) {
+      const std::size_t nodes = known.nodes.nodes.size();
+      for (std::size_t j = 0; j < nodes; ++j) {
+        double weights[at_once] = {};
+        for (std::size_t m = 0; m < count; ++m) weights[m] = known.nodes.weights[(first + m) * nodes + j];
+        const double* sums = &known.sums[j * places];
+        for (std::size_t k = 0; k < places; ++k)
+          for (std::size_t m = 0; m < at_once; ++m) found[k * at_once + m] += weights[m] * sums[k];
+      }
     }
-    std::vector<Sum> rounded(size_);
-    for (std::size_t k = 0; k < size_; ++k) rounded[k] = static_cast<Sum>(std::max(0.0, found[k]) + 0.5);
-    for (const Whole& whole : wholes_) complete(whole, i, rounded);
-    Sum* to = &sums_[node_.sums + node_.reweightings[i].shift];
-    for (std::size_t k = 0; k < size_; ++k) to[k] += rounded[k];
+    for (std::size_t m = 0; m < count; ++m) {
+      std::vector<Sum> rounded(size_);
+      for (std::size_t k = 0; k < places; ++k)
+        rounded[family.places[k]] = static_cast<Sum>(std::max(0.0, found[k * at_once + m]) + 0.5);
+      for (std::size_t whole = 0; whole < wholes_.size(); ++whole)
+        complete(wholes_[whole], family.wholes[whole], rounded);
+      Sum* to = &sums_[node_.sums + node_.reweightings[family.members[first + m]].shift];
+      for (const std::size_t place : family.places) to[place] += rounded[place];
+    }
   }
 
   /// The largest of its sums takes what rounding has left.
-  static void complete(const Whole& whole, std::size_t i, std::vector<Sum>& rounded) {
-    if (whole.places.empty()) return;
+  static void complete(const Whole& whole, Sum wanted, std::vector<Sum>& rounded) {
+    if (wanted == 0) return;
     Sum all = 0;
-    std::size_t largest = whole.places.front();
-    for (const std::size_t place : whole.places) {
+    std::size_t largest = whole.front();
+    for (const std::size_t place : whole) {
       all += rounded[place];
       if (rounded[place] > rounded[largest]) largest = place;
     }
-    const Sum wanted = whole.of[i];
     if (static_cast<double>(std::max(all, wanted) - std::min(all, wanted)) >
-        1e-9 * static_cast<double>(wanted) + static_cast<double>(whole.places.size()))
+        1e-9 * static_cast<double>(wanted) + static_cast<double>(whole.size()))
       throw std::logic_error("what was interpolated does not add up to what was booked");
     rounded[largest] += wanted - all;
   }
@@ -106,7 +124,6 @@ class Interpolation {
   const std::size_t size_;
   Sums& sums_;
   std::vector<Whole> wholes_;  // all fates; of each level prepared, its ledger
-  std::vector<Known> known_;
 };
 
 void interpolate(const PlanTree& tree, const std::vector<PlanNode>& nodes, int threads, Sums& sums) {
