@@ -14,13 +14,14 @@ namespace {
 
 /// Of probabilities, and of their squares, which errors follow from.
 constexpr double most_error = 1e-11, most_error_of_squares = 1e-5;
-/// What a probability may be off at any scan point that is looked at: some times the rounding of shares.
-constexpr double most_seen = 1e-10;
+/// What a probability may be off at scan points that are looked at: levels that are GHz apart are known to
+/// 1e-10, since their energies are numbers of 16 digits.
+constexpr double most_seen = 5e-10;
 constexpr int numbers_of_nodes[] = {12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512};
 /// More are not kept, in all classes.
 constexpr std::size_t most_sums = std::size_t{1} << 22;
-/// To work out the transitions at one frequency [s].
-constexpr double cost_of_node = 2e-4;
+/// To work out the transitions at one frequency and to look at them: [s], and as long as so many particles.
+constexpr double cost_of_node = 2e-4, particles_of_node = 4000;
 
 /// What a function of type tau, at most 1 in size on the real line, is off the polynomial through n Chebyshev
 /// points at most: 4 M/(rho^(n-1) (rho - 1)), M = exp(tau (rho - 1/rho)/2) its size on the ellipse rho, which
@@ -210,12 +211,13 @@ class NodeMaker {
       if (last * speeds_.slowest >= 1) break;
     }
     const Stage& stage = node.reweightings.front().stage;
-    const double of_one = cost_of(stage, tree_.source.speed.mean) +
-                          cost::share * static_cast<double>(path_of(stage)->levels),
+    const double shared = cost_of(stage, tree_.source.speed.mean),
+                 of_one = shared + cost::share * static_cast<double>(path_of(stage)->levels),
+                 of_node = cost_of_node + particles_of_node * shared,
                  saved = static_cast<double>(tree_.last - tree_.first) *
                          static_cast<double>(node.reweightings.size() - of_mean) * of_one;
     if (of_mean == 0 || all * sums_of_reweighting(node) > most_sums ||
-        saved < 2 * cost_of_node * static_cast<double>(all))
+        saved < of_node * static_cast<double>(all))
       return {};
     std::vector<SlownessClass> classes;
     for (const auto& [n, last] : numbers) {

@@ -1,7 +1,10 @@
 #include "simulation/interpolation.hpp"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/in_parallel.hpp"
@@ -10,30 +13,55 @@
 namespace rabiline {
 namespace {
 
-/// Where fates stand among the sums of a stage.
-class FatePlaces : public SumSink {
+/// Sums that add up to one number: to that at another place, or to what every node has alike.
+struct Whole {
+  std::vector<std::size_t> parts{};
+  std::optional<std::size_t> total{};
+};
+
+/// All wholes among the sums behind a projection, each behind what it adds up to.
+class Wholes : public SumSink {
  public:
-  explicit FatePlaces(const Stage& stage) { list_sums(stage, *this); }
-  std::vector<std::size_t> places;
+  Wholes(const PlanTree& tree, const PlanNode& projection) : all(1 + tree.ledger_levels) {
+    for (const PlanNode* node = &projection; !node->next.empty();) {
+      node = &node->next.front();
+      begin_ = node->sums - projection.sums;
+      list_sums(node->stage, *this);
+      if (node->ledger == 0) continue;
+      for (std::size_t level = 0; level < tree.ledger_levels; ++level)
+        for (const std::size_t at : {LedgerSums::caught(level), LedgerSums::ended(level)})
+          all[1 + level].parts.push_back(node->ledger - projection.sums + at);
+    }
+  }
+  /// All fates, of each prepared level its ledger, the bins of each screen and of each tally.
+  std::vector<Whole> all;
 
  private:
-  void fate(std::string_view, int, std::size_t at) override { places.push_back(at); }
+  void fate(std::string_view, int, std::size_t at) override { all.front().parts.push_back(begin_ + at); }
+  void screen(int part, const ScreenSums& layout, std::size_t at) override {
+    Whole& bins = all.emplace_back(Whole{{}, begin_ + at + layout.total()});
+    for (std::size_t bin = 0; bin < layout.bins(); ++bin)
+      bins.parts.push_back(begin_ + at + ScreenSums::bin(bin));
+    totals_[{part, 0}] = *bins.total;
+  }
+  void plane(int part, int plane, std::size_t at) override {
+    totals_[{part, plane}] = begin_ + at + CensusSums::total();
+  }
+  void histogram(int part, int, int plane, const HistogramSums& layout, std::size_t at) override {
+    Whole& bins = all.emplace_back(Whole{{}, totals_.at({part, plane})});
+    for (std::size_t bin = 0; bin <= layout.bins; ++bin)
+      bins.parts.push_back(begin_ + at + HistogramSums::bin(bin));
+  }
+
+  std::size_t begin_ = 0;                              // of the stage at hand
+  std::map<std::pair<int, int>, std::size_t> totals_;  // of a part and a plane
 };
 
 /// The sums behind one projection.
 class Interpolation {
  public:
   Interpolation(const PlanTree& tree, const PlanNode& node, Sums& sums)
-      : node_(node), size_(sums_of_reweighting(node)), sums_(sums), wholes_(1 + tree.ledger_levels) {
-    for (const PlanNode* next = &node; !next->next.empty();) {
-      next = &next->next.front();
-      for (const std::size_t at : FatePlaces(next->stage).places)
-        wholes_.front().push_back(next->sums - node.sums + at);
-      for (std::size_t level = 0; next->ledger != 0 && level < tree.ledger_levels; ++level)
-        for (const std::size_t at : {LedgerSums::caught(level), LedgerSums::ended(level)})
-          wholes_[1 + level].push_back(next->ledger - node.sums + at);
-    }
-  }
+      : node_(node), size_(sums_of_reweighting(node)), sums_(sums), wholes_(Wholes(tree, node).all) {}
 
   void run(int threads) {
     for (std::size_t number = 0; number < node_.classes.front().families.size(); ++number) {
@@ -46,8 +74,6 @@ class Interpolation {
  private:
   /// Reweightings that are worked out together, so that what nodes have is read once for all of them.
   static constexpr std::size_t at_once = 4;
-  /// Sums that are all of some particles together, whatever the frequency.
-  using Whole = std::vector<std::size_t>;
   /// What nodes have of one family, in every class of particles.
   struct Family {
     const std::vector<std::size_t>& members;
@@ -57,12 +83,12 @@ class Interpolation {
       std::vector<double> sums{};  // [node][place]
     };
     std::vector<Known> known{};
-    std::vector<Sum> wholes{};
+    std::vector<Sum> booked{};  // [whole] of all its parts, at one node of each class
   };
 
   Family family_of(std::size_t number) const {
     Family family{node_.classes.front().families[number].reweightings};
-    family.wholes.resize(wholes_.size());
+    family.booked.resize(wholes_.size());
     std::vector<bool> holds(size_);
     for (const SlownessClass& of : node_.classes) {
       const FrequencyNodes& nodes = of.families[number];
@@ -70,7 +96,8 @@ class Interpolation {
       for (std::size_t k = 0; k < nodes.nodes.size() * size_; ++k)
         if (sums_[nodes.sums + k] != 0) holds[k % size_] = true;
       for (std::size_t whole = 0; whole < wholes_.size(); ++whole)
-        for (const std::size_t place : wholes_[whole]) family.wholes[whole] += sums_[nodes.sums + place];
+        for (const std::size_t place : wholes_[whole].parts)
+          family.booked[whole] += sums_[nodes.sums + place];
     }
     for (std::size_t k = 0; k < size_; ++k)
       if (holds[k]) family.places.push_back(k);
@@ -98,24 +125,27 @@ class Interpolation {
       std::vector<Sum> rounded(size_);
       for (std::size_t k = 0; k < places; ++k)
         rounded[family.places[k]] = static_cast<Sum>(std::max(0.0, found[k * at_once + m]) + 0.5);
-      for (std::size_t whole = 0; whole < wholes_.size(); ++whole)
-        complete(wholes_[whole], family.wholes[whole], rounded);
+      for (std::size_t whole = 0; whole < wholes_.size(); ++whole) {
+        const std::optional<std::size_t> total = wholes_[whole].total;
+        complete(wholes_[whole].parts, total ? rounded[*total] : family.booked[whole], rounded);
+      }
       Sum* to = &sums_[node_.sums + node_.reweightings[family.members[first + m]].shift];
       for (const std::size_t place : family.places) to[place] += rounded[place];
     }
   }
 
-  /// The largest of its sums takes what rounding has left.
-  static void complete(const Whole& whole, Sum wanted, std::vector<Sum>& rounded) {
-    if (wanted == 0) return;
+  /// The largest part takes what rounding has left.
+  static void complete(const std::vector<std::size_t>& parts, Sum wanted, std::vector<Sum>& rounded) {
     Sum all = 0;
-    std::size_t largest = whole.front();
-    for (const std::size_t place : whole) {
-      all += rounded[place];
-      if (rounded[place] > rounded[largest]) largest = place;
+    std::size_t largest = parts.empty() ? 0 : parts.front();
+    for (const std::size_t part : parts) {
+      all += rounded[part];
+      if (rounded[part] > rounded[largest]) largest = part;
     }
+    if (all == wanted) return;
     if (static_cast<double>(std::max(all, wanted) - std::min(all, wanted)) >
-        1e-9 * static_cast<double>(wanted) + static_cast<double>(whole.size()))
+            1e-9 * static_cast<double>(wanted) + static_cast<double>(parts.size()) ||
+        rounded[largest] + wanted < all)
       throw std::logic_error("what was interpolated does not add up to what was booked");
     rounded[largest] += wanted - all;
   }
@@ -123,7 +153,7 @@ class Interpolation {
   const PlanNode& node_;
   const std::size_t size_;
   Sums& sums_;
-  std::vector<Whole> wholes_;  // all fates; of each level prepared, its ledger
+  const std::vector<Whole> wholes_;
 };
 
 void interpolate(const PlanTree& tree, const std::vector<PlanNode>& nodes, int threads, Sums& sums) {

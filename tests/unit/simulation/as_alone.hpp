@@ -75,15 +75,24 @@ inline void expect_tally_as_alone(std::size_t at, const TallyResult& all, const 
   }
 }
 
-inline void expect_as_alone(const std::vector<Beamline>& scan, const MomentsWanted& wanted = {}) {
-  const Plan plan = plan_of(scan, wanted);
-  ASSERT_TRUE(has_moments(plan.trees.front().next));
-  ASSERT_FALSE(has_moments({scan.front()}));
+inline RunOptions quickest() {
+  RunOptions options;
+  options.isa = best_isa();
+  return options;
+}
+inline Result flown(const std::vector<Beamline>& scan, const Plan& plan,
+                    const RunOptions& options = quickest()) {
   Experiment e;
   e.points = scan;
-  const Result all = finish(e, plan, run(plan, {}).sums);
+  return finish(e, plan, run(plan, options).sums);
+}
+
+/// Every so manieth point.
+inline void expect_points_as_alone(const std::vector<Beamline>& scan, const Plan& plan,
+                                   std::size_t every = 1) {
+  const Result all = flown(scan, plan);
   const double emitted = all.emitted[0];
-  for (std::size_t at = 0; at < scan.size(); ++at) {
+  for (std::size_t at = 0; at < scan.size(); at += every) {
     const Result one = run_points({scan[at]});
     expect_detector_as_alone(at, all.detectors[0], one.detectors[0], emitted);
     for (std::size_t i = 0; i < one.monitors.size(); ++i)
@@ -97,6 +106,13 @@ inline void expect_as_alone(const std::vector<Beamline>& scan, const MomentsWant
       expect_near_at(at, all.fates[f].by_level, one.fates[f].by_level, 1e-9 * emitted);
     }
   }
+}
+
+inline void expect_as_alone(const std::vector<Beamline>& scan, const MomentsWanted& wanted = {}) {
+  const Plan plan = plan_of(scan, wanted);
+  ASSERT_TRUE(has_moments(plan.trees.front().next));
+  ASSERT_FALSE(has_moments({scan.front()}));
+  expect_points_as_alone(scan, plan);
 }
 
 /// A covariance between points that is known exactly, and the same from groups of particles, perhaps of more
@@ -133,20 +149,21 @@ inline void expect_same_numbers(const Result& one, const Result& other) {
 }
 
 /// For any threads, batches and instruction sets.
-inline void expect_same_bits(const std::vector<Beamline>& scan) {
-  Experiment e;
-  e.points = scan;
-  const Plan plan = make_plan(e);
-  ASSERT_TRUE(has_moments(plan.trees.front().next));
-  const Result one = finish(e, plan, run(plan, {}).sums);
+inline void expect_same_bits(const std::vector<Beamline>& scan, const Plan& plan) {
+  const Result one = flown(scan, plan);
   for (const Isa isa : {Isa::baseline, Isa::avx2, Isa::avx512}) {
     if (!supported(isa)) continue;
     RunOptions options;
     options.isa = isa;
     options.threads = 3;
     options.batch = isa == Isa::baseline ? 512 : 40;
-    expect_same_numbers(one, finish(e, plan, run(plan, options).sums));
+    expect_same_numbers(one, flown(scan, plan, options));
   }
+}
+inline void expect_same_bits(const std::vector<Beamline>& scan) {
+  const Plan plan = plan_of(scan);
+  ASSERT_TRUE(has_moments(plan.trees.front().next));
+  expect_same_bits(scan, plan);
 }
 
 }  // namespace rabiline::test
