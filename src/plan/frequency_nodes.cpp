@@ -110,7 +110,9 @@ class NodeMaker {
     std::vector<SlownessClass> classes = classes_of(node, families);
     if (classes.empty()) return;
     tables_.work_out_transitions(threads_);
-    if (!std::ranges::all_of(classes, [&](const SlownessClass& one) { return is_true(node, one); })) return;
+    const auto wrong =
+        std::ranges::find_if_not(classes, [&](const SlownessClass& one) { return holds(node, one); });
+    classes.erase(wrong, classes.end());
     for (SlownessClass& one : classes)
       for (FrequencyNodes& family : one.families)
         family.sums = std::exchange(sums_, sums_ + family.nodes.size() * sums_of_reweighting(node));
@@ -274,8 +276,8 @@ class NodeMaker {
   }
 
   /// That what drives an atom depends on its frequency in no other way is seen, not known: shifts by far
-  /// levels do, a little.
-  bool is_true(const PlanNode& node, const SlownessClass& one) const {
+  /// levels do, a little, and steps through profiles, whose number may change.
+  bool holds(const PlanNode& node, const SlownessClass& one) const {
     return std::ranges::all_of(one.families, [&](const FrequencyNodes& family) {
       std::vector<std::vector<double>> known;
       for (const Stage& stage : family.nodes) known.push_back(shares_at(stage, one.last));

@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -232,7 +233,9 @@ class BlockBuilder {
     }
   }
 
-  /// Steps are doubled until the error falls with their fourth power, then as many as it takes are known.
+  /// Steps are doubled until the error falls with their fourth power, then as many as it takes are known;
+  /// of these the next number of three binary digits, so that frequencies near to one another have one
+  /// number.
   int slices_of(const Stretch& stretch, double largest_slowness) const {
     const auto amplitudes = [&](int steps) {
       Evolution alone(size(), 0);
@@ -253,7 +256,9 @@ class BlockBuilder {
       coarse = fine;
     }
     const double factor = std::clamp(std::sqrt(std::sqrt(error / aim)), 0.5, 8.0);
-    return std::max(least, static_cast<int>(std::ceil(factor * steps)));
+    const auto wanted = static_cast<unsigned>(std::max(least, static_cast<int>(std::ceil(factor * steps))));
+    const unsigned digit = std::max(1U, std::bit_floor(wanted) / 4);
+    return static_cast<int>((wanted + digit - 1) / digit * digit);
   }
 
   const std::vector<LevelLabel>& labels_;
