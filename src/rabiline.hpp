@@ -100,6 +100,7 @@ struct RunSettings {
   std::string isa{};                        // "x86-64", "avx2" or "avx512"; empty: the best one here
   int batch = 0;                            // particles in the loops together, a multiple of 8; 0: the most
   const std::atomic<bool>* stop = nullptr;  // looked at every few hundredths of a second of a flight
+  bool silent = false;  // looks for nothing that deserves a word, which takes as long as a small flight
   /// Called before the flight with what deserves a word; what it throws ends the run.
   std::function<void(const std::vector<Diagnostic>& warnings)> planned{};
   std::function<void(const Progress&)> progress{};  // by the calling thread, a few times a second

@@ -154,7 +154,7 @@ class Experiment:
     def fly(self, threads: int | None = None, progress: Callable[[float, float], None] | bool = False) -> Results:
         """As `run`, for who flies it many times: without a word, and nothing is kept for `rescan`."""
         from .flown import Flown
-        return Flown(_fly(self._setup, threads, "", "none", "", progress))
+        return Flown(_fly(self._setup, threads, "", "none", "", progress, silent=True))
 
     def field(self, places: Sequence[Sequence[float]], times: Sequence[float] | None = None) -> dict[str, np.ndarray]:
         """The magnetic field [n, 3] in T of each part that has one, at `places` [n, 3] in m, x across, y along the beam, z up,
@@ -221,12 +221,12 @@ def _quoted(text: str, special: str) -> str:
     return json.dumps(text, ensure_ascii=False) if re.search(special, text) and text[0] not in "[{\"'" else text
 
 
-def _fly(setup: object, threads: int | None, isa: str, transit: str, max_memory: str, progress: Callable | bool | None) -> object:
+def _fly(setup: object, threads: int | None, isa: str, transit: str, max_memory: str, progress: Callable | bool | None, silent: bool = False) -> object:
     if not (callable(progress) or progress in (None, True, False)):
         raise TypeError(f"`progress` is a function, True, False or None, not {type(progress).__name__}")
     bar = progress if callable(progress) else None if progress is False else _Bar(progress is True)
     words = (asked.text(f"`{name}`", value) for name, value in (("isa", isa), ("transit", transit), ("max_memory", max_memory)))
-    return _core.fly(setup, asked.threads(threads), *words, bar, ["import rabiline"])
+    return _core.fly(setup, asked.threads(threads), *words, bar, ["import rabiline"], silent)
 
 
 class _Bar:

@@ -263,7 +263,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
     throw std::invalid_argument("the checkpoint does not fit the plan");
   std::vector<Diagnostic> warnings;
   if (leads) {
-    warnings = warnings_before(loaded, loaded.experiment, plan);
+    if (!settings.silent) warnings = warnings_before(loaded, loaded.experiment, plan);
     if (settings.planned) settings.planned(warnings);
     if (settings.ranks != nullptr) give_order(described(beginning_of(plan, settings.start)), settings);
   }

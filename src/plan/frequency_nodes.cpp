@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/portable_math.hpp"
-#include "transport/cost.hpp"
 
 namespace rabiline {
 namespace {
@@ -21,7 +20,7 @@ constexpr int numbers_of_nodes[] = {12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 3
 /// More are not kept, in all classes.
 constexpr std::size_t most_sums = std::size_t{1} << 22;
 /// To work out the transitions at one frequency and to look at them: [s], and as long as so many particles.
-constexpr double cost_of_node = 2e-4, particles_of_node = 4000;
+constexpr double cost_of_node = 4e-4, particles_of_node = 3000;
 
 /// What a function of type tau, at most 1 in size on the real line, is off the polynomial through n Chebyshev
 /// points at most: 4 M/(rho^(n-1) (rho - 1)), M = exp(tau (rho - 1/rho)/2) its size on the ellipse rho, which
@@ -213,9 +212,8 @@ class NodeMaker {
       if (last * speeds_.slowest >= 1) break;
     }
     const Stage& stage = node.reweightings.front().stage;
-    const double shared = cost_of(stage, tree_.source.speed.mean),
-                 of_one = shared + cost::share * static_cast<double>(path_of(stage)->levels),
-                 of_node = cost_of_node + particles_of_node * shared,
+    const double of_one = cost_of(stage, tree_.source.speed.mean),
+                 of_node = cost_of_node + particles_of_node * of_one,
                  saved = static_cast<double>(tree_.last - tree_.first) *
                          static_cast<double>(node.reweightings.size() - of_mean) * of_one;
     if (of_mean == 0 || all * sums_of_reweighting(node) > most_sums ||

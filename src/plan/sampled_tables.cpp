@@ -1,7 +1,9 @@
 #include "plan/sampled_tables.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <functional>
+#include <mutex>
 #include <vector>
 
 #include "core/in_parallel.hpp"
@@ -23,6 +25,18 @@ std::size_t hash_of(const std::vector<LevelZone>& zones) {
     mix(zone.drive->amplitude);
   }
   return hash;
+}
+
+/// A table takes longer than a small flight: the last ones are kept for all plans of the process.
+std::shared_ptr<const MomentTable> moment_table(const Structure& structure) {
+  constexpr std::size_t most_kept = 8;
+  static std::mutex lock;
+  static std::deque<std::pair<Structure, std::shared_ptr<const MomentTable>>> kept;
+  const std::lock_guard guard(lock);
+  for (const auto& [of, table] : kept)
+    if (of == structure) return table;
+  if (kept.size() == most_kept) kept.pop_front();
+  return kept.emplace_back(structure, std::make_shared<MomentTable>(coupled_spins(structure))).second;
 }
 
 }  // namespace
@@ -58,8 +72,8 @@ void SampledTables::work_out_transitions(int threads) {
 const MomentTable& SampledTables::moments(const Structure& structure) {
   const auto found = std::find_if(moments_.begin(), moments_.end(),
                                   [&](const auto& entry) { return entry.first == structure; });
-  if (found != moments_.end()) return found->second;
-  return moments_.emplace_back(structure, MomentTable(coupled_spins(structure))).second;
+  if (found != moments_.end()) return *found->second;
+  return *moments_.emplace_back(structure, moment_table(structure)).second;
 }
 
 const LevelWay& SampledTables::way(const Structure& structure, const LevelFields& fields) {

@@ -41,7 +41,7 @@ class SampledTables {
   std::list<Driven> driven_;
   std::unordered_multimap<std::size_t, const Driven*> alike_;  // by a hash of the zones
   std::unordered_map<const DrivenLevels*, const Driven*> driven_by_;
-  std::list<std::pair<Structure, MomentTable>> moments_;
+  std::vector<std::pair<Structure, std::shared_ptr<const MomentTable>>> moments_;
   struct Manifolds {
     Structure structure;
     std::vector<int> of;  // manifolds_of()

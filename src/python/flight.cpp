@@ -25,7 +25,7 @@ KeptTransit transit_called(const std::string& name) {
 /// Flies in a thread of its own, as only the caller's may ask Python for signals.
 Result fly(const Setup& setup, int threads, const std::string& isa, const std::string& transit,
            const std::string& max_memory, const py::object& progress,
-           const std::vector<std::string>& arguments) {
+           const std::vector<std::string>& arguments, bool silent) {
   std::atomic<bool> stop{false};
   std::mutex mutex;
   Progress reached;
@@ -36,6 +36,7 @@ Result fly(const Setup& setup, int threads, const std::string& isa, const std::s
   if (!max_memory.empty()) settings.max_memory = read_memory_argument("max_memory", max_memory);
   settings.stop = &stop;
   settings.arguments = arguments;
+  settings.silent = silent;
   settings.progress = [&](const Progress& now) {
     const std::scoped_lock lock(mutex);
     reached = now;
@@ -149,7 +150,7 @@ void add_flights(py::module_& module) {
       .def("write",
            [](const SolvedModel& solved, const std::filesystem::path& path) { write(solved, path); });
   module.def("fly", fly, py::arg("setup"), py::arg("threads"), py::arg("isa"), py::arg("transit"),
-             py::arg("max_memory"), py::arg("progress"), py::arg("arguments"));
+             py::arg("max_memory"), py::arg("progress"), py::arg("arguments"), py::arg("silent") = false);
   module.def("rescan",
              [](const std::filesystem::path& path, const Changes& changes) { return rescan(path, changes); });
   module.def("solve", [](const Setup& setup) {

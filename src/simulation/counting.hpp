@@ -132,14 +132,15 @@ inline std::vector<std::string> names_of_levels(const Species& species, int leve
   return species.structure ? names_of_levels(coupled_spins(*species.structure)) : names_of_levels(levels);
 }
 
-/// What a row of levels is called: the level, after the species where several fly.
-inline std::string label_of(const Beamline& beamline, int component, int levels, int level) {
+/// What rows of levels are called: the level, after the species where several fly.
+inline std::vector<std::string> labels_of(const Beamline& beamline, int component, int levels) {
   const Species& species = beamline.species[static_cast<std::size_t>(component)].species;
-  const std::string name = law_traits(beamline.law).has_levels
-                               ? names_of_levels(species, levels)[static_cast<std::size_t>(level)]
-                           : level == 0 ? "(1 + S_z)/2"
-                                        : "(1 - S_z)/2";
-  return beamline.species.size() == 1 ? name : species.name + " " + name;
+  std::vector<std::string> labels = law_traits(beamline.law).has_levels
+                                        ? names_of_levels(species, levels)
+                                        : std::vector<std::string>{"(1 + S_z)/2", "(1 - S_z)/2"};
+  if (beamline.species.size() > 1)
+    for (std::string& label : labels) label.insert(0, species.name + " ");
+  return labels;
 }
 
 /// The tallies that concern each scan point.

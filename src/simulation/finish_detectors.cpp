@@ -163,12 +163,13 @@ class DetectorFinisher {
       for (const LevelTally& tally : levels_[p]) {
         if (tally.part != part) continue;
         const Moments& weights = component_weights_[detector.name][p][tally.component];
-        for (int level = 0; level < tally.levels; ++level) {
-          const std::string label = label_of(beamline, tally.component, tally.levels, level);
+        const std::vector<std::string> labels = labels_of(beamline, tally.component, tally.levels);
+        for (std::size_t level = 0; level < static_cast<std::size_t>(tally.levels); ++level) {
+          const std::string& label = labels[level];
           if (std::find(detector.level_labels.begin(), detector.level_labels.end(), label) ==
               detector.level_labels.end())
             detector.level_labels.push_back(label);
-          found[p][label] = moments_of(tally, static_cast<std::size_t>(level), weights);
+          found[p][label] = moments_of(tally, level, weights);
         }
       }
     }

@@ -97,9 +97,10 @@ class FateFinisher {
         const Levels key{species.name, species.structure ? species.structure->i.twice : -1,
                          species.spin.twice, tree.ledger_levels};
         std::vector<std::size_t>& columns = known[{tree.component, key}];
-        for (std::size_t level = columns.size(); level < tree.ledger_levels; ++level)
-          columns.push_back(ledger_column(label_of(
-              beamline, tree.component, static_cast<int>(tree.ledger_levels), static_cast<int>(level))));
+        if (columns.empty())
+          for (const std::string& label :
+               labels_of(beamline, tree.component, static_cast<int>(tree.ledger_levels)))
+            columns.push_back(ledger_column(label));
         ledger_columns_[static_cast<std::size_t>(p)][tree.component] = columns;
       }
   }
