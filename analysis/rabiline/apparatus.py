@@ -258,12 +258,13 @@ def pieces_of(experiment: Experiment) -> list[Piece]:
 
 
 def _extent(pieces: list[Piece], across: str, tracks: Tracks | None) -> float:
-    """Half of what is shown: the paths, and openings that are not much larger."""
+    """Half of what is shown: the paths, openings that are not much larger, and detectors beside the beam."""
     index = "xyz".index(across)
     reached = max((np.abs(track.position[:, index]).max() for track in tracks.tracks), default=0.0) if tracks else 0.0
     sizes = [abs(piece.offset[across]) + piece.half[across] for piece in pieces if piece.half[across] and piece.kind != "monitor"]
     near = [size for size in sizes if reached == 0 or size <= 4 * reached]
-    return 1.15 * max([reached, *near, min(sizes, default=1e-3) if not near else 0.0, 1e-6])
+    beside = [abs(piece.offset[across]) for piece in pieces if piece.kind == "detector" and abs(piece.offset[across]) > (piece.half[across] or 0.0)]
+    return 1.15 * max([reached, *near, *beside, min(sizes, default=1e-3) if not near else 0.0, 1e-6])
 
 
 def _draw_view(axes: Axes, pieces: list[Piece], across: str, half: float, end: float) -> None:

@@ -79,7 +79,8 @@ class CurveModel:
             raise NoFit(f"{self.experiment.path}: choose one of its detectors {', '.join(detectors)} with --detector")
         self.detector = self.detector or detectors[0]
         if self.detector not in detectors:
-            raise NoFit(f"{self.experiment.path}: no detector `{self.detector}` (there is {', '.join(detectors)})")
+            raise NoFit(f"`{self.detector}` is no detector of {self.experiment.path}, which has {', '.join(detectors)}\n"
+                        f"  help: the column `detector` of the table, or --detector, names it")
         each = [one for name in self.names for one in name.split("+")]
         if twice := [name for name in each if each.count(name) > 1]:
             raise NoFit(f"`{twice[0]}` is free twice")

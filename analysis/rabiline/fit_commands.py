@@ -95,10 +95,11 @@ class _Time:
 def fit(options: argparse.Namespace) -> Figure | None:
     """Parameters of an experiment from measured counts."""
     from .fit_plots import draw_fit
+    from .fitting import fit_counts
     names = options.free.split(",")
     experiment = _experiment(options).scan()
-    found = experiment.fit(options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
-                           told=_Time(len(names), experiment.value("particles")))
+    found = fit_counts(experiment, options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
+                       told=_Time(len(names), experiment.value("particles")))
     print(found)
     return draw_fit(found, options.title) if options.output else None
 

@@ -30,6 +30,7 @@ class Forecast:
     condition: float
     degenerate: tuple[Direction, ...]
     combined: tuple[tuple[str, float, float], ...]
+    bent: tuple[str, ...]  # over whose errors the counts bend more than they change
     counts: np.ndarray  # [n] expected
     problem: Problem
 
@@ -42,6 +43,7 @@ class Forecast:
                   for name, unit, value, error, lost in zip(self.names, self.units, self.values, self.errors, unknown)]
         lines += [f"  {name}: {value:.6g} ± {error:.2g} in SI" for name, value, error in self.combined]
         lines += [f"  {direction}" for direction in self.degenerate]
+        lines += [f"  over such an error of `{name}` the counts do not change in proportion: take it as not known" for name in self.bent]
         return "\n".join([*lines, f"  condition number {self.condition:.3g}"])
 
     __repr__ = __str__
@@ -86,8 +88,16 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     problem = replace(problem, surface=problem.surface.whole(model, model.particles))
     mu, _, _ = problem.mean(full)
     covariance, condition, degenerate, combined = analysis(problem.fisher(full, exact), full, (*names, *extra))
-    return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, np.sqrt(np.diag(covariance)), covariance,
-                    condition, degenerate, combined, mu, problem)
+    errors = np.sqrt(np.diag(covariance))
+    return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, errors, covariance, condition, degenerate,
+                    combined, _bent(names, problem.surface, errors), mu, problem)
+
+
+def _bent(names: Sequence[str], surface: Surface, errors: np.ndarray) -> tuple[str, ...]:
+    """The parameters that matter to second order more than to first, over their errors."""
+    noise = np.sqrt(np.maximum(surface.y, 1e-3 * surface.y.max()))
+    return tuple(name for i, name in enumerate(names)
+                 if np.linalg.norm(surface.bends[i, i] / noise) * errors[i] > np.linalg.norm(surface.slopes[i] / noise) * surface.steps[i])
 
 
 def _counts_each(model: CurveModel, flown: object, rate: float | None, seconds: float) -> float:

@@ -185,6 +185,13 @@ def test_a_forecast_of_a_rate_that_cannot_be_is_refused(ramsey: rabiline.Experim
         forecast(ramsey, ["guide.field"], **option)
 
 
+def test_an_error_of_many_fringes_is_no_forecast(ramsey: rabiline.Experiment) -> None:
+    assert forecast(ramsey, ["guide.field"], rate=40000).bent == ()
+    few = forecast(ramsey, ["guide.field"], rate=1e-3)
+    assert few.bent == ("guide.field",)
+    assert "over such an error of `guide.field` the counts do not change in proportion: take it as not known" in str(few)
+
+
 def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
     expected = forecast(ramsey, list(TRUTH), rate=40000)
     exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))
@@ -314,6 +321,9 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
     assert done.returncode == 0, done.stderr
     assert "guide.field  1.000" in done.stdout and "chi²" in done.stdout
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
+    done = subprocess.run([PROGRAM, "fit", tmp_path / "ramsey.yaml", "--data", tmp_path / "counts.csv", "--free", "guide.field",
+                           "--detector", "wall"], capture_output=True, text=True)
+    assert done.returncode == 2 and "help: the column `detector` of the table, or --detector, names it" in done.stderr
 
 
 @pytest.mark.parametrize(("table", "reason"), [

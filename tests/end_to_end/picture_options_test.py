@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
+from rabiline.apparatus import draw_apparatus  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -29,3 +30,7 @@ def test_a_picture_takes_texts_and_numbers(ramsey: rabiline.Experiment) -> None:
     figure = ramsey.set(particles=20).run().plot(kind="scan", size="100x80", x_range="286:290", mark=["here=288 kHz"], title=3)
     assert figure.get_size_inches() * 25.4 == pytest.approx([100, 80]) and figure.axes[0].get_xlim() == (286, 290)
     assert figure._suptitle.get_text().startswith("3")
+
+def test_a_detector_beside_the_beam_is_drawn(ramsey: rabiline.Experiment) -> None:
+    beside = draw_apparatus(ramsey.set({"screen.offset": {"x": "0.5 m"}}).scan(), 2)
+    assert beside.axes[-1].get_ylim()[1] > 500 and beside.axes[-2].get_ylim()[1] < 50  # mm, from above and from the side
