@@ -32,5 +32,5 @@ def test_a_picture_takes_texts_and_numbers(ramsey: rabiline.Experiment) -> None:
     assert figure._suptitle.get_text().startswith("3")
 
 def test_a_detector_beside_the_beam_is_drawn(ramsey: rabiline.Experiment) -> None:
-    beside = draw_apparatus(ramsey.set({"screen.offset": {"x": "0.5 m"}}).scan(), 2)
-    assert beside.axes[-1].get_ylim()[1] > 500 and beside.axes[-2].get_ylim()[1] < 50  # mm, from above and from the side
+    beside = draw_apparatus(ramsey.set({"screen.offset": {"x": "40 mm"}}).scan(), 2)
+    assert beside.axes[-1].get_ylim()[1] > 40 and beside.axes[-2].get_ylim()[1] < 20  # mm, from above and from the side
