@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/portable_math.hpp"
 
@@ -273,10 +274,22 @@ class NodeMaker {
     return shares;
   }
 
+  /// It leads to no level that no path is flown in: which levels go over into one another may depend on the
+  /// frequency.
+  static bool keeps_to_paths(const PlanNode& node, const Stage& stage) {
+    const DrivenLevels& transitions = *path_of(stage)->transitions;
+    for (std::size_t from = 0; from < node.reachable_levels.size(); ++from)
+      if ((transitions.reachable_from(static_cast<int>(from)) & ~node.reachable_levels[from]) != 0)
+        return false;
+    return true;
+  }
+
   /// That what drives an atom depends on its frequency in no other way is seen, not known: shifts by far
   /// levels do, a little, and steps through profiles, whose number may change.
   bool holds(const PlanNode& node, const SlownessClass& one) const {
     return std::ranges::all_of(one.families, [&](const FrequencyNodes& family) {
+      if (!std::ranges::all_of(family.nodes, [&](const Stage& stage) { return keeps_to_paths(node, stage); }))
+        return false;
       std::vector<std::vector<double>> known;
       for (const Stage& stage : family.nodes) known.push_back(shares_at(stage, one.last));
       const std::size_t count = family.reweightings.size(),
