@@ -89,8 +89,8 @@ std::string name_of(const Structure& structure, const Transition& t) {
                      names[static_cast<std::size_t>(t.lower)]);
 }
 std::string left_out(double neglected) {
-  return std::isfinite(neglected) ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
-                                  : std::string("what it leaves out is resonant itself");
+  return neglected < 1 ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
+                       : "what it leaves out is too strong for that";
 }
 std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_field); }
 
@@ -302,13 +302,12 @@ std::vector<Fault> DrivenParts::warnings() {
     const auto& [component, name] = where;
     std::vector<Best> best;
     const Driven* before = nullptr;
-    double neglected = 0;
+    const Driven* worst = nullptr;
     LeftOutShift most;
     for (std::size_t point = 0; point < at.size(); ++point) {
       const Driven* driven = at[point];
-      if (driven == nullptr || driven == before) continue;
-      before = driven;
-      neglected = std::max(neglected, driven->neglected);
+      if (driven == nullptr || std::exchange(before, driven) == driven) continue;
+      if (worst == nullptr || driven->neglected > worst->neglected) worst = driven;
       const std::vector<LevelZone>& zones = driven->zones;
       best.resize(std::max(best.size(), zones.size()));
       for (std::size_t i = 0; i < zones.size(); ++i) {
@@ -331,9 +330,11 @@ std::vector<Fault> DrivenParts::warnings() {
       }
     }
     std::ranges::move(best, std::back_inserter(all));
-    if (neglected > 0.1)
-      add(name, "",
-          fmt::format("the rotating-wave approximation before `{}` is poor: {}", name, left_out(neglected)),
+    if (worst != nullptr && worst->neglected > 0.1)
+      add(worst->names.front(), "amplitude",
+          fmt::format("the rotating-wave approximation of `{}` is poor: {}",
+                      fmt::join(std::set(worst->names.begin(), worst->names.end()), "` and `"),
+                      left_out(worst->neglected)),
           "a smaller field helps, or one that turns: a `rotating_field`");
     else if (most.shift > 0)
       add(most.field, "approximation",

@@ -90,6 +90,16 @@ TEST_F(ExplainAtoms, WarnsWhereTheRotatingWaveApproximationLeavesMoreOutThanTheL
   EXPECT_THAT(check({"R.amplitude=20 mT"}), Not(HasSubstr("leaves out")));
 }
 
+TEST_F(ExplainAtoms, WarnsOfThePoorRotatingWaveApproximationOfADrive) {
+  const auto driven = [&](const char* amplitude) {
+    return check({"R.direction=[1, 0, 0]", "R.frequency=35 kHz", std::string("R.amplitude=") + amplitude});
+  };
+  const char* poor = "the rotating-wave approximation of `R` is poor: ";
+  EXPECT_THAT(driven("1 uT"), Not(HasSubstr(poor)));
+  EXPECT_THAT(driven("10 uT"), HasSubstr(std::string(poor) + "amplitudes up to 0."));
+  EXPECT_THAT(driven("1 mT"), HasSubstr(std::string(poor) + "what it leaves out is too strong for that"));
+}
+
 TEST_F(ExplainAtoms, WarnsOfAScanOnlyWhereNoPointDrivesAnything) {
   EXPECT_THAT(check({}, {"R.frequency=9 GHz:9.1 GHz:5"}),
               HasSubstr("`R` drives no transition at any scan point"));
