@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <ranges>
 #include <stdexcept>
 #include <utility>
 
@@ -269,6 +268,16 @@ class BlockBuilder {
   Eigen::VectorXd phase_;        // [cycles] n_i phase + m_i chi of the present frame
 };
 
+/// Of the levels of a set at most.
+int photons_apart(const RotatingFrame& frame, const std::vector<int>& levels) {
+  int least = frame.photons[static_cast<std::size_t>(levels.front())], most = least;
+  for (const int level : levels) {
+    least = std::min(least, frame.photons[static_cast<std::size_t>(level)]);
+    most = std::max(most, frame.photons[static_cast<std::size_t>(level)]);
+  }
+  return most - least;
+}
+
 /// Clocks of driven stretches whose start phase is random.
 std::vector<int> random_clocks(const std::vector<Stretch>& stretches) {
   std::vector<int> clocks;
@@ -303,11 +312,7 @@ DrivenLevels::DrivenLevels(const CoupledSpins& spins, std::vector<LevelZone> zon
     const Evolution evolution = BlockBuilder(labels, set, clocks).evolution(stretches, largest_slowness);
     if (!evolution.mixes()) continue;
     for (const int level : set) block_of_[static_cast<std::size_t>(level)] = static_cast<int>(blocks_.size());
-    if (frames.size() == 1) {
-      const auto [least, most] = std::ranges::minmax(
-          set | std::views::transform([&](int level) { return frames.front().photons[level]; }));
-      photons_ = std::max(photons_, most - least);
-    }
+    if (frames.size() == 1) photons_ = std::max(photons_, photons_apart(frames.front(), set));
     blocks_.push_back(evolution.lay_out(numbers_));
     blocks_.back().first_level = static_cast<int>(levels_.size());
     levels_.insert(levels_.end(), set.begin(), set.end());

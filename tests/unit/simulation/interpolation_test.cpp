@@ -16,7 +16,7 @@ struct Clock {
   bool turns = false;                                          // across z, else along it
   DriveProfile profile{};
   double temperature = 370;
-  std::uint64_t particles = 20000;
+  std::uint64_t particles = 30000;
 
   template <class Drive>
   void add_drives(Drive drive, double frequency, Beamline& b) const {
@@ -107,7 +107,7 @@ TEST(FewFrequencies, GiveTransitionsOverManyLevelsInAFieldThatTurns) {
   expect_points_as_alone(scan, plan, 40);
 }
 TEST(FewFrequencies, ServeEachAmplitudeOfAGrid) {
-  Clock clock{.particles = 10000};
+  Clock clock;
   std::vector<Beamline> scan;
   for (const double amplitude : {0.3e-6, 0.5e-6, 0.7e-6}) {
     clock.amplitude = amplitude;
