@@ -12,8 +12,6 @@
 namespace rabiline {
 namespace {
 
-Sum rounded(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
-
 /// One stage behind the projection: where its sums begin.
 struct Link {
   std::size_t sums, ledger;

@@ -15,6 +15,8 @@
 namespace rabiline {
 
 inline constexpr double quanta = static_cast<double>(quanta_per_particle);
+/// What is calculated of quanta, or of their squares.
+inline Sum rounded(double x) { return static_cast<Sum>(std::floor(std::max(0.0, x) + 0.5)); }
 inline double particles(Sum q) { return static_cast<double>(q) / quanta; }
 
 /// What is counted of a particle that weighs one, as the screens' kernels do [quanta].

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/in_parallel.hpp"
+#include "simulation/counting.hpp"
 #include "transport/sum_sink.hpp"
 
 namespace rabiline {
@@ -83,7 +84,7 @@ class Interpolation {
       std::vector<double> sums{};  // [node][place]
     };
     std::vector<Known> known{};
-    std::vector<Sum> booked{};  // [whole] of all its parts, at one node of each class
+    std::vector<Sum> booked{};  // [whole] what its parts add up to at nodes, the most of each class
   };
 
   Family family_of(std::size_t number) const {
@@ -95,9 +96,15 @@ class Interpolation {
       family.known.push_back({nodes});
       for (std::size_t k = 0; k < nodes.nodes.size() * size_; ++k)
         if (sums_[nodes.sums + k] != 0) holds[k % size_] = true;
-      for (std::size_t whole = 0; whole < wholes_.size(); ++whole)
-        for (const std::size_t place : wholes_[whole].parts)
-          family.booked[whole] += sums_[nodes.sums + place];
+      for (std::size_t whole = 0; whole < wholes_.size(); ++whole) {
+        Sum most = 0;
+        for (std::size_t j = 0; j < nodes.nodes.size(); ++j) {
+          Sum all = 0;
+          for (const std::size_t part : wholes_[whole].parts) all += sums_[nodes.sums + j * size_ + part];
+          most = std::max(most, all);
+        }
+        family.booked[whole] += most;
+      }
     }
     for (std::size_t k = 0; k < size_; ++k)
       if (holds[k]) family.places.push_back(k);
@@ -122,32 +129,41 @@ class Interpolation {
       }
     }
     for (std::size_t m = 0; m < count; ++m) {
-      std::vector<Sum> rounded(size_);
-      for (std::size_t k = 0; k < places; ++k)
-        rounded[family.places[k]] = static_cast<Sum>(std::max(0.0, found[k * at_once + m]) + 0.5);
+      std::vector<Sum> sums(size_);
+      for (std::size_t k = 0; k < places; ++k) sums[family.places[k]] = rounded(found[k * at_once + m]);
       for (std::size_t whole = 0; whole < wholes_.size(); ++whole) {
         const std::optional<std::size_t> total = wholes_[whole].total;
-        complete(wholes_[whole].parts, total ? rounded[*total] : family.booked[whole], rounded);
+        complete(wholes_[whole].parts, total ? sums[*total] : family.booked[whole],
+                 static_cast<double>(family.booked[whole]), sums);
       }
       Sum* to = &sums_[node_.sums + node_.reweightings[family.members[first + m]].shift];
-      for (const std::size_t place : family.places) to[place] += rounded[place];
+      for (std::size_t k = 0; k < size_; ++k) to[k] += sums[k];
     }
   }
 
-  /// The largest part takes what rounding has left.
-  static void complete(const std::vector<std::size_t>& parts, Sum wanted, std::vector<Sum>& rounded) {
+  /// Parts add up to `wanted`: the largest takes what rounding has left, and what was below nothing.
+  /// `scale`: the most that they add up to at any node, of which interpolation is some 1e-11 off.
+  static void complete(const std::vector<std::size_t>& parts, Sum wanted, double scale,
+                       std::vector<Sum>& sums) {
+    if (parts.empty()) return;
     Sum all = 0;
-    std::size_t largest = parts.empty() ? 0 : parts.front();
+    std::size_t largest = parts.front();
     for (const std::size_t part : parts) {
-      all += rounded[part];
-      if (rounded[part] > rounded[largest]) largest = part;
+      all += sums[part];
+      if (sums[part] > sums[largest]) largest = part;
     }
-    if (all == wanted) return;
-    if (static_cast<double>(std::max(all, wanted) - std::min(all, wanted)) >
-            1e-9 * static_cast<double>(wanted) + static_cast<double>(parts.size()) ||
-        rounded[largest] + wanted < all)
+    Sum excess = all > wanted ? all - wanted : 0;
+    const Sum missing = all > wanted ? 0 : wanted - all;
+    if (static_cast<double>(excess + missing) > 1e-9 * scale + static_cast<double>(parts.size()))
       throw std::logic_error("what was interpolated does not add up to what was booked");
-    rounded[largest] += wanted - all;
+    sums[largest] += missing;
+    const auto take = [&](std::size_t part) {
+      const Sum taken = std::min(excess, sums[part]);
+      sums[part] -= taken;
+      excess -= taken;
+    };
+    take(largest);
+    for (const std::size_t part : parts) take(part);
   }
 
   const PlanNode& node_;

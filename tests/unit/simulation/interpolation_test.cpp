@@ -137,6 +137,14 @@ TEST(FewFrequencies, GiveTheSameBitsForAnyThreadsBatchesAndInstructionSets) {
   const std::vector<Beamline> scan = Clock{}.scan(101);
   expect_same_bits(scan, plan_of(scan));
 }
+/// Bins have some quanta each, and interpolation leaves less than nothing in some of them.
+TEST(FewFrequencies, AddUpWhereHardlyAnAtomChangesItsLevel) {
+  Clock clock{.amplitude = 1e-12};
+  const std::vector<Beamline> scan = clock.scan(101);
+  const Plan plan = plan_of(scan);
+  ASSERT_FALSE(classes_in(plan).empty());
+  expect_points_as_alone(scan, plan, 50);
+}
 /// Neither has another scan parameter, nor are there too few points for it.
 TEST(FewFrequencies, ServeScansOfAFrequencyAloneWhereTheyAreFewer) {
   EXPECT_TRUE(classes_in(plan_of(Clock{}.scan(21))).empty());
