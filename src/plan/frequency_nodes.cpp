@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/portable_math.hpp"
+#include "plan/transit_links.hpp"
 
 namespace rabiline {
 namespace {
@@ -104,7 +105,7 @@ class NodeMaker {
 
  private:
   void lay_out(PlanNode& node) {
-    if (node.reweightings.size() < 2 || reads_earlier_catch(node)) return;
+    if (node.reweightings.size() < 2 || reads_what_is_not_sorted(node)) return;
     const std::vector<Family> families = families_of(node);
     if (families.empty()) return;
     std::vector<SlownessClass> classes = classes_of(node, families);
@@ -120,13 +121,10 @@ class NodeMaker {
   }
 
   /// Particles that were caught in front of the projection are not sorted by their slowness.
-  static bool reads_earlier_catch(const PlanNode& node) {
-    std::vector<int> caught;
-    for (const PlanNode* next = &node; !next->next.empty();) {
-      next = &next->next.front();
-      const int part = reads_catch_of(next->stage);
-      if (part != no_part && std::ranges::find(caught, part) == caught.end()) return true;
-      caught.push_back(catches(next->stage));
+  static bool reads_what_is_not_sorted(const PlanNode& projection) {
+    for (const PlanNode* node = &projection; !node->next.empty();) {
+      node = &node->next.front();
+      if (reads_earlier_catch(node->stage, projection)) return true;
     }
     return false;
   }

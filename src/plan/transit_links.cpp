@@ -80,4 +80,14 @@ std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection,
   return links;
 }
 
+bool reads_earlier_catch(const Stage& stage, const PlanNode& projection) {
+  const int part = reads_catch_of(stage);
+  if (part == no_part) return false;
+  for (const PlanNode* node = &projection; !node->next.empty();) {
+    node = &node->next.front();
+    if (catches(node->stage) == part) return false;
+  }
+  return true;
+}
+
 }  // namespace rabiline

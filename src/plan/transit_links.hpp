@@ -12,4 +12,7 @@ namespace rabiline {
 /// count, and then why not.
 std::optional<std::vector<TransitLink>> links_behind(const PlanNode& projection, std::string_view& why_not);
 
+/// Whether a stage behind a projection tallies what was caught in front of that.
+bool reads_earlier_catch(const Stage&, const PlanNode& projection);
+
 }  // namespace rabiline

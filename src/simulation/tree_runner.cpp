@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "plan/transit_links.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -49,14 +51,6 @@ class LedgerBook {
   const BatchView& batch_;
   std::uint64_t before_[Batch::capacity];  // [quanta] of what flew
 };
-
-/// Whether a stage behind a projection tallies particles that were caught upstream of it.
-bool reads_earlier_catch(const ChainLink& link, const std::vector<ChainLink>& chain) {
-  const int part = reads_catch_of(*link.stage);
-  return part != no_part && std::none_of(chain.begin(), chain.end(), [&](const ChainLink& other) {
-           return catches(*other.stage) == part;
-         });
-}
 
 /// What a class of particles is booked at, and how far its sums are behind those of the first reweighting:
 /// frequency nodes, or for those behind the last class each reweighting.
@@ -149,7 +143,7 @@ void TreeRunner::follow_class(const PlanNode& node, std::size_t number, Batch& b
   each_setting(node, number, [&](const Stage& setting, std::size_t shift) {
     branches_->book(*path_of(setting), sums.data(), shift);
     for (const ChainLink& link : chain) {
-      if (!reads_earlier_catch(link, chain)) continue;
+      if (!reads_earlier_catch(*link.stage, node)) continue;
       StageContext context{isa_, key, batch, sums.data() + link.sums + shift};
       advance(*link.stage, context);
     }
