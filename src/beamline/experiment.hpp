@@ -76,6 +76,7 @@ struct Experiment {
   std::vector<ScanAxis> axes;
   ScanParticles particles = ScanParticles::shared;
   ScanPoints points;
+  std::size_t first = 0;  // number of the first point in the whole scan, of which these may be a part
 };
 
 }  // namespace rabiline

@@ -16,5 +16,7 @@ inline bool is_downwards(const UnitVector& v) {
   if (v.z != 0) return v.z < 0;
   return v.x != 0 ? v.x < 0 : v.y < 0;
 }
+/// The other end of it. Levels are those along this one, so that two axes that are one line are one axis.
+inline UnitVector upwards(const UnitVector& v) { return is_downwards(v) ? -v : v; }
 
 }  // namespace rabiline

@@ -91,17 +91,20 @@ double processor_time() {
 std::string told_cost(const Experiment& experiment, const Form& form, double planning) {
   const Plan& plan = form.plan;
   constexpr double of_field_check = 0.3;  // [s] about the most that it takes: what is longer hides it
-  const bool in_slabs = form.slabs > 1;   // which are planned once more
+  // Points that follow are planned once more. Of slabs that fly four parts as long as one have been planned,
+  // and each is planned three times.
+  const bool in_slabs = form.slabs > 1, fly = form.flies_in_slabs();
+  const double flights = fly ? static_cast<double>(form.slabs) : 1;
+  const double plans = fly ? 0.75 * flights : in_slabs ? 2 : 1;
   double seconds =
-      start_up + (in_slabs ? 2 : 1) * planning + time_of_flight(plan) + each_bin * bins_of(experiment);
+      start_up + plans * planning + flights * time_of_flight(plan) + each_bin * bins_of(experiment);
   if (seconds < of_field_check) seconds += time_of([&] { check_fields(plan, best_isa()); });
-  return fmt::format(
-      "\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n{}", seconds,
-      static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0,
-      in_slabs
-          ? fmt::format("           scan points follow from one flight in {} slabs, one behind the other\n",
-                        form.slabs)
-          : "");
+  return fmt::format("\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n{}",
+                     seconds,
+                     static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0,
+                     in_slabs ? fmt::format("           scan points {} in {} slabs, one behind the other\n",
+                                            fly ? "fly" : "follow from one flight", form.slabs)
+                              : "");
 }
 
 }  // namespace rabiline

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "simulation/form_flight.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -32,17 +34,21 @@ std::size_t points_at_once(const Experiment& experiment, const Form& form) {
 std::string told_refusal(const Experiment& experiment, const Form& form, int threads,
                          std::uint64_t max_memory) {
   try {
-    require_memory(experiment, form.plan, points_at_once(experiment, form), threads, max_memory);
+    require_memory(experiment, form, points_at_once(experiment, form), threads, max_memory);
     return {};
   } catch (const std::invalid_argument& refusal) {
     return fmt::format("refused    by `rabiline run`: {}\n", refusal.what());
   }
 }
 
-void require_memory(const Experiment& experiment, const Plan& plan, std::size_t at_once, int threads,
+void require_memory(const Experiment& experiment, const Form& form, std::size_t at_once, int threads,
                     std::uint64_t max_memory) {
-  const double needed = static_cast<double>(plan.sums) * sizeof(Sum) * (threads + 2) +
-                        static_cast<double>(bytes_of_stages(plan)) * threads +
+  constexpr double listed = 2 * 24;  // each sum of slabs that fly, with its place; twice while more are added
+  const double kept = form.flies_in_slabs() ? listed * static_cast<double>(kept_sums(form.plan)) *
+                                                  static_cast<double>(form.slabs)
+                                            : 0;
+  const double needed = kept + static_cast<double>(form.plan.sums) * sizeof(Sum) * (threads + 2) +
+                        static_cast<double>(bytes_of_stages(form.plan)) * threads +
                         bytes_of_histograms(experiment, at_once);
   constexpr double share = 0.7;  // of the machine's memory, where nothing is stated
   const double there =

@@ -10,7 +10,7 @@ Form form_of(const Experiment&, std::uint64_t max_memory, bool keep_moments, int
 /// `at_once`: scan points of which the result is in memory together.
 /// Throws std::invalid_argument where sums of every thread and of the whole, what threads keep at planes, and
 /// what follows from all that need more memory than may be used [bytes]; 0: than there is.
-void require_memory(const Experiment&, const Plan&, std::size_t at_once, int threads,
+void require_memory(const Experiment&, const Form&, std::size_t at_once, int threads,
                     std::uint64_t max_memory);
 
 /// Scan points of which the result is in memory together, where it goes to its file slab by slab.

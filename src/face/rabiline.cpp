@@ -28,6 +28,7 @@
 #include "scan/resolved.hpp"
 #include "simulation/append.hpp"
 #include "simulation/field_check.hpp"
+#include "simulation/form_flight.hpp"
 #include "simulation/overflow.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/rescan.hpp"
@@ -96,15 +97,6 @@ void require_same_run(const Snapshot& start, const Setup& setup, const RunSettin
   if (!(start.shard == settings.shard)) refuse("of another shard");
   if (start.transit != settings.transit) refuse("other moments of the slowness are kept");
   if (start.max_memory != settings.max_memory) refuse("other memory may be used");
-}
-
-/// What a run goes on from, but for the sums.
-Snapshot beginning_of(const Plan& plan, const Snapshot* start) {
-  Snapshot out;
-  for (const PlanTree& tree : plan.trees) out.particles += tree.last - tree.first;
-  out.sums.size = plan.sums;
-  if (start != nullptr) out.finished = start->finished;
-  return out;
 }
 
 /// The changes of a result come first; its scan stays unless there is another.
@@ -242,13 +234,9 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   record->slabs = form.slabs;
   Precision precision(loaded.experiment);
   options.halvings = precision.halvings();
-  const auto finished = [&](Sums sums, const std::vector<Straggler>& stragglers, int halvings,
-                            const TakePoints& take) {
-    return finish(form, loaded.experiment, std::move(sums), stragglers, halvings, options.isa,
-                  options.threads, take);
-  };
   options.enough = [&](const Sums& sums, const std::vector<Straggler>& stragglers, int halvings) {
-    return precision.is_enough(finished(sums, stragglers, halvings, keep_totals));
+    return precision.is_enough(finish(form, loaded.experiment, sums, stragglers, halvings, options.isa,
+                                      options.threads, keep_totals));
   };
   if (settings.progress)
     options.progress = [&](Progress progress) {
@@ -257,31 +245,37 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
       settings.progress(progress);
     };
   require_memory(
-      loaded.experiment, plan, settings.points ? points_at_once(loaded.experiment, form) : setup.points(),
+      loaded.experiment, form, settings.points ? points_at_once(loaded.experiment, form) : setup.points(),
       options.threads * (settings.ranks == nullptr ? 1 : settings.ranks->neighbours()), settings.max_memory);
-  if (settings.start != nullptr && !fits(*settings.start, plan))
+  const FormFlight in_form(form, loaded.experiment, options.threads);
+  if (settings.start != nullptr && !in_form.fits(*settings.start))
     throw std::invalid_argument("the checkpoint does not fit the plan");
   std::vector<Diagnostic> warnings;
   if (leads) {
     if (!settings.silent) warnings = warnings_before(loaded, loaded.experiment, plan);
     if (settings.planned) settings.planned(warnings);
-    if (settings.ranks != nullptr) give_order(described(beginning_of(plan, settings.start)), settings);
+    if (settings.ranks != nullptr) {
+      Snapshot beginning = in_form.beginning();
+      if (settings.start != nullptr) beginning.finished = settings.start->finished;
+      give_order(described(std::move(beginning)), settings);
+    }
   }
 
-  RunOutcome outcome = run(plan, options);
+  RunOutcome outcome = in_form.run(options);
   Provenance provenance = record.finish();
   if (!leads || !outcome.finished || settings.shard.of > 1) return std::nullopt;
   std::optional<FlightRecord> flight;
   std::string_view why_not_kept;
   const int halvings = outcome.halvings;
-  if (settings.transit != KeptTransit::none)
+  if (form.flies_in_slabs())
+    why_not_kept = "scan points fly in slabs, since they do not follow from one flight";
+  else if (settings.transit != KeptTransit::none)
     flight = record_of(form.flown, plan, outcome,
                        settings.transit == KeptTransit::images ? KeptBins::images : KeptBins::totals,
                        why_not_kept);
   if (flight) flight->asked_for = keep_moments;
   Effects effects;
-  Result result =
-      finished(std::move(outcome.sums), outcome.stragglers, halvings, take_points(settings, effects));
+  Result result = in_form.finish(std::move(outcome), options.isa, take_points(settings, effects));
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);

@@ -1,4 +1,5 @@
 // How particles start, as the emitting kernel sees it.
+#include <algorithm>
 #include <cmath>
 
 #include "particle/law_tables.hpp"
@@ -93,8 +94,13 @@ class Emitter {
           spin.shares ? (*spin.shares)[i] : 1 / static_cast<double>(spin.levels.size());
     populate({}, shares);
   }
-  void populate(const UnitVector& axis, const std::vector<double>& shares) {
+  /// `shares`: of the levels along the axis, m = I first.
+  void populate(UnitVector axis, std::vector<double> shares) {
     e_.spin.kind = quantum_ ? SpinKind::levels : SpinKind::along_axis;
+    if (quantum_ && is_downwards(axis)) {
+      axis = upwards(axis);
+      std::ranges::reverse(shares);
+    }
     e_.spin.axis[0] = axis.x;
     e_.spin.axis[1] = axis.y;
     e_.spin.axis[2] = axis.z;

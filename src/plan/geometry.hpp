@@ -28,6 +28,7 @@ Rectangle extent_of(const Face&);
 struct ScreenGrid {
   double low_x, high_x, low_z, high_z;
   bool moves = false;
+  bool operator==(const ScreenGrid&) const = default;
 };
 using ScreenGrids = std::map<std::string, ScreenGrid>;  // by the detector's name
 ScreenGrids screen_grids(const ScanPoints& points);

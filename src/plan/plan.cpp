@@ -179,8 +179,9 @@ std::vector<Group> group_by_source(const Experiment& experiment, const Neighbour
     const Beamline& beamline = experiment.points[p];
     of_component.resize(std::max(of_component.size(), beamline.species.size()), apart);
     const auto first = shares(beamline);
-    const std::uint32_t stream =
-        experiment.particles == ScanParticles::shared ? 0 : static_cast<std::uint32_t>(p) + 1;
+    const std::uint32_t stream = experiment.particles == ScanParticles::shared
+                                     ? 0
+                                     : static_cast<std::uint32_t>(experiment.first + p) + 1;
     for (std::size_t k = 0; k < beamline.species.size(); ++k) {
       if (first[k] == first[k + 1]) continue;
       const Component& component = beamline.species[k];
@@ -352,15 +353,22 @@ Plan make_plan(const Experiment& experiment, int threads, double most_cost, cons
       tree.cost = cost_of_tree(tree);
       return tree;
     };
-    std::size_t no_sums = 0, no_place = place;
-    const PlanTree whole = whole_tree(chains, no_sums, no_place);
+    std::size_t sums = plan.sums, at = place;
+    std::optional<PlanTree> whole = whole_tree(chains, sums, at);
     std::string_view why_not;
     // Parts of one flight would each fly all of it.
     const auto parts =
-        is_one_flight(whole, plan.points, why_not)
+        is_one_flight(*whole, plan.points, why_not)
             ? 1
-            : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(64 * whole.cost / most_cost)), 1,
+            : std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(64 * whole->cost / most_cost)), 1,
                                       chains.size());
+    if (parts == 1) {
+      plan.trees.push_back(std::move(*whole));
+      plan.sums = sums;
+      place = at;
+      continue;
+    }
+    whole.reset();  // before its parts take as much memory
     for (std::size_t i = 0; i < parts; ++i) {
       const auto begin = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * i / parts);
       const auto end = chains.begin() + static_cast<std::ptrdiff_t>(chains.size() * (i + 1) / parts);

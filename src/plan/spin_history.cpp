@@ -10,8 +10,8 @@ namespace {
 
 /// Where the source's levels have their axis.
 UnitVector axis_of(const StartSpin& spin) {
-  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return polarised->axis;
-  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return populated->axis;
+  if (const auto* polarised = std::get_if<PolarisedSpin>(&spin)) return upwards(polarised->axis);
+  if (const auto* populated = std::get_if<PopulatedSpin>(&spin)) return upwards(populated->axis);
   return {};
 }
 

@@ -62,10 +62,7 @@ std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
   return {in_frame(ShapedTerm(linear), magnet, begin, 0)};
 }
 
-UnitVector spin_axis(const MagnetTerm& magnet) {
-  const UnitVector field = field_at_beam(magnet);
-  return is_downwards(field) ? -field : field;
-}
+UnitVector spin_axis(const MagnetTerm& magnet) { return upwards(field_at_beam(magnet)); }
 
 bool is_against_axis(const MagnetTerm& magnet) { return is_downwards(field_at_beam(magnet)); }
 

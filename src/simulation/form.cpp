@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "plan/geometry.hpp"
 #include "plan/transits.hpp"
 #include "simulation/append.hpp"
 #include "simulation/counting.hpp"
@@ -26,10 +27,10 @@ constexpr std::size_t least_at_once = 2 * (most_points_of_covariance + 1);
 Experiment some_of(const Experiment& scan, std::size_t begin, std::size_t end) {
   Experiment out;
   out.particles = scan.particles;
+  out.first = scan.first + begin;
   out.points = {end - begin, [points = scan.points, begin](std::size_t p) { return points[begin + p]; }};
   return out;
 }
-/// One of so many slabs, all about as long.
 Experiment slab_of(const Experiment& scan, std::size_t slab, std::size_t slabs) {
   if (slabs == 1) return scan;
   const std::size_t points = scan.points.size();
@@ -45,22 +46,27 @@ Experiment behind(const Experiment& flown, const Experiment& slab) {
   return both;
 }
 
-/// The fields that each reweighting keeps [bytes].
-std::size_t bytes_of_reweightings(const std::vector<PlanNode>& nodes) {
+std::size_t bytes_of_zones(const Stage& stage) {
+  std::size_t bytes = 0;
+  if (const SpinPath* path = path_of(stage))
+    path->each_zone([&](const SpinZone& zone) { bytes += sizeof zone; });
+  return bytes;
+}
+/// What the plan keeps of its points [bytes]. Nodes of all points hardly count.
+std::size_t bytes_of_nodes(const std::vector<PlanNode>& nodes) {
   std::size_t bytes = 0;
   for (const PlanNode& node : nodes) {
-    for (const PlanNode::Reweighting& reweighting : node.reweightings)
-      path_of(reweighting.stage)->each_zone([&](const SpinZone& zone) { bytes += sizeof zone; });
-    bytes += bytes_of_reweightings(node.next);
+    bytes += sizeof node + bytes_of_zones(node.stage) + bytes_of_nodes(node.next);
+    for (const PlanNode::Reweighting& one : node.reweightings) bytes += bytes_of_zones(one.stage);
   }
   return bytes;
 }
-/// About what a point takes while it is worked out: its fields as they are compiled, in the tree and in its
-/// copy; its sums as they are flown, added up and finished; its stages, and what becomes of all that.
+/// About what a point takes while it is worked out: its stages as they are compiled, in the tree and in its
+/// copy; its sums as they are flown, added up and finished; and what becomes of all that.
 double bytes_of_point(const Plan& plan) {
   constexpr double stages_and_result = 8192;
   std::size_t bytes = 4 * plan.sums * sizeof(Sum);
-  for (const PlanTree& tree : plan.trees) bytes += 3 * bytes_of_reweightings(tree.next);
+  for (const PlanTree& tree : plan.trees) bytes += 3 * bytes_of_nodes(tree.next);
   return stages_and_result + static_cast<double>(bytes) / plan.points;
 }
 
@@ -93,6 +99,32 @@ void add_stragglers(const Plan& plan, const std::vector<Straggler>& stragglers, 
       for (std::size_t i = begin; i < end; ++i) sums[i] += flown[i];
 }
 
+/// `sample`: the plan of some of the points.
+std::size_t slabs_within(std::uint64_t max_memory, const Experiment& scan, const Plan& sample) {
+  const auto at_once = std::max(
+      least_at_once, static_cast<std::size_t>(static_cast<double>(max_memory) / bytes_of_point(sample)));
+  return (scan.points.size() + at_once - 1) / at_once;
+}
+
+/// Detectors that are changed by the scan have bins that follow from all of its points.
+bool keeps_bins(const Experiment& scan, std::size_t slabs) {
+  const ScreenGrids grids = screen_grids(scan.points);
+  for (std::size_t k = 0; k < slabs; ++k)
+    if (screen_grids(slab_of(scan, k, slabs).points) != grids) return false;
+  return true;
+}
+
+/// The form in which slabs fly by themselves, where more than one is needed.
+std::optional<Form> fly_in_slabs(const Experiment& scan, std::uint64_t max_memory, int threads) {
+  if (scan.points.size() <= least_at_once || scan.points.front().until) return {};
+  const std::size_t slabs =
+      slabs_within(max_memory, scan, plan_of_slab(some_of(scan, 0, least_at_once), threads));
+  if (slabs == 1 || !keeps_bins(scan, slabs)) return {};
+  Form form{slab_of(scan, 0, slabs), {}, {}, slabs};
+  form.plan = plan_of_slab(form.flown, threads);
+  return form;
+}
+
 /// A part of the particles, so often halved.
 Result finish_part(const Experiment& experiment, const Plan& plan, Sums sums, int halvings, int threads) {
   if (halvings == 0) return finish(experiment, plan, std::move(sums), threads);
@@ -109,6 +141,11 @@ bool is_one_flight(const Plan& plan, std::string_view& why) {
   return true;
 }
 
+Experiment slab_of(const Experiment& scan, const Form& form, std::size_t slab) {
+  return slab_of(scan, slab, form.slabs);
+}
+Plan plan_of_slab(const Experiment& slab, int threads) { return make_plan(slab, threads, most_tree_cost); }
+
 Experiment first_point_of(const Experiment& experiment) {
   Experiment out;
   out.particles = experiment.particles;
@@ -118,13 +155,9 @@ Experiment first_point_of(const Experiment& experiment) {
 
 std::size_t slabs_of(const Experiment& flown, const Experiment& scan, const MomentsWanted& moments,
                      std::uint64_t max_memory) {
-  const std::size_t points = scan.points.size();
-  if (points <= least_at_once) return 1;
+  if (scan.points.size() <= least_at_once) return 1;
   const Experiment sample = some_of(scan, 0, least_at_once);
-  const double bytes = bytes_of_point(make_plan(behind(flown, sample), 0, any_cost, moments));
-  const auto at_once =
-      std::max(least_at_once, static_cast<std::size_t>(static_cast<double>(max_memory) / bytes));
-  return (points + at_once - 1) / at_once;
+  return slabs_within(max_memory, scan, make_plan(behind(flown, sample), 0, any_cost, moments));
 }
 
 /// A cell is as wide as the fastest turning of any point wants it.
@@ -156,31 +189,33 @@ Form form_of(const Experiment& scan, const MomentsWanted& wanted, std::uint64_t 
   std::string_view why;
   if (slabs > 1)
     if (std::optional<Form> form = follow(flown, scan, everywhere, slabs, why)) return std::move(*form);
+  if (std::optional<Form> form = fly_in_slabs(scan, max_memory, threads)) return std::move(*form);
   return {scan, make_plan(scan, threads, most_tree_cost, wanted)};
+}
+
+void add_points(Result points, const TakePoints& take, Result& all) {
+  points.axes = std::move(all.axes);
+  if (take) take(points);
+  std::vector<ScanAxis> axes = std::move(points.axes);
+  append(std::move(points), all);
+  all.axes = std::move(axes);
 }
 
 Result finish(const Form& form, const Experiment& scan, Sums sums, const std::vector<Straggler>& stragglers,
               int halvings, Isa isa, int threads, const TakePoints& take) {
   Result all;
   all.axes = scan.axes;
-  const auto add = [&](Result points) {
-    points.axes = std::move(all.axes);
-    if (take) take(points);
-    std::vector<ScanAxis> axes = std::move(points.axes);
-    append(std::move(points), all);
-    all.axes = std::move(axes);
-  };
   if (form.cells.empty()) {
-    add(finish_part(scan, form.plan, std::move(sums), halvings, threads));
+    add_points(finish_part(scan, form.plan, std::move(sums), halvings, threads), take, all);
     return all;
   }
   for (std::size_t k = 0; k < form.slabs; ++k) {
-    const Experiment slab = slab_of(scan, k, form.slabs);
+    const Experiment slab = slab_of(scan, form, k);
     const Plan plan = make_plan(slab, threads, any_cost, {true, &form.cells});
     Sums of_slab(plan.sums);
     copy_flight(form.plan, sums, plan, of_slab);
     add_stragglers(plan, stragglers, isa, of_slab);
-    add(finish_part(slab, plan, std::move(of_slab), halvings, threads));
+    add_points(finish_part(slab, plan, std::move(of_slab), halvings, threads), take, all);
   }
   return all;
 }

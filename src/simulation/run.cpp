@@ -46,8 +46,8 @@ class Runner {
         options_(options),
         ranks_(options.ranks == nullptr ? alone_ : *options.ranks),
         row_(plan, options.halvings),
-        begin_(options.shard.places(row_.size()).first),
-        last_(options.shard.places(row_.size()).second),
+        begin_(options.places(row_.size()).first),
+        last_(options.places(row_.size()).second),
         collected_(plan, ranks_.leads() ? options.start : nullptr),
         shares_(static_cast<std::size_t>(options.threads)) {
     if (options.start != nullptr) before_ = Intervals(options.start->finished);
@@ -75,7 +75,7 @@ class Runner {
     const bool finished = finished_part(left);
     collect();
     if (options_.snapshot && ranks_.leads()) options_.snapshot(snapshot(finished));
-    return {std::move(collected_.sums), std::move(collected_.stragglers), finished, left};
+    return {std::move(collected_.sums), std::move(collected_.stragglers), finished, left, {}};
   }
 
   /// Of the places that belong to the shard.

@@ -1,8 +1,10 @@
 #pragma once
 // The loop over all particles, on all threads, with progress and snapshots. Knows no files.
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <string>
+#include <utility>
 
 #include "plan/plan.hpp"
 #include "simulation/ranks.hpp"
@@ -21,6 +23,8 @@ struct RunOptions {
   double snapshot_seconds = 60;
   const Snapshot* start = nullptr;  // goes on from here; must fit
   Shard shard;                      // of the work; only where there are no halvings
+  /// Where this is a slab of a longer run: places of its row in front of this plan's, and of all of it.
+  std::uint64_t before = 0, of_run = 0;
   /// How often the particles may be halved (part_of), and whether the sums of a part are enough: asked about
   /// one part after the other until they are.
   int halvings = 0;
@@ -28,6 +32,15 @@ struct RunOptions {
   /// That fly it together; the leader alone calls the functions above and has sums in the end. Of what a run
   /// starts from, all know what has flown, the leader its sums.
   Ranks* ranks = nullptr;
+
+  /// Of so many places of the plan those that are to be flown.
+  std::pair<std::uint64_t, std::uint64_t> places(std::uint64_t size) const {
+    const auto [begin, end] = shard.places(of_run == 0 ? size : of_run);
+    const auto within = [&](std::uint64_t place) {
+      return std::clamp(place, before, before + size) - before;
+    };
+    return {within(begin), within(end)};
+  }
 };
 
 /// What a run leaves: its sums, and whether all particles are in them.
@@ -35,7 +48,8 @@ struct RunOutcome {
   Sums sums;
   std::vector<Straggler> stragglers;  // ascending, each once
   bool finished = false;
-  int halvings = 0;  // of the part that was enough
+  int halvings = 0;     // of the part that was enough
+  KeptSums of_slabs{};  // instead of sums, where slabs flew one behind the other
 };
 
 inline bool is_of(const Straggler& s, const Plan& plan) {

@@ -9,6 +9,7 @@ import signal
 import subprocess
 from pathlib import Path
 
+import h5py
 import pytest
 from lives_test import BAD_INPUT, DONE, EXPERIMENT, LONG, MODEL, MORE, PROGRAM, STOPPED, THREE, bits, rabiline, run, wait_for
 
@@ -56,6 +57,17 @@ def test_ranks_fly_a_run_together_to_the_same_bits(tmp_path: Path, reference: Pa
     assert bits(tmp_path / "a.h5") == bits(reference)
     assert [path.name for path in tmp_path.iterdir()] == ["a.h5"]
     assert "with the same bits" in together(2, "reproduce", tmp_path / "a.h5").stdout
+
+
+def test_ranks_fly_slabs_of_scan_points_one_behind_the_other(tmp_path: Path) -> None:
+    many = ("run", EXPERIMENT, "--no-scan", "--set", "law=classical", "--set", "screen.bins=[2, 2]", "--particles", 24,
+            "--scan", "H0.frequency=270 kHz:310 kHz:8100", "--max-memory", "300MiB", "--progress", "none")
+    assert rabiline(*many, "-o", tmp_path / "alone.h5").returncode == DONE
+    done = together(3, *many, "-o", tmp_path / "a.h5")
+    assert done.returncode == DONE, done.stderr
+    with h5py.File(tmp_path / "a.h5") as file:
+        assert file["entry/simulation/slabs"][0] == 2
+    assert bits(tmp_path / "a.h5") == bits(tmp_path / "alone.h5")
 
 
 def test_they_end_together_at_a_precision(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import h5py
 import pytest
-from runs import BEAM_OF_POINTS, DONE, NOT_WRITTEN, PROGRAM, STOPPED, rabiline
+from runs import BAD_INPUT, BEAM_OF_POINTS, DONE, NOT_WRITTEN, PROGRAM, STOPPED, rabiline
 
 # Two detectors, a monitor of several planes with a tally, a ledger by level: everything that a point can have.
 BEAMLINE = BEAM_OF_POINTS + """  rate: 1e6 /s
@@ -85,6 +85,63 @@ def test_every_dataset_of_a_grid_has_its_bits_in_slabs(folder: Path) -> None:
     assert [name for name in once if once[name] != several.get(name)] == []
     for name in ("slabs.h5", "again.h5"):
         assert rabiline("verify", name, cwd=folder).returncode == DONE
+
+
+# Under `classical` no point follows from the flight of another.
+FLOWN = ("--set", "law=classical", "--particles", "24", "--scan", "RF.amplitude=1 uT:3 uT:2", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:4050")
+FLOWN_IN_SLABS = (*FLOWN, "--max-memory", "900MiB", "--progress", "none")
+
+
+@pytest.mark.parametrize("particles", ["shared", "independent"])
+def test_points_that_fly_in_slabs_have_the_bits_of_one_piece(folder: Path, particles: str) -> None:
+    for name, *more in (("whole.h5", *FLOWN, "--max-memory", "8GiB"), ("slabs.h5", *FLOWN_IN_SLABS)):
+        done = rabiline("run", "rabi.yaml", *more, "--set", f"scan.particles={particles}", "-o", name, cwd=folder)
+        assert done.returncode == DONE, done.stderr
+    assert slabs(folder / "whole.h5") == 1 and slabs(folder / "slabs.h5") == 2
+    whole, in_slabs = contents(folder / "whole.h5"), contents(folder / "slabs.h5")
+    assert whole.keys() == in_slabs.keys()
+    assert [name for name in whole if whole[name] != in_slabs[name]] == []
+
+
+def test_slabs_that_fly_in_shards_or_after_stops_have_the_same_bits(folder: Path) -> None:
+    assert "scan points fly in 2 slabs" in rabiline("check", "rabi.yaml", *FLOWN_IN_SLABS[:-2], cwd=folder).stdout
+    assert rabiline("run", "rabi.yaml", *FLOWN_IN_SLABS, "-o", "a.h5", cwd=folder).returncode == DONE
+    whole = contents(folder / "a.h5")
+    for number in (1, 2):
+        done = rabiline("run", "rabi.yaml", *FLOWN_IN_SLABS, "--shard", f"{number}/2", "-o", f"{number}.shard", cwd=folder)
+        assert done.returncode == DONE, done.stderr
+    merged = rabiline("merge", "merged.h5", *(f"{number}.shard" for number in (2, 1)), cwd=folder)
+    assert merged.returncode == DONE and contents(folder / "merged.h5") == whole, merged.stderr
+    # Stopped again and again, by the clock or by force, as far as that comes in time.
+    stops = 0
+    for how in (signal.SIGTERM, signal.SIGKILL, signal.SIGTERM):
+        command = ("resume", "b.h5") if (folder / "b.h5.checkpoint").exists() else ("run", "rabi.yaml", *FLOWN_IN_SLABS, "-o", "b.h5")
+        process = subprocess.Popen([PROGRAM, *command, "--checkpoint-every", "0.05 s", "--threads", "1"], cwd=folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        before = (folder / "b.h5.checkpoint").stat().st_mtime_ns if stops else 0
+        while process.poll() is None:
+            path = folder / "b.h5.checkpoint"
+            if path.exists() and path.stat().st_mtime_ns != before:
+                process.send_signal(how)
+                stops += 1
+                break
+            time.sleep(0.002)
+        process.wait(timeout=300)
+        for path in folder.glob(".rabiline-*.tmp"):
+            path.unlink()
+    assert stops > 0
+    if not (folder / "b.h5").exists():
+        resumed = rabiline("resume", "b.h5", cwd=folder)
+        assert resumed.returncode == DONE, resumed.stderr
+    assert contents(folder / "b.h5") == whole
+
+
+def test_a_scan_that_no_memory_holds_is_refused_at_once(folder: Path) -> None:
+    begin = time.monotonic()
+    refused = rabiline("run", "rabi.yaml", "--set", "law=classical", "--set", "left.bins=[200, 200]",
+                       "--scan", "RF.frequency=9.32 MHz:9.33 MHz:100000", "-o", "a.h5", cwd=folder)
+    assert refused.returncode == BAD_INPUT and "the histograms of 100000 scan points need" in refused.stderr, refused.stderr
+    assert time.monotonic() - begin < 60  # less than a plan of all points takes
 
 
 def peak_of(*arguments: object, cwd: Path) -> float:

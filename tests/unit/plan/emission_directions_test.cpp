@@ -159,8 +159,21 @@ TEST(PolarisedSpin, IsInTheOuterLevelsOfItsAxis) {
     ASSERT_TRUE(level == 0 || level == 3);
     top += level == 0 ? 1 : 0;
   }
-  EXPECT_NEAR(top, 0.75 * particles, 4 * std::sqrt(particles * 0.1875));
-  for (const double sx : drawn([](const BatchView&v, int i) { return v.sx[i]; })) ASSERT_NEAR(sx, -1, 1e-15);
+  // Levels are counted along +x.
+  EXPECT_NEAR(top, 0.25 * particles, 4 * std::sqrt(particles * 0.1875));
+  for (const double sx : drawn([](const BatchView&v, int i) { return v.sx[i]; })) ASSERT_NEAR(sx, 1, 1e-15);
+}
+
+TEST(PopulatedSpin, HasTheSameLevelsByEitherEndOfItsAxis) {
+  Beamline up = beam(SingleSpeed{1000});
+  up.species[0].species.spin = {2};
+  up.source.spin = PopulatedSpin{{0.6, 0, 0.8}, {0.5, 0.3, 0.2}};
+  Beamline down = up;
+  down.source.spin = PopulatedSpin{{-0.6, 0, -0.8}, {0.2, 0.3, 0.5}};
+  for (const auto column : {&BatchView::level, &BatchView::prepared}) {
+    const auto of = [&](const BatchView& v, int i) { return static_cast<double>((v.*column)[i]); };
+    EXPECT_EQ(Drawn(up)(of), Drawn(down)(of));
+  }
 }
 
 TEST(PopulatedSpin, HasItsSharesInLevelsAndAsComponents) {

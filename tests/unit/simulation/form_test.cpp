@@ -1,10 +1,13 @@
 // Scans in slabs of points, against the same scans in one piece.
 #include "simulation/form.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "apparatus.hpp"
 #include "simulation/append.hpp"
+#include "simulation/form_flight.hpp"
 #include "simulation/rescan.hpp"
 #include "simulation/run.hpp"
 
@@ -28,8 +31,9 @@ struct Flown {
 };
 Flown fly(const Experiment& e, std::uint64_t max_memory) {
   Flown out{form_of(e, {true}, max_memory), {}, {}};
-  out.outcome = run(out.form.plan, {});
-  out.result = finish(out.form, e, out.outcome.sums, out.outcome.stragglers, 0, best_isa(), 2);
+  const FormFlight flight(out.form, e, 2);
+  out.outcome = flight.run({});
+  out.result = flight.finish(out.outcome, best_isa(), {});
   return out;
 }
 
@@ -78,11 +82,71 @@ TEST(Slabs, ChangeNoBitOfAResult) {
   }
 }
 
-TEST(Slabs, AreOfPointsThatFollowFromOneFlight) {
-  Experiment e = scan_of({});
+/// The last point steers otherwise than the others.
+Experiment scan_of_flights(const Apparatus& apparatus) {
+  Experiment e = scan_of(apparatus);
   e.points = {many, [points = e.points](std::size_t p) {
                 Beamline b = points[p];
                 if (p == many - 1) std::get<GradientMagnet>(b.parts.front().part).gradient *= 1.01;
+                return b;
+              }};
+  return e;
+}
+
+TEST(Slabs, FlyByThemselvesWhereOnePointDoesNotFollow) {
+  const Form form = form_of(scan_of_flights({}), {}, no_memory);
+  EXPECT_TRUE(form.flies_in_slabs());
+  EXPECT_EQ(form.flown.points.size(), std::size_t{many / 2});
+}
+
+TEST(Slabs, ThatFlyChangeNoBitOfAResult) {
+  for (const bool aimed : {false, true}) {
+    Apparatus apparatus;
+    apparatus.particles = 24;
+    apparatus.bins = {2, 1};
+    apparatus.aimed = aimed;
+    apparatus.tallied = !aimed;
+    Experiment e = scan_of_flights(apparatus);
+    e.particles = aimed ? ScanParticles::independent : ScanParticles::shared;
+    const Flown whole = fly(e, all_memory), slabs = fly(e, no_memory);
+    EXPECT_EQ(whole.form.slabs, 1U);
+    EXPECT_EQ(slabs.form.slabs, 2U);
+    expect_same(whole.result, slabs.result);
+  }
+}
+
+TEST(Slabs, ThatFlyGoOnFromEverySnapshotOfTheRun) {
+  Apparatus apparatus;
+  apparatus.particles = 64;
+  const Experiment e = scan_of_flights(apparatus);
+  const Flown whole = fly(e, no_memory);
+  const FormFlight flight(whole.form, e, 2);
+  std::vector<Snapshot> told;
+  RunOptions options;
+  options.grain = 1e-5;
+  options.snapshot_seconds = 0;
+  options.snapshot = [&](Snapshot snapshot) { told.push_back(std::move(snapshot)); };
+  options.progress = [](const Progress& now) { EXPECT_LE(now.done, 1); };
+  EXPECT_TRUE(flight.run(options).finished);
+  ASSERT_GT(told.size(), 2U);
+  EXPECT_TRUE(told.back().complete);
+  EXPECT_EQ(std::ranges::count(told, true, &Snapshot::complete), 1);
+  for (const std::size_t k : {std::size_t{0}, told.size() / 2, told.size() - 2, told.size() - 1}) {
+    ASSERT_TRUE(flight.fits(told[k]));
+    RunOptions again;
+    again.start = &told[k];
+    expect_same(flight.finish(flight.run(again), best_isa(), {}), whole.result);
+  }
+  Snapshot other = told.front();
+  other.sums.size += 1;
+  EXPECT_FALSE(flight.fits(other));
+}
+
+TEST(Slabs, DoNotFlyWhereTheirDetectorsWouldHaveOtherBins) {
+  Experiment e = scan_of_flights({});
+  e.points = {many, [points = e.points](std::size_t p) {
+                Beamline b = points[p];
+                if (p == 1) std::get<Detector>(b.parts.back().part).face = Rectangle{5e-3, 0.6e-3};
                 return b;
               }};
   EXPECT_EQ(form_of(e, {}, no_memory).slabs, 1U);
