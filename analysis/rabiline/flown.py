@@ -6,7 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from . import asked
+from .errors import InputError
 from .results import Results, read
+
+OTHERS = (".csv", ".txt", ".png", ".pdf", ".svg")  # than what a result is
 
 
 class Flown(Results):
@@ -44,5 +47,8 @@ class Flown(Results):
         return values.reshape(shape)[()]
 
     def write(self, path: Path | str) -> None:
-        """Writes the file that `rabiline run` writes, whole and verified or not at all. Raises StorageError, and TypeError."""
-        self.core.write(asked.path("path", path))
+        """Writes the file that `rabiline run` writes, whole and verified or not at all. Raises StorageError, TypeError, and InputError where
+        it is named like a picture or a table."""
+        if Path(asked.path("path", path)).suffix in OTHERS:
+            raise InputError(f"{path}: HDF5 is written; name it .h5, or draw with `.plot()`, or write a table with `.to_csv()`")
+        self.core.write(path)

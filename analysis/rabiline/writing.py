@@ -54,6 +54,8 @@ def require_place(path: Path) -> None:
 def explained(problem: OSError) -> str:
     """What the system says of a file that is read, or of what is printed, in a line."""
     if problem.filename is None:  # such as what is printed
+        if problem.errno == errno.EBADF:
+            return "what was to be printed could not be written to the standard output (it is closed)"
         return f"the output cannot be written ({problem.strerror}); {HELP[problem.errno]}" if problem.errno in HELP else problem.strerror or str(problem)
     return f"{problem.filename}: {WORDS.get(problem.errno) or f'cannot be read ({problem.strerror})'}"
 

@@ -201,7 +201,7 @@ const UnitSymbol* find_unit(std::string_view symbol) {
   return nullptr;
 }
 
-/// A prefix before a unit that takes none is a power of ten: "1e-6 T/m" for 1 uT/m.
+/// A prefix before a unit that does not take it is a power of ten: "1e-6 T/m" for 1 uT/m.
 std::string without_prefix(const Decimal& number, std::string_view symbol) {
   static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{{{"p", -12},
                                                                               {"n", -9},
@@ -217,7 +217,7 @@ std::string without_prefix(const Decimal& number, std::string_view symbol) {
     if (!symbol.starts_with(prefix)) continue;
     const UnitSymbol* unit = find_unit(symbol.substr(prefix.size()));
     if (unit && unit->symbol == row_of(unit->dimension).si_unit)
-      return fmt::format("write `{}e{} {}`", number.mantissa, number.exponent + power, unit->symbol);
+      return fmt::format("`{}e{} {}`", number.mantissa, number.exponent + power, unit->symbol);
   }
   return {};
 }
@@ -270,9 +270,11 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
     if (lower(unit.symbol) == lower(symbol))
       same_letters += fmt::format("{}`{}`", same_letters.empty() ? "" : " or ", unit.symbol);
   }
+  const std::string plain = without_prefix(number, symbol);
   if (!same_letters.empty())
-    return fmt::format("upper and lower case differ in units: write {}", same_letters);
-  if (std::string plain = without_prefix(number, symbol); !plain.empty()) return plain;
+    return fmt::format("upper and lower case differ in units: write {}{}{}", same_letters,
+                       plain.empty() ? "" : ", or ", plain);
+  if (!plain.empty()) return fmt::format("write {}", plain);
   if (symbol.ends_with("/h")) return "hours are no unit here: write it per second";
   const std::string near = closest(symbol, candidates);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);

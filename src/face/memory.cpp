@@ -19,12 +19,24 @@ double bytes_of_histograms(const Experiment& experiment, std::size_t points) {
   return 2.5 * sizeof(double) * bins * static_cast<double>(points);
 }
 
+double memory_there() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+/// That a run may take, for which so much may be stated [bytes].
+std::uint64_t most_memory(std::uint64_t stated) {
+  constexpr double share = 0.7;  // of the machine's, where nothing is stated
+  return stated > 0 ? stated : static_cast<std::uint64_t>(share * memory_there());
+}
+
 }  // namespace
 
 Form form_of(const Experiment& experiment, std::uint64_t max_memory, bool keep_moments, int threads) {
   MomentsWanted moments;
   moments.everywhere = keep_moments;
-  return form_of(experiment, moments, max_memory == 0 ? default_memory : max_memory, threads);
+  MemoryLimits limits;
+  if (max_memory > 0) limits.wanted = max_memory;
+  limits.most = most_memory(max_memory);
+  return form_of(experiment, moments, limits, threads);
 }
 
 std::size_t points_at_once(const Experiment& experiment, const Form& form) {
@@ -43,18 +55,15 @@ std::string told_refusal(const Experiment& experiment, const Form& form, int thr
 
 void require_memory(const Experiment& experiment, const Form& form, std::size_t at_once, int threads,
                     std::uint64_t max_memory) {
-  constexpr double listed = 2 * 24;  // each sum of slabs that fly, with its place; twice while more are added
+  constexpr double listed = 24;  // each sum of slabs that fly, with its place
   const double kept = form.flies_in_slabs() ? listed * static_cast<double>(kept_sums(form.plan)) *
                                                   static_cast<double>(form.slabs)
                                             : 0;
   const double needed = kept + static_cast<double>(form.plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(form.plan)) * threads +
                         bytes_of_histograms(experiment, at_once);
-  constexpr double share = 0.7;  // of the machine's memory, where nothing is stated
-  const double there =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   const bool is_stated = max_memory > 0;
-  const double most = is_stated ? static_cast<double>(max_memory) : share * there;
+  const auto most = static_cast<double>(most_memory(max_memory));
   if (needed <= most) return;
   const auto size = [](double bytes) {
     return bytes < 0x1p30 ? fmt::format("{:.4g} MiB", bytes / 0x1p20)
@@ -65,8 +74,9 @@ void require_memory(const Experiment& experiment, const Form& form, std::size_t 
       "the histograms{} need {} on {}, and {}\n  help: use fewer `bins`{}{}, {}",
       points == 1 ? std::string() : fmt::format(" of {} scan points", points), size(needed),
       threads == 1 ? "one thread" : fmt::format("{} threads", threads),
-      is_stated ? fmt::format("--max-memory allows {}", size(most))
-                : fmt::format("a run may take {} of the {} of this machine", size(most), size(there)),
+      is_stated
+          ? fmt::format("--max-memory allows {}", size(most))
+          : fmt::format("a run may take {} of the {} of this machine", size(most), size(memory_there())),
       points == 1 ? "" : " or fewer scan points", threads == 1 ? "" : ", fewer --threads",
       is_stated ? "or allow more" : "or state with --max-memory that it may take more"));
 }

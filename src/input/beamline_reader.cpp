@@ -190,6 +190,12 @@ bool read_value(const Node& node, const Place&, const Row& row, Reading& reading
 
 namespace {
 
+/// What has such a key below the first level.
+std::string owner_below(std::string_view key) {
+  if (has_key<Source>(key)) return "source";
+  return has_key<Chamber>(key) ? "chamber" : owner_of_key<Part>(key);
+}
+
 /// Whether all of it could be read.
 bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
   if (!root.is_mapping()) {
@@ -202,7 +208,7 @@ bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
   check_version(root, keys);
   const bool all_read = read_rows(keys, out);
   for (const std::string_view key : {"geometry", "variables", "scan"}) keys.take(key);
-  keys.finish();
+  keys.finish(&owner_below);
   return all_read;
 }
 

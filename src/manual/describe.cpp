@@ -336,6 +336,7 @@ std::string describe(std::string_view topic) {
         {{Place{}, fmt::format("there is nothing to describe called `{}`", topic),
           !isotopes.empty() ? isotopes
           : !part.empty()   ? fmt::format("it is a key of a part: `rabiline describe {}` explains it", part)
+          : has_key<Source>(topic) ? "it is a key of `source`: `rabiline describe source` explains it"
           : near.empty() ? "`rabiline describe` lists what there is, `rabiline describe species` what flies"
                          : near}});
   }

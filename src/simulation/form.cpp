@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "plan/geometry.hpp"
 #include "plan/transits.hpp"
 #include "simulation/append.hpp"
@@ -22,6 +24,8 @@ namespace {
 constexpr double any_cost = std::numeric_limits<double>::infinity();
 /// Even the half of it has more points than a covariance is kept of, so that no slab has one.
 constexpr std::size_t least_at_once = 2 * (most_points_of_covariance + 1);
+/// Nothing stops while a slab is planned, which takes about 0.1 ms for each of its points.
+constexpr std::size_t most_flown_at_once = 4 * least_at_once;
 
 /// Points [begin, end) of a scan.
 Experiment some_of(const Experiment& scan, std::size_t begin, std::size_t end) {
@@ -99,30 +103,65 @@ void add_stragglers(const Plan& plan, const std::vector<Straggler>& stragglers, 
       for (std::size_t i = begin; i < end; ++i) sums[i] += flown[i];
 }
 
-/// `sample`: the plan of some of the points.
-std::size_t slabs_within(std::uint64_t max_memory, const Experiment& scan, const Plan& sample) {
-  const auto at_once = std::max(
-      least_at_once, static_cast<std::size_t>(static_cast<double>(max_memory) / bytes_of_point(sample)));
+/// Where a point takes so much [bytes].
+std::size_t slabs_within(std::uint64_t memory, const Experiment& scan, double bytes_of_point) {
+  const auto at_once =
+      std::max(least_at_once, static_cast<std::size_t>(static_cast<double>(memory) / bytes_of_point));
   return (scan.points.size() + at_once - 1) / at_once;
 }
 
-/// Detectors that are changed by the scan have bins that follow from all of its points.
-bool keeps_bins(const Experiment& scan, std::size_t slabs) {
+/// What results list, and by which names.
+bool are_listed_alike(const Beamline& a, const Beamline& b) {
+  const auto species_alike = [](const Component& one, const Component& other) {
+    return one.species.name == other.species.name && one.species.spin == other.species.spin &&
+           one.species.structure.has_value() == other.species.structure.has_value();
+  };
+  const auto parts_alike = [](const PlacedPart& one, const PlacedPart& other) {
+    const Detector *screen = detector_in(one.part), *same = detector_in(other.part);
+    return one.placement.name == other.placement.name && one.part.index() == other.part.index() &&
+           (screen == nullptr || screen->bins == same->bins);
+  };
+  return a.law.index() == b.law.index() && a.chamber.has_value() == b.chamber.has_value() &&
+         a.source.direction.index() == b.source.direction.index() &&
+         std::ranges::equal(a.species, b.species, species_alike) &&
+         std::ranges::equal(a.parts, b.parts, parts_alike);
+}
+
+/// Slabs have results of one shape, and the bins of the whole scan: these follow from all points where a
+/// detector is moved or changes its size.
+bool may_be_cut(const Experiment& scan, std::size_t slabs) {
+  const Beamline& first = scan.points.front();
+  for (const Beamline& point : scan.points)
+    if (!are_listed_alike(first, point)) return false;
   const ScreenGrids grids = screen_grids(scan.points);
   for (std::size_t k = 0; k < slabs; ++k)
     if (screen_grids(slab_of(scan, k, slabs).points) != grids) return false;
   return true;
 }
 
-/// The form in which slabs fly by themselves, where more than one is needed.
-std::optional<Form> fly_in_slabs(const Experiment& scan, std::uint64_t max_memory, int threads) {
-  if (scan.points.size() <= least_at_once || scan.points.front().until) return {};
-  const std::size_t slabs =
-      slabs_within(max_memory, scan, plan_of_slab(some_of(scan, 0, least_at_once), threads));
-  if (slabs == 1 || !keeps_bins(scan, slabs)) return {};
-  Form form{slab_of(scan, 0, slabs), {}, {}, slabs};
-  form.plan = plan_of_slab(form.flown, threads);
-  return form;
+/// The form in which points fly, and do not follow from one flight.
+Form fly_points(const Experiment& scan, const MomentsWanted& wanted, const MemoryLimits& memory,
+                int threads) {
+  const std::size_t points = scan.points.size();
+  if (points > least_at_once) {
+    constexpr double of_estimate = 0.6;  // about what points take that fly on two threads
+    const double bytes = of_estimate * bytes_of_point(plan_of_slab(some_of(scan, 0, least_at_once), threads));
+    std::size_t slabs = slabs_within(memory.wanted, scan, bytes);
+    if (slabs > 1) slabs = std::max(slabs, (points + most_flown_at_once - 1) / most_flown_at_once);
+    if (slabs > 1 && !scan.points.front().until && may_be_cut(scan, slabs)) {
+      Form form{slab_of(scan, 0, slabs), {}, {}, slabs};
+      form.plan = plan_of_slab(form.flown, threads);
+      return form;
+    }
+    const double needed = bytes * static_cast<double>(points);
+    if (needed > static_cast<double>(memory.most))
+      throw std::invalid_argument(fmt::format(
+          "{} scan points need about {:.3g} GiB while they fly together, and a run may take {:.3g} GiB\n"
+          "  help: use fewer points; a scan of numbers alone, without `until` and without a detector that "
+          "changes, flies in parts",
+          points, needed / 0x1p30, static_cast<double>(memory.most) / 0x1p30));
+  }
+  return {scan, make_plan(scan, threads, most_tree_cost, wanted)};
 }
 
 /// A part of the particles, so often halved.
@@ -157,7 +196,8 @@ std::size_t slabs_of(const Experiment& flown, const Experiment& scan, const Mome
                      std::uint64_t max_memory) {
   if (scan.points.size() <= least_at_once) return 1;
   const Experiment sample = some_of(scan, 0, least_at_once);
-  return slabs_within(max_memory, scan, make_plan(behind(flown, sample), 0, any_cost, moments));
+  return slabs_within(max_memory, scan,
+                      bytes_of_point(make_plan(behind(flown, sample), 0, any_cost, moments)));
 }
 
 /// A cell is as wide as the fastest turning of any point wants it.
@@ -180,17 +220,16 @@ std::optional<Form> follow(const Experiment& flown, const Experiment& scan, cons
   return form;
 }
 
-Form form_of(const Experiment& scan, const MomentsWanted& wanted, std::uint64_t max_memory, int threads) {
+Form form_of(const Experiment& scan, const MomentsWanted& wanted, const MemoryLimits& memory, int threads) {
   const Experiment flown = first_point_of(scan);
   const MomentsWanted everywhere{true};
   const std::size_t slabs = scan.particles == ScanParticles::shared && scan.points.size() > least_at_once
-                                ? slabs_of(flown, scan, everywhere, max_memory)
+                                ? slabs_of(flown, scan, everywhere, memory.wanted)
                                 : 1;
   std::string_view why;
   if (slabs > 1)
     if (std::optional<Form> form = follow(flown, scan, everywhere, slabs, why)) return std::move(*form);
-  if (std::optional<Form> form = fly_in_slabs(scan, max_memory, threads)) return std::move(*form);
-  return {scan, make_plan(scan, threads, most_tree_cost, wanted)};
+  return fly_points(scan, wanted, memory, threads);
 }
 
 void add_points(Result points, const TakePoints& take, Result& all) {

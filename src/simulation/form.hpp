@@ -7,6 +7,7 @@
 // do not follow from one flight, each slab flies by itself (simulation/form_flight.hpp).
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,11 @@ namespace rabiline {
 
 /// What a run may use without a word of its user [bytes].
 inline constexpr std::uint64_t default_memory = std::uint64_t{1} << 31;
+/// [bytes]
+struct MemoryLimits {
+  std::uint64_t wanted = default_memory;                           // slabs are as long as that lets them be
+  std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  // beyond that nothing flies
+};
 
 struct Form {
   Experiment flown;                    // the whole scan; one point where the others follow; the first slab
@@ -39,9 +45,10 @@ std::optional<Form> follow(const Experiment& flown, const Experiment& scan, cons
 /// How many slabs are needed, where memory may be used up to so many bytes: that follows from the scan alone.
 std::size_t slabs_of(const Experiment& flown, const Experiment& scan, const MomentsWanted&,
                      std::uint64_t max_memory);
-/// In slabs where one would not do. Without them where a run may end before all of its particles have flown,
-/// or where detectors have other bins than in a slab alone.
-Form form_of(const Experiment& scan, const MomentsWanted&, std::uint64_t max_memory, int threads = 0);
+/// In slabs where one would not do. Points that fly do so together where a run may end before all of its
+/// particles have flown, where they differ in more than numbers, and where a detector changes; throws
+/// std::invalid_argument where that needs too much memory.
+Form form_of(const Experiment&, const MomentsWanted&, const MemoryLimits&, int threads = 0);
 
 /// Whether every node serves all points, or is one whose points follow from moments. Otherwise, why not.
 bool is_one_flight(const Plan&, std::string_view& why);

@@ -1,10 +1,16 @@
 #include "simulation/form_flight.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "simulation/clock.hpp"
 #include "simulation/finish.hpp"
 #include "simulation/tallies.hpp"
 #include "simulation/work.hpp"
@@ -71,6 +77,20 @@ void each_group_for_covariance(const Plan& plan, F f) {
   for (const CensusTally& census : tallies.censuses) of(census, CensusSums::group(0));
 }
 
+/// What a result of the plan lists.
+using ListedRows = std::set<std::tuple<std::string_view, int, int, int, std::size_t>>;
+ListedRows rows_of(const Plan& plan) {
+  ListedRows rows;
+  const Tallies tallies(plan);
+  for (const FateTally& f : tallies.fates) rows.insert({f.fate, f.part, f.component, 0, f.levels});
+  for (const ScreenTally& s : tallies.screens) rows.insert({"screen", s.part, 0, 0, s.layout.bins()});
+  for (const LevelTally& l : tallies.level_tallies) rows.insert({"levels", l.part, l.component, l.levels, 0});
+  for (const CensusTally& c : tallies.censuses) rows.insert({"plane", c.part, c.plane, 0, 0});
+  for (const HistogramTally& h : tallies.histograms)
+    rows.insert({"tally", h.part, h.tally, h.plane, h.layout.bins});
+  return rows;
+}
+
 }  // namespace
 
 std::size_t kept_sums(const Plan& plan) {
@@ -82,8 +102,19 @@ std::size_t kept_sums(const Plan& plan) {
 FormFlight::FormFlight(const Form& form, const Experiment& scan, int threads)
     : form_(form), scan_(scan), threads_(threads) {
   add(form.plan);
-  for (std::size_t k = 1; form.flies_in_slabs() && k < form.slabs; ++k)
-    add(plan_of_slab(slab_of(scan, form, k), threads));
+  if (!form.flies_in_slabs()) return;
+  const ListedRows rows = rows_of(form.plan);
+  for (std::size_t k = 1; k < form.slabs; ++k) {
+    const Plan plan = plan_of_slab(slab_of(scan, form, k), threads);
+    if (rows_of(plan) != rows)
+      throw std::invalid_argument(fmt::format(
+          "{} scan points do not fit into memory together, and cannot fly in parts: from somewhere on "
+          "particles end where they do not before, or other levels are counted\n  help: scan the values from "
+          "there "
+          "on in a run of their own, use fewer points, or state with --max-memory that the run may take more",
+          scan.points.size()));
+    add(plan);
+  }
 }
 
 void FormFlight::add(const Plan& plan) {
@@ -115,46 +146,51 @@ RunOutcome FormFlight::run(const RunOptions& options) const {
 /// Particles that were booked one by one for want of a cell are told for a later scan alone, which no run
 /// in slabs has.
 RunOutcome FormFlight::run_slabs(const RunOptions& options) const {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
-  Clock::time_point told = start;
-  const auto seconds = [](Clock::duration time) { return std::chrono::duration<double>(time).count(); };
-  const bool leads = options.ranks == nullptr || options.ranks->leads();
+  const auto start = Clock::now();
+  auto told = start;
+  const bool alone = options.ranks == nullptr || options.ranks->size() == 1,
+             leads = alone || options.ranks->leads();
+  const auto slabs = static_cast<double>(slabs_.size());
+  std::optional<double> done_before;  // of all slabs, where the first one flies
   SlabsFlown flown(beginning());
   for (std::size_t k = 0; k < slabs_.size(); ++k) {
     const Slab& slab = slabs_[k];
-    RunOptions of_slab = options;
-    of_slab.before = slab.place;
-    of_slab.of_run = particles_;
+    const bool is_last = k + 1 == slabs_.size();
     Snapshot whole;
     if (options.start != nullptr) {
       whole.finished = part_of(options.start->finished, slab.place, slab.particles);
       whole.sums = part_of(options.start->sums, slab.sum, slab.sums);
     }
     const Snapshot before = whole;
+    RunOptions of_slab = options;
     of_slab.start = options.start != nullptr ? &before : nullptr;
+    of_slab.before = slab.place;
+    of_slab.of_run = particles_;
     if (options.progress)
-      of_slab.progress = [&, slabs = static_cast<double>(slabs_.size())](Progress now) {
-        const double each = now.seconds + now.seconds_left, behind = slabs - static_cast<double>(k) - 1;
+      of_slab.progress = [&](Progress now) {
         now.done = (static_cast<double>(k) + now.done) / slabs;
-        now.seconds = seconds(Clock::now() - start);
-        now.seconds_left += behind * each;
+        now.seconds = seconds_since(start);
+        const double done_now = now.done - done_before.value_or(0);
+        now.seconds_left = done_now > 0 ? now.seconds * (1 - now.done) / done_now : 0;
         options.progress(now);
       };
-    const bool is_last = k + 1 == slabs_.size();
     if (options.snapshot)
       of_slab.snapshot = [&](const Snapshot& now) {
         const bool goes_on = now.complete && !is_last;
-        if (goes_on && seconds(Clock::now() - told) < options.snapshot_seconds) return;
+        if (goes_on && seconds_since(told) < options.snapshot_seconds) return;
         Snapshot all = flown.with(now, slab.place, slab.sum);
-        all.shard = now.shard;
+        all.shard = options.shard;
         all.complete = now.complete && is_last;
         options.snapshot(std::move(all));
         told = Clock::now();
       };
     const auto [begin, end] = of_slab.places(slab.particles);
-    const std::uint64_t there = Intervals(whole.finished).size();
-    if (there < end - begin || is_last) {
+    if (Intervals(whole.finished).size() < end - begin || is_last) {
+      if (!done_before) done_before = static_cast<double>(k) / slabs;
+      if (alone && options.stop != nullptr && *options.stop) {  // before a plan that would take seconds
+        if (of_slab.snapshot) of_slab.snapshot(before);
+        return {};
+      }
       std::optional<Plan> own;
       const Plan& plan = k == 0 ? form_.plan : own.emplace(plan_of_slab(slab_of(scan_, form_, k), threads_));
       RunOutcome outcome = rabiline::run(plan, of_slab);

@@ -1,7 +1,6 @@
 #include "simulation/run.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -15,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "core/thread_stacks.hpp"
+#include "simulation/clock.hpp"
 #include "simulation/dealer.hpp"
 #include "simulation/flown.hpp"
 #include "simulation/tree_runner.hpp"
@@ -22,11 +22,6 @@
 
 namespace rabiline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What a rank tells the others in a beat.
 struct Pulse {

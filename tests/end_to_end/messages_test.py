@@ -136,7 +136,7 @@ def test_check_tells_programs_of_a_file_that_is_not_there(tmp_path: Path) -> Non
     assert done.returncode == NOT_WRITTEN and json.loads(done.stdout)["errors"][0]["file"] == "never.yaml"
 
 
-@pytest.mark.parametrize("arguments", [["check", RAMSEY], ["describe"], ["--help"], ["--version"],
+@pytest.mark.parametrize("arguments", [["check", RAMSEY], ["describe"], ["--help"], ["--version"], ["summary", "--help"],
                                        ["probe", RAMSEY, "--along", "y", "--from", "0 m", "--to", "1 m"]])
 def test_text_that_nobody_can_get_is_an_error(arguments: list) -> None:
     done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", PROGRAM, *map(str, arguments)], text=True, capture_output=True, timeout=300)

@@ -389,3 +389,7 @@ def test_messages_name_options_as_callers_write_them(ramsey: rabiline.Experiment
         ramsey.scan().fit(counts, ["B.field"], detector="left")
     with pytest.raises(rabiline.InputError, match="^`detector` is empty: leave it out, or give a name$"):
         ramsey.scan().fit(counts, ["B.field"], detector="")
+    for name in ("a.png", "a.csv"):
+        with pytest.raises(rabiline.InputError, match=r"HDF5 is written; name it .h5, or draw with `.plot\(\)`"):
+            ramsey.run().write(tmp_path / name)
+    assert not (tmp_path / "a.png").exists()

@@ -61,7 +61,7 @@ def test_ranks_fly_a_run_together_to_the_same_bits(tmp_path: Path, reference: Pa
 
 def test_ranks_fly_slabs_of_scan_points_one_behind_the_other(tmp_path: Path) -> None:
     many = ("run", EXPERIMENT, "--no-scan", "--set", "law=classical", "--set", "screen.bins=[2, 2]", "--particles", 24,
-            "--scan", "H0.frequency=270 kHz:310 kHz:8100", "--max-memory", "300MiB", "--progress", "none")
+            "--scan", "H0.frequency=270 kHz:310 kHz:8100", "--max-memory", "160MiB", "--progress", "none")
     assert rabiline(*many, "-o", tmp_path / "alone.h5").returncode == DONE
     done = together(3, *many, "-o", tmp_path / "a.h5")
     assert done.returncode == DONE, done.stderr

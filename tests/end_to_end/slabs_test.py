@@ -89,7 +89,7 @@ def test_every_dataset_of_a_grid_has_its_bits_in_slabs(folder: Path) -> None:
 
 # Under `classical` no point follows from the flight of another.
 FLOWN = ("--set", "law=classical", "--particles", "24", "--scan", "RF.amplitude=1 uT:3 uT:2", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:4050")
-FLOWN_IN_SLABS = (*FLOWN, "--max-memory", "900MiB", "--progress", "none")
+FLOWN_IN_SLABS = (*FLOWN, "--max-memory", "700MiB", "--progress", "none")
 
 
 @pytest.mark.parametrize("particles", ["shared", "independent"])

@@ -30,7 +30,7 @@ struct Flown {
   Result result;
 };
 Flown fly(const Experiment& e, std::uint64_t max_memory) {
-  Flown out{form_of(e, {true}, max_memory), {}, {}};
+  Flown out{form_of(e, {true}, {max_memory}), {}, {}};
   const FormFlight flight(out.form, e, 2);
   out.outcome = flight.run({});
   out.result = flight.finish(out.outcome, best_isa(), {});
@@ -94,7 +94,7 @@ Experiment scan_of_flights(const Apparatus& apparatus) {
 }
 
 TEST(Slabs, FlyByThemselvesWhereOnePointDoesNotFollow) {
-  const Form form = form_of(scan_of_flights({}), {}, no_memory);
+  const Form form = form_of(scan_of_flights({}), {}, {no_memory});
   EXPECT_TRUE(form.flies_in_slabs());
   EXPECT_EQ(form.flown.points.size(), std::size_t{many / 2});
 }
@@ -149,7 +149,34 @@ TEST(Slabs, DoNotFlyWhereTheirDetectorsWouldHaveOtherBins) {
                 if (p == 1) std::get<Detector>(b.parts.back().part).face = Rectangle{5e-3, 0.6e-3};
                 return b;
               }};
-  EXPECT_EQ(form_of(e, {}, no_memory).slabs, 1U);
+  EXPECT_EQ(form_of(e, {}, {no_memory}).slabs, 1U);
+  EXPECT_THROW(form_of(e, {}, {no_memory, 1000}), std::invalid_argument);
+}
+
+TEST(Slabs, DoNotFlyWhereTheirResultsWouldListOtherThings) {
+  const Experiment flights = scan_of_flights({});
+  const auto with = [&](auto change) {
+    Experiment e = flights;
+    e.points = {many, [points = flights.points, change](std::size_t p) {
+                  Beamline b = points[p];
+                  if (p >= many / 2) change(b);
+                  return b;
+                }};
+    return e;
+  };
+  EXPECT_EQ(form_of(with([](Beamline& b) { b.law = ClassicalLaw{}; }), {}, {no_memory}).slabs, 1U);
+  EXPECT_EQ(form_of(with([](Beamline& b) { b.parts.erase(b.parts.begin()); }), {}, {no_memory}).slabs, 1U);
+  EXPECT_EQ(form_of(with([](Beamline& b) {
+                      b.species = {{point_of_spin(2), 1}};
+                    }),
+                    {}, {no_memory})
+                .slabs,
+            1U);
+  // A part of what hits a detector is a fate only where it does not count all.
+  const Experiment e = with([](Beamline& b) { std::get<Detector>(b.parts.back().part).efficiency = 0.5; });
+  const Form form = form_of(e, {}, {no_memory});
+  EXPECT_TRUE(form.flies_in_slabs());
+  EXPECT_THROW(FormFlight(form, e, 2), std::invalid_argument);
 }
 
 TEST(Slabs, AreGivenInTheirOrderAndLeaveTheTotals) {
@@ -183,7 +210,7 @@ TEST(Slabs, OfARescanShareTheStragglersOfItsFlight) {
   one.points = {apparatus.at(apparatus.resonance())};
   std::vector<SlownessCells> cells;
   const Experiment scan = scan_of(apparatus);
-  each_transit(form_of(scan, {true}, no_memory).plan.trees.front().next,
+  each_transit(form_of(scan, {true}, {no_memory}).plan.trees.front().next,
                [&](const PlanNode& node) { cells.push_back(node.transit->cells()); });
   ASSERT_EQ(cells.size(), 1U);
   cells[0].count = static_cast<int>((1 / 700.0 - cells[0].first) / cells[0].width);
