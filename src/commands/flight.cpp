@@ -168,10 +168,12 @@ int fly(const Setup& setup, const Path& output, const FlightOptions& options, Ru
   settings.points = [&](const Result& points) {
     file->add(points);
     written += points.emitted.size();
+    progress.writing(written, setup.points());
     if (written < setup.points() && stop_requested()) throw Stopped();
   };
   std::optional<Result> result;
   try {
+    progress.planning(setup.points());
     result = run(setup, settings);
     progress.clear();
     if (!last.complete) return keep_stopped(last, output);

@@ -35,12 +35,35 @@ ProgressLine::ProgressLine(const std::string& kind)
       json_(kind == "json"),
       quiet_(kind == "none") {}
 
+void ProgressLine::show(const std::string& text) {
+  if (!terminal_) {
+    say(stderr, "{}\n", text);
+    return;
+  }
+  return_carriage();
+  say(stderr, "{}      ", text);
+  shown_ = true;
+}
+
+void ProgressLine::planning(std::size_t points) {
+  constexpr std::size_t soon_planned = 50'000;
+  if (!quiet_ && !json_ && points > soon_planned) show(fmt::format("planning {} scan points", points));
+}
+
+void ProgressLine::writing(std::size_t points, std::size_t of) {
+  constexpr double tenth = 0.1;
+  const double done = static_cast<double>(points) / static_cast<double>(of);
+  if (quiet_ || json_ || (!terminal_ && done < written_ + tenth) || done == 1) return;
+  written_ = done;
+  show(fmt::format("writing {:5.1f} %", 100 * done));
+}
+
 void ProgressLine::operator()(const Progress& p) {
   if (quiet_) return;
+  const std::string text =
+      fmt::format("{:5.1f} %  {} left{}", 100 * p.done, duration(p.seconds_left), reached(p));
   if (terminal_) {
-    return_carriage();
-    say(stderr, "{:5.1f} %  {} left{}      ", 100 * p.done, duration(p.seconds_left), reached(p));
-    shown_ = true;
+    show(text);
     return;
   }
   if (p.seconds < next_) return;
@@ -52,7 +75,7 @@ void ProgressLine::operator()(const Progress& p) {
         p.done, p.seconds, p.seconds_left, p.error,
         std::isfinite(p.centre_error) ? fmt::format("{:.6g}", p.centre_error) : "null");
   else
-    say(stderr, "{:5.1f} %  {} left{}\n", 100 * p.done, duration(p.seconds_left), reached(p));
+    show(text);
 }
 
 void ProgressLine::clear() {

@@ -221,7 +221,9 @@ Result FormFlight::finish(RunOutcome outcome, Isa isa, const TakePoints& take) c
     const Experiment slab = slab_of(scan_, form_, k);
     const Plan plan = plan_of_slab(slab, threads_);
     Sums sums = sums_of(part_of(outcome.of_slabs, slabs_[k].sum, slabs_[k].sums));
-    add_points(rabiline::finish(slab, plan, std::move(sums), threads_), take, all);
+    Result points = rabiline::finish(slab, plan, std::move(sums), threads_);
+    for (DetectorResult& detector : points.detectors) detector.transits.clear();  // of this slab alone
+    add_points(std::move(points), take, all);
   }
   return all;
 }

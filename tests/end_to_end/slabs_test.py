@@ -195,7 +195,8 @@ def ended_while_written(folder: Path, how: signal.Signals, code: int) -> str:
 
 
 def test_a_run_that_ends_while_slabs_are_written_leaves_no_half_file(folder: Path) -> None:
-    assert rabiline("run", "filters.yaml", *LINE, "-o", "b.h5", cwd=folder).returncode == DONE
+    done = rabiline("run", "filters.yaml", *LINE[:4], "-o", "b.h5", cwd=folder)
+    assert done.returncode == DONE and "writing  33.3 %\nwriting  66.7 %\n" in done.stderr, done.stderr
     assert slabs(folder / "b.h5") == 3
     ended_while_written(folder, signal.SIGKILL, -signal.SIGKILL)
     assert not (folder / "a.h5").exists()
