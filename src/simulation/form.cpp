@@ -66,7 +66,7 @@ std::size_t bytes_of_nodes(const std::vector<PlanNode>& nodes) {
   return bytes;
 }
 /// About what a point takes while it is worked out: its stages as they are compiled, in the tree and in its
-/// copy; its sums as they are flown, added up and finished; and what becomes of all that.
+/// copy; its sums as they are flown on two threads, added up and finished; and what becomes of all that.
 double bytes_of_point(const Plan& plan) {
   constexpr double stages_and_result = 8192;
   std::size_t bytes = 4 * plan.sums * sizeof(Sum);
@@ -144,8 +144,7 @@ Form fly_points(const Experiment& scan, const MomentsWanted& wanted, const Memor
                 int threads) {
   const std::size_t points = scan.points.size();
   if (points > least_at_once) {
-    constexpr double of_estimate = 0.6;  // about what points take that fly on two threads
-    const double bytes = of_estimate * bytes_of_point(plan_of_slab(some_of(scan, 0, least_at_once), threads));
+    const double bytes = bytes_of_point(plan_of_slab(some_of(scan, 0, least_at_once), threads));
     std::size_t slabs = slabs_within(memory.wanted, scan, bytes);
     if (slabs > 1) slabs = std::max(slabs, (points + most_flown_at_once - 1) / most_flown_at_once);
     if (slabs > 1 && !scan.points.front().until && may_be_cut(scan, slabs)) {

@@ -14,7 +14,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr std::uint64_t checkpoint_version = 5;
+constexpr std::uint64_t checkpoint_version = 6;
 // The most that a checkpoint may hold: far above what runs need, and what a machine can still read.
 constexpr std::size_t most_sums = std::size_t{1} << 29, most_intervals = std::size_t{1} << 24,
                       most_text = std::size_t{1} << 28;

@@ -12,6 +12,8 @@
 namespace rabiline {
 namespace {
 
+/// Raised where the same sums come to mean something else.
+constexpr std::uint64_t flight_version = 2;
 constexpr std::size_t most_kept_sums = std::size_t{1} << 29, most_cells = std::size_t{1} << 16,
                       most_stragglers = std::size_t{1} << 24, most_kept_text = std::size_t{1} << 26;
 
@@ -21,6 +23,9 @@ constexpr std::size_t most_kept_sums = std::size_t{1} << 29, most_cells = std::s
 
 FlightRecord read_record(const std::filesystem::path& path, const hdf5::FileReader& file) {
   const auto in_flight = [](const char* name) { return std::string("entry/flight/") + name; };
+  if (!file.contains(in_flight("version")) ||
+      file.numbers(in_flight("version"), 1) != std::vector{flight_version})
+    refuse_result(path, "its flight was kept by another version of the program\n  help: fly it again");
   FlightRecord record;
   record.asked_for = true;
   record.totals_of = file.texts(in_flight("totals_of"), most_kept_text);
@@ -88,6 +93,7 @@ void nexus::write_flight(const hdf5::GroupWriter& entry, const FlightRecord& rec
   }
   const std::vector<std::uint64_t> size{record.sums.size()},
       halvings{static_cast<std::uint64_t>(record.halvings)};
+  group.dataset("version", {1}, std::vector{flight_version}, {{"long_name", "version of what is kept"}});
   group.dataset("totals_of", {record.totals_of.size()}, record.totals_of,
                 {{"long_name", "parts whose bins are added up and whose tallies are left out"}});
   group.dataset("cells_first", {first.size()}, first,

@@ -139,7 +139,7 @@ def test_a_result_is_not_replaced_by_its_rescan(folder: Path) -> None:
     assert done.returncode == 2 and "rabi.h5" in done.stderr
 
 
-@pytest.mark.parametrize("name", ["place", "low", "cells_width", "sums", "straggler_trees", "zero", "halvings", "input"])
+@pytest.mark.parametrize("name", ["place", "low", "cells_width", "sums", "straggler_trees", "zero", "halvings", "version", "input"])
 def test_a_damaged_flight_is_refused(folder: Path, name: str) -> None:
     damaged = folder / "damaged.h5"
     damaged.write_bytes((folder / "rabi.h5").read_bytes())
@@ -151,7 +151,7 @@ def test_a_damaged_flight_is_refused(folder: Path, name: str) -> None:
         else:
             del file[where]
             file[where] = {"place": values + 10**9, "low": values[:-1], "cells_width": -values, "sums": values + 1, "zero": 0 * values,
-                           "halvings": values + 3, "straggler_trees": np.arange(7, dtype=np.uint64)}[name]
+                           "halvings": values + 3, "version": values - 1, "straggler_trees": np.arange(7, dtype=np.uint64)}[name]
     done = rabiline("rescan", "damaged.h5", "-o", "refused.h5", cwd=folder)
     assert done.returncode in (2, 3) and done.stderr.startswith("error: "), done.stderr
 
