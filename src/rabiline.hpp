@@ -109,9 +109,9 @@ struct RunSettings {
   const Snapshot* start = nullptr;                  // goes on from here
   std::vector<std::string> arguments{};             // noted in the result as the command line
   KeptTransit transit = KeptTransit::if_small;
-  /// That may be used [bytes]. A scan that needs more is worked out in slabs of its points where they follow
-  /// from one flight, which changes no bit, and is refused else. 0: 2 GiB for the first question, seven
-  /// tenths of the machine for the second one.
+  /// That may be used [bytes]. A scan that needs more is worked out in slabs of its points, one behind the
+  /// other, and refused where that does not do. 0: 2 GiB for the first question, seven tenths of the machine
+  /// for the second one.
   std::uint64_t max_memory = 0;
   /// Called with the finished points, slab by slab, row-major; the axes are those of the whole scan. What is
   /// returned then has of each point what was emitted and what was detected, with errors, and no more: so a

@@ -191,9 +191,8 @@ void MachineOptions::add_to(CLI::App& app) {
 void MachineOptions::add_memory_to(CLI::App& app) {
   app.add_option(
          "--max-memory", max_memory,
-         "memory that may be used, such as 2GiB: a longer scan of one flight is worked out in slabs of "
-         "its points, and what needs more is refused; 2GiB for slabs, and else what the machine has, "
-         "if omitted")
+         "memory that may be used, such as 2GiB: a longer scan is worked out in slabs of its points, and "
+         "what needs more is refused; 2GiB for slabs, and else what the machine has, if omitted")
       ->type_name("SIZE");
 }
 

@@ -56,8 +56,10 @@ double time_to_fly(const Plan& plan) {
 
 /// Sums are made and added up once, however many particles fly: what one more takes is told from two flights.
 double time_of_flight(const Plan& plan) {
+  constexpr std::size_t many_trees = 64;  // each of which few particles fly through
   const double all = estimate_of(plan);
   if (plan.sums > most_sums) return all;
+  if (plan.trees.size() > many_trees && all < plenty) return time_to_fly(plan);
   const std::size_t last = plan.trees.size() - 1;
   std::uint64_t particles = first_particles;
   double flown = 0, seconds = 0;

@@ -55,10 +55,8 @@ std::string told_refusal(const Experiment& experiment, const Form& form, int thr
 
 void require_memory(const Experiment& experiment, const Form& form, std::size_t at_once, int threads,
                     std::uint64_t max_memory) {
-  constexpr double listed = 24;  // each sum of slabs that fly, with its place
-  const double kept = form.flies_in_slabs() ? listed * static_cast<double>(kept_sums(form.plan)) *
-                                                  static_cast<double>(form.slabs)
-                                            : 0;
+  const double kept =
+      form.flies_in_slabs() ? bytes_of_kept_sums(form.plan) * static_cast<double>(form.slabs) : 0;
   const double needed = kept + static_cast<double>(form.plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(form.plan)) * threads +
                         bytes_of_histograms(experiment, at_once);

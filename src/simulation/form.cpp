@@ -12,6 +12,7 @@
 #include "simulation/append.hpp"
 #include "simulation/counting.hpp"
 #include "simulation/finish.hpp"
+#include "simulation/form_flight.hpp"
 #include "simulation/precision.hpp"
 #include "simulation/run.hpp"
 #include "simulation/sums_copy.hpp"
@@ -144,8 +145,15 @@ Form fly_points(const Experiment& scan, const MomentsWanted& wanted, const Memor
                 int threads) {
   const std::size_t points = scan.points.size();
   if (points > least_at_once) {
-    const double bytes = bytes_of_point(plan_of_slab(some_of(scan, 0, least_at_once), threads));
+    const Plan sample = plan_of_slab(some_of(scan, 0, least_at_once), threads);
+    const double bytes = bytes_of_point(sample), all = static_cast<double>(points) / sample.points;
+    // Sums of slabs that have flown stay, those of one slab come to them.
+    const double kept = bytes_of_kept_sums(sample) * all, least = static_cast<double>(memory.wanted) / 4;
     std::size_t slabs = slabs_within(memory.wanted, scan, bytes);
+    if (slabs > 1)
+      slabs =
+          slabs_within(static_cast<std::uint64_t>(std::max(static_cast<double>(memory.wanted) - kept, least)),
+                       scan, bytes);
     if (slabs > 1) slabs = std::max(slabs, (points + most_flown_at_once - 1) / most_flown_at_once);
     if (slabs > 1 && !scan.points.front().until && may_be_cut(scan, slabs)) {
       Form form{slab_of(scan, 0, slabs), {}, {}, slabs};

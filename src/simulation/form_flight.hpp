@@ -37,8 +37,8 @@ class FormFlight {
   std::size_t sums_ = 0;
 };
 
-/// Of the sums of such a slab those that its points need: no scan of so many has a covariance, for which
-/// particles are counted in groups.
-std::size_t kept_sums(const Plan&);
+/// What is kept of the sums of such a slab when it has flown, at most [bytes]: those that its points need. No
+/// scan of so many has a covariance, for which particles are counted in groups.
+double bytes_of_kept_sums(const Plan&);
 
 }  // namespace rabiline
