@@ -232,7 +232,8 @@ class TallyFinisher {
 }  // namespace
 
 /// Places are taken from a whole step c near the mean: sum q (u - c) and sum q (u - c)^2 follow from the sums
-/// exactly, since arithmetic modulo 2^128 does no harm to what fits into it. Errors of the ratios: the sum
+/// exactly, since arithmetic modulo 2^128 does no harm to what fits into it; of sums that follow from moments
+/// of the slowness, which are rounded, the second may be less than nothing. Errors of the ratios: the sum
 /// over groups of the squares of what each group adds to the numerator beyond its share.
 MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
   MomentSums all;
@@ -248,7 +249,7 @@ MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
     return static_cast<double>(static_cast<Signed>(g.qu - centre * g.q));
   };
   const auto second = [&](const MomentSums& g) {
-    return static_cast<double>(g.quu - 2 * centre * g.qu + centre * centre * g.q);
+    return static_cast<double>(static_cast<Signed>(g.quu - 2 * centre * g.qu + centre * centre * g.q));
   };
   const double q = static_cast<double>(all.q), mean = first(all) / q,
                variance = std::max(0.0, second(all) / q - mean * mean);

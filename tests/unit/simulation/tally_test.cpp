@@ -292,6 +292,18 @@ TEST(Moments, AreExactWhereTheSumsFill128Bits) {
   EXPECT_TRUE(std::isnan(moments_of({MomentSums{}, MomentSums{}}).mean));
 }
 
+// Sums that follow from moments of the slowness are rounded: a second moment may be less than nothing.
+TEST(MomentsOf, OfOnePlaceHaveNoDeviationHoweverTheyAreRounded) {
+  const Sum q = quanta_per_particle, u = (Sum{1} << 24) - 1;
+  for (const Sum off : {Sum{0}, Sum{1}, Sum{12345}}) {
+    const MomentSums rounded{q, q * u, q * u * u - off};
+    const MeanAndDeviation m = moments_of({rounded, rounded});
+    EXPECT_EQ(m.mean, static_cast<double>(u));
+    EXPECT_EQ(m.deviation, 0);
+    EXPECT_EQ(m.deviation_error, 0);
+  }
+}
+
 TEST(Plan, SharesTalliesThatAskForNoSpinAndAllThatFollowsThoseThatDo) {
   Experiment e;
   for (int i = 0; i < 5; ++i) {
