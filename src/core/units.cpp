@@ -251,6 +251,19 @@ double evaluate(Decimal number, double factor) {
   return shift ? value : value * factor;
 }
 
+/// "6 T/m" for 60 G/mm: a quotient of known units that is none itself; empty where it is not of that
+/// dimension.
+std::string as_quotient(const Decimal& number, std::string_view symbol, Dimension wanted) {
+  const std::size_t slash = symbol.find('/');
+  if (slash == std::string_view::npos) return {};
+  const UnitSymbol *above = find_unit(symbol.substr(0, slash)), *below = find_unit(symbol.substr(slash + 1));
+  if (!above || !below) return {};
+  const std::string_view unit = row_of(wanted).si_unit;
+  if (unit != fmt::format("{}/{}", row_of(above->dimension).si_unit, row_of(below->dimension).si_unit))
+    return {};
+  return fmt::format("write `{:.9g} {}`", evaluate(number, 1) * above->factor / below->factor, unit);
+}
+
 /// The unit that was meant; empty where none is near.
 std::string suggest_unit(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
   const bool dimension_known = wanted && *wanted != Dimension::number;
@@ -275,6 +288,8 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
     return fmt::format("upper and lower case differ in units: write {}{}{}", same_letters,
                        plain.empty() ? "" : ", or ", plain);
   if (!plain.empty()) return fmt::format("write {}", plain);
+  if (dimension_known)
+    if (std::string quotient = as_quotient(number, symbol, *wanted); !quotient.empty()) return quotient;
   if (symbol.ends_with("/h")) return "hours are no unit here: write it per second";
   const std::string near = closest(symbol, candidates);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);

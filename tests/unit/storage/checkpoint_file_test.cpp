@@ -35,6 +35,14 @@ TEST(CheckpointFile, GivesBackAnEmptySnapshot) {
   EXPECT_TRUE(samples::same(read_checkpoint(folder / "a.checkpoint"), {}));
 }
 
+TEST(CheckpointFile, HoldsALongRowOfSumsOfWhichFewAreNotZero) {
+  const Folder folder;
+  Snapshot written = samples::snapshot(3, 10);
+  written.sums = {std::uint64_t{1} << 33, {5, (std::uint64_t{1} << 33) - 1}, {0, 1}, {7, 8}};
+  write_checkpoint(written, folder / "a.checkpoint");
+  EXPECT_TRUE(samples::same(read_checkpoint(folder / "a.checkpoint"), written));
+}
+
 TEST(CheckpointFile, HasTheSameBytesForTheSameSnapshot) {
   const Folder folder;
   write_checkpoint(samples::snapshot(3, 1000), folder / "a");
