@@ -82,15 +82,23 @@ TEST(Slabs, ChangeNoBitOfAResult) {
   }
 }
 
-/// The last point steers otherwise than the others.
-Experiment scan_of_flights(const Apparatus& apparatus) {
-  Experiment e = scan_of(apparatus);
-  e.points = {many, [points = e.points](std::size_t p) {
+/// With points that `change(number, beamline)` has changed.
+template <class Change>
+Experiment changed(const Experiment& scan, Change change) {
+  Experiment e = scan;
+  e.points = {many, [points = scan.points, change](std::size_t p) {
                 Beamline b = points[p];
-                if (p == many - 1) std::get<GradientMagnet>(b.parts.front().part).gradient *= 1.01;
+                change(p, b);
                 return b;
               }};
   return e;
+}
+
+/// The last point steers otherwise than the others.
+Experiment scan_of_flights(const Apparatus& apparatus) {
+  return changed(scan_of(apparatus), [](std::size_t p, Beamline& b) {
+    if (p == many - 1) std::get<GradientMagnet>(b.parts.front().part).gradient *= 1.01;
+  });
 }
 
 TEST(Slabs, FlyByThemselvesWhereOnePointDoesNotFollow) {
@@ -143,26 +151,18 @@ TEST(Slabs, ThatFlyGoOnFromEverySnapshotOfTheRun) {
 }
 
 TEST(Slabs, DoNotFlyWhereTheirDetectorsWouldHaveOtherBins) {
-  Experiment e = scan_of_flights({});
-  e.points = {many, [points = e.points](std::size_t p) {
-                Beamline b = points[p];
-                if (p == 1) std::get<Detector>(b.parts.back().part).face = Rectangle{5e-3, 0.6e-3};
-                return b;
-              }};
+  const Experiment e = changed(scan_of_flights({}), [](std::size_t p, Beamline& b) {
+    if (p == 1) std::get<Detector>(b.parts.back().part).face = Rectangle{5e-3, 0.6e-3};
+  });
   EXPECT_EQ(form_of(e, {}, {no_memory}).slabs, 1U);
   EXPECT_THROW(form_of(e, {}, {no_memory, 1000}), std::invalid_argument);
 }
 
 TEST(Slabs, DoNotFlyWhereTheirResultsWouldListOtherThings) {
-  const Experiment flights = scan_of_flights({});
-  const auto with = [&](auto change) {
-    Experiment e = flights;
-    e.points = {many, [points = flights.points, change](std::size_t p) {
-                  Beamline b = points[p];
-                  if (p >= many / 2) change(b);
-                  return b;
-                }};
-    return e;
+  const auto with = [](auto change) {
+    return changed(scan_of_flights({}), [change](std::size_t p, Beamline& b) {
+      if (p >= many / 2) change(b);
+    });
   };
   EXPECT_EQ(form_of(with([](Beamline& b) { b.law = ClassicalLaw{}; }), {}, {no_memory}).slabs, 1U);
   EXPECT_EQ(form_of(with([](Beamline& b) { b.parts.erase(b.parts.begin()); }), {}, {no_memory}).slabs, 1U);
