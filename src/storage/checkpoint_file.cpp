@@ -17,7 +17,7 @@ using Path = std::filesystem::path;
 constexpr std::uint64_t checkpoint_version = 6;
 // The most that a checkpoint may hold: far above what runs need, and what a machine can still read. Of the
 // places of sums only those are listed that are not zero: long scans in slabs have many more.
-constexpr std::uint64_t most_places = std::uint64_t{1} << 44;
+constexpr std::uint64_t longest_row = std::uint64_t{1} << 44;
 constexpr std::size_t most_sums = std::size_t{1} << 29, most_intervals = std::size_t{1} << 24,
                       most_text = std::size_t{1} << 28;
 
@@ -41,7 +41,7 @@ void require_valid(const Snapshot& snapshot, const Path& path) {
   if (std::ranges::adjacent_find(sums.at, std::ranges::greater_equal()) != sums.at.end() ||
       (!sums.at.empty() && sums.at.back() >= sums.size))
     refuse(path, "its sums are not in order");
-  if (sums.size > most_places || snapshot.finished.size() > most_intervals) refuse(path, "it is too large");
+  if (sums.size > longest_row || snapshot.finished.size() > most_intervals) refuse(path, "it is too large");
   if (snapshot.shard.number < 1 || snapshot.shard.number > snapshot.shard.of)
     refuse(path, "it is of no shard");
   std::uint64_t free_from = 0;
