@@ -20,6 +20,8 @@ LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's 
 DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
 TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
 MOST_ITERATIONS = 25
+AVERAGES = 12  # each halves, at least, what an average is off
+REACH = 2.0  # steps
 SCALE, BACKGROUND = "scale", "background"  # of the exposure, and counts at each point (per mean time)
 
 
@@ -35,14 +37,15 @@ class Exposure:
 
 @dataclass(frozen=True)
 class Fisher:
-    """Half of the expected second derivatives of Q, and which part of it is the noise of the slopes."""
+    """Half of the expected second derivatives of Q, and which parts of it are the noise of the slopes, and what bends know."""
 
     matrix: np.ndarray  # [k, k]
     noise: np.ndarray  # [k, k]
+    bent: np.ndarray  # [k, k]
 
     def of(self, moving: Sequence[int]) -> Fisher:
         """Of some of the parameters."""
-        return Fisher(self.matrix[np.ix_(moving, moving)], self.noise[np.ix_(moving, moving)])
+        return Fisher(*(part[np.ix_(moving, moving)] for part in (self.matrix, self.noise, self.bent)))
 
     @property
     def errors(self) -> np.ndarray:
@@ -100,13 +103,28 @@ class Problem:
         return root[:, None] * vectors[:, kept] * np.sqrt(values[kept])
 
     def fisher(self, values: np.ndarray, modes: np.ndarray) -> Fisher:
-        """What is known of the parameters."""
+        """What is known of the parameters: on the average over where their own errors may put them, since at the top of a curve a parameter
+        has no slope and is known by the bend alone, as far as the exposure does not explain it."""
         mu, slopes, each = self.mean(values)
-        noise = np.zeros((values.size, values.size))
-        k = self.surface.centre.size
-        for own in each * self.surface.noise / self.surface.steps[:, None]:
-            noise[:k, :k] += own @ self.weigh(own.T, mu, modes)
-        return Fisher(slopes @ self.weigh(slopes.T, mu, modes), noise)
+        surface, groups, k = self.surface, len(self.surface.noise), self.surface.centre.size
+        by = np.append(surface.steps, np.ones(len(self.extra)))
+        slopes = slopes * by[:, None]
+        bends = [each * own.reshape(k * k, mu.size) for own in (surface.bends, *surface.bend_noise)]
+        rows = [slopes, *(each * surface.noise), *bends]
+        weighed = np.split(self.weigh(np.concatenate(rows).T, mu, modes), np.cumsum([len(own) for own in rows])[:-1], axis=1)
+        straight, *noise = (own @ columns for own, columns in zip(rows[:1 + groups], weighed))
+        linear = np.linalg.pinv(straight[k:, k:], rcond=1e-10, hermitian=True)
+        bent, *trembling = (4 * (own @ columns - columns.T @ slopes[k:].T @ linear @ slopes[k:] @ columns).reshape(k, k, k, k)
+                            for own, columns in zip(bends, weighed[1 + groups:]))
+        matrix, scatter = straight.copy(), np.zeros((k, k))
+        matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
+        for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
+            scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
+            matrix = (matrix + straight) / 2
+            matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
+        whole = np.zeros_like(matrix)
+        whole[:k, :k] = sum(noise) + sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling) if groups else 0.0
+        return Fisher(*(part / by / by[:, None] for part in (matrix, whole, matrix - straight)))
 
     def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
         """Q and its gradient."""
@@ -154,6 +172,12 @@ class Problem:
             if gained < 1e-6:
                 break
         return values, q
+
+
+def _within_reach(scatter: np.ndarray) -> np.ndarray:
+    """A covariance [k, k] of parameters in steps, of no more than `REACH`: farther the surface is not believed."""
+    less = np.minimum(1.0, REACH / np.sqrt(np.maximum(np.diag(scatter), 1e-300)))
+    return less[:, None] * scatter * less
 
 
 def share_of_simulation(problem: Problem, values: np.ndarray) -> float:

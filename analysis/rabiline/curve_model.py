@@ -27,6 +27,7 @@ from .units import format_value
 
 NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
+SHAPE = 10  # likewise where a free factor takes up what is not of the shape
 HELPS = 1.5  # times less noise, for a wider step to be worth while
 MOST_UNUSED = 4  # times as many places in a grid as a table has
 FLAT = 0.01  # of a curve: so little is no line
@@ -65,6 +66,7 @@ class CurveModel:
     explored: int = 0  # particles; 0: as many as serve
     told: Callable[[int, int, float], None] | None = None  # hears the flights made, their particles and the seconds of the last
     flights: int = 0
+    scaled: bool = False  # a factor on the curve is free
     _widened: dict[int, float] = field(default_factory=dict)  # steps of parameters whose slopes are noisy
     _known: dict[tuple[int, bool, tuple[float, ...]], Evaluated] = field(default_factory=dict)  # by particles, whether in one
 
@@ -199,7 +201,8 @@ class CurveModel:
         while True:
             change = self.at(_moved(values, number, step)).groups - self.at(values).groups
             variance, ways = noise_of(change, self.at(values).y)
-            noise = max(variance / SPREAD, variance / ways)
+            of_shape = noise_of(change, self.at(values).y, True)[0] if self.scaled else 0.0
+            noise = max(variance / SPREAD, variance / ways, of_shape / SHAPE)
             if noise <= NOISE:
                 break
             if step < largest and (noise > 1 or noise < before / HELPS):
@@ -257,10 +260,14 @@ def _unit(experiment: Experiment, name: str) -> str:
         return ""
 
 
-def noise_of(groups: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+def noise_of(groups: np.ndarray, y: np.ndarray, scaled: bool = False) -> tuple[float, float]:
     """The relative variance of the mean of groups [groups, n] of a change of the curve y [n], as counts weigh it: what they differ
-    in over what they have in common. And in how many ways they differ, over the points: 1 where all points tremble together."""
-    weighted = groups / np.sqrt(np.maximum(y, 1e-3 * y.max(initial=1e-300)))
+    in over what they have in common. And in how many ways they differ, over the points: 1 where all points tremble together.
+    `scaled`: what only a factor on the curve changes does not count."""
+    root = np.sqrt(np.maximum(y, 1e-3 * y.max(initial=1e-300)))
+    weighted = groups / root
+    if scaled:
+        weighted = weighted - np.outer(weighted @ root, root) / (root @ root)
     q, mean = len(groups), weighted.mean(axis=0)
     products = (weighted - mean) @ (weighted - mean).T
     noise = np.trace(products) / q / (q - 1)
@@ -275,9 +282,17 @@ def _moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
     return out
 
 
-def _agreed(groups: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """The mean [n] of groups [groups, n], less where it is mostly noise."""
-    return groups.mean(axis=0) / (1 + noise_of(groups, y)[0])
+def _mean_and_noise(groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The mean [n] of groups [groups, n], and what they differ in, such that the sum of squares is the variance of the mean."""
+    mean = groups.mean(axis=0)
+    return mean, (groups - mean) / np.sqrt(len(groups) * (len(groups) - 1))
+
+
+def _agreed(groups: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same, less where it is mostly noise."""
+    mean, noise = _mean_and_noise(groups)
+    less = 1 + noise_of(groups, y)[0]
+    return mean / less, noise / less
 
 
 @dataclass(frozen=True)
@@ -291,25 +306,32 @@ class Surface:
     bends: np.ndarray  # [k, k, n] half of the second differences
     covariance: np.ndarray  # [n, n]
     noise: np.ndarray  # [groups, k, n] what the groups differ in, such that the sum of squares is the variance of the slopes
+    bend_noise: np.ndarray  # [groups, k, k, n] likewise of the bends
+
+    @classmethod
+    def level(cls, here: Evaluated, centre: np.ndarray) -> Surface:
+        """Of a curve of which nothing else is known."""
+        k, n = centre.size, here.y.size
+        return cls(centre, np.ones(k), here.y, np.zeros((k, n)), np.zeros((k, k, n)), here.covariance, np.zeros((0, k, n)), np.zeros((0, k, k, n)))
 
     @classmethod
     def about(cls, model: CurveModel, centre: np.ndarray, steps: np.ndarray, crossed: bool = True) -> Surface:
         """`crossed`: with the mixed second differences."""
         here = model.at(centre)
-        k = centre.size
-        slopes, bends = np.zeros((k, here.y.size)), np.zeros((k, k, here.y.size))
-        noise, above = np.zeros((len(SEEDS), k, here.y.size)), []
+        k, n = centre.size, here.y.size
+        slopes, bends = np.zeros((k, n)), np.zeros((k, k, n))
+        noise, bend_noise, above = np.zeros((len(SEEDS), k, n)), np.zeros((len(SEEDS), k, k, n)), []
         for i in range(k):
             up, down = (model.at(_moved(centre, i, side * steps[i])).groups for side in (1, -1))
             above.append(up)
-            slopes[i] = (up - down).mean(axis=0) / 2
-            noise[:, i] = ((up - down) / 2 - slopes[i]) / np.sqrt(len(SEEDS) * (len(SEEDS) - 1))
-            bends[i, i] = _agreed((up + down) / 2 - here.groups, here.y)
+            slopes[i], noise[:, i] = _mean_and_noise((up - down) / 2)
+            bends[i, i], bend_noise[:, i, i] = _agreed((up + down) / 2 - here.groups, here.y)
         for i in range(k if crossed else 0):
             for j in range(i):
                 both = model.at(_moved(_moved(centre, i, steps[i]), j, steps[j])).groups
-                bends[i, j] = bends[j, i] = _agreed((both - above[i] - above[j] + here.groups) / 2, here.y)
-        return cls(centre, steps, here.y, slopes, bends, here.covariance, noise)
+                bends[i, j], bend_noise[:, i, j] = _agreed((both - above[i] - above[j] + here.groups) / 2, here.y)
+                bends[j, i], bend_noise[:, j, i] = bends[i, j], bend_noise[:, i, j]
+        return cls(centre, steps, here.y, slopes, bends, here.covariance, noise, bend_noise)
 
     def whole(self, model: CurveModel, particles: int) -> Surface:
         """About the same place with so many particles in one flight; how it bends is that of those explored."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Sequence
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import stats
 
 from . import asked
 from .counts import Counts, read_counts
@@ -19,6 +19,7 @@ from .covariance import LEAST_P
 from .curve_model import CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
 from .held import Held, held
+from .profiles import Profiles, profiles
 from .units import format_value
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
+MOST_MINIMA = 4
+FAR = 4.0  # steps: as far as a surface is followed
 
 
 @dataclass(frozen=True)
@@ -134,10 +137,17 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
         values[names.index(name)] = value
     exposure = exposure_of(model, counts, values)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))
+    model.scaled = SCALE in extra
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
                                       0.1 * counts.counts.min() for name in extra]])
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
-    return _conclude(model, counts, problem, values, intervals)
+    for _ in range(MOST_MINIMA):
+        found = profiles(model, problem, values, intervals)
+        if found.lower is None:
+            break
+        surface = Surface.about(model, found.lower[:len(names)], problem.surface.steps)
+        values, problem = _settle(model, found.lower, replace(problem, surface=surface))
+    return _conclude(model, counts, problem, values, found)
 
 
 def exposure_of(model: CurveModel, counts: Counts, values: np.ndarray) -> Exposure:
@@ -170,42 +180,53 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
             values: np.ndarray) -> tuple[np.ndarray, Problem]:
     """Surfaces about better and better places, with steps of one standard deviation and more."""
     k = len(model.names)
-    steps = model.first_steps(values[:k])
-    reach, near = np.inf, 0
-    before = np.inf
+    steps, reach = model.first_steps(values[:k]), np.inf
     for turn in range(MOST_ITERATIONS):
         crossed = turn > 0 and reach < 3
         problem = Problem(counts.counts, exposure, Surface.about(model, values[:k], steps, crossed), extra)
         mu, _, each = problem.mean(values)
-        modes = problem.modes(mu, each)
-        here, fisher = problem.badness(values, modes)[0], problem.fisher(values, modes)
+        fisher = problem.fisher(values, problem.modes(mu, each))
         found, _ = problem.least(values)
-        # As far as the surface is believed: a few steps, less where the last one led uphill.
-        moves = (found - values)[:k] / steps
-        limit = 4.0 if here < before else 1.0
-        short = min(1.0, limit / max(np.abs(moves).max(initial=0.0), 1e-300))
+        moves = np.abs((found - values)[:k] / steps)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))  # in standard deviations
-        before = here
-        if crossed and reach**2 < REST**2 + share_of_simulation(problem, found):
+        at_rest = crossed and reach**2 < REST**2 + share_of_simulation(problem, found)
+        better = None if at_rest else _better(model, problem, fisher, values, found)
+        if better is None and crossed:
             if fisher.directions[2].all() or not model.explore_more():
-                return found, problem
-        # What leads to and fro between two stairs is halved and halved again: they differ by the simulation's own noise.
-        near = near + 1 if reach < 3 else 0
-        part = 0.5 ** max(near - 2, 0)
-        values = values + short * part * (found - values)
-        if crossed and part * reach < REST / 2:
-            return values, problem
+                return found if at_rest else values, problem
+        elif better is None:
+            reach = 0.0  # once more, with all bends
+        else:
+            values = better
         # Steps of about one standard deviation see the curve as the data do.
-        close = np.abs(moves) < 4
+        close = moves < FAR
         steps = np.array([model.step(values[:k], i, np.clip(fisher.errors[i], steps[i] / 10 if close[i] else steps[i], 10 * steps[i]))
                           for i in range(k)])
     raise NoFit("the fit does not come to rest: start nearer, or free fewer parameters")
 
 
+def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, particles: int | None = None
+            ) -> np.ndarray | None:
+    """The first place on the way from `values` to what the surface promises, no more than a few steps of it and then half as far each time,
+    at which the curve that is flown there fits better. None where nothing does but what is as good as here."""
+    k = len(model.names)
+    _, here = problem.least(values, range(k))
+    way = found - values
+    way = way * min(1.0, FAR / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
+    while way @ fisher.matrix @ way > REST**2 * way.size:
+        there = values + way
+        flown = replace(problem, surface=Surface.level(model.at(there[:k], particles), there[:k]))
+        there, badness = flown.least(there, range(k))
+        if badness < here:
+            return there
+        way = way / 2
+    return None
+
+
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:
-    """The same with all particles, about where the search came to rest, and about where that leads as long as this is beyond a step, or
-    the noise of slopes matters on the way: nearer than that, what moves is the simulation's own noise. Where all are many times those
-    explored, some lead there first: all then fly once."""
+    """The same with all particles, about where the search came to rest, and about where that leads as long as the noise of slopes, or bends,
+    matters on the way: nearer than that, what moves is the simulation's own noise. Where all are many times those explored, some lead there
+    first: all then fly once."""
     k = len(model.names)
     some = [round(np.sqrt(model.explored * model.particles))] if model.particles > MANY * model.explored else []
     for particles in [*some, *(model.particles for _ in range(MOST_ITERATIONS))]:
@@ -217,8 +238,11 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
         moves = np.abs((found - values)[:k] / problem.surface.steps).max(initial=0.0)
         if moves < 1 and particles == model.particles and _is_there(problem, fisher, values, found, modes):
             return found, problem
-        values = values + min(1.0, 4 / max(moves, 1e-300)) * (found - values)
-        if moves < 1:
+        better = _better(model, problem, fisher, values, found, particles)
+        if better is None and particles == model.particles:
+            return values, problem
+        moved, values = values, values if better is None else better
+        if np.abs((values - moved)[:k] / problem.surface.steps).max(initial=0.0) < 1:
             problem = replace(problem, surface=problem.surface.moved(values[:k]))
             continue
         steps = np.array([model.step(values[:k], i, fisher.errors[i]) for i in range(k)])
@@ -227,31 +251,32 @@ def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np
 
 
 def _is_there(problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, modes: np.ndarray) -> bool:
-    """Whether the noise of the slopes puts the minimum that is `found` from `values` on elsewhere by next to nothing, in standard deviations;
-    where not all directions are known, whether it is within one."""
+    """Whether the noise of the slopes, and what bends on the way, put the minimum that is `found` from `values` on elsewhere by next to
+    nothing, in standard deviations; where not all directions are known, whether it is within one."""
     way = found - values
     if not problem.fisher(found, modes).directions[2].all():
         return bool(way @ fisher.matrix @ way < values.size)
     mu, slopes, each = problem.mean(values)
-    steps = problem.surface.steps
-    off = each * np.einsum("gkn,k->gn", problem.surface.noise, way[:steps.size] / steps)
+    surface = problem.surface
+    moves = way[:surface.steps.size] / surface.steps
+    off = each * np.vstack([np.einsum("gkn,k->gn", surface.noise, moves), np.einsum("jkn,j,k->n", surface.bends, moves, moves)])
     scores = slopes @ problem.weigh(off.T, mu, modes)
     return bool(np.sum(scores * (fisher.inverse @ scores)) < REST**2 * values.size)
 
 
-def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, intervals: bool) -> CountsFit:
+def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, profiled: Profiles) -> CountsFit:
     k = len(model.names)
     mu, _, each = problem.mean(values)
     modes = problem.modes(mu, each)
     covariance, condition, degenerate, combined = analysis(problem.fisher(values, modes), values, (*model.names, *problem.extra))
+    intervals = tuple((float(value + low * error), float(value + high * error))
+                      for value, error, (low, high) in zip(values, np.sqrt(np.diag(covariance)), profiled.intervals))
+    covariance = profiled.errors[:, None] * covariance * profiled.errors
     residual = counts.counts - mu
     chi_squared = float(residual @ problem.weigh(residual[:, None], mu, modes)[:, 0])
     errors = np.sqrt(np.diag(covariance))
-    _, least = problem.least(values)
-    found = tuple(_interval(problem, values, i, float(errors[i]), least) if intervals and not degenerate else
-                  (float(values[i] - errors[i]), float(values[i] + errors[i])) for i in range(values.size))
     units = (*model.units, *("" for _ in problem.extra))
-    return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, found, chi_squared,
+    return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      share_of_simulation(problem, values), model.particles, () if degenerate else held(problem, values, errors), model.start()[:k])
@@ -288,20 +313,3 @@ def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarra
     logarithm[first], logarithm[second] = 1 / values[first], power / values[second]
     value = float(values[first] * values[second]**power)
     return [(name, value, abs(value) * float(np.sqrt(logarithm @ covariance @ logarithm)))]
-
-
-def _interval(problem: Problem, values: np.ndarray, number: int, error: float, least: float) -> tuple[float, float]:
-    """Where Q, least over all others, is one above its least value."""
-    def beyond(by: float) -> float:
-        """By how many standard deviations Q has risen, which is nearly in proportion to `by`, less one."""
-        moved = np.array(values)
-        moved[number] += by * error
-        return float(np.sqrt(max(problem.least(moved, (number,))[1] - least, 0.0))) - 1
-
-    ends = []
-    for side in (-1.0, 1.0):
-        try:
-            ends.append(side * optimize.brentq(lambda by: beyond(side * by), 0.0, 4.0, xtol=1e-3))
-        except ValueError:
-            ends.append(side * np.inf)
-    return float(values[number] + ends[0] * error), float(values[number] + ends[1] * error)

@@ -78,6 +78,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     n = values.size
     exposure = Exposure(np.full(n, each), np.ones(n), np.full(n, background * seconds), known_rate)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
+    model.scaled = SCALE in extra
     start = model.start()
     full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
     steps, exact = model.first_steps(start), np.zeros((n, 0))  # modes of a simulation without errors

@@ -1,0 +1,124 @@
+"""How far each parameter may go: where Q, least over all others, is one above its least value.
+
+Of a parameter that bends the curve little this is asked of the surface. Where edges or the top of the curve are near, a polynomial is not
+believed: all particles fly at places farther and farther off. Should one of these fit better than where the fit is, it was not at
+the minimum.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import optimize
+
+from .counts_problem import Fisher, Problem
+from .curve_model import CurveModel, NoFit, Surface
+
+FARTHEST = 4.0  # standard deviations
+STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise
+BENT = 0.05  # of what is known of a parameter: so much by its bend
+MIDDLES = 101
+ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
+LOWER = 0.2  # of Q: less may be the noise of what is explored
+
+
+@dataclass(frozen=True)
+class Profiles:
+    """What was found."""
+
+    intervals: tuple[tuple[float, float], ...]  # in errors, from where the fit is
+    errors: np.ndarray  # [k] times those by the curvature: half the interval, where that was flown
+    lower: np.ndarray | None  # [k] a place where Q is lower
+
+
+def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere: bool) -> Profiles:
+    """About the `values` [k] of a fit; of parameters that bend the curve and, with `everywhere`, of all."""
+    mu, _, each = problem.mean(values)
+    fisher = problem.fisher(values, problem.modes(mu, each))
+    if not fisher.directions[2].all():
+        return Profiles(((-1.0, 1.0),) * values.size, np.ones(values.size), None)
+    errors, k = np.sqrt(np.diag(fisher.covariance)), len(model.names)
+    _, least = problem.least(values)
+    is_least, bent = problem.least(values, range(k))[1] < least + LOWER, _bent(problem, fisher)
+    intervals, factors, lowest = [(-1.0, 1.0)] * values.size, np.ones(values.size), (-LOWER, None)
+    for i in range(values.size):
+        if i in bent or i < k and not is_least:
+            flown, lower = _flown(model, problem, values, i, errors[i])
+            lowest = min(lowest, lower, key=lambda one: one[0])
+        if i in bent:
+            intervals[i] = flown
+            factors[i] = np.ptp(flown) / 2 if np.isfinite(flown).all() else 1.0
+        elif everywhere and is_least:
+            intervals[i] = _on_surface(problem, values, i, errors[i], least)
+    return Profiles(tuple(intervals), factors, lowest[1])
+
+
+def _bent(problem: Problem, fisher: Fisher) -> np.ndarray:
+    """[any] Of which parameters much is known by bends alone, where the exposure's are free."""
+    k = problem.surface.centre.size
+    matrix = fisher.matrix[:k, :k] - fisher.matrix[:k, k:] @ np.linalg.pinv(fisher.matrix[k:, k:], hermitian=True) @ fisher.matrix[k:, :k]
+    return np.flatnonzero(np.diag(fisher.bent)[:k] > BENT * np.diag(matrix))
+
+
+def _on_surface(problem: Problem, values: np.ndarray, number: int, error: float, least: float) -> tuple[float, float]:
+    """Where the surface's Q is one above its `least`, in errors."""
+    def beyond(by: float) -> float:
+        """By how many standard deviations Q has risen, which is nearly in proportion to `by`, less one."""
+        moved = np.array(values)
+        moved[number] += by * error
+        return float(np.sqrt(max(problem.least(moved, (number,))[1] - least, 0.0))) - 1
+
+    ends = []
+    for side in (-1.0, 1.0):
+        try:
+            ends.append(side * optimize.brentq(lambda by: beyond(side * by), 0.0, FARTHEST, xtol=1e-3))
+        except ValueError:
+            ends.append(side * np.inf)
+    return ends[0], ends[1]
+
+
+def _flown(model: CurveModel, problem: Problem, values: np.ndarray, number: int, error: float) -> tuple[tuple[float, float], tuple[float, np.ndarray]]:
+    """The same of what flies there; and by how much Q is lower where it is least, and that place."""
+    def at(by: float) -> tuple[float, np.ndarray]:
+        moved = np.array(values)
+        moved[number] += by * error
+        return flown(problem.least(moved, (number,))[0] if by else moved)
+
+    def flown(place: np.ndarray) -> tuple[float, np.ndarray]:
+        """The others follow the slopes, from what flies there."""
+        k = len(model.names)
+        try:
+            there = model.at(place[:k], model.particles)
+        except NoFit:  # no such value
+            return np.inf, place
+        surface = replace(problem.surface, centre=place[:k], y=there.y, covariance=there.covariance)
+        place, badness = replace(problem, surface=surface).least(place, (number,))
+        return badness, place
+
+    here = at(0.0)
+    walked = {0.0: here}
+    for side in (-1.0, 1.0):
+        for stride in STRIDES:
+            walked[side * stride] = at(side * stride)
+            if walked[side * stride][0] > ENOUGH + min(one[0] for one in walked.values()):
+                break
+    at_all = np.array(sorted(walked))
+    middle, least, ends = halves(at_all, np.array([walked[by][0] for by in at_all]))
+    return ends, (least - float(np.interp(0.0, at_all, [walked[by][0] for by in at_all])), at(middle)[1])
+
+
+def halves(at: np.ndarray, badness: np.ndarray) -> tuple[float, float, tuple[float, float]]:
+    """Where Q [n], known `at` rising places, is least, its value there, and where it is one above: of two halves of parabolas, since what flies
+    trembles from place to place."""
+    known = np.isfinite(badness)
+    at, badness = at[known], badness[known]
+    weights = 1 / (1 + badness - badness.min())
+    best = np.inf, 0.0, np.zeros(3)
+    for middle in np.linspace(at[0], at[-1], MIDDLES):
+        left, right = np.minimum(at - middle, 0)**2, np.maximum(at - middle, 0)**2
+        found, off = optimize.nnls(weights[:, None] * np.stack([np.ones(at.size), left, right], axis=1), weights * (badness - badness.min() + 1))
+        best = min(best, (off, middle, found), key=lambda one: one[0])
+    _, middle, (level, *bends) = best
+    with np.errstate(divide="ignore"):
+        low, high = 1 / np.sqrt(bends)
+    return float(middle), float(level - 1 + badness.min()), (float(middle - low), float(middle + high))
