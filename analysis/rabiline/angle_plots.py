@@ -14,6 +14,7 @@ from .style import GREY, INK, LAWS
 from .units import Scale, fitting_scale, format_value, law_name, prefixed
 
 ABOUT_ERROR = "error: from the scatter about the line"
+LEAST = 1e-9  # rad, that a panel of residuals shows at least: less is the rounding of numbers
 SEEN = 10.0  # times the largest residual: a line that is expected further away may leave its panel
 
 
@@ -111,7 +112,7 @@ def draw_angles(results: Results, angles: Sequence[Angles], expected: Sequence[f
                    label=f"fit: {format_value(turns, 'Hz', error)}\n{ABOUT_ERROR}".replace("-", "−"))
         below.axhline(0, color=INK, linewidth=1)
         rest = one.residuals
-        largest = np.nanmax(np.abs(rest[1:])) or 1.0
+        largest = max(np.nanmax(np.abs(rest[1:])), LEAST)
         small = Scale(*prefixed(largest, "rad"))
         below.plot(shown, small.apply(rest), ".", color=colour, markersize=4)
         seen = [largest]

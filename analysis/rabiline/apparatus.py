@@ -250,7 +250,7 @@ def pieces_of(experiment: Experiment) -> list[Piece]:
         half = {across: number(f"{opening}.{key}") for across, key in (("x", "width"), ("z", "height"))}
         half = {across: None if kind in COILS else radius if size is None else size / 2 for across, size in half.items()}
         offset = {across: number(f"{name}.offset.{across}") or 0.0 for across in "xz"}
-        field = next((format_value(number(f"{name}.{key}") or 0.0, unit) for key, unit in
+        field = next((format_value(number(f"{name}.{key}") or 0.0, unit, None, experiment.written_unit(f"{name}.{key}")) for key, unit in
                       (("field", "V/m" if kind == "electric_field" else "T"), ("amplitude", "T"), ("pole_field", "T"))
                       if number(f"{name}.{key}")), "")
         pieces.append(Piece(name, label, kind, number(f"{name}.at") or 0.0, number(f"{name}.length") or 0.0, half, offset, field))

@@ -22,31 +22,33 @@ def draw_difference(one: Results, other: Results, detector: str, title: str | No
         raise InputError(f"{len(pairs)} curves are too many for one picture, which shows {MOST_CURVES} of each file")
     axis = pairs[0][0].axis
     scale = axis.scale
-    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2), sharex=True, layout="constrained", height_ratios=(3, 1))
+    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2), sharex=True, layout="constrained")
     below.axhspan(-1, 1, color=PALE, linewidth=0)
     below.axhline(0, color=GREY, linewidth=0.8)
     names = [one.path.stem, other.path.stem] if one.path.stem != other.path.stem else [str(one.path), str(other.path)]
-    for (mine, its), look in zip(pairs, looks([curve.law for curve, _ in pairs])):
+    differences = [(mine.y - its.y) / np.hypot(mine.errors, its.errors) for mine, its in pairs]
+    for (mine, its), difference, look in zip(pairs, differences, looks([curve.law for curve, _ in pairs])):
         x = scale.apply(mine.x)
         for curve, name, filled, hue in ((mine, names[0], True, look.colour), (its, names[1], False, look.colour if len(pairs) > 1 else INK)):
             label = ", ".join(filter(None, (name, curve.label if len(pairs) > 1 else "")))
             above.errorbar(x, curve.y, curve.errors, color=hue, marker="o" if filled else "s", markersize=3.4 if filled else 5,
                            markerfacecolor=hue if filled else "none", linestyle="none" if axis.labels else "-" if filled else "--",
                            linewidth=1.0, elinewidth=0.9, capsize=2, label=style.plain(label))
-        errors = np.hypot(mine.errors, its.errors)
-        below.plot(x, (mine.y - its.y) / errors, "o", color=look.colour, markersize=3)
+        below.plot(x, difference, "o", color=look.colour, markersize=3)
     if axis.labels:
         below.set_xticks(axis.values, [style.beside_ticks(figure, label) for label in axis.labels])
     if is_logarithmic(axis.values):
         style.logarithmic(below.xaxis)
     below.set_xlabel(scale.label(axis.parameter))
-    below.set_ylabel("difference / σ")
-    above.set_ylabel(f"{labels_of(one)[detector]}: detected / {'aimed at the target' if mine.aimed else 'emitted'}\n(bars: 1 σ)")
+    style.write_deviations(below, "difference", max((np.abs(row[np.isfinite(row)]).max(initial=0.0) for row in differences)))
     above.grid(axis="y")
     above.set_title(agreement.replace("chi²", "χ²"), fontsize=style.points("legend.fontsize"))
     style.write_title(figure, title or one.title)
+    foot = 0.0
     if style.size(0, 0) != (0, 0):
-        style.legend_at_foot(figure, *above.get_legend_handles_labels())
+        foot = style.legend_at_foot(figure, *above.get_legend_handles_labels())
     else:
         below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=2)
+    of = "aimed at the target" if pairs[0][0].aimed else "emitted"
+    above.set_ylabel(style.upright(figure, f"{labels_of(one)[detector]}: detected / {of}\n(bars: 1 σ)", foot + 0.3 * figure.get_figheight()))
     return figure

@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg, stats
+from scipy import linalg, special
 
 GROUPS = 256  # of particles, from which `rabiline run` estimates the covariance
 WEIGHED = GROUPS // 16
@@ -186,9 +186,9 @@ def chi_squared(residual: np.ndarray, spread: Spread, derivatives: np.ndarray | 
     along = vectors[:, used].T @ (basis.T @ (residual[kept] / errors))
     squares = float(np.sum(along**2 / values[used]))
     if np.isinf(spread.freedom):
-        return ChiSquared(squares, freedom, float(stats.chi2.sf(squares, freedom)))
+        return ChiSquared(squares, freedom, float(special.chdtrc(freedom, squares)))
     rest = spread.freedom - freedom + 1
-    p = float(stats.f.sf(squares * rest / (spread.freedom * freedom), freedom, rest))
+    p = float(special.fdtrc(freedom, rest, squares * rest / (spread.freedom * freedom)))
     return ChiSquared(squares * (rest - 2) / spread.freedom, freedom, p)
 
 

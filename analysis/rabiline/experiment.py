@@ -6,6 +6,7 @@ import re
 import sys
 import warnings
 from dataclasses import dataclass, field, replace
+from math import isclose, pi
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Callable, Iterable, Mapping, Sequence, Union
@@ -106,6 +107,19 @@ class Experiment:
     def unit(self, name: str) -> str:
         """Its unit in SI; empty for a plain number. Raises KeyError where it is none."""
         return self._number(name)[1]
+
+    def written_unit(self, name: str) -> tuple[str, float] | None:
+        """The unit in which the number called `name` is written, in the latest change of it or in the file, and how much that is in SI. None
+        where it is not found with an SI prefix or in degrees."""
+        from .units import QUANTITY, base_of
+        value, unit = self._setup.value(name) or (0.0, "")
+        changed = [change.partition("=")[2] for change in self.changes if change.startswith(f"{name}=")]
+        place, text = ("", changed[-1]) if changed else (_place(name), self.origin.text)
+        for number, written in re.findall(place + QUANTITY, text, re.DOTALL | re.MULTILINE):
+            base, factor = ("rad", pi / 180) if written == "deg" else base_of(written)
+            if base == unit and unit and isclose(float(number) * factor, value, rel_tol=1e-9):
+                return written.replace("u", "µ", 1) if written[0] == "u" else written, factor
+        return None
 
     def set(self, changes: Mapping[str, Value] | None = None, **more: Value) -> Experiment:
         """With other values: `{"B.field": "9 mT", "law": "quantum"}`; a number is in SI. A word such as `particles=1000`
@@ -214,6 +228,13 @@ class Experiment:
             number = repr(float(value))
         unit = (self._setup.value(name) or (0.0, ""))[1]
         return f"{number} {unit}".strip()
+
+
+def _place(name: str) -> str:
+    """A pattern of what may stand in front of the number called `name` in a file: the last of its words, below the others in turn."""
+    first, *rest = map(re.escape, name.split("."))
+    below = "".join(rf"(?:(?!\bname:|\n\S).){{0,600}}?\b{key}:\s*" for key in rest)
+    return rf"(?:\bname:\s*['\"]?{first}\b|^{first}:){below}['\"]?"
 
 
 def _quoted(text: str, special: str) -> str:

@@ -5,10 +5,12 @@ import argparse
 import sys
 from argparse import ArgumentParser
 from pathlib import Path
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from .argument_types import count, not_negative, positive
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LONG = 5.0  # s
 
@@ -94,14 +96,16 @@ class _Time:
 
 def fit(options: argparse.Namespace) -> Figure | None:
     """Parameters of an experiment from measured counts."""
-    from .fit_plots import draw_fit
     from .fitting import fit_counts
     names = options.free.split(",")
     experiment = _experiment(options).scan()
     found = fit_counts(experiment, options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
                        told=_Time(len(names), experiment.value("particles")))
     print(found)
-    return draw_fit(found, options.title) if options.output else None
+    if not options.output:
+        return None
+    from .fit_plots import draw_fit
+    return draw_fit(found, options.title)
 
 
 def forecast(options: argparse.Namespace) -> None:

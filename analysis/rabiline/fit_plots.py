@@ -12,7 +12,7 @@ from . import style
 from .covariance import freedom_in_words, p_in_words
 from .fit_report import is_undetermined, verdict_of
 from .style import INK, LAWS, OTHERS, PALE
-from .units import fitting_scale, format_value
+from .units import fitting_scale
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -26,9 +26,8 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     counts, expected, band = fit.counts.counts[order], fit.expected[order], fit.template_errors[order]
     scale = fitting_scale(fit.counts.x[order], fit.counts.unit)
     x = np.asarray(scale.apply(fit.counts.x[order]))
-    lines = list(_numbers(fit))
-    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines)), sharex=True, layout="constrained",
-                                          height_ratios=(3, 1))
+    lines, verdict = _numbers(fit), _verdict(fit)
+    figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines + verdict)), sharex=True, layout="constrained")
     low, high = (np.maximum(limit, 0) for limit in _poisson(counts))
     for own, label, colour in _rows(fit, order):
         above.errorbar(x[own], counts[own], (counts[own] - low[own], high[own] - counts[own]), fmt="o", markersize=3,
@@ -36,17 +35,17 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
         above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else "simulated, fitted")
         if band.max() > 0.002 * np.ptp(expected):
             above.fill_between(x[own], (expected - band)[own], (expected + band)[own], color=colour, alpha=0.2, linewidth=0,
-                               label=None if label else "standard error of the simulation")
+                               label=None if label else "its standard error")
     above.set_ylabel("counts")
     above.grid(axis="y")
     residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
     below.axhspan(-1, 1, color=PALE)
     for own, label, colour in _rows(fit, order):
         below.plot(x[own], residuals[own], "o", color=colour if label else INK, markersize=3)
-    below.set_ylabel("residual / σ")
+    style.write_deviations(below, "residual", np.abs(residuals).max())
     below.set_xlabel(scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
-    above.set_title(style.in_rows(figure, lines, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"))
+    style.write_numbers(above, lines + verdict, verdict)
     about = "points: counted, lines: simulated and fitted" if fit.counts.across else ""
     if style.size(0, 0) != (0, 0):
         style.legend_at_foot(figure, *above.get_legend_handles_labels(), about)
@@ -69,11 +68,16 @@ def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]
 
 def _numbers(fit: CountsFit) -> list[str]:
     unknown = {i for direction in fit.degenerate for i in direction.involved}
-    width = []
-    for i, (name, unit, value, error) in enumerate(zip(fit.names, fit.units, fit.values, fit.errors)):
+    numbers = []
+    for i, name in enumerate(fit.names):
         lost = "not known by itself" if i in unknown else "not determined" if is_undetermined(fit, i) else ""
-        width.append(f"{name} {lost}" if lost else f"{name} = {format_value(value, unit, error)}".replace("= -", "= −"))
-    return [*width, *([f"χ² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
+        numbers.append(f"{name} {lost}" if lost else f"{name} = {fit.told(i)}".replace("= -", "= −"))
+    return numbers
+
+
+def _verdict(fit: CountsFit) -> list[str]:
+    """On the fit as a whole."""
+    return [*([f"χ² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
             *filter(None, [verdict_of(fit)])]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .held import PART, Held
-from .units import format_value
+from .units import format_value, in_unit, unit_shown
 
 if TYPE_CHECKING:
     from .fitting import CountsFit
@@ -27,14 +27,14 @@ def report(fit: CountsFit) -> Iterable[str]:
     width = max(map(len, fit.names))
     for i, (name, unit) in enumerate(zip(fit.names, fit.units)):
         if any(i in direction.involved for direction in fit.degenerate):
-            yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit)}"
+            yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit, None, fit.written_unit(i))}"
             continue
         if is_undetermined(fit, i):
             yield f"  {name:<{width}}  not determined by these counts"
             continue
         low, high = fit.intervals[i]
-        yield (f"  {name:<{width}}  {format_value(fit.values[i], unit, fit.errors[i])}"
-               f"   (profile {_signed(low - fit.values[i], unit)}, {_signed(high - fit.values[i], unit)})")
+        shown = unit_shown(fit.values[i], unit, fit.errors[i], fit.written_unit(i))
+        yield f"  {name:<{width}}  {fit.told(i)}   (profile {_signed(low - fit.values[i], *shown)}, {_signed(high - fit.values[i], *shown)})"
     for name, value, error in ((name, value, error) for name, value, error in fit.combined if np.isfinite(value)):
         yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
     for direction in fit.degenerate:
@@ -95,5 +95,5 @@ def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
                "errors")
 
 
-def _signed(by: float, unit: str) -> str:
-    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{format_value(abs(float(f'{by:.3g}')), unit)}"
+def _signed(by: float, unit: str, factor: float) -> str:
+    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{in_unit(abs(float(f'{by:.3g}')), unit, factor)}".strip()

@@ -77,6 +77,7 @@ class CountsFit:
     particles: int  # at each point of the simulation
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
+    written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
 
     @property
     def p(self) -> float:
@@ -99,7 +100,15 @@ class CountsFit:
         return float(self.values[i]), float(self.errors[i])
 
     def __repr__(self) -> str:
-        return f"<fit of {self.title}: {', '.join(f'{one} = {format_value(value, unit, error)}' for one, unit, value, error in zip(self.names, self.units, self.values, self.errors))}>"
+        return f"<fit of {self.title}: {', '.join(f'{name} = {self.told(i)}' for i, name in enumerate(self.names))}>"
+
+    def told(self, number: int) -> str:
+        """A parameter's value with its error, in the unit that the file has."""
+        return format_value(self.values[number], self.units[number], self.errors[number], self.written_unit(number))
+
+    def written_unit(self, number: int) -> tuple[str, float] | None:
+        """The unit of a parameter in the file, and how much it is in SI; None where it has none."""
+        return self.written[number] if number < len(self.written) else None
 
     def __str__(self) -> str:
         from .fit_report import report
@@ -279,7 +288,8 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.nd
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
-                     share_of_simulation(problem, values), model.particles, () if degenerate else held(problem, values, errors), model.start()[:k])
+                     share_of_simulation(problem, values), model.particles, () if degenerate else held(problem, values, errors), model.start()[:k],
+                     tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]

@@ -46,6 +46,7 @@ class Group:
 
     def __init__(self, group: h5py.Group, path: Path) -> None:
         self._group, self._path = group, path
+        self._names: list[str] | None = None  # of groups in this one, looked for once
 
     def error(self, reason: str) -> UnreadableFile:
         """The error to raise for something wrong with this group."""
@@ -56,7 +57,9 @@ class Group:
 
     def names(self) -> list[str]:
         """Names of the groups in this one."""
-        return [name for name in self._group if isinstance(self._member(name), h5py.Group)]
+        if self._names is None:
+            self._names = [name for name in self._group if self._is_group(name)]
+        return self._names
 
     def group(self, name: str) -> Group:
         """The group `name`."""
@@ -71,7 +74,7 @@ class Group:
         values = self._read(name)
         if values.dtype.kind not in "iuf":
             raise self.error(f"`{name}` holds no numbers")
-        if not (np.isfinite(values) | (or_none & np.isnan(values))).all():
+        if (np.isinf(values) if or_none else ~np.isfinite(values)).any():
             raise self.error(f"`{name}` has values that are infinite or no numbers")
         if shape is None:
             return values.astype(float)
@@ -102,6 +105,13 @@ class Group:
         owner = self._group if of is None else self._member(of)
         value = owner.attrs.get(name)
         return () if value is None else tuple(_decoded(text) for text in np.atleast_1d(value))
+
+    def _is_group(self, name: str) -> bool:
+        """Without opening it, unless it lies elsewhere or is missing."""
+        own = name.encode("utf-8", "surrogateescape")
+        if self._group.id.links.get_info(own).type != h5py.h5l.TYPE_HARD:
+            return isinstance(self._member(name), h5py.Group)
+        return h5py.h5o.get_info(self._group.id, own).type == h5py.h5o.TYPE_GROUP
 
     def _member(self, name: str) -> h5py.Group | h5py.Dataset:
         try:
@@ -201,4 +211,6 @@ def _opened(source: Path | str | bytes, path: Path) -> tuple[h5py.File, bool]:
 def _decoded(value: object) -> str:
     """A text without control characters, which would steer a terminal."""
     text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    if text.replace("\n", "").replace("\t", "").isprintable():  # most are
+        return text
     return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") else "?" for c in text)

@@ -2,10 +2,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import floor, log10
 
 import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -15,11 +17,12 @@ from .curves import Curve, NoResonance, Resonance, deepest, half_maxima
 from .pieces import pieces_of
 from .results import Detector, Results
 from .style import COUNTS, GREY, LAWS, TITLE, in_lines
-from .units import format_value, law_name
+from .units import SUPERSCRIPT, Scale, format_value, law_name
 
 MILLI = 1e3
 LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
 BEAM = LAWS["quantum"][0]
+MANY = 1e4  # counts that are written with a power of ten
 PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
 
 
@@ -94,10 +97,14 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
         _draw_projection(above, x, detector.counts_x[point], detector.errors_x[point])
         _draw_projection(beside, z, detector.counts_z[point], detector.errors_z[point], along_z=True)
     for i, limits in ((1, Axes.set_ylim), (2, Axes.set_xlim)):
-        limits(rows[0][i], 0, max(row[i].dataLim.get_points()[1, i % 2] for row in rows) * 1.05 or 1)
+        most = max(row[i].dataLim.get_points()[1, i % 2] for row in rows)
+        limits(rows[0][i], 0, most * 1.05 or 1)
+        for row in rows:
+            _write_counts((row[1].yaxis, row[2].xaxis)[i - 1], most)
     rows[0][0].set_ylabel("z (mm)")
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
-    figure.colorbar(mesh, cax=colour_bar, orientation="horizontal", label="counts per bin")
+    figure.colorbar(mesh, cax=colour_bar, orientation="horizontal")
+    _write_counts(colour_bar.xaxis, norm.vmax, " per bin")
     figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
     return figure
 
@@ -158,9 +165,15 @@ def _draw_projection(axes: Axes, edges: np.ndarray, counts: np.ndarray, errors: 
     bars = {"fmt": "none", "ecolor": BEAM, "elinewidth": 0.8}
     if along_z:
         axes.errorbar(counts, centres, xerr=errors, **bars)
-        axes.set_xlabel("counts")
     else:
         axes.errorbar(centres, counts, errors, **bars)
-        axes.set_ylabel("counts")
     axes.tick_params(labelbottom=along_z, labelleft=not along_z)
     axes.grid(axis="x" if along_z else "y")
+
+
+def _write_counts(axis: Axis, most: float, each: str = "") -> None:
+    """Its name and short numbers: of many counts in thousands or millions."""
+    power = 3 * floor(log10(most) / 3) if most > 0 and not 0.01 <= most < MANY else 0
+    scale = Scale(f"10{str(power).translate(SUPERSCRIPT)}" if power else "", 10.0**power)
+    axis.set_major_formatter(lambda value, _: f"{scale.apply(value):.6g}")
+    axis.set_label_text(scale.label(f"counts{each}"))

@@ -4,18 +4,18 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from . import observed, results
 from .argument_types import positive
-from .kappa import MOST_CELLS, bound, bound_report
-from .kappa_plots import draw_profile
-from .laws_plots import draw_laws
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ABOUT_LAWS = """\
 How well laws of motion can be told apart, and what measured counts say about them. FILE is a result whose scan has
@@ -106,36 +106,40 @@ def arguments(verb: str, made: argparse.ArgumentParser) -> None:
 
 def compare_laws(options: argparse.Namespace) -> Figure | None:
     """How well laws of motion can be told apart."""
-    made, data, beam = _read(options, "law")
+    made, data, beam = _read(options, "law", np.inf)
     names = {name for law in made.names for name in (law, law.split(" ")[0])}
     if options.reference is not None and options.reference not in names:
         raise NoTemplates(f"{made.path}: no law `{options.reference}` (there is {', '.join(made.names)})")
     pairs = all_pairs(made.names, options.reference)
     print("\n".join(report(made, beam, pairs, data)))
-    if options.output:
-        found = unit_models(made, beam)
-        shown = next((pair for pair in pairs if not same(found[pair[0]], found[pair[1]])), pairs[0])
-        return draw_laws(made, beam, shown, data, options.title)
-    return None
+    if not options.output:
+        return None
+    from .laws_plots import draw_laws
+    found = unit_models(made, beam)
+    shown = next((pair for pair in pairs if not same(found[pair[0]], found[pair[1]])), pairs[0])
+    return draw_laws(made, beam, shown, data, options.title)
 
 
 def bound_kappa(options: argparse.Namespace) -> Figure | None:
     """Which strengths of the hypothesis counts allow."""
-    made, data, beam = _read(options, "law.kappa")
+    from .kappa import MOST_CELLS, bound, bound_report
+    made, data, beam = _read(options, "law.kappa", MOST_CELLS)
     found = bound(made, beam, data)
     print("\n".join(bound_report(made, found)))
-    return draw_profile(made, found, options.title) if options.output else None
+    if not options.output:
+        return None
+    from .kappa_plots import draw_profile
+    return draw_profile(made, found, options.title)
 
 
-def _read(options: argparse.Namespace, parameter: str) -> tuple[Templates, observed.Observation | None, Beam]:
+def _read(options: argparse.Namespace, parameter: str, most: float) -> tuple[Templates, observed.Observation | None, Beam]:
     file = results.read(options.file)
     listed = observed.histogram_in(options.data) if options.data else None
     if listed and options.histogram and listed != options.histogram:
         raise NoTemplates(f"{options.data}: its columns are those of --histogram {listed}, not {options.histogram}")
     if options.detector is not None and options.detector not in file.detectors:
         raise NoTemplates(f"{file.path}: no detector `{options.detector}` (there is {', '.join(file.detectors)})")
-    made = templates(file, parameter, options.histogram or listed or "image",
-                     MOST_CELLS if parameter == "law.kappa" else np.inf).choose(options.detector)
+    made = templates(file, parameter, options.histogram or listed or "image", most).choose(options.detector)
     rate = options.rate or file.rate
     if options.background is not None and rate is None:
         raise NoTemplates("--background needs --rate, the particles that leave the source per second")

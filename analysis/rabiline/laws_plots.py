@@ -38,7 +38,8 @@ def draw_laws(made: Templates, beam: Beam, pair: tuple[int, int], data: Observat
         _draw_lines(upper, lower, made, screen, pair, signed, name, (names, colours))
         if data is not None:
             _draw_data(upper, made, beam, data, screen, name, pair[0])
-    panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1.01), ncol=3, borderaxespad=0)
+    panels[0, 0].set_title(" ")  # room for the legend, which is wider than one of two panels
+    panels[0, 0].legend(loc="lower left", bbox_to_anchor=(0, 1.01), ncol=3, borderaxespad=0).set_in_layout(False)
     several = f", detector {screen.name}" if len(made.screens) > 1 else ""
     style.write_title(figure, (title or made.title) + several)
     return figure

@@ -82,13 +82,8 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
 
 def share_of(level: int, row: Curve, levels: Levels) -> Curve:
     """The fraction in one level, by its number, along a row of the scan."""
-    label = ", ".join(filter(None, (_shown(levels.labels[level]), row.label)))
+    label = ", ".join(filter(None, (style.level(levels.labels[level]), row.label)))
     return replace(row, label=label, y=levels.fractions[row.points, level], errors=levels.errors[row.points, level])
-
-
-def _shown(label: str) -> str:
-    """With a true minus."""
-    return re.sub(r"(?<=[= ])-(?=[\d ])", "−", label)
 
 
 def _legend_of_all(figure: Figure, panels: Sequence[Axes]) -> float:
@@ -132,7 +127,7 @@ def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[
         top = max(top, float((y + errors)[known].max()))
         symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else SYMBOL,
                    "markerfacecolor": "white" if look.open else look.colour, "markeredgewidth": 0.8 if look.open else 0}
-        label = _shown(levels.labels[i]).replace("S_z", "$S_z$")
+        label = style.level(levels.labels[i]).replace("S_z", "$S_z$")
         at = x + BESIDE * ((number + 0.5) / len(looks) - 0.5) if row.axis.labels else x
         axes.errorbar(at[known], y[known], errors[known], color=look.colour, linestyle="none", elinewidth=0.9)
         for run in runs_of(row.x):

@@ -5,9 +5,9 @@ import argparse
 import re
 from argparse import ArgumentParser
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from . import results
 from .argument_types import count
@@ -18,6 +18,9 @@ from .errors import InputError
 from .hdf5 import is_hdf5
 from .lines import FORMS, Form, LineFit, NoLine, fit_line, ramsey_over
 from .units import base_of, format_value, parse_quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
@@ -59,6 +62,7 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
             raise InputError(f"{options.file}: {len(found)} curves: choose one with --detector, or scan one parameter")
         curve: Curve = found[0]
         x, y, covariance, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
+        written = curve.axis.written
         transits = file.detectors[curve.detector].transits
         if transits:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
@@ -68,11 +72,12 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         counts = read_counts(options.file, options.detector)
         _require_unit(counts)
         unit, factor = base_of(counts.unit)
+        written = (counts.unit, factor) if counts.unit else None
         x, y, name, title = factor * counts.x, counts.counts, counts.parameter, options.file.name
         covariance = np.diag(np.maximum(y, 1.0))
     start = dict(_start(text, unit) for text in options.start)
     fitted = fit_line(x, y, covariance, forms[options.form or DEFAULT], lines=options.lines, start=start)
-    words = [*described(fitted, unit), *derived(fitted, unit, per_field, field)]
+    words = [*described(fitted, unit, written), *derived(fitted, unit, per_field, field, written)]
     print("\n".join(words))
     if options.form is None:
         others = {name: form for name, form in forms.items() if name != DEFAULT}
@@ -123,7 +128,15 @@ def unit_of(name: str, unit: str) -> str:
     return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
 
 
-def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | None) -> list[str]:
+def _written_of(name: str, written: tuple[str, float] | None) -> tuple[str, float] | None:
+    """The unit of a parameter of a form over an axis that the user wrote in this one; None where that says nothing about it."""
+    power = UNITS.get(name.split("_")[0], 0)
+    if written is None or power == 0 or power == -1 and base_of(written[0])[0] == "Hz":
+        return None
+    return written if power == 1 else (f"1/{written[0]}", 1 / written[1])
+
+
+def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | None, written: tuple[str, float] | None = None) -> list[str]:
     """What the centres mean, with the covariance of the fit: distances between them, fields by a frequency `per_field` [Hz/T], moments and
     g factors by the `field` [T]."""
     centres = [i for i, name in enumerate(fitted.names) if name.startswith("centre")]
@@ -131,7 +144,7 @@ def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | 
     for i, j in zip(centres, centres[1:]):
         variance = fitted.covariance[i, i] + fitted.covariance[j, j] - 2 * fitted.covariance[i, j]
         between = f"{fitted.names[j]} - {fitted.names[i]}"
-        lines.append(f"{between:<10} {format_value(fitted.values[j] - fitted.values[i], unit, float(np.sqrt(max(variance, 0))))}")
+        lines.append(f"{between:<10} {format_value(fitted.values[j] - fitted.values[i], unit, float(np.sqrt(max(variance, 0))), written)}")
     if (per_field or field) and unit != "Hz":
         raise InputError("--field and --per-field are for scans over a frequency")
     for i in centres:
@@ -166,16 +179,16 @@ def _quantity(option: str, text: str, unit: str) -> float:
     return value
 
 
-def described(fitted: LineFit, unit: str) -> list[str]:
-    """The form, and its values with their errors."""
+def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None) -> list[str]:
+    """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI."""
     lines = [f"form       {fitted.form}"]
     for name, value, error in zip(fitted.names, fitted.values, fitted.errors):
-        shown = unit_of(name, unit)
-        lines.append(f"{name:<10} {format_value(value, shown, error) if error < UNKNOWN * abs(value) or name.startswith(('centre', 'baseline')) else 'not known'}")
+        is_known = error < UNKNOWN * abs(value) or name.startswith(("centre", "baseline"))
+        lines.append(f"{name:<10} {format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else 'not known'}")
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
-    lines += [f"           or another fringe: centre {format_value(centre, unit if unit else '')} with chi² {chi_squared:.1f}"
+    lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:
         believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"

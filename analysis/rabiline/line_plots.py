@@ -31,6 +31,6 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
     axes.grid(axis="y")
     style.write_title(figure, title)
-    axes.set_title(style.in_rows(figure, [re.sub(r" -(?=[\d.])", " −", " ".join(line.split()).replace("chi²", "χ²")) for line in words], style.points("legend.fontsize")),
-                   fontsize=style.points("legend.fontsize"))
+    told = [re.sub(r" -(?=[ \d.])", " −", " ".join(line.split()).replace("chi²", "χ²")) for line in words]
+    style.write_numbers(axes, told, [line for line in told if line.startswith(("χ²", "the form"))])
     return figure

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize, special
 
 from .errors import InputError
 from .fringes import centres_of, periods_of
@@ -19,9 +19,10 @@ BESIDE = -1.0, -0.5, 0.5, 1.0  # fringes: bright ones and dark ones
 AS_GOOD = 9.0  # of chi²: three standard deviations
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
+LONG, HOPELESS = 50, 20.0  # steps of a fit after which it is given up, where its chi² is still so many times that of another start
 REST = 0.05  # of chi²: what is nearer to the least than that is there, within a quarter of the errors
 DEVIATIONS = 6.0  # on both sides of the mean flight time, and between the phases that the sum over these times repeats itself
-MOST_TIMES = 400
+MOST_TIMES, SHORTEST = 400, 0.05  # of these times; of the mean one, which what is shorter takes
 TIPS = 0.25, 0.12  # turns in each field
 RATIOS = 0.4, 0.15, 0.05, 0.01  # of the time in a field to that between the two, where a fit starts
 
@@ -67,8 +68,9 @@ def ramsey(d: np.ndarray, strength: float, pulse: float, time: float, spread: fl
     with a relative deviation `spread`."""
     turned = 2 * np.pi * spread * (np.abs(d).max(initial=0.0) * (time + 2 * pulse) + 2 * strength * pulse)  # the phase of one deviation
     deviations = np.linspace(-DEVIATIONS, DEVIATIONS, int(min(DEVIATIONS * (turned + DEVIATIONS) / np.pi, MOST_TIMES)) + 2)
-    weights = np.exp(-deviations**2 / 2)
-    times = np.clip(1 + spread * deviations, 0.05, None)
+    weights, times = np.exp(-deviations**2 / 2), 1 + spread * deviations
+    short = times < SHORTEST
+    weights, times = np.append(weights[short].sum(), weights[~short]), np.append(SHORTEST, times[~short])
     return _two_fields(d, strength, pulse * times, time * times, weights / weights.sum())
 
 
@@ -97,9 +99,10 @@ def _period(pulse: float, time: float) -> float:
 
 def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndarray, weights: np.ndarray) -> np.ndarray:
     total = np.maximum(np.hypot(d, strength), 1e-300)[:, None]
-    half, phase, d = np.pi * total * pulse, np.pi * d[:, None] * time, d[:, None]
-    amplitude = np.cos(phase) * np.cos(half) - d / total * np.sin(phase) * np.sin(half)
-    return (4 * (strength / total * np.sin(half) * amplitude)**2) @ weights
+    pulses, phase, d = 2 * np.pi * total * pulse, np.pi * d[:, None] * time, d[:, None]
+    part = d / total  # twice sin(pulse / 2) (cos(phase) cos(pulse / 2) - part sin(phase) sin(pulse / 2)), as a sum of sines
+    amplitude = (1 + part) / 2 * np.sin(phase + pulses) - (1 - part) / 2 * np.sin(phase - pulses) - part * np.sin(phase)
+    return np.einsum("ij,j->i", (strength / total * amplitude)**2, weights)  # in one thread, as a line is a small matter
 
 
 FORMS = {form.name: form for form in (
@@ -132,7 +135,7 @@ class LineFit:
     @property
     def p(self) -> float:
         """Of chi²."""
-        return float(stats.chi2.sf(self.chi_squared, self.freedom)) if self.freedom > 0 else np.nan
+        return float(special.chdtrc(self.freedom, self.chi_squared)) if self.freedom > 0 else np.nan
 
     def __getitem__(self, name: str) -> tuple[float, float]:
         """Value and error."""
@@ -171,15 +174,20 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
 
+    shape = _remembering(lambda at, centre, *shared: chosen.f(at - origin - centre * unit, *np.exp(shared)), lines * (own + 3))
+
     def model(values: np.ndarray, at: np.ndarray) -> np.ndarray:
-        parts = [values[own + lines + i] * chosen.f(at - origin - values[i] * unit, *np.exp(values[lines:lines + own]))
-                 for i in range(lines)]
+        parts = [values[own + lines + i] * shape(at, values[i], *values[lines:lines + own]) for i in range(lines)]
         return values[-1] + np.sum(parts, axis=0)
+
+    reached = [np.inf]  # chi² of other starts
 
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
-        return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
-            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance)
+        fitted = _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
+            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance, min(reached))
+        reached.append(fitted.chi_squared)
+        return fitted
 
     def beside(fit: LineFit) -> list[tuple[float, list[float], Sequence[float]]]:
         shared = np.exp(fit.values[lines:lines + own])
@@ -273,11 +281,18 @@ def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, 
 
 
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.ndarray], np.ndarray], first: np.ndarray, x: np.ndarray,
-             y: np.ndarray, covariance: np.ndarray) -> LineFit:
+             y: np.ndarray, covariance: np.ndarray, least: float = np.inf) -> LineFit:
+    """From `first`; what is `HOPELESS` beside the `least` chi² of other starts is not followed to its end."""
     sigma = np.sqrt(np.diag(covariance))
-    # The 1 behind the residuals ends fits of curves without noise, whose chi² would fall for ever: a weak field has no strength.
+
+    def found_within(steps: int | None) -> optimize.OptimizeResult:
+        # The 1 behind the residuals ends fits of curves without noise, whose chi² would fall for ever: a weak field has no strength.
+        return optimize.least_squares(lambda values: np.append((model(values, x) - y) / sigma, 1.0), first, x_scale="jac", ftol=1e-6, max_nfev=steps)
+
     try:
-        found = optimize.least_squares(lambda values: np.append((model(values, x) - y) / sigma, 1.0), first, x_scale="jac", ftol=1e-6)
+        found = found_within(LONG if np.isfinite(least) else None)
+        if found.status == 0 and np.isfinite(least) and 2 * found.cost < HOPELESS * least:
+            found = found_within(None)
     except ValueError:  # of parameters or slopes that are infinite or no numbers
         raise _lost(name) from None
     jacobian = found.jac[:-1]
@@ -296,6 +311,20 @@ def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.
     freedom = y.size - first.size
     return LineFit(name, names, found.x, np.sqrt(np.diag(spread).clip(0)), spread, float(left @ left), _of_constant(y, sigma), freedom,
                    model(found.x, x), lambda at: model(found.x, at))
+
+
+def _remembering(shape: Callable[..., np.ndarray], most: int) -> Callable[..., np.ndarray]:
+    """The same, kept for its latest arguments, `most` of them: derivatives by baseline, contrasts and other centres ask for it again."""
+    kept: dict[tuple[float, ...], tuple[np.ndarray, np.ndarray]] = {}  # places, by which they are the same, and the shape there
+
+    def again(at: np.ndarray, *values: float) -> np.ndarray:
+        if values not in kept or kept[values][0] is not at:
+            if len(kept) >= most:
+                del kept[next(iter(kept))]
+            kept[values] = at, shape(at, *values)
+        return kept[values][1]
+
+    return again
 
 
 def _of_constant(y: np.ndarray, sigma: np.ndarray) -> float:

@@ -6,12 +6,35 @@ from typing import Iterable
 import numpy as np
 
 from .motions import ON_HYPOTHESIS, Finding, Motions
+from .scan_axes import Axis
 from .units import fitting_scale
 
 
 def motion_summary(file: Motions) -> str:
     """Lines about the motions, and every finding with what is expected of it; over a scan, from where to where."""
     return "\n".join(_lines(file))
+
+
+def motion_numbers(file: Motions) -> dict[str, object]:
+    """The same as numbers in SI, for other programs; `null` where a point has none."""
+    axis = file.axis
+    return {
+        "title": file.title, "program": file.program, "model": file.model,
+        "scan": [] if axis is None else [axis_numbers(axis)],
+        "motions": [{"name": motion.name, "meaning": motion.meaning, "hypothesis": motion.name in ON_HYPOTHESIS} for motion in file.points[0]],
+        "findings": [{"name": finding.name, "meaning": finding.meaning, "unit": finding.units, "value": _known(finding.values),
+                      "expected": _known(finding.expected), "expectation": finding.basis} for finding in file.findings],
+    }
+
+
+def axis_numbers(axis: Axis) -> dict[str, object]:
+    """A scanned axis in SI, for other programs."""
+    return {"parameter": axis.parameter, "unit": axis.units, "points": int(axis.values.size),
+            "labels" if axis.labels else "values": list(axis.labels) or axis.values.tolist()}
+
+
+def _known(values: np.ndarray) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _lines(file: Motions) -> Iterable[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Callable, NoReturn, TypeVar
 
 from .errors import InputError
+from .units import parse_quantity
 
 T = TypeVar("T")
 
@@ -103,6 +104,29 @@ def range_of(text: str) -> tuple[float, float]:
     if not -inf < low < high < inf:
         raise ArgumentTypeError(f"`{text}` is no range: the first number is the smaller one")
     return low, high
+
+
+def mark_of(text: str, units: str) -> tuple[str, float]:
+    """A label and a value in SI, on an axis in these units. Raises InputError."""
+    label, equals, value = text.rpartition("=")
+    try:
+        if not (equals and label):
+            raise ValueError("no label")
+        return label, parse_quantity(value, units or None)
+    except ValueError as problem:
+        of_unit = f": {problem}" if "unit" in str(problem) else ""
+        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"{of_unit}') from None
+
+
+def points_of(text: str, points: int) -> list[int]:
+    """"0,50", flat numbers of so many scan points. Raises InputError."""
+    try:
+        numbers = [int(part) for part in text.split(",")]
+    except ValueError:
+        raise InputError(f"--points {text} is not a list of numbers, such as 0,50") from None
+    if not all(0 <= number < points for number in numbers):
+        raise InputError(f"--points {text}: the scan points are 0 to {points - 1}")
+    return numbers
 
 
 def _of_scan(parser: ArgumentParser) -> None:

@@ -11,13 +11,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
-               space_plots, style, tally_plots, track_plots, tracks, transit_plots)
+               space_plots, stated, style, tally_plots, track_plots, tracks, transit_plots)
 from .counts import read_counts
 from .curves import Curve, NoResonance, curves, labels_of
 from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
-from .picture_options import KeywordParser, add_options, dots, pair_of, size_of, words_of
+from .picture_options import KeywordParser, add_options, dots, mark_of, pair_of, points_of, size_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
 
@@ -82,13 +82,24 @@ def _fitting_kind(opened: object) -> str:
     if isinstance(opened, results.Results):
         scan = opened.scan
         if not scan.axes:
-            return "image"
+            return "image" if scan.detected.any() else _kind_without_counts(opened)
         if all(axis.labels for axis in scan.axes) and scan.detected.shape[1] <= MOST_CURVES:  # such as a scan over the laws
             return "profiles"
         same = (np.ptp(scan.detected, axis=1) == 0).all()  # all that a scan does is to turn spins
         changing = any(np.nan_to_num(np.ptp(one.levels.fractions, axis=0)).max(initial=0.0) > 0.01 for one in opened.detectors.values())
         return "levels" if same and changing else "scan"
     return "tracks" if isinstance(opened, tracks.Tracks) else "motion"
+
+
+def _kind_without_counts(file: results.Results) -> str:
+    """Where nothing is scanned and nothing detected, so that an image would be empty. Raises InputError where no other picture is left."""
+    try:
+        angle_plots.angles_of(file, None, 0)
+        return "angles"
+    except angle_plots.NoAngles:
+        tallies = f", and plot-tally what its tallies count ({', '.join(file.tallies)})" if file.tallies else ""
+        raise InputError(f"{file.path}: nothing was detected in it, and nothing is scanned: plot-image would be empty\n"
+                         f"  help: plot-tracks draws the paths that `rabiline trace` writes{tallies}") from None
 
 
 def _results(source: object) -> results.Results:
@@ -101,7 +112,7 @@ def _read(source: object) -> object:
 
 
 def plot(options: argparse.Namespace) -> Figure:
-    """The picture that fits a file: its scan, else its image; its tracks; the motions of a model."""
+    """The picture that fits a file: its scan, else its image, or the angles of spins where that is empty; its tracks; the motions of a model."""
     opened = _read(options.file)
     kind = _fitting_kind(opened)
     chosen: dict[str, object] = {"title": options.title} if options.title else {}
@@ -124,10 +135,11 @@ def plot_scan(options: argparse.Namespace) -> Figure:
                              f"{first.parameter}")
     if not options.beside:
         _require_one_measure(files, "draw them with --beside")
-    labels = _distinct([curve.label for _, curve in found], [file.path.stem for file, _ in found])
+    own = _differences(files)
+    labels = _distinct([_said(curve.label, own[file.path]) for file, curve in found], [file.path.stem for file, _ in found])
     chosen = f": {labels_of(files[0])[options.detector]}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
     title = options.title or _title(files, chosen)
-    marks = dict(_mark(text, first.units) for text in options.mark)
+    marks = dict(mark_of(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
     across = _across(files[0], first)
     if options.data and (options.beside or len(lines) > MOST_CURVES):
@@ -135,7 +147,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:
-        names = options.panel_title or [file.title for file in files]
+        names = options.panel_title or _distinct([_said(file.title, own[file.path]) for file in files], [file.path.stem for file in files])
         if len(names) != len(files):
             raise InputError(f"{len(names)} --panel-title for {len(files)} files; give one for each file")
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
@@ -203,7 +215,7 @@ def plot_levels(options: argparse.Namespace) -> Figure:
     file = _results(options.file)
     rows = _curves(file, _detector(file, options.detector))
     detector = file.detectors[_detector(file, options.detector)]
-    marks = dict(_mark(text, rows[0].axis.units) for text in options.mark)
+    marks = dict(mark_of(text, rows[0].axis.units) for text in options.mark)
     title, levels = options.title or _title([file]), _levels(detector, options.levels)
     if len(rows) <= MOST_PANELS:
         return level_plots.draw_levels(rows, detector, title, marks, levels)
@@ -234,7 +246,7 @@ def plot_image(options: argparse.Namespace) -> Figure:
     file = _results(options.file)
     name = _detector(file, options.detector)
     if options.points:
-        shots = [image_plots.shot_of(file, point) for point in _points(options.points, len(file.laws))]
+        shots = [image_plots.shot_of(file, point) for point in points_of(options.points, len(file.laws))]
     elif file.scan.axes:
         shots = image_plots.off_and_on(file, curves(file, name))
     else:
@@ -247,10 +259,11 @@ def plot_profiles(options: argparse.Namespace) -> Figure:
     files = [_results(path) for path in options.files]
     _require_one_measure(files, "draw each by itself")
     shots = [(file, point) for file in files
-             for point in (_points(options.points, len(file.laws)) if options.points else range(len(file.laws)))]
+             for point in (points_of(options.points, len(file.laws)) if options.points else range(len(file.laws)))]
     if len(shots) > MOST_CURVES:
         raise InputError(f"{len(shots)} profiles are too many for one picture: choose some by --points, such as 0,{len(shots) // 2}")
-    heading, labels = style.what_differs([image_plots.about(file, point) for file, point in shots])
+    own = _differences(files)
+    heading, labels = style.what_differs([{**image_plots.about(file, point), **own[file.path]} for file, point in shots])
     if not any(labels):
         labels = [law_name(file.laws[point]) for file, point in shots]
     labels = _distinct(labels, [file.path.stem for file, _ in shots])
@@ -276,7 +289,7 @@ def plot_tally(options: argparse.Namespace) -> Figure:
             raise InputError(f"{file.path}: nothing is scanned in this file")
         along = max(range(len(file.scan.axes)), key=lambda i: file.scan.axes[i].values.size)
         return tally_plots.draw_over_scan(file, tally, names.index(chosen[0] if options.axes else names[-1]), along, options.title)
-    points = _points(options.points, len(file.laws)) if options.points else [0]
+    points = points_of(options.points, len(file.laws)) if options.points else [0]
     if len(points) > MOST_PANELS:
         raise InputError(f"{len(points)} scan points are too many for one picture")
     return tally_plots.draw_tally(file, tally, [names.index(name) for name in chosen], points, options.title)
@@ -356,33 +369,21 @@ def _title(files: list[results.Results], chosen: str = "") -> str:
     return "\n".join([files[0].title + chosen, *mixture])
 
 
+def _differences(files: Sequence[results.Results]) -> dict[Path, dict[str, str]]:
+    """What tells each of several files from the others."""
+    paths = list(dict.fromkeys(file.path for file in files))
+    return dict(zip(paths, stated.differing(paths) if len(paths) > 1 else [{}]))
+
+
+def _said(label: str, own: dict[str, str]) -> str:
+    return ", ".join(filter(None, [label, *(f"{name} = {value}" for name, value in own.items())]))
+
+
 def _distinct(labels: list[str], stems: list[str]) -> list[str]:
     """Labels, with the file's name where there is none of several, or it would come twice."""
     stems = ["" if len(labels) == 1 and not labels[0] or len(set(stems)) == 1 and stem == IN_MEMORY.stem else stem for stem in stems]
     return [label if label and labels.count(label) == 1 else f"{label} [{stem}]" if label and stem else label or stem
             for label, stem in zip(labels, stems)]
-
-
-def _mark(text: str, units: str) -> tuple[str, float]:
-    """A label and a value in SI, on an axis in these units."""
-    label, equals, value = text.rpartition("=")
-    try:
-        if not (equals and label):
-            raise ValueError("no label")
-        return label, parse_quantity(value, units or None)
-    except ValueError as problem:
-        of_unit = f": {problem}" if "unit" in str(problem) else ""
-        raise InputError(f'--mark "{text}" is not LABEL=VALUE, such as "Larmor frequency=291.647 kHz"{of_unit}') from None
-
-
-def _points(text: str, points: int) -> list[int]:
-    try:
-        numbers = [int(part) for part in text.split(",")]
-    except ValueError:
-        raise InputError(f"--points {text} is not a list of numbers, such as 0,50") from None
-    if not all(0 <= number < points for number in numbers):
-        raise InputError(f"--points {text}: the scan points are 0 to {points - 1}")
-    return numbers
 
 
 def plot_field(options: argparse.Namespace) -> Figure:

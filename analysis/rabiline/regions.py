@@ -6,11 +6,13 @@ from math import inf
 from typing import Sequence
 
 from matplotlib.axes import Axes
+from matplotlib.transforms import ScaledTranslation
 
 from . import style
 from .errors import InputError
 from .style import GREY
 
+ABOVE, ROW = 4.5, 1.5  # points above a panel where names begin, and the height of a row over the size of letters
 LETTER = 0.14  # inches of figure per letter of a name, with what is beside the panel
 SHADES = ["#f3e7c9", "#dfe8d8", "#d7e3ee", "#ead9e6"]
 
@@ -39,7 +41,7 @@ def read_region(text: str) -> Region:
 
 def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
     """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
-    share = axes.get_subplotspec().get_gridspec().nrows / 3
+    size, up = style.points("legend.fontsize"), axes.get_xaxis_transform()
     rows: list[float] = []
     ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
     for region, colour in zip(ordered, SHADES * (len(regions) // len(SHADES) + 1)):
@@ -52,8 +54,8 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
         half = 0.5 * (len(region.name) + 1) * LETTER / axes.figure.get_figwidth() * (right - left)
         middle = min(max((begin + end) / 2, left + half), right - half)
         row = style.row_for(rows, min(begin, middle - half), max(end, middle + half))
-        height = 1 + share * (0.05 + 0.15 * row)
-        axes.plot([begin, end], [height, height], transform=axes.get_xaxis_transform(), clip_on=False,
+        height = style.scaled(ABOVE) + ROW * size * row
+        axes.plot([begin, end], [1, 1], transform=up + ScaledTranslation(0, height / 72, axes.figure.dpi_scale_trans), clip_on=False,
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
-        axes.annotate(style.plain(region.name), (middle, height), xycoords=axes.get_xaxis_transform(),
-                      xytext=(0, 1), textcoords="offset points", ha="center", va="bottom", color=GREY, fontsize=style.scaled(9))
+        axes.annotate(style.plain(region.name), (middle, 1), xycoords=up, xytext=(0, height + 1), textcoords="offset points", ha="center",
+                      va="bottom", color=GREY, fontsize=size)

@@ -9,6 +9,7 @@ import numpy as np
 from .agreement import with_constant
 from .covariance import COUNTED, LEAST_P
 from .curves import Curve, Resonance, curves, labels_of
+from .motion_report import axis_numbers
 from .reading import LOBES, Comb, Reading, comb_of, readings_of
 from .results import Axis, FieldCheck, Results
 from .units import format_value, law_name
@@ -40,9 +41,7 @@ def summary_numbers(results: Results, detectors: Sequence[str]) -> dict[str, obj
         "species": list(dict.fromkeys(results.species)), "particles": float(results.particles[0]),
         "warnings": list(results.warnings),
         "field_check": None if results.field_check is None else asdict(results.field_check),
-        "scan": [{"parameter": axis.parameter, "unit": axis.units, "points": int(axis.values.size),
-                  "labels" if axis.labels else "values": list(axis.labels) or axis.values.tolist()}
-                 for axis in results.scan.axes],
+        "scan": [axis_numbers(axis) for axis in results.scan.axes],
         "detected": {name: {"value": results.scan.detected[i].tolist(), "error": results.scan.errors[i].tolist()}
                      for i, name in enumerate(results.scan.detectors) if name in detectors},
         "lines": [{"curve": curve.label, "detector": curve.detector, **lines(curve)} for curve in every],

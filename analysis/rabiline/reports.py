@@ -9,7 +9,7 @@ from pathlib import Path
 
 from . import motions, results, tables
 from .errors import InputError
-from .motion_report import motion_summary
+from .motion_report import motion_numbers, motion_summary
 from .report import summary, summary_numbers
 
 
@@ -29,9 +29,10 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
     if motions.has_motions(options.file):
-        if options.detector or options.json:
+        if options.detector:
             raise InputError(f"{options.file}: holds the motions of a model, and no detector")
-        print(motion_summary(motions.read(options.file)))
+        solved = motions.read(options.file)
+        print(json.dumps(motion_numbers(solved), indent=1) if options.json else motion_summary(solved))
         return
     file = results.read(options.file)
     detectors = [require_detector(file, options.detector)] if options.detector else file.scan.detectors
@@ -39,7 +40,8 @@ def print_summary(options: argparse.Namespace) -> None:
 
 
 def export(options: argparse.Namespace) -> None:
-    """The numbers of a scan as CSV: a line for each scan point of each detector, or of a model, in SI, with the units in the header."""
+    """The numbers of a scan as CSV: a line for each scan point of each detector, with the populations of its levels, or of a model, in SI, with the
+    units in the header in []."""
     file = motions.read(options.file) if motions.has_motions(options.file) else results.read(options.file)
     try:
         tables.to_csv(file, options.output or sys.stdout)

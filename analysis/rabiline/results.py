@@ -157,12 +157,13 @@ class Results:
         return values.reshape(several + tuple(axis.values.size for axis in self.scan.axes))[()]
 
     def to_csv(self, path: Path | str) -> None:
-        """A line for each scan point of each detector, in SI, with the units in the header. Raises StorageError, and InputError
+        """A line for each scan point of each detector, in SI, with the units in the header; columns as `to_dataframe`. Raises StorageError, and InputError
         for the name of a result or an experiment and a file that is no such table."""
         tables.to_csv(self, path)
 
     def to_dataframe(self) -> pandas.DataFrame:
-        """The same for pandas: a row for each scan point of each detector, in SI; units stand in `attrs["units"]`."""
+        """The same for pandas: a row for each scan point of each detector, in SI; units stand in `attrs["units"]`. Levels have a column each, such as
+        `wire: F=4 m=0`: the fraction of what this detector caught, with its `..._error`; NaN where nothing was caught, and in rows of other detectors."""
         return tables.to_dataframe(self)
 
     def to_xarray(self) -> xarray.Dataset:

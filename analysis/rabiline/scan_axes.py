@@ -8,9 +8,8 @@ from typing import Sequence
 import numpy as np
 
 from .hdf5 import Group
-from .units import Scale, fitting_scale, format_value, in_unit
+from .units import QUANTITY, Scale, fitting_scale, format_value, in_unit
 
-QUANTITY = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[%°])[^\s:,;'\"\[\]{}#]*)"  # number, unit
 REST = r"(.{0,400}?)(?:\}|\n\S|$)"  # behind a parameter's name, in which its scan stands
 
 

@@ -25,6 +25,7 @@ WHOLE = 0.4  # of the largest value: what begins below is shown from 0 on
 BEYOND = 1.0  # points, by which a bar stands out of its symbol where it is seen
 TURNS = 5  # symbols of each curve, at least, where those that lie on each other have them in turns
 MOST_COLUMNS = 3  # of maps
+BESIDE = 5.4  # inches of a file's panel beside others
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
 LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
 LETTER, ROW = 0.09, 12.0  # inches of a panel for each letter of a mark's name, points from row to row
@@ -124,12 +125,12 @@ class Panel:
 @style.in_proportion
 def draw_beside(panels: Sequence[Panel], title: str, marks: dict[str, float]) -> Figure:
     """Scans of several files side by side, over the same axis: each panel like draw_scan's, with its legend below."""
-    figure, row = plt.subplots(1, len(panels), figsize=(5.4 * len(panels), 4.5), sharey=True, squeeze=False,
+    figure, row = plt.subplots(1, len(panels), figsize=(BESIDE * len(panels), 4.5), sharey=True, squeeze=False,
                                layout="constrained")
     limits = _fraction_limits([curve for panel in panels for curve in panel.curves])
     for axes, panel in zip(row[0], panels):
         rows = _draw_panel(axes, panel.curves, panel.labels, marks, beside=False)
-        axes.set_title(style.plain(panel.title), pad=title_pad(rows))
+        axes.set_title(style.in_lines(style.plain(panel.title), BESIDE - 0.9, style.RULES["axes.titlesize"]), pad=title_pad(rows))
         axes.set_ylim(*limits)
         axes.set_ylabel(f"{_measure(panel.curves)}\n({about_errors(panel.curves, limits)})")
     style.write_title(figure, title)
@@ -145,8 +146,8 @@ def _scale(curves: Sequence[Curve]) -> Scale:
 
 def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], marks: dict[str, float],
                 beside: bool = True, measured: Measured | None = None) -> int:
-    """Curves over their axis; numbers of a single resonance stand beside it, if wanted and where they cover nothing, else in the legend. Returns how many rows of
-    names stand above."""
+    """Curves over their axis; numbers of a single resonance stand beside it, if wanted and where they cover nothing, else in the legend.
+    Returns how many rows of names stand above."""
     axis = curves[0].axis
     scale = _scale(curves)
     readings = [_reading(curve) for curve in curves]
@@ -157,7 +158,8 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
     near = SYMBOL / (PANEL * 72) * np.ptp(_fraction_limits(curves))
     for i, (curve, label, look, told) in enumerate(drawn):
         alike = [k for k, (other, *_) in enumerate(drawn) if _coincide(curve, other, near)]
-        place = _Place(alike.index(i), len(alike), np.any([np.abs(curve.y - drawn[k][0].y) <= near for k in alike if k != i], axis=0) | np.zeros(curve.y.size, bool))
+        covered = [np.abs(curve.y - drawn[k][0].y) <= near for k in alike if k != i]
+        place = _Place(alike.index(i), len(alike), np.any(covered, axis=0) | np.zeros(curve.y.size, bool))
         first = next((name for other, name in zip(curves, labels) if _is_same(curve, other)), label)
         if first != label:
             _draw_curve(axes, curve, f"{style.plain(label)}\nthe same as {style.plain(first)}", look, scale, place)
@@ -277,8 +279,8 @@ def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
     runs = [] if curve.axis.labels else runs_of(curve.x)
     style_of = "--" if look.open else "-"
     axes.errorbar(x, curve.y, curve.errors, color=look.colour, marker=look.marker, linestyle=style_of if len(runs) == 1 else "none",
-                  markersize=size, markevery=every.tolist(), errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9, markeredgewidth=0.8 if look.open else 0,
-                  markerfacecolor="white" if look.open else look.colour, label=label)
+                  markersize=size, markevery=every.tolist(), errorevery=every, linewidth=width, elinewidth=0.9, capsize=2, capthick=0.9,
+                  markeredgewidth=0.8 if look.open else 0, markerfacecolor="white" if look.open else look.colour, label=label)
     if in_turns and place.of > 1:  # above the lines of all
         axes.plot(x[every], curve.y[every], look.marker, color=look.colour, markersize=size, markeredgewidth=0.8 if look.open else 0,
                   markerfacecolor="white" if look.open else look.colour, zorder=3)

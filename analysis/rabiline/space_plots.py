@@ -23,7 +23,7 @@ LETTER, ROW = 0.022, 0.1  # of a name above its region: the width of a letter, a
 
 @style.in_proportion
 def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
-    """x, y and z of every track, in the laboratory: y along the beam to the right, z along the static field upwards.
+    """x, y and z of every track, in the laboratory: y along the beam to the right, z upwards.
     Along the beam the scale is another one than across, so that small deflections are seen. Faint lines on the floor
     and on the back wall show the paths from above and from the side, frames where regions begin and end."""
     regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts if part.has_field]
@@ -46,7 +46,7 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
             axes.plot(x[-1:], y[-1:], z[-1:], ENDS.get(track.fate, "*"), color=look.colour, markersize=6,
                       markeredgewidth=0)
     _draw_frames(axes, regions, along, low, high)
-    for k, (name, about) in enumerate(zip("xyz", ("", ", along the beam", ", along the static field"))):
+    for k, (name, about) in enumerate(zip("xyz", ("", ", along the beam", ""))):
         getattr(axes, f"set_{name}lim")(low[k], high[k])
         getattr(axes, f"set_{name}label")(scales[k].label(name + about))
         getattr(axes, f"{name}axis").pane.set_facecolor("white")
@@ -79,4 +79,5 @@ def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.nd
         half = 0.5 * LETTER * (len(region.name) + 2) * (high[1] - low[1])
         row = next((i for i, end in enumerate(rows) if end <= middle - half), len(rows))
         rows[row:row + 1] = [middle + half]
-        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), style.plain(region.name), color=GREY, fontsize=style.scaled(9), ha="center", va="bottom")
+        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), style.plain(region.name), color=GREY,
+                  fontsize=style.scaled(9), ha="center", va="bottom")

@@ -7,7 +7,7 @@ import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
-from math import log10
+from math import floor, log10
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
@@ -19,6 +19,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from . import asked
 from .errors import InputError
@@ -157,24 +158,34 @@ def legend_below(figure: Figure, axes: Axes, columns: int, title: str = "") -> f
     return 0.0
 
 
+def level(name: str) -> str:
+    """The name of a level, or of something else that has one in it: with true minus signs, and 0 without a sign."""
+    return re.sub(r"(?<![^\s=(])[-+](?=0(?![\d/.]))", "", re.sub(r"(?<![^\s=(])-(?=[\d ])", "−", name))
+
+
 def plain(text: str) -> str:
     """A text of the user, whose dollars are no formulas."""
     return text.replace("$", r"\$")
 
 
 def logarithmic(axis: Axis) -> None:
-    """With plain numbers, as far as these are short."""
-    def minor(value: float, _: int) -> str:
+    """With plain numbers, as far as these are short; over less than two decades also between their powers of ten."""
+    def written(value: float, _: int) -> str:
         low, high = axis.get_view_interval()
-        return f"{value:g}" if high < 10 * low else ""
+        if PLAIN[0] <= low and high < PLAIN[1]:
+            return f"{value:g}"
+        power = floor(log10(value * (1 + 1e-9)))
+        digit = f"{value / 10.0**power:.0f}×" if round(value / 10.0**power) > 1 else ""
+        return f"{digit}10{str(power).translate(SUPERSCRIPT)}"
 
-    def major(value: float, _: int) -> str:
+    def between(value: float, place: int) -> str:
         low, high = axis.get_view_interval()
-        return f"{value:g}" if PLAIN[0] <= low and high < PLAIN[1] else f"10{str(round(log10(value))).translate(SUPERSCRIPT)}"
+        digit = round(value / 10.0**floor(log10(value * (1 + 1e-9))))
+        return written(value, place) if high < 10 * low or high < 100 * low and digit in (2, 5) else ""
 
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})
-    axis.set_major_formatter(major)
-    axis.set_minor_formatter(minor)
+    axis.set_major_formatter(written)
+    axis.set_minor_formatter(between)
 
 
 def widest(labels: Sequence[str]) -> int:
@@ -203,12 +214,44 @@ def beside_ticks(figure: Figure, name: str) -> str:
     return lines.replace(", ", "\n").replace(" (", "\n(") if figure.get_figwidth() < NARROW else lines
 
 
+def write_numbers(axes: Axes, words: Sequence[str], least: Sequence[str]) -> None:
+    """Above a panel that is centred in the figure, several to a row, as many as fit; where that would take too much of a figure whose size
+    was asked for, only the `least` of them."""
+    figure, size = axes.figure, points("legend.fontsize")
+    rows = in_rows(figure, words, size)
+    high = (1 + rows.count("\n")) * LINE * size / 72
+    if _asked and high > MOST_NUMBERS * figure.get_figheight():
+        rows = in_rows(figure, least, size)
+    axes.set_title(rows, fontsize=size, parse_math=False)
+
+
+def write_deviations(axes: Axes, name: str, largest: float) -> None:
+    """For a low panel of what is `name`d, in standard deviations, below another: limits, few numbers, and a short name where it is narrow."""
+    figure, most = axes.figure, max(2.5, 1.1 * largest)
+    axes.get_gridspec().set_height_ratios((3, 1 if figure.get_figwidth() > NARROW else 2))
+    axes.set_ylim(-most, most)
+    axes.yaxis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], min_n_ticks=1))
+    axes.set_ylabel(f"{name if figure.get_figwidth() > NARROW else 'Δ'} / σ")
+    figure.align_ylabels()
+
+
 def in_rows(figure: Figure, words: Sequence[str], size: float) -> str:
-    """Several to a line of the figure, as many as fit."""
-    most = int(figure.get_figwidth() * 72 / (LETTER * size)) - 8
-    lines = [words[0]]
-    for word in words[1:]:
-        lines[-1:] = [f"{lines[-1]},   {word}"] if len(lines[-1]) + len(word) + 4 < most else [lines[-1], word]
+    """Several to a line beside the numbers of an axis; one that is longer than that is wrapped."""
+    room = figure.get_figwidth() - 0.1 * size
+    probe = figure.text(0, 0, "", fontsize=size, parse_math=False)
+
+    def wide(text: str) -> float:
+        probe.set_text(text)
+        return probe.get_window_extent().width / figure.dpi
+
+    lines: list[str] = []
+    for word in words:
+        longer = f"{lines[-1]},   {word}" if lines else word
+        if lines and wide(longer) < room:
+            lines[-1] = longer
+        else:
+            lines += wrapped(word, max(12, int(len(word) * room / wide(word)) - 1)).split("\n") if wide(word) > room else [word]
+    probe.remove()
     return "\n".join(lines)
 
 
@@ -266,6 +309,7 @@ LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
 WORDS = ("law", "species")  # whose values say by themselves what they are
 NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
+MOST_NUMBERS = 0.25  # of a figure's height
 LEAST = 0.6  # times the usual size of letters
 _asked: tuple[float, float] | None = None
 _factor = 1.0  # of letters

@@ -22,7 +22,8 @@ LINE = 1 << 16  # bytes that are read of one
 
 
 def columns(results: Results | Motions) -> dict[tuple[str, str], np.ndarray]:
-    """(name, unit) and [rows] of each column: a row for each scan point of each detector, or of a model with what it found."""
+    """(name, unit) and [rows] of each column: a row for each scan point of each detector, or of a model with what it found. Populations
+    of levels stand in columns such as `wire: F=4 m=0`, fractions of what that detector caught, NaN in the rows of others and where nothing is caught."""
     if hasattr(results, "findings"):
         return _findings(results)
     scan = results.scan
@@ -38,6 +39,12 @@ def columns(results: Results | Motions) -> dict[tuple[str, str], np.ndarray]:
                                ("count_rate_error", "1/s", scan.count_rate_errors)):
         if values is not None:
             table[name, unit] = values.ravel()
+    for number, name in enumerate(scan.detectors):
+        rows, levels = slice(number * points, (number + 1) * points), results.detectors[name].levels
+        for level, own in enumerate(levels.labels):
+            for column, values in ((f"{name}: {own}", levels.fractions), (f"{name}: {own}_error", levels.errors)):
+                table[column, ""] = np.full(points * detectors, np.nan)
+                table[column, ""][rows] = values[:, level]
     return table
 
 
@@ -80,7 +87,7 @@ def _require_own(path: Path) -> None:
 
 
 def to_dataframe(results: Results | Motions) -> pandas.DataFrame:
-    """The same for pandas; the units stand in its `attrs["units"]`."""
+    """`columns` for pandas, numbers in SI; the units stand in its `attrs["units"]`."""
     import pandas
     table = columns(results)
     frame = pandas.DataFrame({name: values for (name, _), values in table.items()})
@@ -89,8 +96,8 @@ def to_dataframe(results: Results | Motions) -> pandas.DataFrame:
 
 
 def to_xarray(results: Results | Motions) -> xarray.Dataset:
-    """Everything over the scan with its axes: `detected`, and for each detector `counts_NAME` over x and z, monitors and
-    tallies; each has its `NAME_error`. Of a model, what it found, each with its `NAME_expected`."""
+    """Everything over the scan with its axes: `detected`, and for each detector `counts_NAME` over x and z and `levels_NAME` over its levels,
+    monitors and tallies; each has its `NAME_error`. Of a model, what it found, each with its `NAME_expected`."""
     import xarray
     about = {"title": results.title, "program": results.program}
     if hasattr(results, "findings"):
@@ -123,6 +130,9 @@ def to_xarray(results: Results | Motions) -> xarray.Dataset:
             coords[dim] = (dim, (edges[:-1] + edges[1:]) / 2, {"units": "m"})
         image = (*shape, *detector.counts.shape[1:])
         add(f"counts_{name}", (*over, *dims), detector.counts.reshape(image), detector.errors.reshape(image))
+        coords[f"level_{name}"] = list(detector.levels.labels)
+        populations = (*shape, len(detector.levels.labels))
+        add(f"levels_{name}", (*over, f"level_{name}"), detector.levels.fractions.reshape(populations), detector.levels.errors.reshape(populations))
     for name, monitor in results.monitors.items():
         planes = (f"plane_{name}",) if monitor.passed.ndim > 1 else ()
         whole = (*shape, *monitor.passed.shape[1:])

@@ -15,6 +15,7 @@ from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
 from .units import Scale, edges_of, is_logarithmic, law_name
 
+BESIDE = 2.6  # inches beside panels: the numbers and names of an axis, and of the colours
 FEW = 4  # levels whose names stand side by side, or values that are the ticks of their axis
 LEVELS = {"level": "level in which it is found", "prepared_level": "level in which it was prepared"}  # whose names have their m
 COLOURS = [LAWS["quantum"][0], LAWS["dorado"][0], LAWS["classical"][0], *(colour for colour, _ in OTHERS)]
@@ -54,7 +55,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
         panel.set_xticks(across.apply(scanned.values))
     panel.set_xlabel(across.label(scanned.parameter))
     if axis.labels:
-        panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels])
+        panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [style.level(label) for label in axis.labels])
     panel.set_ylabel(_label(axis, up))
     figure.colorbar(mesh, ax=panel, label="particles per bin")
     first = scanned_at(results, int(flat[0]))
@@ -107,7 +108,7 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
         room = (figure.get_figwidth() - 1.0) * 72 / style.points("xtick.labelsize") / style.LETTER  # in letters
         turn = 0 if len(axis.labels) * (style.widest(axis.labels) + 1) < room else 90
         hanging = style.widest(axis.labels) * style.LETTER * style.points("xtick.labelsize") / 72 if turn else 0.0
-        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [label.replace("-", "−") for label in axis.labels], rotation=turn)
+        panel.set_xticks((edges[:-1] + edges[1:]) / 2, [style.level(label) for label in axis.labels], rotation=turn)
     panel.set_xlim(edges[0], edges[-1])
     if not counts[list(points)].any():
         panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
@@ -126,18 +127,19 @@ def _draw_images(results: Results, axes: Sequence[TallyAxis], counts: np.ndarray
                                   sharey=True, layout="constrained")
     scales = [axis.scale for axis in axes]
     most = float(counts[list(points)].max()) or 1.0
+    room = (figure.get_figwidth() - BESIDE) / len(points) if len(points) > 1 else figure.get_figwidth() - 0.5
     for panel, point in zip(panels[0], points):
         edges = [np.asarray(scale.apply(axis.edges)) for axis, scale in zip(axes, scales)]
         mesh = panel.pcolormesh(*edges, counts[point].T, cmap=COUNTS, vmin=0, vmax=most, rasterized=True)
         if all(axis.labels for axis in axes):
             _write_numbers(panel, edges, counts[point], most)
         panel.spines[["top", "right"]].set_visible(True)
-        panel.set_title(style.in_lines(_heading(results, point), panel.figure.get_figwidth() / len(points) - 0.5, style.points("axes.titlesize")))
+        panel.set_title(style.in_lines(_heading(results, point), room, style.points("axes.titlesize")))
         panel.set_xlabel(_label(axes[0], scales[0]))
         for axis, own, ticks, turn in ((axes[0], edges[0], panel.set_xticks, 90 if len(axes[0].labels) > FEW else 0),
                                        (axes[1], edges[1], panel.set_yticks, 0)):
             if axis.labels:
-                ticks((own[:-1] + own[1:]) / 2, [label.replace("-", "−") for label in axis.labels], rotation=turn)
+                ticks((own[:-1] + own[1:]) / 2, [style.level(label) for label in axis.labels], rotation=turn)
     panels[0][0].set_ylabel(_label(axes[1], scales[1]))
     figure.colorbar(mesh, ax=list(panels[0]), label="particles per bin")
     return figure

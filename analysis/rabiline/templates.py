@@ -16,6 +16,8 @@ from .results import Axis, Results
 
 HISTOGRAMS = {"image": "x and z", "x": "x", "z": "z", "detected": "the whole detector"}
 LEAST = 50  # simulated particles in a cell, under one of the laws at least
+EXACT_BITS = 48  # of a sum of particles, in the numbers by which screens are cut
+MOST_BOXES, MOST_BINS = 512, 2**22  # of a screen, cut at a time
 UNSEEN = 0.5  # expected particles in all cells of a point together where none was simulated: the mean of a Poisson
 # expectation after no count, with Jeffreys' prior (1946); it is gamma distributed with this k
 
@@ -175,35 +177,72 @@ def _screen(results: Results, name: str, histogram: str, flat: np.ndarray, most:
     weight = np.where((weight > 0) & (weight <= 1) & (histogram != "detected"), weight, 1.0)
     emitted = results.emitted[flat][..., None, None]
     cells, first = [], 0
-    for point in range(flat.shape[1]):
-        particles = counts[:, point] / weight[:, point, None, None]
-        own = _cut(particles, max(LEAST, particles.sum(axis=(1, 2)).max() / most))
+    for some in np.array_split(np.arange(flat.shape[1]), min(counts.size // MOST_BINS + 1, flat.shape[1])):
+        particles = counts[:, some] / weight[:, some, None, None]
+        own = _cut(particles, np.maximum(LEAST, particles.sum(axis=(2, 3)).max(axis=0) / most))
         cells.append(own + first)
         first += own.max() + 1
     row = results.scan.detectors.index(name)
     return Screen(name, histogram, edges, counts / emitted, variances / emitted**2, results.scan.detected[row, flat],
-                  results.scan.errors[row, flat], np.array(cells), results.detectors[name].background)
+                  results.scan.errors[row, flat], np.concatenate(cells), results.detectors[name].background)
 
 
-def _cut(counts: np.ndarray, least: float) -> np.ndarray:
-    """[nx, nz] Numbers of cells for counts [laws, nx, nz]: the screen is cut in two as evenly as possible, and each
-    half again, along its longer side or else the other, while both halves hold `least` particles under some law."""
-    cells = np.zeros(counts.shape[1:], dtype=int)
-    number, waiting = 0, [(slice(0, counts.shape[1]), slice(0, counts.shape[2]))]
-    while waiting:
-        box = waiting.pop()
-        inside = counts[(slice(None), *box)]
-        for axis in sorted((0, 1), key=lambda axis: -inside.shape[axis + 1]):
-            below = np.cumsum(inside.sum(axis=2 - axis), axis=1)  # [laws, n]
-            above = below[:, -1:] - below
-            allowed = np.flatnonzero((below.max(axis=0) >= least) & (above.max(axis=0) >= least))
-            if allowed.size:
-                uneven = np.abs(below - above).sum(axis=0)[allowed]
-                cut = box[axis].start + int(allowed[np.argmin(uneven)]) + 1
-                halves = slice(box[axis].start, cut), slice(cut, box[axis].stop)
-                waiting += [(half, box[1]) if axis == 0 else (box[0], half) for half in halves]
-                break
-        else:
-            cells[box] = number
-            number += 1
+def _cut(counts: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """[points, nx, nz] Numbers of cells, from 0 over all points, for counts [laws, points, nx, nz]: the screen is cut in two as evenly as
+    possible, and each half again, along its longer side or else the other, while both halves hold `least` [points] particles under some law."""
+    laws, points, nx, nz = counts.shape
+    steps = 2.0 ** (EXACT_BITS - np.ceil(np.log2(max(counts.sum(axis=(2, 3)).max(), 1.0))))  # of one particle: sums are exact, whatever their order
+    sums = np.zeros((laws, points, nx + 1, nz + 1))
+    sums[:, :, 1:, 1:] = np.rint(counts * steps).cumsum(axis=2).cumsum(axis=3)
+    boxes, waiting = np.array([[0, nx, 0, nz, point] for point in range(points)]), np.arange(points)
+    while waiting.size:
+        cuts = np.full((len(boxes), 2), -1)
+        cuts[waiting] = _cuts(sums, boxes[waiting], least * steps)
+        boxes, waiting = _halved(boxes, cuts)
+    cells = np.zeros((points, nx, nz), dtype=int)
+    for number, (x, to_x, z, to_z, point) in enumerate(boxes.tolist()):
+        cells[point, x:to_x, z:to_z] = number
     return cells
+
+
+def _cuts(sums: np.ndarray, boxes: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """[boxes, 2] Along which axis, and where, each box [x, to_x, z, to_z, point] is cut; -1 where it is not. `sums` [laws, points, nx + 1, nz + 1]
+    are those from the corner."""
+    extents = boxes[:, [1, 3]] - boxes[:, [0, 2]]
+    found = np.full((len(boxes), 2), -1)
+    first = np.where(extents[:, 0] >= extents[:, 1], 0, 1)
+    for axes in (first, 1 - first):
+        for axis in (0, 1):
+            left = np.flatnonzero((found[:, 1] < 0) & (axes == axis) & (extents[:, axis] > 1))
+            alike = left[np.argsort(extents[left, axis])]
+            for part in np.array_split(alike, alike.size // MOST_BOXES + 1) if alike.size else ():
+                found[part] = np.stack(np.broadcast_arrays(axis, _cuts_along(axis, sums, boxes[part], least)), axis=1)
+    return found
+
+
+def _cuts_along(axis: int, sums: np.ndarray, boxes: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """[boxes] Where each box is cut most evenly along an axis, the first of equal places; -1 where a half would have too few particles."""
+    begin, end, side, other_side = boxes[:, [2 * axis, 2 * axis + 1, 2 - 2 * axis, 3 - 2 * axis], None].transpose(1, 0, 2)
+    point = boxes[:, 4:]
+    places = begin + np.arange(1, (end - begin).max())
+
+    def up_to(at: np.ndarray) -> np.ndarray:
+        one, other = (sums[:, point, at, to] if axis == 0 else sums[:, point, to, at] for to in (side, other_side))
+        return other - one
+
+    start = up_to(begin)
+    below = up_to(np.minimum(places, end)) - start  # [laws, boxes, places]
+    above = up_to(end) - start - below
+    allowed = (places < end) & (below.max(axis=0) >= least[point]) & (above.max(axis=0) >= least[point])
+    best = np.argmin(np.where(allowed, np.abs(below - above).sum(axis=0), np.inf), axis=1)
+    return np.where(allowed.any(axis=1), begin[:, 0] + 1 + best, -1)
+
+
+def _halved(boxes: np.ndarray, cuts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes with the halves of those that are cut in their place, the farther half first, and the numbers of these halves."""
+    is_cut = cuts[:, 1] >= 0
+    halves = np.repeat(boxes, 1 + is_cut, axis=0)
+    far = np.flatnonzero(is_cut) + np.arange(is_cut.sum())
+    axes, places = cuts[is_cut].T
+    halves[far, 2 * axes] = halves[far + 1, 2 * axes + 1] = places
+    return halves, np.flatnonzero(np.repeat(is_cut, 1 + is_cut))

@@ -1,8 +1,6 @@
 """Times of flight to a detector, by the levels that particles are found in before and behind the fields."""
 from __future__ import annotations
 
-import re
-
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import pyplot as plt
@@ -32,7 +30,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     colours = colormaps["viridis"](np.linspace(0, 0.85, len(shown)))
     for number, (path, colour) in enumerate(zip(shown, colours)):
         y, bars = caught[path] / each, errors[path] / each
-        label = re.sub(r"(?<![^\s=(])-(?=\d)", "−", transit.paths[path].replace("m = ", "").replace(" to ", " → "))
+        label = style.level(transit.paths[path]).replace("m = ", "").replace(" to ", " → ")
         axes.stairs(y, at, color=colour, linewidth=1.2, label=label, linestyle="-" if number % 2 == 0 else (0, (4, 2)))
         hit = y > 0
         axes.errorbar(((at[:-1] + at[1:]) / 2)[hit], y[hit], bars[hit], fmt="none", ecolor=colour, elinewidth=0.8)
@@ -48,8 +46,9 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     style.write_title(figure, title)
     further = f"\n{left} further paths are not shown" if left > 0 else ""
     if caught.shape[1] < FEW and figure.get_figheight() > LOW:
-        axes.set_title(style.in_lines(f"{caught.shape[1]} cells: for the scan that is fine enough, and nothing finer is kept. A tally of the time_of_flight may have any "
-                                      "bins", figure.get_figwidth() - 1, style.points("legend.fontsize")), fontsize=style.points("legend.fontsize"), color=GREY)
+        size, cells = style.points("legend.fontsize"), f"{caught.shape[1]} cell{'' if caught.shape[1] == 1 else 's'}"
+        axes.set_title(style.in_lines(f"{cells}: for the scan that is fine enough, and nothing finer is kept. A tally of the time_of_flight may have "
+                                      "any bins", figure.get_figwidth() - 1, size), fontsize=size, color=GREY)
     heading, foot = f"level before and behind the fields{further}", 0.0
     if style.size(0, 0) != (0, 0):
         foot = style.legend_at_foot(figure, *axes.get_legend_handles_labels(), heading)

@@ -10,6 +10,7 @@ import numpy as np
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 ELECTRONVOLT, MACROSCOPIC = 1.602176634e-19, 1e-12  # J; energies below the latter are in eV
+QUANTITY = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:[^\W\d_]|[%°])[^\s:,;'\"\[\]{}#]*)"  # number, unit, as files have them
 TAKE_PREFIXES = {"Hz", "m", "s", "T", "A", "V", "W", "J", "eV", "V/m"}  # nobody reads mK, km/s or krad here
 
 
@@ -88,19 +89,29 @@ def edges_of(values: np.ndarray) -> np.ndarray:
     return np.exp(edges) if is_logarithmic(values) else edges
 
 
-def format_value(value: float, unit: str, error: float | None = None) -> str:
-    """A value with its unit, "291.65 kHz", or with its error to two digits, "291.652 ± 0.014 kHz"."""
-    unit_shown, factor = prefixed(abs(value), unit) if unit in TAKE_PREFIXES else (unit, 1.0)
-    if error is None or not isfinite(error) or error <= 0:
-        if unit == "rad" and _round_in_degrees(np.array([value])):
-            unit_shown, factor = "deg", np.pi / 180
-        number = _with_power(f"{value / factor:.10g}")
-    else:
-        if error < 1e-6 * factor and unit in TAKE_PREFIXES:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
-            whole = error < 1 <= abs(value)  # nor 9192631771543 ± 480 mHz
-            unit_shown, factor = prefixed(1.0 if whole else error, unit)
-        return with_error(value, error, unit_shown, factor)
-    return f"{number} {unit_shown}".strip()
+def format_value(value: float, unit: str, error: float | None = None, written: tuple[str, float] | None = None) -> str:
+    """A value with its unit, "291.65 kHz", or with its error to two digits, "291.652 ± 0.014 kHz"; see `unit_shown` for `written`."""
+    shown = unit_shown(value, unit, error, written)
+    return with_error(value, error, *shown) if _is_known(error) else in_unit(value, *shown).strip()
+
+
+def unit_shown(value: float, unit: str, error: float | None = None, written: tuple[str, float] | None = None) -> tuple[str, float]:
+    """The unit in which a value in SI is told, and how much it is in SI: the one that the user wrote where that needs no row of zeros."""
+    is_known = _is_known(error)
+    if written and (value == 0 or abs(value) >= 0.1 * written[1]) and not (is_known and error < 1e-6 * written[1]):
+        return written
+    if unit == "rad" and not is_known and _round_in_degrees(np.array([value])):
+        return "deg", np.pi / 180
+    if unit not in TAKE_PREFIXES:
+        return unit, 1.0
+    shown = prefixed(abs(value), unit)
+    if is_known and error < 1e-6 * shown[1]:  # 9192631770.1 ± 1.1 Hz, not ten decimals of a GHz
+        return prefixed(1.0 if error < 1 <= abs(value) else error, unit)  # nor 9192631771543 ± 480 mHz
+    return shown
+
+
+def _is_known(error: float | None) -> bool:
+    return error is not None and isfinite(error) and error > 0
 
 
 def with_error(value: float, error: float, unit: str, factor: float) -> str:

@@ -251,7 +251,7 @@ def test_the_table_has_units_and_reads_back(ramsey: rabiline.Experiment, tmp_pat
     flown = ramsey.run()
     flown.to_csv(tmp_path / "a.csv")
     rows = list(csv.reader(line for line in (tmp_path / "a.csv").read_text().splitlines() if not line.startswith("#")))
-    assert rows[0] == ["first.frequency [Hz]", "detected", "detected_error"]
+    assert rows[0][:4] == ["first.frequency [Hz]", "detected", "detected_error", "screen: m = +1/2"]
     assert [float(row[1]) for row in rows[1:]] == flown.detected.tolist()
 
 

@@ -110,8 +110,7 @@ def test_paths_in_space_are_drawn_whole_in_their_own_units(tmp_path: Path) -> No
     straight = tracks.read(write_tracks(tmp_path / "straight.h5", [spinning(np.zeros(20))], law="quantum"))
     figure = draw_paths([straight, bent], ["quantum", "dorado"], "a title", [Region("B", 0.2, 0.5)])
     (axes,) = figure.axes
-    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()) == ("x (mm)", "y, along the beam (m)",
-                                                                        "z, along the static field (mm)")
+    assert (axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()) == ("x (mm)", "y, along the beam (m)", "z (mm)")
     low, high = axes.get_xlim()
     assert low < -5 and high > 0
     ends = [line.get_data_3d() for line in axes.lines if len(line.get_data_3d()[0]) == 1]

@@ -1,0 +1,31 @@
+"""In which parameters result files differ."""
+from __future__ import annotations
+
+from math import isnan
+from pathlib import Path
+from typing import Sequence
+
+from .hdf5 import open_entry
+from .units import format_value
+
+MOST = 2  # that tell files apart in few words
+OF_THE_RUN = {"title", "seed", "particles"}
+
+
+def differing(paths: Sequence[Path]) -> list[dict[str, str]]:
+    """For each file what it was flown with and others were not, by the names of `--set`, without laws and the numbers of particles and
+    seeds; nothing where a file does not say, or where these are too many for a legend."""
+    stated = [_stated(path) for path in paths]
+    names = [name for name in stated[0] if all(name in one for one in stated) and len({one[name] for one in stated}) > 1]
+    return [{name: one[name] for name in names} if len(names) <= MOST else {} for one in stated]
+
+
+def _stated(path: Path) -> dict[str, str]:
+    """What all points of a scan share."""
+    with open_entry(path) as entry:
+        if "parameters" not in entry:
+            return {}
+        group = entry.group("parameters")
+        columns = (group.texts("name"), group.numbers("value", or_none=True).ravel(), group.texts("unit"), group.texts("word"))
+        return {name: word if isnan(value) else format_value(value, unit).replace("-", "−") for name, value, unit, word in zip(*columns)
+                if name not in OF_THE_RUN and name.partition(".")[0] != "law"}
