@@ -60,6 +60,14 @@ class Fisher:
         return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * noise)
 
     @property
+    def more_particles(self) -> float:
+        """How many times as many it may take to know directions that are lost in the noise of the slopes; 1 where none is."""
+        values, vectors, known = self.directions
+        lost = ~known & (values > DEGENERATE * values.max())
+        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * self.noise * self.errors, vectors)
+        return float(TIMES_NOISE**2 * np.max(noise[lost] / values[lost])) if lost.any() else 1.0
+
+    @property
     def inverse(self) -> np.ndarray:
         """[k, k] Without the directions that the data do not know."""
         values, vectors, known = self.directions

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import asked
 from .argument_types import LARGEST
-from .counts_problem import BACKGROUND, SCALE, Exposure, Problem
+from .counts_problem import BACKGROUND, REACH, SCALE, Exposure, Problem
 from .curve_model import CurveModel, NoFit, Surface
 from .experiment import Experiment
 from .fitting import Direction, analysis
@@ -31,19 +31,26 @@ class Forecast:
     degenerate: tuple[Direction, ...]
     combined: tuple[tuple[str, float, float], ...]
     bent: tuple[str, ...]  # over whose errors the counts bend more than they change
+    particles: int  # of the simulation
+    wanted_particles: float  # more than these where what is not known may be for their noise
     counts: np.ndarray  # [n] expected
     problem: Problem
+    written: tuple[tuple[str, float] | None, ...]  # units in the file, and how much each is in SI
 
     def __str__(self) -> str:
         width = max(map(len, self.names))
         lines = [f"{self.counts.size} points with {self.counts.min():.4g} to {self.counts.max():.4g} counts, "
                  f"{self.counts.sum():.4g} in all"]
         unknown = [any(i in direction.involved for direction in self.degenerate) for i in range(len(self.names))]
-        lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error))
-                  for name, unit, value, error, lost in zip(self.names, self.units, self.values, self.errors, unknown)]
+        lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error, written))
+                  for name, unit, value, error, lost, written in zip(self.names, self.units, self.values, self.errors, unknown, self.written)]
         lines += [f"  {name}: {value:.6g} ± {error:.2g} in SI" for name, value, error in self.combined]
         lines += [f"  {direction}" for direction in self.degenerate]
-        lines += [f"  over such an error of `{name}` the counts do not change in proportion: take it as not known" for name in self.bent]
+        if self.wanted_particles > self.particles:
+            wanted = float(f"{self.wanted_particles:.1g}")
+            lines.append(f"  help: {self.particles} particles at each point may be too few to tell: try --particles {wanted:.0f}")
+        else:
+            lines += [f"  over such an error of `{name}` the counts do not change in proportion: take it as not known" for name in self.bent]
         return "\n".join([*lines, f"  condition number {self.condition:.3g}"])
 
     __repr__ = __str__
@@ -82,23 +89,30 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     start = model.start()
     full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
     steps, exact = model.first_steps(start), np.zeros((n, 0))  # modes of a simulation without errors
-    for _ in range(TURNS):
+    turns = TURNS
+    while turns > 0:
         problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
-        errors = problem.fisher(full, exact).errors
-        steps = np.array([model.step(start, i, errors[i]) for i in range(start.size)])
+        fisher = problem.fisher(full, exact)
+        steps = np.array([model.step(start, i, error) for i, error in enumerate(fisher.errors[:start.size])])
+        turns -= 1
+        if turns == 0 and fisher.more_particles > 1 and model.explore_more():
+            turns = 1
     problem = replace(problem, surface=problem.surface.whole(model, model.particles))
     mu, _, _ = problem.mean(full)
-    covariance, condition, degenerate, combined = analysis(problem.fisher(full, exact), full, (*names, *extra))
+    fisher = problem.fisher(full, exact)
+    covariance, condition, degenerate, combined = analysis(fisher, full, (*names, *extra))
     errors = np.sqrt(np.diag(covariance))
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, errors, covariance, condition, degenerate,
-                    combined, _bent(names, problem.surface, errors), mu, problem)
+                    combined, _bent(names, problem.surface, errors), model.particles, model.particles * fisher.more_particles, mu, problem,
+                    (*(experiment.written_unit(name.split("+")[0]) for name in names), *(None for _ in extra)))
 
 
 def _bent(names: Sequence[str], surface: Surface, errors: np.ndarray) -> tuple[str, ...]:
-    """The parameters that matter to second order more than to first, over their errors."""
+    """The parameters that matter to second order more than to first, over errors beyond where the surface is believed."""
     noise = np.sqrt(np.maximum(surface.y, 1e-3 * surface.y.max()))
-    return tuple(name for i, name in enumerate(names)
-                 if np.linalg.norm(surface.bends[i, i] / noise) * errors[i] > np.linalg.norm(surface.slopes[i] / noise) * surface.steps[i])
+    off = errors[:len(names)] / surface.steps  # in steps
+    straight, bent = (np.linalg.norm(own / noise, axis=1) for own in (surface.slopes, np.einsum("iin->in", surface.bends)))
+    return tuple(name for i, name in enumerate(names) if off[i] > REACH and bent[i] * off[i] > straight[i])
 
 
 def _counts_each(model: CurveModel, flown: object, rate: float | None, seconds: float) -> float:

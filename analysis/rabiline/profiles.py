@@ -46,8 +46,9 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
             flown, lower = _flown(model, problem, values, i, errors[i])
             lowest = min(lowest, lower, key=lambda one: one[0])
         if i in bent:
-            intervals[i] = flown
-            factors[i] = np.ptp(flown) / 2 if np.isfinite(flown).all() else 1.0
+            half = np.ptp(flown) / 2 if np.isfinite(flown).all() else 1.0
+            factors[i] = half if bent.size == 1 else max(half, 1.0)  # of two that bend the walk may miss the best of the other
+            intervals[i] = tuple(factors[i] / half * side for side in flown)
         elif everywhere and is_least:
             intervals[i] = _on_surface(problem, values, i, errors[i], least)
     return Profiles(tuple(intervals), factors, lowest[1])

@@ -192,6 +192,15 @@ def test_an_error_of_many_fringes_is_no_forecast(ramsey: rabiline.Experiment) ->
     assert "over such an error of `guide.field` the counts do not change in proportion: take it as not known" in str(few)
 
 
+def test_a_forecast_of_too_few_particles_says_how_many_may_tell() -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml")
+    free = ["C.field", "first.amplitude+second.amplitude", "B.gradient", "source.speed.temperature"]
+    few = forecast(clock.set(particles=1250), free, rate=2e4)
+    assert few.degenerate and "1250 particles at each point may be too few to tell: try --particles " in str(few)
+    enough = forecast(clock.set(particles=int(few.wanted_particles)), free, rate=2e4)
+    assert not enough.degenerate and "try --particles" not in str(enough) and " 0.4600 ± 0.0" in str(enough)
+
+
 def test_a_forecast_is_the_scatter_of_two_hundred_measurements(ramsey: rabiline.Experiment) -> None:
     expected = forecast(ramsey, list(TRUTH), rate=40000)
     exact = replace(expected.problem.surface, covariance=np.zeros_like(expected.problem.surface.covariance))

@@ -1,0 +1,85 @@
+"""Fits of what moves particles across edges find the minimum, and know how far it may be."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rabiline._core", reason="built without pybind11")
+import rabiline  # noqa: E402
+from rabiline.counts import Counts  # noqa: E402
+from rabiline.counts_problem import Exposure, Problem
+from rabiline.curve_model import Surface
+from rabiline.fitting import fit_counts
+from rabiline.profiles import halves  # noqa: E402
+
+CLOCK = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml").scan()
+X = np.linspace(9192631271.5, 9192632271.5, 51)
+PLACES = tuple(f"{x!r} Hz" for x in X.tolist())
+
+
+@pytest.fixture(scope="module")
+def expected() -> np.ndarray:
+    """[n] Fractions at the values of the file, where the gradient of the second magnet and the place of the wire are at the top of the curve."""
+    return np.ravel(CLOCK.set(seed=77, particles=2000000).scan("first.frequency", PLACES).fly().detected)
+
+
+def counted(expected: np.ndarray, seed: int) -> Counts:
+    counts = np.random.default_rng(seed).poisson(40000 * expected).astype(float)
+    return Counts("counts", "first.frequency", PLACES, X, "Hz", counts, None, None, None)
+
+
+@pytest.mark.parametrize(("free", "true", "seed"), [("B.gradient", 105.0, 2), ("B.gradient", 105.0, 4), ("wire.at", 1.9, 2)])
+def test_a_parameter_at_the_top_of_a_curve_is_found_there(expected: np.ndarray, free: str, true: float, seed: int) -> None:
+    fit = fit_counts(CLOCK.set(particles=100000, seed=1000 + seed), counted(expected, seed), [free])
+    value, error = fit[free]
+    assert abs(value - true) < 3.5 * error < 0.04 * true
+    low, high = fit.intervals[0]
+    assert 0.9 * error < (high - low) / 2 < 1.1 * error  # of a parameter that bends the curve the error is that of its profile
+    assert fit.p > 1e-3 and not fit.degenerate
+
+
+def test_spins_and_geometry_are_fitted_together(expected: np.ndarray) -> None:
+    truth = {"C.field": 6e-6, "first.amplitude+second.amplitude": 0.46e-6, "B.gradient": 105.0}
+    fit = fit_counts(CLOCK.set(particles=50000, seed=1002), counted(expected, 2), list(truth), intervals=False)
+    assert fit.p > 1e-3
+    for name, true in truth.items():
+        assert abs(fit[name][0] - true) < 3.5 * fit[name][1] < true, name
+
+
+def test_two_lengths_that_trade_against_each_other_hold_the_truth_within_their_errors(expected: np.ndarray) -> None:
+    fit = fit_counts(CLOCK.set(particles=100000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
+    assert fit.p > 1e-3 and not fit.degenerate
+    assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 7 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.03
+
+
+def bent(slope: float, bend: float, of: np.ndarray) -> Problem:
+    """Counts of 100 at each point, which change by (slope d + bend d^2) standard deviations in the direction `of` [n] over d steps."""
+    n, direction = of.size, 10 * of / np.linalg.norm(of)
+    surface = Surface(np.zeros(1), np.ones(1), np.full(n, 100.0), slope * direction[None], bend * direction[None, None], np.zeros((n, n)),
+                      np.zeros((4, 1, n)), np.zeros((4, 1, 1, n)))
+    exposure = Exposure(np.ones(n), np.ones(n), np.zeros(n), True)
+    return Problem(np.full(n, 100.0), exposure, surface, ("scale",))
+
+
+@pytest.mark.parametrize(("slope", "bend"), [(1.0, 0.0), (0.0, 0.3), (0.0, 2.0), (1.0, 0.3)])
+def test_a_parameter_without_a_slope_is_known_by_its_bend(slope: float, bend: float) -> None:
+    """F = slope^2 + 4 bend^2 / F, and none of it where a free factor explains the bend."""
+    shape = np.array([1.0, -1.0, 0.0, 1.0, -1.0])
+    values = np.array([0.0, 1.0])
+    fisher = bent(slope, bend, shape).fisher(values, np.zeros((5, 0)))
+    assert fisher.errors[0]**-2 == pytest.approx(slope**2 / 2 + np.sqrt(slope**4 / 4 + 4 * bend**2), rel=1e-3)
+    assert bent(slope, bend, np.ones(5)).fisher(values, np.zeros((5, 0))).matrix[0, 0] == pytest.approx(slope**2, abs=1e-9)
+
+
+def test_a_profile_is_read_from_two_halves_of_parabolas() -> None:
+    at = np.linspace(-3, 3, 13)
+    q = 50 + np.where(at < 0.12, 4 * (at - 0.12)**2, 0.25 * (at - 0.12)**2)
+    middle, least, (low, high) = halves(at, q)
+    assert middle == pytest.approx(0.12, abs=0.04) and least == pytest.approx(50, abs=0.05)
+    assert low == pytest.approx(0.12 - 0.5, abs=0.05) and high == pytest.approx(0.12 + 2, abs=0.1)
+    trembling = halves(at, q + 0.5 * np.random.default_rng(5).normal(size=at.size))[2]
+    assert trembling == pytest.approx((low, high), abs=0.5)
+    assert halves(at, np.where(at > 1, np.inf, q))[2][0] == pytest.approx(low, abs=0.1)  # values that cannot be
+    assert halves(at, np.where(at < 0, 4 * at**2, 0))[2][1] == np.inf
