@@ -13,6 +13,21 @@
 namespace rabiline {
 namespace {
 
+/// A batch at the begin of a magnet, one particle of weight 1 on the axis in each of the levels.
+void enter(const Steering& s, const std::vector<int>& levels, double speed, BatchView& beam) {
+  beam.count = static_cast<int>(levels.size());
+  beam.padded = (beam.count + 7) / 8 * 8;
+  beam.y = s.begin;
+  for (double* across : {beam.x, beam.z, beam.vx, beam.vz}) std::fill_n(across, beam.padded, 0.0);
+  std::fill_n(beam.vy, beam.padded, speed);
+  std::fill_n(beam.slowness, beam.padded, 1 / speed);
+  for (int i = 0; i < beam.count; ++i) {
+    beam.level[i] = static_cast<std::uint64_t>(levels[static_cast<std::size_t>(i)]);
+    beam.weight[i] = 1;
+    beam.flying[i] = ~std::uint64_t{0};
+  }
+}
+
 /// The levels that meet the walls.
 void explain_stopped(const Steering& s, PlanReport& report) {
   const double speed = report.speed;
@@ -86,21 +101,13 @@ SteeringOutlook outlook_of(const Steering& s, double speed) {
 std::vector<double> stops_of(const Steering& s, const std::vector<int>& levels, double speed) {
   constexpr int pieces = 4000;
   Batch batch;
-  BatchView& beam = batch.view();
-  beam.count = static_cast<int>(levels.size());
-  beam.padded = (beam.count + 7) / 8 * 8;
-  beam.y = s.begin;
-  std::fill_n(beam.vy, beam.padded, speed);
-  std::fill_n(beam.slowness, beam.padded, 1 / speed);
-  for (int i = 0; i < beam.count; ++i) {
-    beam.level[i] = static_cast<std::uint64_t>(levels[static_cast<std::size_t>(i)]);
-    beam.weight[i] = 1;
-    beam.flying[i] = ~std::uint64_t{0};
-  }
+  enter(s, levels, speed, batch.view());
+  if (kernel::steer(best_isa())(s, batch.view()) == 0) return {};
+  enter(s, levels, speed, batch.view());
   std::vector<double> stops;
   for (int piece = 0; piece <= pieces && stops.size() < levels.size(); ++piece) {
     const double to = s.begin + (s.end - s.begin) * piece / pieces;
-    stops.insert(stops.end(), kernel::steer(best_isa())(s.piece(beam.y, to), beam), to);
+    stops.insert(stops.end(), kernel::steer(best_isa())(s.piece(batch.view().y, to), batch.view()), to);
   }
   return stops;
 }
