@@ -163,11 +163,12 @@ def half_maxima(curve: Curve) -> list[Resonance]:
     if height[farthest] <= 5 * noise[farthest]:
         raise NoResonance("nothing stands out from the baseline by more than five standard errors")
     least = np.clip(5 * curve.errors, height[farthest] / 4, height[farthest])
-    extremes = _extremes(height, least)
-    if _are_fringes(height, extremes):
+    extremes = _extremes(height, _of_fringes(height))
+    if _are_fringes(curve, height, extremes):
         if not _is_inside(curve.x, extremes, farthest):
             raise NoResonance("the highest fringe is the last one on its side: the central one may lie outside the scan")
         return [_measured(curve, farthest, _between(curve.x, height, extremes, farthest), sign)]
+    extremes = _extremes(height, least)
     if _are_side_lobes(curve.x, height, 5 * float(np.median(noise))):
         raise NoResonance("the dips or peaks fall off from one end of the scan as side lobes do: the resonance may lie outside")
     found = [_measured(curve, extreme, along_baseline, sign) for extreme in extremes]
@@ -182,11 +183,22 @@ def are_fringes(curve: Curve) -> bool:
     """Whether a curve with dips or peaks swings beyond its baseline between them, as Ramsey's fringes do."""
     along_baseline, sign = _baseline(curve)
     height = sign * (curve.y - along_baseline @ curve.y)
-    return _are_fringes(height, _extremes(height, np.full(height.size, height.max() / 4)))
+    return _are_fringes(curve, height, _extremes(height, _of_fringes(height)))
 
 
-def _are_fringes(height: np.ndarray, extremes: list[int]) -> bool:
-    return any(height[i:j].min() < -height.max() / 4 for i, j in zip(extremes, extremes[1:]))
+def _of_fringes(height: np.ndarray) -> np.ndarray:
+    """[n] What an extreme of a fringe reaches: points of a scan err together, so that their own errors say little of how they differ."""
+    return np.full(height.size, height.max() / 4)
+
+
+def _are_fringes(curve: Curve, height: np.ndarray, extremes: list[int]) -> bool:
+    """Whether between two extremes the curve swings beyond its baseline, by more than five standard errors of the way there."""
+    for i, j in zip(extremes, extremes[1:]):
+        lowest, lower = i + int(np.argmin(height[i:j])), i if height[i] < height[j] else j
+        along = _at(lower, height.size) - _at(lowest, height.size)
+        if height[lowest] < -height.max() / 4 and height[lower] - height[lowest] > 5 * curve.spread.of_sum(along):
+            return True
+    return False
 
 
 def _noise(curve: Curve, along_baseline: np.ndarray) -> np.ndarray:

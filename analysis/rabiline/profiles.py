@@ -1,8 +1,8 @@
 """How far each parameter may go: where Q, least over all others, is one above its least value.
 
 Of a parameter that bends the curve little this is asked of the surface. Where edges or the top of the curve are near, a polynomial is not
-believed: all particles fly at places farther and farther off. Should one of these fit better than where the fit is, it was not at
-the minimum.
+believed: many particles fly at places farther and farther off, and what they change is added to the curve of all. Should one of
+these places fit better than where the fit is, it was not at the minimum.
 """
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from .curve_model import CurveModel, NoFit, Surface
 
 FARTHEST = 4.0  # standard deviations
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise
+MOST_WALKING = 200000  # particles: what they change from place to place is known far better than what they count
 BENT = 0.05  # of what is known of a parameter: so much by its bend
 MIDDLES = 101
 ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
@@ -85,15 +86,17 @@ def _flown(model: CurveModel, problem: Problem, values: np.ndarray, number: int,
         moved[number] += by * error
         return flown(problem.least(moved, (number,))[0] if by else moved)
 
+    k, walking = len(model.names), min(model.particles, MOST_WALKING)
+    surface = problem.surface
+
     def flown(place: np.ndarray) -> tuple[float, np.ndarray]:
         """The others follow the slopes, from what flies there."""
-        k = len(model.names)
         try:
-            there = model.at(place[:k], model.particles)
+            change = model.at(place[:k], walking).y - model.at(surface.centre, walking).y
         except NoFit:  # no such value
             return np.inf, place
-        surface = replace(problem.surface, centre=place[:k], y=there.y, covariance=there.covariance)
-        place, badness = replace(problem, surface=surface).least(place, (number,))
+        there = replace(surface, centre=place[:k], y=np.maximum(surface.y + change, 0))
+        place, badness = replace(problem, surface=there).least(place, (number,))
         return badness, place
 
     here = at(0.0)

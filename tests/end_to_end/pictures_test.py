@@ -109,18 +109,21 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
     eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
-    kinds += [("profiles", {"points": "0,1"}), ("profiles", {"size": COLUMN, "points": "0"})]
+    kinds += [("profiles", {"points": "0,1"})]
     kinds += [("profiles", {"points": eight}), ("profiles", {"size": SMALL, "points": eight})]
-    kinds += [(kind, {"size": size}) for kind in ("scan", "levels", "transit") for size in (COLUMN, SMALL)]
+    small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "transit"))]
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
               for size in ({}, {"size": SMALL})]
+    tries = [[each] for each in kinds] + [[(kind, {**options, "size": size}) for size in (SMALL, COLUMN)] for kind, options in small]
     figures = {}
-    for kind, options in kinds:
-        try:
-            figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {"title": LONG, **options})
-        except InputError:
-            continue  # what this file does not have, or a size that is too small for it
+    for sizes in tries:
+        for kind, options in sizes:
+            try:
+                figures[f"{kind} {options}"] = pictures.plot_of(opened, kind, {"title": LONG, **options})
+                break  # where a size has room, a larger one has
+            except InputError:
+                continue  # what this file does not have, or a size that is too small for it
     return figures
 
 

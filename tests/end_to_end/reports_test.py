@@ -17,7 +17,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline as package  # noqa: E402
 from rabiline import lines, results  # noqa: E402
 from rabiline.__main__ import main  # noqa: E402
-from rabiline.curves import curves  # noqa: E402
+from rabiline.curves import curves, deepest, half_maxima  # noqa: E402
 from rabiline.templates import _cut, templates  # noqa: E402
 
 BEAMLINE, EXAMPLES = ROOT / "beamline", ROOT / "docs" / "example"
@@ -161,3 +161,10 @@ def test_words_without_a_picture_load_nothing_that_takes_long(command: str, licl
 
 def test_a_result_is_read_in_few_calls(licl: Path) -> None:
     assert calls_of(results.read, licl)[1] < 15000
+
+
+def test_a_fringe_is_as_wide_with_few_particles_as_with_many() -> None:
+    """Points of a scan share their particles: what tells fringes from a line is how they differ, and not their own errors."""
+    clock = package.load(ROOT / "beamline/caesium-clock.yaml")
+    few, many = (deepest(half_maxima(curves(clock.set(particles=particles).run())[0])) for particles in (1000, 20000))
+    assert abs(few.width.value - many.width.value) < 3 * np.hypot(few.width.error, many.width.error) < 15
