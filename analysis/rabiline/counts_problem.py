@@ -121,17 +121,12 @@ class Problem:
         rows = [slopes, *(each * surface.noise), *bends]
         weighed = np.split(self.weigh(np.concatenate(rows).T, mu, modes), np.cumsum([len(own) for own in rows])[:-1], axis=1)
         straight, *noise = (own @ columns for own, columns in zip(rows[:1 + groups], weighed))
-        linear = np.linalg.pinv(straight[k:, k:], rcond=1e-10, hermitian=True)
-        bent, *trembling = (4 * (own @ columns - columns.T @ slopes[k:].T @ linear @ slopes[k:] @ columns).reshape(k, k, k, k)
+        linear = slopes[k:].T @ np.linalg.pinv(straight[k:, k:], rcond=1e-10, hermitian=True) @ slopes[k:]  # what the exposure explains
+        bent, *trembling = (4 * (own @ columns - columns.T @ linear @ columns).reshape(k, k, k, k)
                             for own, columns in zip(bends, weighed[1 + groups:]))
-        matrix, scatter = straight.copy(), np.zeros((k, k))
-        matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
-        for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
-            scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
-            matrix = (matrix + straight) / 2
-            matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
+        matrix, scatter = _averaged(straight, bent)
         whole = np.zeros_like(matrix)
-        whole[:k, :k] = sum(noise) + sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling) if groups else 0.0
+        whole[:k, :k] = sum(noise, whole[:k, :k]) + sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling)
         return Fisher(*(part / by / by[:, None] for part in (matrix, whole, matrix - straight)))
 
     def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
@@ -180,6 +175,19 @@ class Problem:
             if gained < 1e-6:
                 break
         return values, q
+
+
+def _averaged(straight: np.ndarray, bent: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Fisher's matrix F [k + exposure, k + exposure] of slopes and bends [k, k, k, k] of parameters in steps, and the covariance [k, k] over which it
+    is averaged: F = straight + bent : covariance, which is that of F itself."""
+    k = len(bent)
+    matrix, scatter = straight.copy(), np.zeros((k, k))
+    matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
+    for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
+        scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
+        matrix = (matrix + straight) / 2
+        matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
+    return matrix, scatter
 
 
 def _within_reach(scatter: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def report(fit: CountsFit) -> Iterable[str]:
 def verdict_of(fit: CountsFit) -> str:
     """What is wrong with the whole of it; empty where nothing is."""
     is_rejected, is_rough = fit.p < LEAST_P, np.median(fit.template_errors / fit.expected) > ROUGH
-    if (fit.degenerate and fit.share_of_simulation > LARGEST_SHARE) or (is_rejected and is_rough):
+    if (fit.degenerate and fit.share_of_simulation > LARGEST_SHARE) or is_rough:
         return COARSE
     return REJECTED if is_rejected else ""
 
