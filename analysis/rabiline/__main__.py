@@ -141,7 +141,8 @@ def _explained(words: list[str]) -> int:
         print(f"rabiline: {explained(problem)}", file=sys.stderr)
         return 3
     except Exception as problem:
-        if isinstance(problem, MemoryError) or isinstance(problem, ImportError) and UNMAPPED in str(problem):
+        # Modules that find no memory while they are loaded end in a SystemError, too.
+        if isinstance(problem, (MemoryError, SystemError)) or isinstance(problem, ImportError) and UNMAPPED in str(problem):
             print("rabiline: not enough memory", file=sys.stderr)
             return 2
         print(f"rabiline: {type(problem).__name__}: {problem}\n  help: this is a mistake of the program: please report it", file=sys.stderr)
