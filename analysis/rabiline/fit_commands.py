@@ -37,7 +37,8 @@ AFTER_FIT = """\
 The fit minimises -2 ln of the Poisson likelihood, in which the simulation may be off by its covariance. Every flight has
 the same random numbers. Derivatives are differences over about one standard deviation, or over more, with few particles or with
 more, until four groups of the particles agree about them: so edges of slits and detectors do not stop the fit. `profile` is
-where -2 ln L, least over all other parameters, is one higher. Combinations of parameters that the counts do not know are named.
+where -2 ln L, least over all other parameters, is one higher; it is flown where edges or the top of the curve are near, and the error
+is half of it then. Combinations of parameters that the counts do not know are named.
 """
 
 ABOUT_FORECAST = """\
