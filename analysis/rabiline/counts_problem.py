@@ -37,15 +37,16 @@ class Exposure:
 
 @dataclass(frozen=True)
 class Fisher:
-    """Half of the expected second derivatives of Q, and which parts of it are the noise of the slopes, and what bends know."""
+    """Half of the expected second derivatives of Q, and which parts of it are the noise of the slopes, what bends know, and their noise."""
 
     matrix: np.ndarray  # [k, k]
     noise: np.ndarray  # [k, k]
     bent: np.ndarray  # [k, k]
+    trembling: np.ndarray  # [k, k]
 
     def of(self, moving: Sequence[int]) -> Fisher:
         """Of some of the parameters."""
-        return Fisher(*(part[np.ix_(moving, moving)] for part in (self.matrix, self.noise, self.bent)))
+        return Fisher(*(part[np.ix_(moving, moving)] for part in (self.matrix, self.noise, self.bent, self.trembling)))
 
     @property
     def errors(self) -> np.ndarray:
@@ -56,7 +57,7 @@ class Fisher:
     def directions(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues of the parameters' correlation, its eigenvectors as columns, and which of them are known."""
         values, vectors = np.linalg.eigh(self.errors[:, None] * self.matrix * self.errors)
-        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * self.noise * self.errors, vectors)
+        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
         return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * noise)
 
     @property
@@ -64,7 +65,7 @@ class Fisher:
         """How many times as many it may take to know directions that are lost in the noise of the slopes; 1 where none is."""
         values, vectors, known = self.directions
         lost = ~known & (values > DEGENERATE * values.max())
-        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * self.noise * self.errors, vectors)
+        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
         return float(TIMES_NOISE**2 * np.max(noise[lost] / values[lost])) if lost.any() else 1.0
 
     @property
@@ -75,10 +76,10 @@ class Fisher:
 
     @property
     def covariance(self) -> np.ndarray:
-        """[k, k] The same, but for slopes that weigh the counts a little wrongly by their noise, and promise more than they know."""
+        """[k, k] The same, but for slopes that weigh the counts a little wrongly by their noise, and promise more than they know, as bends do."""
         _, vectors, known = self.directions
         in_them = vectors[:, known]
-        scaled = [in_them.T @ (self.errors[:, None] * matrix * self.errors) @ in_them for matrix in (self.matrix, self.noise)]
+        scaled = [in_them.T @ (self.errors[:, None] * matrix * self.errors) @ in_them for matrix in (self.matrix - self.trembling, self.noise)]
         weighed = np.linalg.inv(scaled[0] - scaled[1])
         return self.errors[:, None] * (in_them @ weighed @ scaled[0] @ weighed @ in_them.T) * self.errors
 
@@ -125,9 +126,10 @@ class Problem:
         bent, *trembling = (4 * (own @ columns - columns.T @ linear @ columns).reshape(k, k, k, k)
                             for own, columns in zip(bends, weighed[1 + groups:]))
         matrix, scatter = _averaged(straight, bent)
-        whole = np.zeros_like(matrix)
-        whole[:k, :k] = sum(noise, whole[:k, :k]) + sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling)
-        return Fisher(*(part / by / by[:, None] for part in (matrix, whole, matrix - straight)))
+        of_slopes, of_bends = np.zeros_like(matrix), np.zeros_like(matrix)
+        of_slopes[:k, :k] += sum(noise)
+        of_bends[:k, :k] += sum(np.einsum("ijml,jl->im", own, scatter) for own in trembling)
+        return Fisher(*(part / by / by[:, None] for part in (matrix, of_slopes, matrix - straight, of_bends)))
 
     def badness(self, values: np.ndarray, modes: np.ndarray) -> tuple[float, np.ndarray]:
         """Q and its gradient."""
@@ -184,7 +186,7 @@ def _averaged(straight: np.ndarray, bent: np.ndarray) -> tuple[np.ndarray, np.nd
     matrix, scatter = straight.copy(), np.zeros((k, k))
     matrix[:k, :k] += np.diag(np.sqrt(np.maximum(np.einsum("iiii->i", bent), 0)))
     for _ in range(AVERAGES):  # as Heron takes roots: of the bend, where there is no slope
-        scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
+        scatter = _within_reach(Fisher(matrix, 0 * matrix, 0 * matrix, 0 * matrix).inverse[:k, :k])
         matrix = (matrix + straight) / 2
         matrix[:k, :k] += np.einsum("ijml,jl->im", bent, scatter) / 2
     return matrix, scatter
