@@ -57,16 +57,18 @@ class Fisher:
     def directions(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues of the parameters' correlation, its eigenvectors as columns, and which of them are known."""
         values, vectors = np.linalg.eigh(self.errors[:, None] * self.matrix * self.errors)
-        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
-        return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * noise)
+        return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * self._noise_along(vectors))
+
+    def _noise_along(self, vectors: np.ndarray) -> np.ndarray:
+        """[k] The part of each eigenvalue that is noise."""
+        return np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
 
     @property
     def more_particles(self) -> float:
         """How many times as many it may take to know directions that are lost in the noise of the slopes; 1 where none is."""
         values, vectors, known = self.directions
         lost = ~known & (values > DEGENERATE * values.max())
-        noise = np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
-        return float(TIMES_NOISE**2 * np.max(noise[lost] / values[lost])) if lost.any() else 1.0
+        return float(TIMES_NOISE**2 * np.max(self._noise_along(vectors)[lost] / values[lost])) if lost.any() else 1.0
 
     @property
     def inverse(self) -> np.ndarray:

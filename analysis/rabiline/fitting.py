@@ -29,7 +29,7 @@ MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
-MOST_MINIMA = 4
+MOST_MINIMA = 4  # that a walk along the profiles leads to
 FAR = 4.0  # steps: as far as a surface is followed
 
 
@@ -150,12 +150,13 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
                                       0.1 * counts.counts.min() for name in extra]])
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
+    found = profiles(model, problem, values, intervals)
     for _ in range(MOST_MINIMA):
-        found = profiles(model, problem, values, intervals)
         if found.lower is None:
             break
         surface = Surface.about(model, found.lower[:len(names)], problem.surface.steps)
         values, problem = _settle(model, found.lower, replace(problem, surface=surface))
+        found = profiles(model, problem, values, intervals)
     return _conclude(model, counts, problem, values, found)
 
 

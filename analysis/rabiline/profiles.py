@@ -14,11 +14,11 @@ from scipy import optimize
 from .counts_problem import Fisher, Problem
 from .curve_model import CurveModel, NoFit, Surface
 
-FARTHEST = 4.0  # standard deviations
-STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise
+FARTHEST = 4.0  # standard deviations, on a surface
+STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk
 MOST_WALKING = 200000  # particles: what they change from place to place is known far better than what they count
 BENT = 0.05  # of what is known of a parameter: so much by its bend
-MIDDLES = 101
+MIDDLES = 101  # places tried for the least of two halves of parabolas
 ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
 LOWER = 0.2  # of Q: less may be the noise of what is explored
 
@@ -28,8 +28,8 @@ class Profiles:
     """What was found."""
 
     intervals: tuple[tuple[float, float], ...]  # in errors, from where the fit is
-    errors: np.ndarray  # [k] times those by the curvature: half the interval, where that was flown
-    lower: np.ndarray | None  # [k] a place where Q is lower
+    errors: np.ndarray  # times those by the curvature: half the interval, where that was flown
+    lower: np.ndarray | None  # values where Q is lower
 
 
 def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere: bool) -> Profiles:

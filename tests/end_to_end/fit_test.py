@@ -106,6 +106,8 @@ def test_what_groups_of_particles_differ_in_is_the_noise_of_a_slope() -> None:
     together = 0.1 * np.array([1, -1, 2, 0])[:, None] * np.cos(np.linspace(0, 9, n))
     assert noise_of(slope + together, np.ones(n))[1] == pytest.approx(1.5)  # one way, of at most three that four groups can tell
     assert noise_of(np.array([slope, -slope, slope, -slope]), np.ones(n))[0] == np.inf
+    more = np.ones((4, 1)) + together  # of everything, which a free factor takes up: what is left are the groups' differences
+    assert noise_of(more, np.ones(n))[0] < 0.01 and noise_of(more, np.ones(n), scaled=True)[0] > 1
 
 
 def test_a_trembling_slope_gets_a_wider_step_or_more_particles() -> None:

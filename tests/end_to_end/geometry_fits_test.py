@@ -1,6 +1,7 @@
 """Fits of what moves particles across edges find the minimum, and know how far it may be."""
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,13 @@ def test_two_lengths_that_trade_against_each_other_hold_the_truth_within_their_e
     fit = fit_counts(CLOCK.set(particles=100000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
     assert fit.p > 1e-3 and not fit.degenerate
     assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 7 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.03
+
+
+def test_fits_are_calibrated_by_a_script(tmp_path: Path) -> None:
+    tool, fringes = (Path(__file__).parents[2] / name for name in ("tools/calibrate-fit", "docs/example/ramsey-fringes.yaml"))
+    done = subprocess.run([tool, fringes, "--free", "guide.field=1.0003e-3", "--experiments", "2", "--particles", "300", "--truth", "3000"],
+                          capture_output=True, text=True)
+    assert done.returncode == 0 and "2 measurements fitted, 0 not" in done.stdout and "guide.field: pull " in done.stdout, done.stderr
 
 
 def bent(slope: float, bend: float, of: np.ndarray) -> Problem:
