@@ -2,13 +2,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import lmfit
 import numpy as np
 
 from .agreement import with_model
 from .covariance import LEAST_P, ChiSquared, Weights
 from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
+
+if TYPE_CHECKING:
+    import lmfit
 
 MOST_POINTS = 8192  # of a curve: weights and covariances are squares of them
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
@@ -88,6 +91,7 @@ def fit(curve: Curve) -> Fit:
 
 def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: lmfit.Parameters) -> lmfit.Parameters:
     """The parameters at which |root (model - y)|² is least."""
+    import lmfit  # takes long to load
     outcome = lmfit.minimize(lambda p: root @ (bells(x, _numbers(p)) - y), start)
     if not (outcome.success and np.isfinite(_numbers(outcome.params)).all()):
         raise NoResonance("the fit does not converge")
@@ -95,6 +99,7 @@ def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: lmfit.
 
 
 def _start(starts: list[Resonance], unit: float, origin: float) -> lmfit.Parameters:
+    import lmfit
     parameters = lmfit.Parameters()
     parameters.add("baseline", starts[0].baseline.value)
     for i, start in enumerate(starts):

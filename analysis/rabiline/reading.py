@@ -8,7 +8,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 
 from .curves import Curve, NoResonance, Resonance, are_fringes, half_maxima
 from .fit import Fit, fit
@@ -70,6 +69,7 @@ def comb_of(curve: Curve) -> Comb | None:
     """None where the curve is no comb."""
     if curve.axis.labels or curve.y.size < 2 * FEWEST or len(pieces_of([curve])) > 1:
         return None
+    from scipy import signal  # takes long to load
     way = max(DEEP * np.ptp(curve.y), 5 * float(np.median(curve.errors)))
     tops, bottoms = (signal.find_peaks(sign * curve.y, prominence=way)[0] for sign in (1, -1))
     turns = np.sort(np.concatenate([tops, bottoms]))
