@@ -303,7 +303,7 @@ std::string as_numbers_are_written(std::string_view text, std::string_view rest,
   const auto is_quantity = [&](const std::string& changed) {
     return parse_quantity(changed, wanted).error.empty();
   };
-  if (rest.front() == ',' && is_quantity(before + behind)) {
+  if (rest.front() == ',' && behind.find(',') == behind.npos && is_quantity(before + behind)) {
     const std::size_t digits = std::min(behind.find_first_not_of("0123456789"), behind.size());
     return digits == 3 ? fmt::format(
                              "numbers have a decimal point, and no commas between thousands: write "

@@ -123,6 +123,10 @@ TEST(Units, RefuseWhatIsNoDecimalNumber) {
     EXPECT_EQ(parse_quantity(text).error, "is not a number") << text;
 }
 
+TEST(Units, RefuseAsManyCommasAsATextHolds) {
+  EXPECT_EQ(parse_quantity("3" + std::string(1'000'000, ',')).error, "is not a number");
+}
+
 TEST(Units, RefuseNumbersThatWouldOverflowOrVanish) {
   EXPECT_EQ(parse_quantity("1e999 m").error, "is too large for a number");
   EXPECT_EQ(parse_quantity("1e-400 m").error, "is too small for a number");
