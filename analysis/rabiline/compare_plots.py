@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 
-from . import style
+from . import stated, style
 from .curves import curves, labels_of
 from .errors import InputError
 from .results import Results
@@ -26,6 +26,7 @@ def draw_difference(one: Results, other: Results, detector: str, title: str | No
     below.axhspan(-1, 1, color=PALE, linewidth=0)
     below.axhline(0, color=GREY, linewidth=0.8)
     names = [one.path.stem, other.path.stem] if one.path.stem != other.path.stem else [str(one.path), str(other.path)]
+    names = [stated.said(name, own) for name, own in zip(names, stated.differing([one.path, other.path]))]
     differences = [(mine.y - its.y) / np.hypot(mine.errors, its.errors) for mine, its in pairs]
     for (mine, its), difference, look in zip(pairs, differences, looks([curve.law for curve, _ in pairs])):
         x = scale.apply(mine.x)

@@ -136,7 +136,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     if not options.beside:
         _require_one_measure(files, "draw them with --beside")
     own = _differences(files)
-    labels = _distinct([_said(curve.label, own[file.path]) for file, curve in found], [file.path.stem for file, _ in found])
+    labels = _distinct([stated.said(curve.label, own[file.path]) for file, curve in found], [file.path.stem for file, _ in found])
     chosen = f": {labels_of(files[0])[options.detector]}" if any(len(file.scan.detectors) > 1 for file in files) and options.detector else ""
     title = options.title or _title(files, chosen)
     marks = dict(mark_of(text, first.units) for text in options.mark)
@@ -147,7 +147,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:
-        names = options.panel_title or _distinct([_said(file.title, own[file.path]) for file in files], [file.path.stem for file in files])
+        names = options.panel_title or _distinct([stated.said(file.title, own[file.path]) for file in files], [file.path.stem for file in files])
         if len(names) != len(files):
             raise InputError(f"{len(names)} --panel-title for {len(files)} files; give one for each file")
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
@@ -237,7 +237,8 @@ def _levels(detector: results.Detector, names: str | None) -> list[int] | None:
     asked = [re.sub(r"[ +]", "", name).replace("−", "-") for name in names.split(",")]
     missing = [name for name in asked if name not in known]
     if missing:
-        raise InputError(f"--levels: no level `{missing[0]}` (there is {', '.join(detector.levels.labels)})")
+        there = ", ".join(style.level(label).replace("−", "-") for label in detector.levels.labels)
+        raise InputError(f"--levels: no level `{missing[0]}`: there is {there}, to be written as in --levels '{there.partition(', ')[0]}'")
     return [known[name] for name in asked]
 
 
@@ -373,10 +374,6 @@ def _differences(files: Sequence[results.Results]) -> dict[Path, dict[str, str]]
     """What tells each of several files from the others."""
     paths = list(dict.fromkeys(file.path for file in files))
     return dict(zip(paths, stated.differing(paths) if len(paths) > 1 else [{}]))
-
-
-def _said(label: str, own: dict[str, str]) -> str:
-    return ", ".join(filter(None, [label, *(f"{name} = {value}" for name, value in own.items())]))
 
 
 def _distinct(labels: list[str], stems: list[str]) -> list[str]:

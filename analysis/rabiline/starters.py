@@ -34,7 +34,8 @@ def new(options: argparse.Namespace) -> None:
     text = source.read_text(encoding="utf-8")
     beside = {target: text}
     for name in re.findall(r"^geometry: (\S+)", text, re.MULTILINE):
-        beside[target.with_name(Path(name).name)] = (source.parent / name).read_text(encoding="utf-8")
+        shared = (source.parent / name).read_text(encoding="utf-8")
+        beside[target.with_name(Path(name).name)] = shared.replace(f"$schema=../beamline/{SCHEMA}", f"$schema={SCHEMA}")
         beside[target] = text.replace(f"geometry: {name}", f"geometry: {Path(name).name}")
     schema = target.with_name(SCHEMA)
     if not schema.exists():

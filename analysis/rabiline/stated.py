@@ -20,6 +20,11 @@ def differing(paths: Sequence[Path]) -> list[dict[str, str]]:
     return [{name: one[name] for name in names} if len(names) <= MOST else {} for one in stated]
 
 
+def said(label: str, own: dict[str, str]) -> str:
+    """The label of a file with what tells it from others."""
+    return ", ".join(filter(None, [label, *(f"{name} = {value}" for name, value in own.items())]))
+
+
 def _stated(path: Path) -> dict[str, str]:
     """What all points of a scan share."""
     with open_entry(path) as entry:

@@ -142,8 +142,13 @@ RABILINE_LANES void interleave(real a, real b, real& low, real& high) {
   high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
 }
 #else
-// Without the instruction __builtin_fma is libm's fma, a plain C function and correctly rounded.
+// Without the instruction __builtin_fma is libm's fma, a plain C function and correctly rounded. Two calls of
+// it wherever one is written would be most of the program, and of the time to compile it.
+#if defined(__x86_64__)
+[[gnu::noinline, gnu::const]] inline real fma(real a, real b, real c) {
+#else
 RABILINE_LANES real fma(real a, real b, real c) {
+#endif
   real r{};
   for (int i = 0; i < lane_count; ++i) r[i] = __builtin_fma(a[i], b[i], c[i]);
   return r;

@@ -8,7 +8,7 @@
 namespace rabiline {
 namespace {
 
-constexpr std::size_t wanted = std::size_t{8} << 20;  // [bytes]
+constexpr std::size_t deep_enough = std::size_t{8} << 20;  // [bytes]
 
 }  // namespace
 
@@ -17,8 +17,8 @@ void widen_thread_stacks() {
   pthread_attr_t attributes;
   if (pthread_getattr_default_np(&attributes) != 0) return;
   std::size_t size = 0;
-  if (pthread_attr_getstacksize(&attributes, &size) == 0 && size < wanted &&
-      pthread_attr_setstacksize(&attributes, wanted) == 0)
+  if (pthread_attr_getstacksize(&attributes, &size) == 0 && size < deep_enough &&
+      pthread_attr_setstacksize(&attributes, deep_enough) == 0)
     pthread_setattr_default_np(&attributes);
   pthread_attr_destroy(&attributes);
 #endif
@@ -26,7 +26,7 @@ void widen_thread_stacks() {
 
 bool first_thread_is_narrow() {
   rlimit stack{};
-  return getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur < wanted;
+  return getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur < deep_enough;
 }
 
 }  // namespace rabiline

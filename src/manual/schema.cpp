@@ -107,6 +107,8 @@ std::string schema_of_species() {
   return any_of(out);
 }
 
+namespace {
+
 std::string schema_of_parts() {
   std::vector<std::string> kinds;
   for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
@@ -115,14 +117,13 @@ std::string schema_of_parts() {
   return fmt::format(R"({{"type": "array", "items": {}}})", any_of(kinds));
 }
 
-namespace {
-
+constexpr const char* schema_of_version = R"({"const": 1, "description": "version of the format"})";
 constexpr const char* schema_of_variables =
     R"({"type": "object", "description": "values with a name, put where ${name} stands"})";
 
 std::string schema_of_beamlines() {
   std::vector<Mapping> file(1);
-  file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
+  file.front().add("rabiline", schema_of_version, true);
   file.front().add("geometry", R"({"type": "string", "description": "path of a file with shared parts"})",
                    false);
   add_rows<Beamline>(file);
@@ -133,9 +134,20 @@ std::string schema_of_beamlines() {
   return file.front().schema();
 }
 
+/// What experiments share.
+std::string schema_of_geometries() {
+  const Row plain{};
+  Mapping file;
+  file.add("rabiline", schema_of_version, true);
+  file.add("title", schema_of<std::string>(plain), false);
+  file.add("chamber", schema_of<Chamber>(plain), false);
+  file.add("parts", schema_of<std::vector<PlacedPart>>(plain), true);
+  return file.schema();
+}
+
 std::string schema_of_models() {
   std::vector<Mapping> file(1);
-  file.front().add("rabiline", R"({"const": 1, "description": "version of the format"})", true);
+  file.front().add("rabiline", schema_of_version, true);
   add_rows<ModelFile>(file);
   file.front().add("variables", schema_of_variables, false);
   file.front().add("scan", any_of(schemas_of_rows<ScanEntry>()), false);
@@ -145,8 +157,11 @@ std::string schema_of_models() {
 }  // namespace
 
 std::string json_schema() {
-  std::string out = any_of({schema_of_beamlines(), schema_of_models()});
-  out.insert(1, R"("$schema": "http://json-schema.org/draft-07/schema#", "title": "rabiline file", )");
+  std::string out = any_of({schema_of_beamlines(), schema_of_geometries(), schema_of_models()});
+  out.insert(1,
+             fmt::format(R"("$schema": "http://json-schema.org/draft-07/schema#", "title": "rabiline file", )"
+                         R"("definitions": {{"parts": {}}}, )",
+                         schema_of_parts()));
   return out + "\n";
 }
 

@@ -25,7 +25,6 @@ std::string schema_of_words(std::span<const Word>);
 /// A ValueType's schema with the dimensions it names written out.
 std::string with_dimensions(std::string_view);
 std::string schema_of_species();
-std::string schema_of_parts();
 
 template <class T>
 std::string schema_of(const Row& row);
@@ -118,7 +117,7 @@ std::string schema_of(const Row& row) {
   else if constexpr (std::is_same_v<T, std::vector<Component>>)
     return schema_of_species();
   else if constexpr (std::is_same_v<T, std::vector<PlacedPart>>)
-    return schema_of_parts();
+    return R"({"$ref": "#/definitions/parts"})";
   else if constexpr (is_list<T>)
     return fmt::format(R"({{"type": "array", "minItems": 1, "items": {}}})",
                        schema_of<typename T::value_type>(row));

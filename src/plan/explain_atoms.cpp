@@ -33,12 +33,12 @@ std::vector<Transition> transitions_near(const Structure& structure, const Level
   const Levels levels = levels_at(spins, zone.field);
   const DrivenStates states = driven_states(spins, levels, drive);
   const bool swings = sense_of(drive) == 0;
-  const double rounding = 1e-14 * states.energy.cwiseAbs().maxCoeff();
+  const double negligible = 1e-14 * states.energy.cwiseAbs().maxCoeff();
   std::vector<Transition> out;
   for (int i = 0; i < spins.levels(); ++i)
     for (int k = 0; k < spins.levels(); ++k) {
       double apart = states.energy(i) - states.energy(k);
-      if (std::abs(apart) < rounding) apart = 0;
+      if (std::abs(apart) < negligible) apart = 0;
       const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
       const bool turns =
           swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);

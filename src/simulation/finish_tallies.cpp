@@ -14,8 +14,6 @@
 namespace rabiline {
 namespace {
 
-__extension__ typedef __int128 Signed;
-
 class TallyFinisher {
  public:
   TallyFinisher(const Summed& run, Result& result)
@@ -246,10 +244,10 @@ MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
   if (all.q == 0) return {none, none, none, none};
   const Sum centre = all.qu / all.q;
   const auto first = [&](const MomentSums& g) {
-    return static_cast<double>(static_cast<Signed>(g.qu - centre * g.q));
+    return static_cast<double>(static_cast<SignedSum>(g.qu - centre * g.q));
   };
   const auto second = [&](const MomentSums& g) {
-    return static_cast<double>(static_cast<Signed>(g.quu - 2 * centre * g.qu + centre * centre * g.q));
+    return static_cast<double>(static_cast<SignedSum>(g.quu - 2 * centre * g.qu + centre * centre * g.q));
   };
   const double q = static_cast<double>(all.q), mean = first(all) / q,
                variance = std::max(0.0, second(all) / q - mean * mean);
@@ -269,7 +267,7 @@ MeanAndDeviation moments_of(const std::vector<MomentSums>& groups) {
 /// changes R.
 MeanAndDeviation direction_of(const std::vector<MomentSums>& groups) {
   const auto number = [](Sum steps, Sum q) {  // from the middle of the step
-    return static_cast<double>(static_cast<Signed>(2 * steps + q)) / moment_steps - static_cast<double>(q);
+    return static_cast<double>(static_cast<SignedSum>(2 * steps + q)) / moment_steps - static_cast<double>(q);
   };
   double q = 0, c = 0, s = 0;
   for (const MomentSums& g : groups) {

@@ -17,20 +17,20 @@ void append_all(std::vector<Plain>& to, const std::vector<Plain>& from) {
 
 /// Plain numbers as bytes, behind their count.
 template <class Plain>
-void pack(std::string& to, const std::vector<Plain>& numbers) {
-  const std::uint64_t count = numbers.size();
+void pack(std::string& to, const std::vector<Plain>& values) {
+  const std::uint64_t count = values.size();
   to.append(reinterpret_cast<const char*>(&count), sizeof count);
-  to.append(reinterpret_cast<const char*>(numbers.data()), count * sizeof(Plain));
+  to.append(reinterpret_cast<const char*>(values.data()), count * sizeof(Plain));
 }
 template <class Plain>
 std::vector<Plain> unpack(std::string_view& from) {
   std::uint64_t count = 0;
   std::memcpy(&count, from.data(), sizeof count);
-  std::vector<Plain> numbers(count);
+  std::vector<Plain> values(count);
   if (count > 0)
-    std::memcpy(static_cast<void*>(numbers.data()), from.data() + sizeof count, count * sizeof(Plain));
+    std::memcpy(static_cast<void*>(values.data()), from.data() + sizeof count, count * sizeof(Plain));
   from.remove_prefix(sizeof count + count * sizeof(Plain));
-  return numbers;
+  return values;
 }
 
 }  // namespace

@@ -260,10 +260,10 @@ class FollowedAtom {
   /// One step from s: with H h = K_0 + K_1 u + ..., u from 0 to 1, the series' terms follow from one another.
   void advance(const CourseSection& section, double s, double h, State& state) const {
     static const Eigen::Matrix4d coefficients = [] {
-      Eigen::Matrix4d powers;
+      Eigen::Matrix4d vandermonde;
       for (int i = 0; i < 4; ++i)
-        for (int k = 0; k < 4; ++k) powers(i, k) = k == 0 ? 1 : powers(i, k - 1) * nodes[i];
-      return Eigen::Matrix4d(powers.inverse());
+        for (int k = 0; k < 4; ++k) vandermonde(i, k) = k == 0 ? 1 : vandermonde(i, k - 1) * nodes[i];
+      return Eigen::Matrix4d(vandermonde.inverse());
     }();
     Vector3 b[4], of_power[4] = {};
     for (int i = 0; i < 4; ++i) b[i] = field_at(section, s + nodes[i] * h);

@@ -13,10 +13,7 @@ constexpr int powers = transit_powers;
 using Powers = Eigen::Matrix<double, powers, 1>;
 
 /// A sum of moments, which may be negative.
-double signed_number(Sum sum) {
-  __extension__ typedef __int128 Signed;
-  return static_cast<double>(static_cast<Signed>(sum));
-}
+double signed_number(Sum sum) { return static_cast<double>(static_cast<SignedSum>(sum)); }
 
 double chebyshev_point(int j) { return portable::cos(std::numbers::pi * (j + 0.5) / powers); }
 

@@ -19,7 +19,7 @@ constexpr std::uint64_t checkpoint_version = 6;
 // places of sums only those are listed that are not zero: long scans in slabs have many more.
 constexpr std::uint64_t longest_row = std::uint64_t{1} << 44;
 constexpr std::size_t most_sums = std::size_t{1} << 29, most_intervals = std::size_t{1} << 24,
-                      most_text = std::size_t{1} << 28;
+                      most_texts = std::size_t{1} << 28;
 
 [[noreturn]] void refuse(const Path& path, std::string_view why) {
   throw StorageError(
@@ -79,7 +79,7 @@ void build(hdf5::FileWriter& file, const Snapshot& snapshot, const Path& path) {
   const InputColumns inputs = columns_of(snapshot.inputs);
   const hdf5::GroupWriter root = file.root();
   const auto write_texts = [&](const std::string& name, const std::vector<std::string>& texts) {
-    if (total_size(texts) > most_text) refuse(path, "its texts are too large");
+    if (total_size(texts) > most_texts) refuse(path, "its texts are too large");
     root.dataset(name, {texts.size()}, texts);
   };
   const std::vector<std::uint64_t> numbers{checkpoint_version,
@@ -118,11 +118,11 @@ Snapshot read_contents(const Path& path) {
   if (numbers.size() != 7 || numbers[0] != checkpoint_version || numbers[4] > 3)
     refuse(path, "it is of another version");
   const auto seconds = file.reals("seconds", 1);
-  const auto begun = file.texts("begun", most_text);
+  const auto begun = file.texts("begun", most_texts);
   const auto begins = file.numbers("finished_begin", most_intervals),
              ends = file.numbers("finished_end", most_intervals);
-  const auto fingerprints = file.texts("fingerprint", most_text),
-             paths = file.texts("input_paths", most_text), texts = file.texts("input_texts", most_text);
+  const auto fingerprints = file.texts("fingerprint", most_texts),
+             paths = file.texts("input_paths", most_texts), texts = file.texts("input_texts", most_texts);
   if (begins.size() != ends.size()) refuse(path, "its particles are incomplete");
   if (fingerprints.size() != 1 || begun.size() != 1 || seconds.size() != 1 || paths.size() != texts.size())
     refuse(path, "its texts are incomplete");
@@ -141,8 +141,8 @@ Snapshot read_contents(const Path& path) {
              particles = file.numbers("straggler_particles", most_intervals);
   if (trees.size() != particles.size()) refuse(path, "its list of stragglers is incomplete");
   for (std::size_t i = 0; i < trees.size(); ++i) snapshot.stragglers.push_back({trees[i], particles[i]});
-  snapshot.changes = file.texts("changes", most_text);
-  snapshot.arguments = file.texts("arguments", most_text);
+  snapshot.changes = file.texts("changes", most_texts);
+  snapshot.arguments = file.texts("arguments", most_texts);
   for (std::size_t i = 0; i < paths.size(); ++i) snapshot.inputs.push_back({paths[i], texts[i]});
   require_valid(snapshot, path);
   return snapshot;

@@ -9,6 +9,7 @@ namespace rabiline {
 
 /// 128 bits: a sum of squares of weights (2^80 each) over more particles than a computer can fly.
 __extension__ typedef unsigned __int128 Sum;
+__extension__ typedef __int128 SignedSum;
 
 /// All sums of a plan in one array; each stage knows where its own begin.
 using Sums = std::vector<Sum>;

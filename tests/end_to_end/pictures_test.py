@@ -20,6 +20,7 @@ import rabiline  # noqa: E402
 from rabiline import angle_plots, image_plots, motions, pictures, style, transit_plots  # noqa: E402
 from rabiline.__main__ import main  # noqa: E402
 from rabiline.apparatus import draw_apparatus  # noqa: E402
+from rabiline.compare_plots import draw_difference  # noqa: E402
 from rabiline.counts import Across, Counts  # noqa: E402
 from rabiline.errors import InputError  # noqa: E402
 from rabiline.field_plots import COLUMNS, ELECTRIC  # noqa: E402
@@ -29,7 +30,7 @@ from rabiline.line_commands import derived, described  # noqa: E402
 from rabiline.line_plots import draw_line  # noqa: E402
 from rabiline.lines import FORMS, fit_line  # noqa: E402
 from rabiline.picture_options import KeywordParser  # noqa: E402
-from rabiline.results import Transit  # noqa: E402
+from rabiline.results import Transit, read as read_results  # noqa: E402
 
 pytestmark = pytest.mark.slow
 BEAMLINES = Path(__file__).parents[2] / "beamline"
@@ -242,7 +243,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, measured: tuple[rabiline.Ex
 
 
 @pytest.mark.parametrize("words", [
-    "compare one.h5 other.h5", "compare-laws laws.h5 --rate 1e4", "compare-laws image.h5 --data image.csv --emitted 1000",
+    "compare one.h5 other.h5", "compare one.h5 strong.h5", "compare-laws laws.h5 --rate 1e4", "compare-laws image.h5 --data image.csv --emitted 1000",
     "compare-laws laws.h5 --histogram detected --rate 1e4", "bound-kappa kappa.h5 --emitted 1000",
     "plot-field field.csv --region long_name_of_a_field=0.2:0.4 --region another=0.5:0.9", "plot-scan one.h5 strong.h5",
     "plot-scan one.h5 strong.h5 other.h5 --beside", "plot-scan one.h5 --data counts.csv", "plot-profiles one.h5 strong.h5 --points 0,10"])
@@ -263,6 +264,8 @@ def test_files_are_told_apart_by_the_numbers_in_which_they_differ(folder: Path) 
                             "other": ["quantum [one]", "quantum [other]"]}.items():  # whose seed is another one
             figure = pictures.plot_scan(options_of("plot-scan", folder / "one.h5", folder / f"{other}.h5"))
             assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == told
+        figure = draw_difference(*(read_results(folder / f"{name}.h5") for name in ("one", "strong")), "det", None, "alike")
+        assert [text.get_text() for text in figure.axes[1].get_legend().get_texts()] == ["one, C1.amplitude = 110 µT", "strong, C1.amplitude = 160 µT"]
     plt.close("all")
 
 

@@ -24,8 +24,8 @@ inline int spin_derivative(double t, const double y[], double f[], void* paramet
   return GSL_SUCCESS;
 }
 
-inline Vec spin_after(double gamma, const FieldInTime& field, double from, double to, Vec s) {
-  SpinProblem problem{gamma, field};
+inline Vec spin_after(double gamma, const FieldInTime& b, double from, double to, Vec s) {
+  SpinProblem problem{gamma, b};
   gsl_odeiv2_system system{spin_derivative, nullptr, 3, &problem};
   gsl_odeiv2_driver* driver =
       gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 1e-8, 1e-12, 1e-12);

@@ -132,6 +132,8 @@ def test_every_shipped_file_names_the_schema_that_the_program_writes(tmp_path: P
     assert same, "write it anew: rabiline describe --schema"
     for path in BEAMLINES.glob("*.yaml"):
         assert path.read_text().startswith(f"# yaml-language-server: $schema={starters.SCHEMA}\n"), path
+    for path in (BEAMLINES.parent / "geometries").glob("*.yaml"):
+        assert path.read_text().startswith(f"# yaml-language-server: $schema=../beamline/{starters.SCHEMA}\n"), path
 
 
 def test_a_drive_draws_no_line_where_it_is_not() -> None:

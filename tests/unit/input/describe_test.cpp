@@ -199,5 +199,15 @@ TEST(JsonSchema, HasEveryKeyOfABeamline) {
   EXPECT_THAT(text, HasSubstr("prepared_level"));
 }
 
+TEST(JsonSchema, HasAGeometryThatSaysNothingOfWhatFlies) {
+  const std::string text = json_schema();
+  const Node root = parse_document(make_source_text("schema", text), text);
+  const Node& geometry = root.find("anyOf")->value.items.at(1);
+  const Node& properties = geometry.find("properties")->value;
+  for (const char* key : {"rabiline", "title", "chamber", "parts"}) EXPECT_TRUE(properties.find(key)) << key;
+  EXPECT_FALSE(properties.find("species"));
+  EXPECT_EQ(to_text(geometry.find("required")->value), R"([rabiline, parts])");
+}
+
 }  // namespace
 }  // namespace rabiline::describe_test
