@@ -144,7 +144,7 @@ RABILINE_LANES void interleave(real a, real b, real& low, real& high) {
 #else
 // Without the instruction __builtin_fma is libm's fma, a plain C function and correctly rounded. Two calls of
 // it wherever one is written would be most of the program, and of the time to compile it.
-#if defined(__x86_64__)
+#if defined(__x86_64__) && RABILINE_LANE_COUNT == 2
 [[gnu::noinline, gnu::const]] inline real fma(real a, real b, real c) {
 #else
 RABILINE_LANES real fma(real a, real b, real c) {
