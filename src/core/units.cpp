@@ -202,7 +202,7 @@ const UnitSymbol* find_unit(std::string_view symbol) {
 }
 
 /// A prefix before a unit that does not take it is a power of ten: "1e-6 T/m" for 1 uT/m.
-std::string without_prefix(const Decimal& number, std::string_view symbol) {
+std::string without_prefix(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
   static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{{{"p", -12},
                                                                               {"n", -9},
                                                                               {"u", -6},
@@ -216,7 +216,8 @@ std::string without_prefix(const Decimal& number, std::string_view symbol) {
   for (const auto& [prefix, power] : prefixes) {
     if (!symbol.starts_with(prefix)) continue;
     const UnitSymbol* unit = find_unit(symbol.substr(prefix.size()));
-    if (unit && unit->symbol == row_of(unit->dimension).si_unit)
+    if (unit && unit->symbol == row_of(unit->dimension).si_unit &&
+        unit->dimension == wanted.value_or(unit->dimension))
       return fmt::format("`{}e{} {}`", number.mantissa, number.exponent + power, unit->symbol);
   }
   return {};
@@ -283,7 +284,7 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
     if (lower(unit.symbol) == lower(symbol))
       same_letters += fmt::format("{}`{}`", same_letters.empty() ? "" : " or ", unit.symbol);
   }
-  const std::string plain = without_prefix(number, symbol);
+  const std::string plain = without_prefix(number, symbol, dimension_known ? wanted : std::nullopt);
   if (!same_letters.empty())
     return fmt::format("upper and lower case differ in units: write {}{}{}", same_letters,
                        plain.empty() ? "" : ", or ", plain);

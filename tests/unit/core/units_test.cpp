@@ -143,6 +143,7 @@ TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write `m`");
   EXPECT_EQ(parse_quantity("1 Gauss", Dimension::magnetic_field).suggestion, "write `G`");
   EXPECT_EQ(parse_quantity("1 Gauss", Dimension::length).suggestion, "");
+  EXPECT_EQ(parse_quantity("6 Gs", Dimension::magnetic_field).suggestion, "did you mean `G`?");  // no 6e9 s
   EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);
   EXPECT_EQ(parse_quantity("1 pT/m", Dimension::field_gradient).suggestion, "write `1e-12 T/m`");
   EXPECT_EQ(parse_quantity("-2.5e3 GT/m", Dimension::field_gradient).suggestion, "write `-2.5e12 T/m`");
