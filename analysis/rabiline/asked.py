@@ -73,10 +73,13 @@ def times(value: object, count: int) -> list[float]:
 
 
 def names(name: str, value: object) -> list[str]:
-    """Raises TypeError."""
+    """Each of them once. Raises TypeError and InputError."""
     if isinstance(value, str) or not isinstance(value, Iterable):
         raise TypeError(f"`{name}` is a list of names, not {_kind(value)}")
-    return [text(f"a name in `{name}`", one) for one in value]
+    found = [text(f"a name in `{name}`", one) for one in value]
+    if twice := [one for one in found if found.count(one) > 1]:
+        raise InputError(f"`{twice[0]}` is {name} twice")
+    return found
 
 
 def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: str) -> np.ndarray:

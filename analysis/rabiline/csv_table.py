@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import re
 import sys
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -70,7 +71,7 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
     rows = [(line, cells[:-1] if len(cells) == len(names) + 1 and not cells[-1] else cells) for line, cells in rows]
     columns = tuple(_column(text) for text in names)
     names = [name for name, _ in columns]
-    if twice := [name for name in names if names.count(name) > 1]:
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):

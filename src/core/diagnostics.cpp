@@ -53,24 +53,30 @@ std::vector<Glyph> glyphs_of(const std::string& line) {
 }
 
 /// The line and the carets under the place; of a very long line only the surroundings.
-std::string excerpt(const Place& place, const std::string& line) {
-  static constexpr std::size_t before = 80, window = 200;
+std::string excerpt(const Place& place, const std::string& whole) {
+  static constexpr std::size_t before = 80, window = 200, longest_letter = 4;
+  // Only those are looked at: many messages about one long line would take long.
+  const std::size_t column = std::min<std::size_t>(static_cast<std::size_t>(place.column - 1), whole.size());
+  std::size_t begin = column - std::min(column, longest_letter * (before + 1));
+  while (begin > 0 && (static_cast<unsigned char>(whole[begin]) & 0xc0) == 0x80) --begin;
+  const std::string line = whole.substr(begin, 2 * longest_letter * window);
   const std::vector<Glyph> glyphs = glyphs_of(line);
   std::size_t at = 0;
-  while (at < glyphs.size() && glyphs[at].byte < place.column - 1) ++at;
+  while (at < glyphs.size() && glyphs[at].byte < static_cast<int>(column - begin)) ++at;
   std::size_t first = 0, last = glyphs.size();
   if (glyphs.size() > window) {
     first = at > before ? at - before : 0;
     last = std::min(glyphs.size(), first + window);
   }
-  std::string shown = first > 0 ? "..." : "", marks = first > 0 ? "   " : "";
+  const bool is_cut = first > 0 || begin > 0;
+  std::string shown = is_cut ? "..." : "", marks = is_cut ? "   " : "";
   for (std::size_t i = first; i < last; ++i) {
     shown += glyphs[i].print;
     if (i < at) marks.append(static_cast<std::size_t>(glyphs[i].width), ' ');
     if (i >= at && i < at + static_cast<std::size_t>(std::max(place.length, 1)))
       marks.append(static_cast<std::size_t>(glyphs[i].width), '^');
   }
-  if (last < glyphs.size()) shown += "...";
+  if (last < glyphs.size() || begin + line.size() < whole.size()) shown += "...";
   if (at >= glyphs.size()) marks += '^';
   const std::string number = std::to_string(place.line);
   return fmt::format("  {} | {}\n  {} | {}\n", number, shown, std::string(number.size(), ' '), marks);
@@ -109,8 +115,10 @@ std::string render(const Diagnostic& d) {
 }
 
 std::string render(const std::vector<Diagnostic>& diagnostics) {
+  static constexpr std::size_t most = 100;  // more are of one kind
   std::string out;
-  for (const Diagnostic& d : diagnostics) out += render(d);
+  for (std::size_t i = 0; i < std::min(most, diagnostics.size()); ++i) out += render(diagnostics[i]);
+  if (diagnostics.size() > most) out += fmt::format("... and {} more\n", diagnostics.size() - most);
   return out;
 }
 

@@ -1,11 +1,16 @@
 #include "face/probe.hpp"
 
+#include <cmath>
 #include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "core/constants.hpp"
 #include "field/fringe_limit.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/zones.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -28,6 +33,14 @@ void add_uniform(const Vector3& field, Here& sum) {
   sum.field[2] += field.z;
 }
 
+/// By what a drive has turned.
+double known(double angle, double time) {
+  if (std::abs(angle) <= most_phase) return angle;
+  throw std::invalid_argument(
+      fmt::format("at {:.3g} s a drive has turned by more than {:.0e} radians: its phase is no longer known",
+                  time, most_phase));
+}
+
 /// Its slope along the beam is that of its envelope and its twist, by differences.
 void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, double time, Here& sum) {
   const Oscillator& clock = term.oscillator;
@@ -35,8 +48,9 @@ void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, 
   const double of_place = phase_of(term.slopes, place.x, place.z),
                share = is_on(term.gate, time) ? share_of(term.slopes, place.x, place.z) : 0;
   const auto field = [&](double at) {
-    const double angle = clock.omega(gamma) * time + clock.phase + term.twist * (at - term.envelope.begin) +
-                         2 * std::numbers::pi * sense * swept(clock.sweep, time) + of_place;
+    const double angle = known(clock.omega(gamma) * time, time) + clock.phase +
+                         term.twist * (at - term.envelope.begin) +
+                         known(2 * std::numbers::pi * sense * swept(clock.sweep, time), time) + of_place;
     const Vector3 along = portable::cos(angle) * term.first;
     return (term.amplitude * share * share_of(term.envelope, at)) *
            (term.motion == FieldMotion::turns ? along + portable::sin(angle) * term.second : along);
@@ -50,8 +64,8 @@ void add_rotating(const RotatingTerm& term, double gamma, const Vector3& place, 
 }
 
 void add_swinging(const SwingingTerm& term, const Vector3& place, double time, Here& sum) {
-  const double share =
-      portable::cos(2 * std::numbers::pi * term.oscillator.frequency * time + term.oscillator.phase);
+  const double share = portable::cos(known(2 * std::numbers::pi * term.oscillator.frequency * time, time) +
+                                     term.oscillator.phase);
   FieldHere<double> peak{};
   add_field<HostMaths>(term.field, place.x, place.y, place.z, peak);
   for (int i = 0; i < 3; ++i) sum.field[i] += share * peak.field[i];

@@ -41,13 +41,6 @@ std::size_t end_of_quoted(std::string_view line, std::size_t from) {
   return std::string_view::npos;
 }
 
-std::size_t count_nodes(const Node& node) {
-  std::size_t count = 1;
-  for (const Node& item : node.items) count += count_nodes(item);
-  for (const Entry& entry : node.entries) count += count_nodes(entry.value);
-  return count;
-}
-
 // `{` and `}` would end a plain value inside of braces, so the parser sees those of `${name}` as bytes that
 // no text holds.
 constexpr char hidden_open = '\x01', hidden_close = '\x02';
@@ -382,6 +375,13 @@ std::string to_text(const Node& node) {
       return "{" + out + "}";
   }
   return out;
+}
+
+std::size_t count_nodes(const Node& node) {
+  std::size_t count = 1;
+  for (const Node& item : node.items) count += count_nodes(item);
+  for (const Entry& entry : node.entries) count += count_nodes(entry.value);
+  return count;
 }
 
 }  // namespace rabiline

@@ -47,6 +47,8 @@ Node parse_document(const std::shared_ptr<const SourceText>& source, std::string
 /// The tree of a value inside an argument: `argument.substr(from, length)`, with places in the whole
 /// argument.
 Node parse_value(const std::shared_ptr<const SourceText>& argument, std::size_t from, std::size_t length);
+/// The values that it holds, itself included.
+std::size_t count_nodes(const Node&);
 /// Where a key's value stands, or the node itself where the key is not given.
 const Place& place_of(const Node&, std::string_view key);
 /// That piece of a scalar's text, or all of it where the text runs over several lines or was escaped.

@@ -55,6 +55,7 @@ Changes changes_of(const std::vector<std::string>& options) {
 Changes joined(Changes earlier, const Changes& later) {
   std::erase_if(earlier.set, [&](const std::string& before) {
     const std::string name = name_in(before);
+    if ((name == "particles" && later.particles) || (name == "seed" && later.seed)) return true;
     return std::any_of(later.set.begin(), later.set.end(),
                        [&](const auto& s) { return name_in(s) == name; }) ||
            std::any_of(later.scan.begin(), later.scan.end(), [&](const auto& s) { return takes(s, name); });

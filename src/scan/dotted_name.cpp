@@ -11,6 +11,8 @@
 namespace rabiline {
 namespace {
 
+constexpr std::size_t most_words = max_depth;
+
 /// The words between the dots, each with its own place.
 struct Segment {
   std::string word;
@@ -151,6 +153,11 @@ void write_out(Node& node, std::string_view key, const Place& place) {
 Node* put_value(Node& root, const std::string& name, const Place& name_place, const Node& value,
                 Reading& reading) {
   const std::vector<Segment> path = split(name, name_place);
+  if (path.size() > most_words) {
+    reading.error(path[most_words].place, fmt::format("a name has at most {} words", most_words),
+                  "such as `H0.frequency`");
+    return nullptr;
+  }
   for (const Segment& segment : path)
     if (segment.word.empty()) {
       reading.error(segment.place, "a name is words with one dot between them", "such as `H0.frequency`");

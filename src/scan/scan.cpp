@@ -241,16 +241,18 @@ void check_axes(const std::vector<Axis>& axes, Reading& reading) {
   double total = 1;
   for (const Axis& axis : axes) {
     for (const NamedAt& named : axis.parameters) {
-      for (const NamedAt* other : names)
-        if (names_overlap(other->name, named.name)) {
-          const bool same = other->name == named.name;
-          reading.error(
-              named.place,
-              same ? fmt::format("`{}` is scanned twice", named.name)
-                   : fmt::format("`{}` and `{}` cannot be scanned together: one is a part of the other",
-                                 other->name, named.name),
-              same ? "join the values in one scan" : "write the combinations as `values` of the whole");
-        }
+      const auto other = std::find_if(names.begin(), names.end(), [&](const NamedAt* before) {
+        return names_overlap(before->name, named.name);
+      });
+      if (other != names.end()) {
+        const bool same = (*other)->name == named.name;
+        reading.error(
+            named.place,
+            same ? fmt::format("`{}` is scanned twice", named.name)
+                 : fmt::format("`{}` and `{}` cannot be scanned together: one is a part of the other",
+                               (*other)->name, named.name),
+            same ? "join the values in one scan" : "write the combinations as `values` of the whole");
+      }
       names.push_back(&named);
     }
     total *= static_cast<double>(axis.size());

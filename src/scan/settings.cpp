@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <set>
 #include <tuple>
 
 namespace rabiline {
@@ -48,6 +49,10 @@ std::vector<Setting> read_settings(const Changes& changes, Sources& sources, Rea
   };
   add_count("particles", changes.particles);
   add_count("seed", changes.seed);
+  std::set<std::string> names;
+  for (const Setting& s : out)
+    if (!s.name.empty() && !names.insert(s.name).second)
+      reading.error(s.place, fmt::format("`{}` is set twice", s.name), "keep one of the values");
   return out;
 }
 

@@ -24,6 +24,7 @@ class Variables {
 
  private:
   static constexpr std::size_t longest = 10000;  // text with its variables
+  static constexpr std::size_t deepest = 100;
   enum class State { unread, open, done };
   struct Variable {
     const Entry* entry;
@@ -36,9 +37,18 @@ class Variables {
     if (variable.state == State::open) return false;
     if (variable.state == State::done) return true;
     variable.state = State::open;
+    ++depth_;
     put_into(variable.value);
+    --depth_;
     variable.state = State::done;
     return true;
+  }
+  /// Whether there is room for one more value with all that it holds.
+  bool has_room(const Node& value, const Place& place) {
+    if (put_ <= max_nodes && (put_ += count_nodes(value)) > max_nodes)
+      reading_.error(place, fmt::format("variables put more than {} values into the file", max_nodes),
+                     "a variable stands for one value");
+    return put_ <= max_nodes;
   }
 
   void put_into_scalar(Node& node) {
@@ -52,6 +62,7 @@ class Variables {
       const Node* value = value_of(name, place);
       if (value == nullptr) return;
       if (from == 0 && end + 1 == node.scalar.size()) {
+        if (!has_room(*value, place)) return;
         const Place used = node.place;
         node = *value;
         node.place = used;  // messages point at where the value is used
@@ -70,15 +81,20 @@ class Variables {
   }
 
   const Node* value_of(const std::string& name, const Place& place) {
-    std::vector<std::string> known;
     for (Variable& variable : values_) {
-      known.push_back(variable.entry->key);
       if (variable.entry->key != name) continue;
+      if (variable.state == State::unread && depth_ >= deepest) {
+        reading_.error(place, fmt::format("variables lead to one another more than {} times", deepest),
+                       "write values themselves");
+        return nullptr;
+      }
       if (resolve(variable)) return &variable.value;
       reading_.error(place, fmt::format("the variable `{}` is needed for its own value", name),
                      "write a value that does not lead back to it");
       return nullptr;
     }
+    std::vector<std::string> known;
+    for (const Variable& variable : values_) known.push_back(variable.entry->key);
     const std::string near = closest(name, known);
     reading_.error(place, fmt::format("there is no variable `{}`", name),
                    near.empty() ? fmt::format("state it at the top of the file: `variables: {{{}: 2 mT}}`",
@@ -89,6 +105,7 @@ class Variables {
 
   Reading& reading_;
   std::vector<Variable> values_;
+  std::size_t put_ = 0, depth_ = 0;
 };
 
 }  // namespace

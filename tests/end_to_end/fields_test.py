@@ -118,6 +118,8 @@ def test_probe_takes_a_clock_at_its_time(tmp_path: Path) -> None:
     assert "B = (1 uT, 0 T, 0 T)" in run("probe", path, "--at", "0 m,1.1 m,0 m").stdout
     later = run("probe", path, "--at", "0 m,1.1 m,0 m", "--time", "0.25 ms").stdout
     assert "1 uT, 0 T), |B| = 1 uT" in later
+    late = run("probe", path, "--at", "0 m,1.1 m,0 m", "--time", "1e12 s")
+    assert late.returncode == 2 and late.stderr == "error: at 1e+12 s a drive has turned by more than 1e+08 radians: its phase is no longer known\n"
 
 
 def test_a_solenoid_of_one_turn_is_told_of(tmp_path: Path) -> None:

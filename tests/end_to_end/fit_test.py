@@ -262,7 +262,9 @@ def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Cou
     with pytest.raises(NoFit, match=r"`guide` is a part\n  help: name one of its numbers, such as `guide.field`"):
         fit_counts(ramsey, fringes, ["guide"])
     with pytest.raises(NoFit, match="`guide.field` is free twice"):
-        fit_counts(ramsey, fringes, ["guide.field", "guide.field"])
+        fit_counts(ramsey, fringes, ["guide.field", "guide.field+C1.amplitude"])
+    with pytest.raises(InputError, match="`background` is free twice"):
+        fit_counts(ramsey, fringes, ["guide.field", "background", "background"])
     with pytest.raises(NoFit, match="names have commas between"):
         fit_counts(ramsey, fringes, ["guide.field C1.amplitude"])
 

@@ -1,5 +1,7 @@
 #include "core/diagnostics.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace rabiline::diagnostics_test {
@@ -40,6 +42,22 @@ TEST(Diagnostics, CutAVeryLongLineAroundThePlace) {
   const std::string shown = render({{text_of({std::string(100000, 'a')}), 1, 50000, 3}, "m", ""});
   EXPECT_LT(shown.size(), 600U);
   EXPECT_NE(shown.find("^^^"), std::string::npos);
+}
+
+TEST(Diagnostics, CutALongLineBetweenLetters) {
+  std::string line;
+  for (int i = 0; i < 1000; ++i) line += "\u00e4";  // two bytes each
+  for (const int column : {1, 999, 1001, 1999}) {
+    const std::string shown = render({{text_of({line}), 1, column, 2}, "m", ""});
+    EXPECT_EQ(shown.find('?'), std::string::npos) << shown;
+    EXPECT_NE(shown.find('^'), std::string::npos) << shown;
+  }
+}
+
+TEST(Diagnostics, OfWhichThereAreManyAreCounted) {
+  const std::string shown = render(std::vector<Diagnostic>(150, Diagnostic{{}, "again", ""}));
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 101);
+  EXPECT_TRUE(shown.ends_with("error: again\n... and 50 more\n"));
 }
 
 TEST(Diagnostics, ShowNoControlCharacters) {
