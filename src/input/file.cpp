@@ -46,6 +46,10 @@ class Loader {
     const auto source = make_source_text(name, text);
     out_.inputs.push_back({name, text});
     out_.sources.push_back(source);
+    if (text.find('\r') != text.npos && text.find('\n') == text.npos)
+      throw InputError({{Place{source, 0, 0, 1},
+                         "its lines end with carriage returns alone, so that all of it is one line",
+                         "save it with line feeds"}});
     Node root = parse_document(source, text);
     if (root.is_null())
       throw InputError(
