@@ -19,7 +19,6 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from . import asked
 from .errors import InputError
@@ -230,7 +229,9 @@ def write_deviations(axes: Axes, name: str, largest: float) -> None:
     figure, most = axes.figure, max(2.5, 1.1 * largest)
     axes.get_gridspec().set_height_ratios((3, 1 if figure.get_figwidth() > NARROW else 2))
     axes.set_ylim(-most, most)
-    axes.yaxis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], min_n_ticks=1))
+    power = 10 ** floor(log10(most))
+    marked = max(digit for digit in (1, 2, 5) if digit * power <= most) * power
+    axes.set_yticks([-marked, 0, marked] if figure.get_figwidth() > NARROW else [-marked, marked])
     axes.set_ylabel(f"{name if figure.get_figwidth() > NARROW else 'Δ'} / σ")
     figure.align_ylabels()
 

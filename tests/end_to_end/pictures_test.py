@@ -226,7 +226,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, measured: tuple[rabiline.Ex
     """With a file for each command that draws one."""
     made = tmp_path_factory.mktemp("pictures")
     fringes = measured[0].scan("C1.frequency", "28.6647 kHz:29.6647 kHz:21")
-    for name, changes in {"one": {}, "other": {"seed": 5}, "strong": {"C1.amplitude": "160 uT", "title": LONG}}.items():
+    for name, changes in {"one": {}, "other": {"seed": 5}, "strong": {"C1.amplitude": "160 uT", "title": LONG, "seed": 6}}.items():
         fringes.set(changes).fly().write(made / f"{name}.h5")
     rows = [f"{x},{n:.0f}" for x, n in zip(measured[1].x, measured[1].counts)]
     (made / "counts.csv").write_text("\n".join(["C1.frequency [Hz],counts", *rows]))
