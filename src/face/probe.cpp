@@ -80,7 +80,8 @@ Here field_of_parts(const Beamline& beamline, const std::vector<const PlacedPart
     std::visit([&](const auto& any) { contribute(any, part->placement, builder); }, part->part);
   const Species first = beamline.species.empty() ? Species{} : beamline.species.front().species;
   Here sum{};
-  for (const Section& section : builder.build(Magnets::fields).sections) {
+  const Magnets magnets = law_traits(beamline.law).has_forces ? Magnets::fields : Magnets::uniform;
+  for (const Section& section : builder.build(magnets).sections) {
     if (place.y < section.begin || place.y >= section.end) continue;
     add_uniform(section.field, sum);
     for (const CoilTerm& coil : section.coils) add_uniform(coil.field(first), sum);

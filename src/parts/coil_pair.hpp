@@ -50,7 +50,7 @@ inline constexpr auto parameters<CoilPair> = std::tuple{
           "from one ring to the other; the radius if omitted: Helmholtz's pair"),
     param("", &CoilPair::strength, "the current in each ring, or the field or gradient in the middle"),
     param("opposed", &CoilPair::opposed,
-          "true: the current of the ring behind the middle, seen along the direction, is reversed", false),
+          "true: the current of the ring on the side that the direction points away from is reversed", false),
     param("direction", &CoilPair::direction, "of the axis; z if omitted", UnitVector{}),
     param("reach", &CoilPair::reach, Dimension::length, range::positive,
           "how far from the middle the field is taken on both sides; if omitted, up to 1e-4 of its "

@@ -11,7 +11,9 @@ class SectionBuilder;
 /// The hypothesis replaces this force, so there the field is uniform. Its gap is a wall.
 struct GradientMagnet {
   static constexpr std::string_view kind = "gradient_magnet",
-                                    meaning = "a deflecting magnet: a field along z with a constant gradient";
+                                    meaning =
+                                        "a deflecting magnet: a field along z with a constant gradient; "
+                                        "under dorado a uniform field";
   static constexpr PartTraits traits{.field = true, .deflects = true};
   double length = 0;    // [m]
   double field = 0;     // [T] along +z, in the middle

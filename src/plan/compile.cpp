@@ -363,7 +363,10 @@ std::vector<SpinZone> zones_along(const Beamline& beamline, const Component& com
   if (law_traits(beamline.law).has_levels && component.species.structure) return {};
   const ZoneMaker maker = zone_maker(beamline, component.species);
   std::vector<SpinZone> zones;
-  for (const Section& section : sections_of(beamline).sections) zones.push_back(maker.zone_of(section));
+  for (const Section& section : sections_of(beamline).sections) {
+    zones.push_back(maker.zone_of(section));
+    maker.keep_tolerance(zones.back());
+  }
   return zones;
 }
 

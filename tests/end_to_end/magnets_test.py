@@ -84,3 +84,15 @@ def test_every_run_holds_its_magnets_against_an_independent_integration_to_any_t
             check = {name: number[()] for name, number in file["entry/field_check"].items()}
         assert check["particles"] > 5 and check["tolerance"] == tolerance and check["levels"] == check["spin"] == 0
         assert 1e-14 < check["place"] < tolerance and 1e-14 < check["direction"] < tolerance
+
+
+@pytest.mark.parametrize("part", ["kind: gradient_magnet, length: 0.2 m, field: 0.03 mT, gradient: 2 mT/m, along: x, offset: {x: 2 mm, z: 1 mm}",
+                                  "kind: multipole_magnet, length: 0.2 m, poles: 6, radius: 1 cm, pole_field: 1 mT"])
+def test_probe_shows_the_field_of_a_magnet_that_flies(tmp_path: Path, part: str) -> None:
+    # A magnet has no gradient under dorado: 0.03 mT - 2 mT/m x 2 mm on the axis along z, or nothing, wherever a particle is.
+    path = experiment(tmp_path, part)
+    with_gradient = run("probe", path, "--at", "1 mm,1.1 m,3 mm").stdout
+    assert "gradient" in with_gradient
+    path.write_text(path.read_text().replace("law: quantum", "law: dorado"))
+    shown = {run("probe", path, "--at", at).stdout.split("B = ")[1].split("\n")[0] for at in ("1 mm,1.1 m,3 mm", "0 m,1.15 m,0 m")}
+    assert len(shown) == 1 and with_gradient.count(shown.pop()) == 0

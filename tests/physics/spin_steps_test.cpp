@@ -9,6 +9,7 @@
 #include "physics/independent_spin.hpp"
 #include "physics/suggested.hpp"
 #include "rules/rules.hpp"
+#include "simulation/trace.hpp"
 
 namespace rabiline::test::spin_steps_test {
 namespace {
@@ -81,6 +82,15 @@ TEST(SpinSteps, KeepTheToleranceOverHundredsOfTurns) {
     QuantumLaw quantum;
     quantum.tolerance = tolerance;
     EXPECT_NEAR(2 * flipped(line(swept_field(), quantum)) - 1, swept, tolerance);
+  }
+}
+
+TEST(SpinSteps, OfATracedParticleKeepTheTolerance) {
+  const double swept = swept_sz(), swelling = swelling_sz();
+  for (const double tolerance : {1e-6, 1e-8}) {
+    const ClassicalLaw law{tolerance};
+    EXPECT_NEAR(trace(line(swept_field(), law), 0, best_isa()).sz.back(), swept, tolerance);
+    EXPECT_NEAR(trace(line(swelling_field(), law), 0, best_isa()).sz.back(), swelling, tolerance);
   }
 }
 
