@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 
 
 def text(name: str, value: object) -> str:
-    """Raises TypeError."""
+    """Raises TypeError, and InputError where no file can hold it."""
     if not isinstance(value, str):
         raise TypeError(f"{name} is a text, not {_kind(value)}")
+    try:
+        value.encode()
+    except UnicodeEncodeError as error:
+        raise InputError(f"{name} has half of a character in it, {ascii(value[error.start])}, which no file can hold") from None
     return value
 
 
@@ -34,7 +38,7 @@ def path(name: str, value: object) -> str | os.PathLike[str]:
 
 def number(name: str, value: object) -> float:
     """Raises TypeError."""
-    if not isinstance(value, Real):
+    if not isinstance(value, Real) or isinstance(value, bool):
         raise TypeError(f"`{name}` is a number, not {_kind(value)}")
     return float(value)
 
@@ -42,7 +46,7 @@ def number(name: str, value: object) -> float:
 def whole_number(name: str, value: object, least: int = 0, most: int | None = None) -> int:
     """Raises TypeError and ValueError."""
     try:
-        number = operator.index(value)
+        number = operator.index(None if isinstance(value, bool) else value)
     except TypeError:
         raise TypeError(f"`{name}` is a whole number, not {_kind(value)}") from None
     if number < least or most is not None and number > most:
@@ -85,7 +89,7 @@ def names(name: str, value: object) -> list[str]:
 def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: str) -> np.ndarray:
     import numpy as np
     try:
-        found = np.asarray(value, dtype=float)
+        found = np.empty(()) if np.iscomplexobj(value) else np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         found = np.empty(())
     if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):

@@ -54,7 +54,7 @@ class Report:
 def load(source: str | Path) -> Experiment:
     """An experiment or a model from a file, or from its text, which has several lines. Raises InputError with everything
     that is wrong, each with its line, and TypeError."""
-    text = source if isinstance(source, str) and "\n" in source else None
+    text = asked.text("the text of an experiment", source) if isinstance(source, str) and "\n" in source else None
     return Experiment(text, Path() if text else Path(asked.path("source", source)))
 
 
@@ -217,9 +217,12 @@ class Experiment:
         """As the file would have it."""
         asked.text("the name of what is changed", name)
         if isinstance(value, str):
-            return _quoted(value, r"(^|\s)#|:(\s|$)|^[@`%&*!|>]")
+            return _quoted(asked.text(f"`{name}`", value), r"(^|\s)#|:(\s|$)|^[@`%&*!|>]")
         if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, (str, bytes))):
-            return json.dumps(value)
+            try:
+                return json.dumps(value)
+            except (TypeError, ValueError, RecursionError):
+                raise TypeError(f"`{name}` is a list or a mapping of numbers, texts, lists and mappings, which do not hold one another") from None
         if not isinstance(value, Real):
             raise TypeError(f"`{name}` is a number in SI, a text with its unit, a list or a mapping, not {type(value).__name__}")
         if isinstance(value, int) or float(value).is_integer() and (self._setup.value(name) or (0, ""))[1] == "":

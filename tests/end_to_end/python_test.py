@@ -190,7 +190,8 @@ def test_mistakes_in_what_is_set_or_scanned_are_shown_as_the_caller_wrote_them(r
     (lambda e: e.fit("a.csv", "B.field"), "`free` is a list of names, not a text"),
     (lambda e: e.set({"B.field": b"9 mT"}), "`B.field` is a number in SI, a text with its unit, a list or a mapping, not bytes"), (lambda e: forecast(e, ["B.field"], rate="x"), "`rate` is a number, not a text"),
     (lambda e: forecast(e, ["B.field"], rate=1e6, background="x"), "`background` is a number, not a text"),
-    (lambda e: e.set(particles=10).run().write(3), "`path` is the path of a file, not int"),
+    (lambda e: e.set(particles=10).run().write(3), "`path` is the path of a file, not int"), (lambda e: e.run(threads=True), "`threads` is a whole number, not bool"),
+    (lambda e: e.set({"source.spin.axis": [1j, 0, 0]}), "`source.spin.axis` is a list or a mapping of numbers, texts, lists and mappings, which do not hold one another"),
 ])
 def test_what_is_of_the_wrong_kind_is_told_in_one_line(ramsey: rabiline.Experiment, call: object, says: str) -> None:
     with pytest.raises(TypeError) as caught:

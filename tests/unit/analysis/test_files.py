@@ -157,3 +157,20 @@ def test_whole_numbers_have_their_ends() -> None:
         asked.whole_number("count", 11, 1, 10)
     with pytest.raises(ValueError, match="`first` is 0 or above, not -1"):
         asked.whole_number("first", -1)
+    with pytest.raises(TypeError, match="`threads` is a whole number, not bool"):
+        asked.threads(True)
+    with pytest.raises(TypeError, match="`rate` is a number, not bool"):
+        asked.number("rate", True)
+
+
+def test_places_are_real_numbers() -> None:
+    assert asked.places([[1, 2, 3]]) == [(1.0, 2.0, 3.0)]
+    for value in ([[1j, 0, 0]], np.ones((1, 3), dtype=complex)):
+        with pytest.raises(TypeError, match="`places` is a list of places"):
+            asked.places(value)
+
+
+def test_half_of_a_character_is_told() -> None:
+    for call in (lambda: rabiline.load("rabiline: 1\ntitle: \ud800\n"), lambda: asked.text("`title`", "a \ud800")):
+        with pytest.raises(InputError, match=r"has half of a character in it, '\\ud800', which no file can hold"):
+            call()
