@@ -171,13 +171,11 @@ SolvedModel solve(const Setup&, const std::vector<std::string>& arguments = {},
 /// StorageError.
 void write(const Result&, const std::filesystem::path&);
 void write(const SolvedModel&, const std::filesystem::path&);
-void write(const std::vector<Track>&, const std::string& title, const std::filesystem::path&,
-           const std::vector<PartName>& = {});
+void write(const std::vector<Track>&, const Setup& which_they_flew_through, const std::filesystem::path&);
 /// The bytes of these files, for who keeps them elsewhere.
 std::vector<std::byte> image_of(const Result&);
 std::vector<std::byte> image_of(const SolvedModel&);
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&,
-                                const std::vector<PartName>& = {});
+std::vector<std::byte> image_of(const std::vector<Track>&, const Setup& which_they_flew_through);
 /// Snapshots on disk, likewise.
 void write(const Snapshot&, const std::filesystem::path&);
 Snapshot read_snapshot(const std::filesystem::path&);

@@ -19,6 +19,7 @@ IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
 LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter
 DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
 TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
+SEEN = 2.0  # times that noise: nothing that is degenerate comes so far
 MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
 REACH = 2.0  # steps
@@ -62,6 +63,12 @@ class Fisher:
     def _noise_along(self, vectors: np.ndarray) -> np.ndarray:
         """[k] The part of each eigenvalue that is noise."""
         return np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
+
+    @property
+    def hidden(self) -> np.ndarray:
+        """[k] Which of these directions stand out of the noise of the slopes, too little to be known."""
+        values, vectors, known = self.directions
+        return ~known & (values > DEGENERATE * values.max()) & (values > SEEN * self._noise_along(vectors))
 
     @property
     def more_particles(self) -> float:

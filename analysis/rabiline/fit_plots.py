@@ -10,7 +10,7 @@ from scipy import stats
 
 from . import style
 from .covariance import freedom_in_words, p_in_words
-from .fit_report import is_undetermined, verdict_of
+from .fit_report import is_undetermined, verdict_of, why_unknown
 from .style import INK, LAWS, OTHERS, PALE
 from .units import fitting_scale
 
@@ -67,10 +67,9 @@ def _rows(fit: CountsFit, order: np.ndarray) -> list[tuple[np.ndarray, str, str]
 
 
 def _numbers(fit: CountsFit) -> list[str]:
-    unknown = {i for direction in fit.degenerate for i in direction.involved}
     numbers = []
     for i, name in enumerate(fit.names):
-        lost = "not known by itself" if i in unknown else "not determined" if is_undetermined(fit, i) else ""
+        lost = why_unknown(fit, i) or ("not determined" if is_undetermined(fit, i) else "")
         numbers.append(f"{name} {lost}" if lost else f"{name} = {fit.told(i)}".replace("= -", "= −"))
     return numbers
 

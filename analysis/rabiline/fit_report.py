@@ -26,8 +26,8 @@ def report(fit: CountsFit) -> Iterable[str]:
            f"{' and '.join([fit.counts.parameter, *([fit.counts.across.parameter] if fit.counts.across else [])])}, at {fit.detector}")
     width = max(map(len, fit.names))
     for i, (name, unit) in enumerate(zip(fit.names, fit.units)):
-        if any(i in direction.involved for direction in fit.degenerate):
-            yield f"  {name:<{width}}  not known by itself, held near {format_value(float(f'{fit.values[i]:.4g}'), unit, None, fit.written_unit(i))}"
+        if unknown := why_unknown(fit, i):
+            yield f"  {name:<{width}}  {unknown}, held near {format_value(float(f'{fit.values[i]:.4g}'), unit, None, fit.written_unit(i))}"
             continue
         if is_undetermined(fit, i):
             yield f"  {name:<{width}}  not determined by these counts"
@@ -37,8 +37,9 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield f"  {name:<{width}}  {fit.told(i)}   (profile {_signed(low - fit.values[i], *shown)}, {_signed(high - fit.values[i], *shown)})"
     for name, value, error in ((name, value, error) for name, value, error in fit.combined if np.isfinite(value)):
         yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
-    for direction in fit.degenerate:
-        yield f"  {direction}"
+    yield from (f"  {direction}" for direction in dict.fromkeys(map(str, fit.degenerate)))
+    if fit.wanted_particles > fit.particles:
+        yield f"  help: {few_particles(fit.particles, fit.wanted_particles)}"
     if fit.is_flat:
         yield from (f"  help: {line}" for line in _about_unit(fit))
     correlation = fit.covariance / fit.errors[:, None] / fit.errors
@@ -58,6 +59,17 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield from _about_held(fit, one)
     if verdict := verdict_of(fit):
         yield f"  {verdict}"
+
+
+def why_unknown(fit: CountsFit, number: int) -> str:
+    """Of a parameter; empty where it is known."""
+    lost = [direction for direction in fit.degenerate if number in direction.involved]
+    return "lost in the simulation's noise" if lost and all(one.hidden for one in lost) else "not known by itself" if lost else ""
+
+
+def few_particles(particles: int, wanted: float) -> str:
+    """For a fit, or a forecast."""
+    return f"{particles} particles at each point may be too few to tell: try --particles {float(f'{wanted:.1g}'):.0f}"
 
 
 def verdict_of(fit: CountsFit) -> str:

@@ -40,6 +40,7 @@ class Direction:
     names: tuple[str, ...]
     parts: np.ndarray  # relative changes, the largest 1
     weights: np.ndarray  # changes in errors that are left where the others are known, the largest 1
+    hidden: bool = False  # they would know it, but for the noise of the simulation
 
     @property
     def involved(self) -> np.ndarray:
@@ -47,6 +48,8 @@ class Direction:
         return np.flatnonzero(np.abs(self.weights) > SLIGHT)
 
     def __str__(self) -> str:
+        if self.hidden:
+            return f"too few particles: the simulation's own noise hides what {' and '.join(f'`{self.names[i]}`' for i in self.involved)} change"
         changes = ", ".join(f"`{self.names[i]}` by {100 * self.parts[i]:+.3g} %" for i in self.involved)
         change = "changes" if self.involved.size == 1 else "together change"
         return f"degenerate: {changes} {change} next to nothing that this simulation could see"
@@ -75,6 +78,7 @@ class CountsFit:
     flights: int
     share_of_simulation: float  # of the variance of a parameter, the largest
     particles: int  # at each point of the simulation
+    wanted_particles: float  # more than these where what is not known may be for their noise
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
     written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
@@ -278,7 +282,8 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.nd
     k = len(model.names)
     mu, _, each = problem.mean(values)
     modes = problem.modes(mu, each)
-    covariance, condition, degenerate, combined = analysis(problem.fisher(values, modes), values, (*model.names, *problem.extra))
+    fisher = problem.fisher(values, modes)
+    covariance, condition, degenerate, combined = analysis(fisher, values, (*model.names, *problem.extra))
     intervals = tuple((float(value + low * error), float(value + high * error))
                       for value, error, (low, high) in zip(values, np.sqrt(np.diag(covariance)), profiled.intervals))
     covariance = profiled.errors[:, None] * covariance * profiled.errors
@@ -289,7 +294,8 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.nd
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
-                     share_of_simulation(problem, values), model.particles, () if degenerate else held(problem, values, errors), model.start()[:k],
+                     share_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
+                     () if not all(direction.hidden for direction in degenerate) else held(problem, values, errors), model.start()[:k],
                      tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
@@ -300,10 +306,10 @@ def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
     condition = float(eigenvalues.max() / max(eigenvalues.min(), 1e-16 * eigenvalues.max()))
     covariance = fisher.covariance
     directions, combined = [], []
-    for vector in vectors[:, ~known].T:
+    for vector, hidden in zip(vectors[:, ~known].T, fisher.hidden[~known]):
         relative = vector * fisher.errors / np.where(values == 0, 1.0, values)
-        directions.append(Direction(tuple(names), *(one / one[np.argmax(np.abs(one))] for one in (relative, vector))))
-        combined += _combination(directions[-1], values, covariance) if np.sum(~known) == 1 else []
+        directions.append(Direction(tuple(names), *(one / one[np.argmax(np.abs(one))] for one in (relative, vector)), bool(hidden)))
+        combined += _combination(directions[-1], values, covariance) if np.sum(~known) == 1 and not hidden else []
     grown = np.zeros(values.size)  # what is not known has no error: as large as the parameter itself, at least
     for direction in directions:
         grown[direction.involved] = np.abs(values[direction.involved])

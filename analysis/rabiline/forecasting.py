@@ -12,6 +12,7 @@ from .argument_types import LARGEST
 from .counts_problem import BACKGROUND, REACH, SCALE, Exposure, Problem
 from .curve_model import CurveModel, NoFit, Surface
 from .experiment import Experiment
+from .fit_report import few_particles
 from .fitting import Direction, analysis
 from .units import format_value
 
@@ -45,10 +46,9 @@ class Forecast:
         lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error, written))
                   for name, unit, value, error, lost, written in zip(self.names, self.units, self.values, self.errors, unknown, self.written)]
         lines += [f"  {name}: {value:.6g} ± {error:.2g} in SI" for name, value, error in self.combined]
-        lines += [f"  {direction}" for direction in self.degenerate]
+        lines += [f"  {direction}" for direction in dict.fromkeys(map(str, self.degenerate))]
         if self.wanted_particles > self.particles:
-            wanted = float(f"{self.wanted_particles:.1g}")
-            lines.append(f"  help: {self.particles} particles at each point may be too few to tell: try --particles {wanted:.0f}")
+            lines.append(f"  help: {few_particles(self.particles, self.wanted_particles)}")
         else:
             lines += [f"  over such an error of `{name}` the counts do not change in proportion: take it as not known" for name in self.bent]
         return "\n".join([*lines, f"  condition number {self.condition:.3g}"])

@@ -331,7 +331,8 @@ def plot_transit(options: argparse.Namespace) -> Figure:
 def plot_tracks(options: argparse.Namespace) -> Figure:
     """Paths of single particles."""
     files = [path if isinstance(path, tracks.Tracks) else tracks.read(path) for path in options.files]
-    labels = _distinct([law_name(file.law) for file in files], [file.path.stem for file in files])
+    own = _differences(files)
+    labels = _distinct([stated.said(law_name(file.law), own[file.path]) for file in files], [file.path.stem for file in files])
     regions = [read_region(text) for text in options.region]
     title = options.title or files[0].title
     draw = space_plots.draw_paths if options.in_space else track_plots.draw_tracks
@@ -370,7 +371,7 @@ def _title(files: list[results.Results], chosen: str = "") -> str:
     return "\n".join([files[0].title + chosen, *mixture])
 
 
-def _differences(files: Sequence[results.Results]) -> dict[Path, dict[str, str]]:
+def _differences(files: Sequence[results.Results | tracks.Tracks]) -> dict[Path, dict[str, str]]:
     """What tells each of several files from the others."""
     paths = list(dict.fromkeys(file.path for file in files))
     return dict(zip(paths, stated.differing(paths) if len(paths) > 1 else [{}]))

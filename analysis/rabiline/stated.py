@@ -1,4 +1,4 @@
-"""In which parameters result files differ."""
+"""In which parameters files of results or paths differ."""
 from __future__ import annotations
 
 from math import isnan

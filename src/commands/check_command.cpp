@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "commands/common.hpp"
+#include "commands/progress_line.hpp"
 
 namespace rabiline {
 namespace {
@@ -67,7 +68,11 @@ void add_check(CLI::App& app, int& exit) {
       exit = check_in_json(*options, max_memory);
       return;
     }
-    const Report report = check(load(options->file, options->changes), max_memory);
+    const Setup setup = load(options->file, options->changes);
+    ProgressLine progress("auto");
+    progress.planning(setup.points());
+    const Report report = check(setup, max_memory);
+    progress.clear();
     say(stdout, "{}", report.text);
     tell(report.warnings, options->strict, stdout);
   });

@@ -46,7 +46,7 @@ void trace_command(const TraceArguments& a) {
   const Lock lock(a.output);
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
-  write(tracks, setup.title(), a.output, parts_of(setup));
+  write(tracks, setup, a.output);
   tell(tracks);
   say(stdout, "wrote {}\n", a.output);
 }

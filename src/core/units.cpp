@@ -275,7 +275,10 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
   }
   const UnitSymbol* whole = find_unit(written_out(symbol));
   if (whole && (!dimension_known || whole->dimension == *wanted))
-    return fmt::format("write `{}`", whole->symbol);
+    return fmt::format("write `{:.9g} {}`", evaluate(number, 1), whole->symbol);
+  if (wanted == Dimension::frequency && symbol == "rad/s")
+    return fmt::format("a frequency counts cycles: write `{:.9g} Hz`, which is this over 2 pi",
+                       evaluate(number, 1) / two_pi);
   std::string same_letters;
   std::vector<std::string> candidates;
   for (const UnitSymbol& unit : unit_table()) {

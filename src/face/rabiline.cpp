@@ -115,6 +115,10 @@ std::pair<LoadedFile, Changes> text_of(const std::filesystem::path& file, const 
   return {file_of_stored(std::move(origin.inputs)), after(before, changes)};
 }
 
+Tracks tracks_of(const std::vector<Track>& paths, const Setup& setup) {
+  return {setup.title(), parts_of(setup), resolved_parameters({experiment_of(setup).base}), paths};
+}
+
 }  // namespace
 
 bool Setup::is_model() const { return std::holds_alternative<LoadedModel>(contents_->loaded); }
@@ -279,7 +283,7 @@ std::optional<Result> run(const Setup& setup, const RunSettings& settings) {
   require_emission(result);
   result.flight = std::move(flight);
   result.field_check = check_fields(plan, options.isa);
-  result.parameters = resolved_parameters(loaded.experiment);
+  result.parameters = resolved_parameters(loaded.experiment.points);
   // What was told before the flight comes first: the command tells what is behind it.
   for (const Diagnostic& warning : warnings) provenance.warnings.push_back(text_of(warning));
   if (precision.is_wanted() && halvings == 0)
@@ -314,7 +318,7 @@ Result rescan(const std::filesystem::path& path, const Changes& changes, const R
   Result result = rescan(flown.experiment, kept.record, wanted.experiment,
                          settings.max_memory == 0 ? default_memory : settings.max_memory, isa,
                          threads_of(settings), take_points(settings, effects));
-  result.parameters = resolved_parameters(wanted.experiment);
+  result.parameters = resolved_parameters(wanted.experiment.points);
   Provenance provenance = record.finish();
   provenance.slabs = result.provenance.slabs;
   provenance.rescanned = true;
@@ -361,9 +365,11 @@ SolvedModel solve(const Setup& setup, const std::vector<std::string>& arguments,
 
 void write(const Result& result, const std::filesystem::path& path) { write_results(result, path); }
 void write(const SolvedModel& solved, const std::filesystem::path& path) { write_motions(solved, path); }
-void write(const std::vector<Track>& tracks, const std::string& title, const std::filesystem::path& path,
-           const std::vector<PartName>& parts) {
-  write_tracks(title, tracks, parts, path);
+void write(const std::vector<Track>& paths, const Setup& setup, const std::filesystem::path& path) {
+  write_tracks(tracks_of(paths, setup), path);
+}
+std::vector<std::byte> image_of(const std::vector<Track>& paths, const Setup& setup) {
+  return image_of(tracks_of(paths, setup));
 }
 void write(const Snapshot& snapshot, const std::filesystem::path& path) { write_checkpoint(snapshot, path); }
 Snapshot read_snapshot(const std::filesystem::path& path) { return read_checkpoint(path); }

@@ -63,6 +63,7 @@ const Entry* Keys::take_value(std::string_view key, bool& given) {
 void Keys::missing(std::string_view key, std::string_view meaning, std::string_view example) {
   missing_.push_back({std::string(key),
                       std::string(meaning),
+                      std::string(example),
                       {blame_, fmt::format("{} needs `{}`: {}", what_, key, meaning),
                        example.empty() ? std::string{} : fmt::format("add `{}: {}`", key, example)}});
 }
@@ -148,7 +149,12 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
 }
 
 void Keys::finish_unknown() {
-  for (Missing& one : missing_) reading_->errors.push_back(std::move(one.diagnostic));
+  std::string whole = beginning_;
+  for (const Missing& one : missing_) whole += fmt::format(", {}: {}", one.key, one.example);
+  for (Missing& one : missing_) {
+    if (!beginning_.empty()) one.diagnostic.suggestion = fmt::format("write `{}}}`", whole);
+    reading_->errors.push_back(std::move(one.diagnostic));
+  }
   missing_.clear();
 }
 

@@ -22,6 +22,8 @@ class Keys {
   const Entry* take_value(std::string_view key, bool& given);
   /// Notes a key that must be given and is not.
   void missing(std::string_view key, std::string_view meaning, std::string_view example);
+  /// Of a word that stands for a mapping: how that begins, for who has to write it out with what is missing.
+  void write_out(std::string beginning) { beginning_ = std::move(beginning); }
   /// Notes a key whose word must be given and is not; it may stand under another key: `type: coil` for
   /// `kind: coil`.
   void missing_word(std::string_view key, std::span<const Word> words);
@@ -42,12 +44,12 @@ class Keys {
   void indent_below(const Entry& open, std::string_view key);
 
   const Node* node_;
-  std::string what_;
+  std::string what_, beginning_;
   Place blame_;
   Reading* reading_;
   std::vector<std::string_view> known_;
   struct Missing {
-    std::string key, meaning;
+    std::string key, meaning, example;
     Diagnostic diagnostic;
   };
   std::vector<Missing> missing_;

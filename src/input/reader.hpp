@@ -57,6 +57,19 @@ std::string owner_of_key(std::string_view key) {
   return owner;
 }
 
+/// Below which key of T that key stands, for "(`speed` has)".
+template <class T>
+std::string owner_among_rows(std::string_view key) {
+  std::string owner;
+  for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
+    if constexpr (is_variant<M>)
+      if constexpr (!tag_key<M>.empty())
+        if (owner.empty() && !p.key.empty() && !owner_of_key<M>(key).empty())
+          owner = fmt::format("`{}`", p.key);
+  });
+  return owner;
+}
+
 /// A variant told apart by which keys are there. Its keys may stand among others.
 template <class V>
 bool read_by_keys(Keys& keys, V& out) {
@@ -119,7 +132,9 @@ bool read_short_form(const Node& node, const Row& row, Reading& reading, V& out)
   const std::optional<std::size_t> index =
       read_word(node, row, words_of<V>(), reading, example.starts_with("{") ? example : "");
   if (!index) return false;
-  Keys keys(no_keys, fmt::format("the {} `{}`", words_of<V>()[*index].word, row.key), node.place, reading);
+  const std::string_view word = words_of<V>()[*index].word;
+  Keys keys(no_keys, fmt::format("the {} `{}`", word, row.key), node.place, reading);
+  keys.write_out(fmt::format("{}: {{{}: {}", row.key, tag_key<V>, word));
   const bool good = read_alternative(keys, *index, out);
   keys.finish();
   return good;
@@ -169,7 +184,7 @@ bool read_struct(const Node& node, const Place& named_at, const Row& row, Readin
   }
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
   const bool good = read_rows(keys, out);
-  keys.finish();
+  keys.finish(&owner_among_rows<T>);
   return good;
 }
 

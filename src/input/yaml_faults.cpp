@@ -104,6 +104,24 @@ bool is_behind_quote(const Place& place) {
          (lines[number][at - 1] == '\'' || lines[number][at - 1] == '"');
 }
 
+/// `slit: {at: 1 m}` below items of a list, or an item of a list without its key.
+std::optional<Diagnostic> stray_item(const Place& key) {
+  const std::vector<std::string>& lines = key.text->lines;
+  const auto number = static_cast<std::size_t>(key.line - 1),
+             column = static_cast<std::size_t>(key.column - 1);
+  if (number == 0 || number >= lines.size()) return std::nullopt;
+  const std::string &above = lines[number - 1], &here = lines[number];
+  if (here.compare(column, 2, "- ") == 0)
+    return Diagnostic{key, "this item belongs to no list",
+                      "the key of its list is missing above it, such as `parts:`"};
+  const std::size_t colon = here.find(':', column);
+  if (colon == here.npos || above.find_first_not_of(' ') != column || above.compare(column, 2, "- ") != 0)
+    return std::nullopt;
+  return Diagnostic{key, "this stands among the items of a list, and is none",
+                    fmt::format("begin it with a dash, as the one above it: `- {{name: {}, ...}}`",
+                                here.substr(column, colon - column))};
+}
+
 }  // namespace
 
 Diagnostic explain_yaml(Place place, std::string_view message) {
@@ -117,6 +135,8 @@ Diagnostic explain_yaml(Place place, std::string_view message) {
   if (place.text && message.find("end of map not found") != message.npos && is_behind_quote(place))
     return {std::move(place), "the text has ended at the quote in front of this",
             "a text with an apostrophe stands between \"...\", one with a \" between '...'"};
+  if (place.text && message.find("end of map not found") != message.npos)
+    if (std::optional<Diagnostic> item = stray_item(place)) return *std::move(item);
   struct Case {
     std::string_view message, problem, help;
   };

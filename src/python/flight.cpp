@@ -163,7 +163,7 @@ void add_flights(py::module_& module) {
       const py::gil_scoped_release released;
       tracks = trace(setup, first, count);
     }
-    return bytes_of(image_of(setup.title(), tracks, parts_of(setup)));
+    return bytes_of(image_of(tracks, setup));
   });
   module.def(
       "probe",

@@ -146,6 +146,14 @@ const PlacedPart* gas_in(const Beamline& beamline, const Stretch& stretch) {
   return nullptr;
 }
 
+bool has_reach(const Part& part) {
+  return std::visit(
+      [](const auto& any) {
+        return requires { any.reach; };
+      },
+      part);
+}
+
 /// What stands in a field that differs from place to place may be passed both ways; where levels are sorted,
 /// nothing may stand, and nothing may drive them.
 void check_stepped(const Beamline& beamline, const Sections& sections, Faults& out) {
@@ -210,7 +218,10 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
                              *field,
                              sorts ? "sorts the levels by its gradient" : "is followed along each path",
                              metres(stretch.begin), metres(stretch.end)),
-           field == nullptr ? "omit it, or let gravity act across the beam" : "move it out of the field"});
+           field == nullptr ? "omit it, or let gravity act across the beam"
+           : has_reach(find_part(beamline, *field)->part)
+               ? fmt::format("move it out of the field, or let `reach` end that of `{}` before it", *field)
+               : "move it out of the field"});
       return;
     }
   }

@@ -115,21 +115,20 @@ std::vector<Leaf> leaves_of(const Beamline& beamline) {
 
 }  // namespace
 
-std::vector<ResolvedParameter> resolved_parameters(const Experiment& experiment) {
+std::vector<ResolvedParameter> resolved_parameters(const ScanPoints& points) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   std::vector<ResolvedParameter> out;
   std::map<std::string, std::size_t> columns;  // where a name is not where it was at the first point
-  const std::size_t points = experiment.points.size();
   const auto put = [&](ResolvedParameter& column, std::size_t point, const Leaf& leaf) {
     if (column.values.size() == 1 && leaf.same_as(column.values[0], column.words[0])) return;
-    column.values.resize(points, column.values[0]);
+    column.values.resize(points.size(), column.values[0]);
     column.values[point] = leaf.value;
     if (column.words.size() == 1 && leaf.word == column.words[0]) return;
-    column.words.resize(points, column.words[0]);
+    column.words.resize(points.size(), column.words[0]);
     column.words[point] = leaf.word;
   };
-  for (std::size_t point = 0; point < points; ++point) {
-    const std::vector<Leaf> leaves = leaves_of(experiment.points[point]);
+  for (std::size_t point = 0; point < points.size(); ++point) {
+    const std::vector<Leaf> leaves = leaves_of(points[point]);
     std::vector<bool> seen(out.size());
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       std::size_t at = i;

@@ -1,5 +1,6 @@
 #pragma once
-// Every parameter of an experiment with its value, defaults included, as results keep them.
+// Every parameter of a beamline with its value, defaults included, as results keep them.
+
 #include "beamline/experiment.hpp"
 #include "simulation/result.hpp"
 
@@ -7,6 +8,6 @@ namespace rabiline {
 
 /// Numbers in SI and words, by dotted names; of what differs between the points of a scan, one for each of
 /// them.
-std::vector<ResolvedParameter> resolved_parameters(const Experiment&);
+std::vector<ResolvedParameter> resolved_parameters(const ScanPoints& points);
 
 }  // namespace rabiline

@@ -181,4 +181,12 @@ struct Track {
   std::vector<double> sx, sy, sz;
 };
 
+/// Paths, and what they led through.
+struct Tracks {
+  std::string title;
+  std::vector<PartName> parts;
+  std::vector<ResolvedParameter> parameters;
+  std::vector<Track> paths;
+};
+
 }  // namespace rabiline

@@ -4,6 +4,7 @@
 
 #include "core/version.hpp"
 #include "storage/nexus.hpp"
+#include "storage/parameters_group.hpp"
 
 namespace rabiline {
 namespace {
@@ -77,18 +78,18 @@ void write_parts(const GroupWriter& entry, const std::vector<PartName>& parts) {
   group.dataset("drives", shape, drives);
 }
 
-hdf5::FileWriter file_of(const std::string& title, const std::vector<Track>& tracks,
-                         const std::vector<PartName>& parts, const std::filesystem::path& path) {
+hdf5::FileWriter file_of(const Tracks& tracks, const std::filesystem::path& path) {
   hdf5::FileWriter file(path);
   {
-    const GroupWriter entry = nexus::write_entry(file, path.filename().string(), title, version);
-    nexus::Names names({"title", "program_name", "law", "parts"});
-    if (!parts.empty()) write_parts(entry, parts);
-    if (!tracks.empty()) entry.text("law", tracks.front().law, {{"long_name", "law of motion"}});
-    for (const Track& track : tracks) {
+    const GroupWriter entry = nexus::write_entry(file, path.filename().string(), tracks.title, version);
+    nexus::Names names({"title", "program_name", "law", "parts", "parameters"});
+    if (!tracks.parts.empty()) write_parts(entry, tracks.parts);
+    if (!tracks.parameters.empty()) nexus::write_parameters(entry, tracks.parameters);
+    if (!tracks.paths.empty()) entry.text("law", tracks.paths.front().law, {{"long_name", "law of motion"}});
+    for (const Track& track : tracks.paths) {
       const std::string name = names.claim(fmt::format("particle_{}", track.particle), {""});
-      if (&track == &tracks.front()) entry.attribute("default", name);
-      write_track(entry, name, title, track);
+      if (&track == &tracks.paths.front()) entry.attribute("default", name);
+      write_track(entry, name, tracks.title, track);
     }
   }
   return file;
@@ -96,13 +97,7 @@ hdf5::FileWriter file_of(const std::string& title, const std::vector<Track>& tra
 
 }  // namespace
 
-void write_tracks(const std::string& title, const std::vector<Track>& tracks,
-                  const std::vector<PartName>& parts, const std::filesystem::path& path) {
-  file_of(title, tracks, parts, path).save();
-}
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>& tracks,
-                                const std::vector<PartName>& parts) {
-  return file_of(title, tracks, parts, hdf5::in_memory).image();
-}
+void write_tracks(const Tracks& tracks, const std::filesystem::path& path) { file_of(tracks, path).save(); }
+std::vector<std::byte> image_of(const Tracks& tracks) { return file_of(tracks, hdf5::in_memory).image(); }
 
 }  // namespace rabiline

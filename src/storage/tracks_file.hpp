@@ -2,7 +2,6 @@
 // Trajectories as one HDF5 file in NeXus base classes: one plot of x against y per particle.
 #include <cstddef>
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "simulation/result.hpp"
@@ -11,10 +10,8 @@
 namespace rabiline {
 
 /// Writes the file wholly and verified, or not at all. Throws StorageError.
-void write_tracks(const std::string& title, const std::vector<Track>&, const std::vector<PartName>&,
-                  const std::filesystem::path&);
+void write_tracks(const Tracks&, const std::filesystem::path&);
 /// The bytes of such a file.
-std::vector<std::byte> image_of(const std::string& title, const std::vector<Track>&,
-                                const std::vector<PartName>&);
+std::vector<std::byte> image_of(const Tracks&);
 
 }  // namespace rabiline

@@ -252,6 +252,29 @@ def test_temperature_over_gradient_comes_back_and_both_are_told_to_be_degenerate
     assert "not known by itself" in str(both)
 
 
+def test_what_the_noise_of_few_particles_hides_is_not_called_degenerate() -> None:
+    magnet = rabiline.load("""
+rabiline: 1
+species: natural Ag atom
+law: quantum
+source: {speed: {kind: effusive, temperature: 1300 K}, opening: {width: 1 mm, height: 0.03 mm}, direction: {kind: aimed, target: s1}}
+parts:
+  - {name: s1, kind: slit, at: 0.05 m, width: 1 mm, height: 0.03 mm}
+  - {name: mag, kind: gradient_magnet, at: 0.1 m, length: 3.5 cm, field: 1 T, gradient: 1500 T/m}
+  - {name: wire, kind: detector, at: 0.3 m, width: 5 mm, height: 0.02 mm, bins: [1, 1]}
+particles: 20000
+seed: 3
+""")
+    counts = measured(magnet, "wire.offset.z", np.linspace(-1, 1, 61) * 1e-3, "m", {"mag.gradient": 1400}, 2e4)
+    free = ["mag.gradient", "background"]
+    few = fit_counts(magnet, replace(counts, counts=counts.counts + 8), free, intervals=False)
+    assert all(direction.hidden for direction in few.degenerate) and few.wanted_particles > few.particles
+    assert "mag.gradient  lost in the simulation's noise, held near 1" in str(few) and "degenerate" not in str(few)
+    assert "help: 20000 particles at each point may be too few to tell: try --particles " in str(few)
+    many = fit_counts(magnet.set(particles=300000), replace(counts, counts=counts.counts + 8), free, intervals=False)
+    assert not many.degenerate and abs(many["mag.gradient"][0] - 1400) < 3.5 * many["mag.gradient"][1] < 150
+
+
 def test_what_has_no_effect_is_refused(ramsey: rabiline.Experiment, fringes: Counts) -> None:
     with pytest.raises(NoFit, match="has no effect"):
         fit_counts(ramsey, fringes, ["guide.length"])

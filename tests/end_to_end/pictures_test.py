@@ -10,6 +10,7 @@ from typing import Callable
 
 import numpy as np
 import pytest
+import runs
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -137,11 +138,11 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
         else:
             experiment = experiment.set(particles=min(PARTICLES, int(experiment.value("particles"))))
             figures = drawn(experiment.fly(), name)
-            tracks = experiment.trace(5)
+            tracks = experiment.trace(3)
             figures["tracks"] = pictures.plot_of(tracks, "tracks", {"title": LONG})
             figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": PAGE})
             figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
-            figures["draw"] = draw_apparatus(experiment.scan(), 10, LONG)
+            figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
             with style.here(PAGE):
                 figures["draw, small"] = draw_apparatus(experiment.scan(), 2, LONG)
         wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
@@ -160,6 +161,18 @@ def test_a_column_has_room_for_eight_profiles() -> None:
     looks = {(path.get_edgecolor(), str(path.get_linestyle())) for path in figure.axes[0].patches}
     assert len(looks) == 8
     plt.close(figure)
+
+
+def test_paths_are_named_by_what_their_files_were_flown_with(tmp_path: Path) -> None:
+    for name, field in (("a", "9 mT"), ("b", "10 mT")):
+        runs.rabiline("trace", BEAMLINES / "suggested-experiment.yaml", "-n", 2, "--set", f"B.field={field}", "-o", tmp_path / f"{name}.h5")
+    for size in (None, PAGE):
+        with style.here(size):
+            figure = pictures.plot_tracks(Namespace(files=[tmp_path / "a.h5", tmp_path / "b.h5"], region=[], title=LONG, in_space=False))
+            assert not faults(figure)
+        named = [text.get_text() for text in figure.axes[-1].get_legend().get_texts()]
+        assert named[:2] == [f"dorado (torque, κ = 1), B.field = {field}" for field in ("9 mT", "10 mT")]
+        plt.close(figure)
 
 
 MANY = 1_000_000  # counts in a bin

@@ -87,6 +87,11 @@ def test_every_dataset_of_a_grid_has_its_bits_in_slabs(folder: Path) -> None:
         assert rabiline("verify", name, cwd=folder).returncode == DONE
 
 
+def test_check_says_that_it_plans_a_long_scan(folder: Path) -> None:
+    done = rabiline("check", "filters.yaml", "--scan", "flipper.frequency=20 kHz:40 kHz:50001", cwd=folder)
+    assert done.returncode == DONE and done.stderr == "planning 50001 scan points\n"
+
+
 # Under `classical` no point follows from the flight of another.
 FLOWN = ("--set", "law=classical", "--particles", "24", "--scan", "RF.amplitude=1 uT:3 uT:2", "--scan", "RF.frequency=9.32 MHz:9.33 MHz:4050")
 FLOWN_IN_SLABS = (*FLOWN, "--max-memory", "700MiB", "--progress", "none")

@@ -208,7 +208,7 @@ TEST_F(Face, FollowsParticlesByTheirNumbers) {
   EXPECT_EQ(tracks.front().particle, 1001U);
   EXPECT_EQ(tracks.front().where, "D");
   EXPECT_THROW(trace(setup, 1003, 1), std::invalid_argument);
-  write(tracks, setup.title(), folder_ / "tracks.h5");
+  write(tracks, setup, folder_ / "tracks.h5");
   EXPECT_EQ(numbers_in(folder_ / "tracks.h5", "/entry/particle_1002/t", tracks[1].t.size()), tracks[1].t);
 }
 

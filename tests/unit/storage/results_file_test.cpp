@@ -258,7 +258,7 @@ TEST(ResultsFile, IsFoundOutWhereItWasForged) {
 TEST(TracksFile, KeepsEveryTrackEvenOfTheSameParticle) {
   const Folder folder;
   const std::vector<Track> tracks = samples::tracks();
-  write_tracks("Bench", tracks, {}, folder / "t.h5");
+  write_tracks({"Bench", {}, {}, tracks}, folder / "t.h5");
   EXPECT_EQ(read(folder / "t.h5", "/entry/particle_7/x").values, tracks[0].x);
   EXPECT_EQ(read(folder / "t.h5", "/entry/particle_11/y").values, tracks[1].y);
   EXPECT_EQ(read(folder / "t.h5", "/entry/particle_7_/sz").values, tracks[2].sz);

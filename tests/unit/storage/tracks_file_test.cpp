@@ -40,7 +40,7 @@ TEST(TracksFile, NamesTheLawOnceForAllAndOfEachParticle) {
   const Folder folder;
   std::vector<Track> tracks = samples::tracks();
   for (Track& track : tracks) track.law = "dorado (torque, kappa = 1)";
-  write_tracks("Bench", tracks, {}, folder / "t.h5");
+  write_tracks({"Bench", {}, {}, tracks}, folder / "t.h5");
   EXPECT_EQ(text(folder / "t.h5", "/entry/law", ""), "dorado (torque, kappa = 1)");
   for (const char* name : {"particle_7", "particle_11", "particle_7_"})
     EXPECT_EQ(text(folder / "t.h5", std::string("/entry/") + name, "law"), "dorado (torque, kappa = 1)");

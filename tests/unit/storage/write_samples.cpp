@@ -15,5 +15,5 @@ int main(int, char** arguments) {
   write_results(samples::result({samples::frequency_axis(11), samples::field_axis(3)}, {"left", "right"}),
                 folder / "grid_detectors.h5");
   write_results(samples::result({samples::law_axis()}, {"screen"}), folder / "law.h5");
-  write_tracks("Bench", samples::tracks(), {}, folder / "tracks.h5");
+  write_tracks({"Bench", {}, {}, samples::tracks()}, folder / "tracks.h5");
 }
