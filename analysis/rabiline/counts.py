@@ -58,6 +58,10 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
             f"what is the column `{unknown[0]}`?" if unknown else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
+    for name, unit in table.columns:
+        if unit and (name in ("counts", "emitted") or name == "seconds" and unit != "s"):
+            raise FileError(table.path, f"line {table.header}: `{name}` has the unit `{unit}`: " + (
+                "write the times in seconds" if name == "seconds" else "write what was counted, which has none, and of a rate the time at each point in a column `seconds`"))
     if not table.rows:
         raise FileError(table.path, f"line {table.header}: nothing stands below the names of the columns")
     if len(others) == 2:  # along the one that has more values
@@ -71,6 +75,8 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
         if not kept.any() or (detector is None and len(set(named)) > 1):
             raise FileError(table.path, f"there is {', '.join(dict.fromkeys(named))}: choose one with --detector")
     x = np.array(table.numbers(parameter))[kept]
+    counts = np.array(table.numbers("counts"))[kept]
+    _require(table, kept, counts >= 0, "counts below 0: they are what was counted; a background that was taken off stays in them, as the parameter `background`")
     counts = _column(table, "counts", kept, 0.0)
     _require(table, kept, counts == np.rint(counts), "counts must be whole numbers, as they were counted, background included")
     if not counts.any():

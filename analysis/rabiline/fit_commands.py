@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from argparse import ArgumentParser
 from pathlib import Path
@@ -95,10 +96,15 @@ class _Time:
                  f"about {self.usual} of them, {seconds * self.usual:.0f} s; fewer --explore are faster"), file=sys.stderr, flush=True)
 
 
+def _free(options: argparse.Namespace) -> list[str]:
+    """The parameters of --free, whatever blanks stand between them."""
+    return re.sub(r"\s*([,+])\s*", r"\1", options.free.strip()).split(",")
+
+
 def fit(options: argparse.Namespace) -> Figure | None:
     """Parameters of an experiment from measured counts."""
     from .fitting import fit_counts
-    names = options.free.split(",")
+    names = _free(options)
     experiment = _experiment(options).scan()
     found = fit_counts(experiment, options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
                        told=_Time(len(names), experiment.value("particles")))
@@ -116,7 +122,7 @@ def forecast(options: argparse.Namespace) -> None:
     for text in options.scan:
         name, _, values = text.partition("=")
         experiment = experiment.scan(name, values)
-    print(expected(experiment, options.free.split(","), rate=options.rate, seconds=options.seconds,
+    print(expected(experiment, _free(options), rate=options.rate, seconds=options.seconds,
                    background=options.background, known_rate=options.known_rate, detector=options.detector,
                    threads=options.threads))
 

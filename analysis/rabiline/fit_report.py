@@ -53,7 +53,7 @@ def report(fit: CountsFit) -> Iterable[str]:
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.999)) * fit.particles
-        yield (f"  {fit.share_of_simulation:.0%} of a variance is the simulation's own: `particles` of {wanted:.2g} make it a "
+        yield (f"  {fit.share_of_simulation:.0%} of a variance comes from the simulation itself: {wanted:.2g} `particles` would make that a "
                "tenth")
     for one in fit.held:
         yield from _about_held(fit, one)

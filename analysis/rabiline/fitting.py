@@ -150,6 +150,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
         values[names.index(name)] = value
     exposure = exposure_of(model, counts, values)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))
+    if counts.counts.size < len(names) + len(extra):
+        raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
     model.scaled = SCALE in extra
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
                                       0.1 * counts.counts.min() for name in extra]])

@@ -18,6 +18,7 @@ from .track_plots import ENDS
 from .tracks import Tracks
 from .units import Scale, fitting_scale
 
+LETTERS = 105  # of a legend
 LETTER, ROW = 0.022, 0.1  # of a name above its region: the width of a letter, and the height of a row, in parts of the axes
 
 
@@ -56,7 +57,7 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
     axes.view_init(elev=20, azim=-35)
     style.write_title(figure, title)
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
-    axes.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0.02), ncol=len(lines))
+    axes.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0.02), ncol=style.columns_of(labels, LETTERS))
     return figure
 
 

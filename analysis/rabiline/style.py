@@ -120,6 +120,16 @@ def upright(figure: Figure, text: str, foot: float = 0.0) -> str:
     return in_lines(text, 0.95 * height, letter)
 
 
+def columns_of(labels: Sequence[str], room: int, most: int = 4) -> int:
+    """As many columns of a legend as fit into `room` letters."""
+    for columns in range(min(most, len(labels)), 1, -1):
+        rows = -(-len(labels) // columns)
+        widths = [max(map(len, labels[first:first + rows])) + 7 for first in range(0, len(labels), rows)]
+        if sum(widths) <= room:
+            return columns
+    return 1
+
+
 def head_of(figure: Figure) -> float:
     """[inches] The height of its title, which has been written."""
     title = figure._suptitle

@@ -19,6 +19,7 @@ from .units import Scale, fitting_scale
 MILLI = 1e3
 STILL = 1e-6  # rad: a spin that tilts less needs no panel
 TILTED = np.radians(20)  # a spin that tilts by more is shown on the whole sphere
+LETTERS = 86  # of a legend below the panels
 ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
 
 
@@ -62,7 +63,8 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     style.write_title(figure, title)
-    panels[-1].legend(handles=_legend(styled), loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=4)
+    lines = _legend(styled)
+    panels[-1].legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=style.columns_of([line.get_label() for line in lines], LETTERS))
     return figure
 
 

@@ -172,9 +172,12 @@ class Tracer {
                        : beamline_.parts[static_cast<std::size_t>(counted.part())].placement.name;
   }
 
-  /// A straight flight up to a plane, with the turning of the spin on the way.
+  /// A straight flight up to a plane, or a parabola under gravity, with the turning of the spin on the way.
   void record_straight(double y) {
     const double last = track_.y.empty() ? y : track_.y.back();
+    std::vector<double> places;
+    if (beamline_.gravity && last < y)
+      for (double i = 0; i <= fewest_points; ++i) places.push_back(std::lerp(last, y, i / fewest_points));
     for (const SpinZone& zone : zones_) {
       const double begin = std::max(zone.begin, last), end = std::min(zone.end, y);
       if (begin >= end) continue;
@@ -182,8 +185,10 @@ class Tracer {
       for (int i = 0; i < zone.drives; ++i) rate += std::abs(zone.drive[i].spin_rate);
       const double turns = rate * (end - begin) / batch_.view().vy[0] / (2 * std::numbers::pi);
       const double points = std::clamp(std::ceil(points_per_turn * turns), fewest_points, most_points);
-      for (double i = 0; i <= points; ++i) record_at(std::lerp(begin, end, i / points));
+      for (double i = 0; i <= points; ++i) places.push_back(std::lerp(begin, end, i / points));
     }
+    std::ranges::sort(places);
+    for (const double place : places) record_at(place);
     record_at(y);
   }
   /// Turns the spin of the recorded batch from where it is on to y.

@@ -166,12 +166,12 @@ def test_a_column_has_room_for_eight_profiles() -> None:
 def test_paths_are_named_by_what_their_files_were_flown_with(tmp_path: Path) -> None:
     for name, field in (("a", "9 mT"), ("b", "10 mT")):
         runs.rabiline("trace", BEAMLINES / "suggested-experiment.yaml", "-n", 2, "--set", f"B.field={field}", "-o", tmp_path / f"{name}.h5")
-    for size in (None, PAGE):
+    for size, in_space in ((None, False), (PAGE, False), (None, True)):
         with style.here(size):
-            figure = pictures.plot_tracks(Namespace(files=[tmp_path / "a.h5", tmp_path / "b.h5"], region=[], title=LONG, in_space=False))
+            figure = pictures.plot_tracks(Namespace(files=[tmp_path / "a.h5", tmp_path / "b.h5"], region=[], title=LONG, in_space=in_space))
             assert not faults(figure)
-        named = [text.get_text() for text in figure.axes[-1].get_legend().get_texts()]
-        assert named[:2] == [f"dorado (torque, κ = 1), B.field = {field}" for field in ("9 mT", "10 mT")]
+        named = [text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()]
+        assert named[:2] == [f"dorado (hypothesis), torque, κ = 1, B.field = {field}" for field in ("9 mT", "10 mT")]
         plt.close(figure)
 
 

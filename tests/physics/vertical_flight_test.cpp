@@ -38,6 +38,19 @@ double time_to(double start, double gravity, double height) {
   return (speed_at(start, gravity, height) - start) / gravity;
 }
 
+TEST(Track, FollowsTheParabolaOfAFallAcrossTheBeam) {
+  const double speed = 10;
+  Beamline b = rising(speed, {place("B", 0.3, UniformField{0.2, 1e-6, {}})});
+  b.gravity->direction = {0, 0, -1};
+  const Track track = fly(b);
+  double widest = 0;
+  for (std::size_t i = 0; i < track.y.size(); ++i) {
+    EXPECT_NEAR(track.z[i], -g / 2 * std::pow(track.y[i] / speed, 2), 1e-12);
+    if (i > 0) widest = std::max(widest, track.y[i] - track.y[i - 1]);
+  }
+  EXPECT_LT(widest, 0.13);  // an eighth of the way: chords are within 1/64 of the fall
+}
+
 TEST(FreeFallAlongTheBeam, ChangesTheSpeedByTheHeight) {
   for (const double sign : {-1.0, 1.0}) {
     const Track t = fly(rising(5, {}, sign));

@@ -21,7 +21,7 @@ void Attenuation::pass(StageContext& context) const {
 }
 void Attenuation::list_sums(SumSink& sink) const { sink.fate("scattered", part, 0); }
 void Attenuation::explain(PlanReport& report) const {
-  report.line("{}  {}: gas lets {:.4g} of each weight along the beam pass{}", PlanReport::metres(at),
+  report.line("{}  {}: gas that {:.4g} of what flies along the axis passes{}", PlanReport::metres(at),
               report.name_of(part), portable::exp(-depth), report.reuse);
 }
 /// It changes weights.

@@ -140,8 +140,8 @@ TEST(Units, RefuseNumbersThatWouldOverflowOrVanish) {
 TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_THAT(parse_quantity("1 KHz").suggestion, HasSubstr("`kHz`"));
   EXPECT_THAT(parse_quantity("1 mt").suggestion, HasSubstr("`mT`"));
-  EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write `m`");
-  EXPECT_EQ(parse_quantity("1 Gauss", Dimension::magnetic_field).suggestion, "write `G`");
+  EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write `1 m`");
+  EXPECT_EQ(parse_quantity("1 Gauss", Dimension::magnetic_field).suggestion, "write `1 G`");
   EXPECT_EQ(parse_quantity("1 Gauss", Dimension::length).suggestion, "");
   EXPECT_EQ(parse_quantity("6 Gs", Dimension::magnetic_field).suggestion, "did you mean `G`?");  // no 6e9 s
   EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);

@@ -57,14 +57,14 @@ TEST(AtomLibrary, ReproducesTheSplittingsInMegahertz) {
     double splitting;
   } rows[] = {{"H", 1420.405751768},   {"D", 327.384352522},     {"Li-6", 228.205261},
               {"Li-7", 803.504087},    {"Na-23", 1771.626129},   {"K-39", 461.719720},
-              {"K-41", 254.013870},    {"Rb-85", 3035.732439},   {"Rb-87", 6834.682611},
+              {"K-41", 254.013870},    {"Rb-85", 3035.732439},   {"Rb-87", 6834.682610904},
               {"Cs-133", 9192.631770}, {"Ag-107", -1712.512111}, {"Ag-109", -1976.932075}};
   for (const auto& [name, splitting] : rows) {
     const HyperfineAtom& atom = *find_atom(name);
     const Levels levels = levels_at(coupled_spins(atom), 0);
     const int upper = *find_weak_field_level(levels.labels, atom.twice_i + 1, atom.twice_i - 1);
     const int lower = *find_weak_field_level(levels.labels, atom.twice_i - 1, atom.twice_i - 1);
-    EXPECT_NEAR(transition_frequency(levels, lower, upper) / 1e6, splitting, 1e-9 * std::abs(splitting));
+    EXPECT_NEAR(transition_frequency(levels, lower, upper) / 1e6, splitting, 1e-12 * std::abs(splitting));
   }
 }
 
