@@ -109,7 +109,7 @@ std::optional<Diagnostic> stray_item(const Place& key) {
   const std::vector<std::string>& lines = key.text->lines;
   const auto number = static_cast<std::size_t>(key.line - 1),
              column = static_cast<std::size_t>(key.column - 1);
-  if (number == 0 || number >= lines.size()) return std::nullopt;
+  if (number == 0 || number >= lines.size() || column >= lines[number].size()) return std::nullopt;
   const std::string &above = lines[number - 1], &here = lines[number];
   if (here.compare(column, 2, "- ") == 0)
     return Diagnostic{key, "this item belongs to no list",
