@@ -75,9 +75,7 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
         if not kept.any() or (detector is None and len(set(named)) > 1):
             raise FileError(table.path, f"there is {', '.join(dict.fromkeys(named))}: choose one with --detector")
     x = np.array(table.numbers(parameter))[kept]
-    counts = np.array(table.numbers("counts"))[kept]
-    _require(table, kept, counts >= 0, "counts below 0: they are what was counted; a background that was taken off stays in them, as the parameter `background`")
-    counts = _column(table, "counts", kept, 0.0)
+    counts = _column(table, "counts", kept, 0.0, ": counts are what was counted, and a background that was taken off belongs back, as the parameter `background`")
     _require(table, kept, counts == np.rint(counts), "counts must be whole numbers, as they were counted, background included")
     if not counts.any():
         raise FileError(table.path, "nothing was counted at any point")
@@ -94,10 +92,10 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
 
 
-def _column(table: Table, name: str, kept: np.ndarray, least: float) -> np.ndarray:
+def _column(table: Table, name: str, kept: np.ndarray, least: float, help_of_range: str = "") -> np.ndarray:
     values = np.array(table.numbers(name))[kept]
     good = (values >= least) & (values <= 2**53)
-    _require(table, kept, good, f"`{name}` is {values[np.argmin(good)]:g}, which is out of range")
+    _require(table, kept, good, f"`{name}` is {values[np.argmin(good)]:g}, which is out of range{help_of_range}")
     return values
 
 

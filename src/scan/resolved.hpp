@@ -1,6 +1,5 @@
 #pragma once
 // Every parameter of a beamline with its value, defaults included, as results keep them.
-
 #include "beamline/experiment.hpp"
 #include "simulation/result.hpp"
 

@@ -172,11 +172,12 @@ class Tracer {
                        : beamline_.parts[static_cast<std::size_t>(counted.part())].placement.name;
   }
 
-  /// A straight flight up to a plane, or a parabola under gravity, with the turning of the spin on the way.
+  /// A straight flight up to a plane, or a parabola under gravity across the beam, with the turning of the
+  /// spin on the way.
   void record_straight(double y) {
     const double last = track_.y.empty() ? y : track_.y.back();
     std::vector<double> places;
-    if (beamline_.gravity && last < y)
+    if (beamline_.gravity && beamline_.gravity->direction.y == 0 && last < y)
       for (double i = 0; i <= fewest_points; ++i) places.push_back(std::lerp(last, y, i / fewest_points));
     for (const SpinZone& zone : zones_) {
       const double begin = std::max(zone.begin, last), end = std::min(zone.end, y);

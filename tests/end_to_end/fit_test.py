@@ -372,7 +372,7 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
     ("C1.frequency,counts\n29,1\n30,1\n", "it has no unit\n  help: write `C1.frequency \\[Hz\\]`"),
     ("C1.frequency [khz],counts\n29,1\n30,1\n", "write `kHz`"), ("C1.frequency [kHz];counts\n29;1\n", "a comma stands between columns"),
     ("C1.frequency [kHz],Count\n29,1\n", "no column `counts`, but `Count`"), ("C1.frequency [kHz],counts [1/s]\n29,1\n30,1\n", "`counts` has the unit `1/s`: write what was counted"),
-    ("C1.frequency [kHz],counts,seconds [ms]\n29,1,1\n30,1,1\n", "write the times in seconds"), ("C1.frequency [kHz],counts\n29,-1\n30,1\n", "line 2: counts below 0"),
+    ("C1.frequency [kHz],counts,seconds [ms]\n29,1,1\n30,1,1\n", "write the times in seconds"), ("C1.frequency [kHz],counts\n29,-1\n30,1\n", "line 2: `counts` is -1, which is out of range: counts are what was counted"),
     ("C1.frequency [kHz],C2.phase [deg],guide.field [mT],counts\n1,2,3,4\n", "two parameters are scanned at most")])
 def test_a_table_that_cannot_be_used_is_told_with_its_line(ramsey: rabiline.Experiment, tmp_path: Path, table: str,
                                                            reason: str) -> None:
