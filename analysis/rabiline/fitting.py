@@ -16,9 +16,9 @@ from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
 from .covariance import LEAST_P
-from .curve_model import CurveModel, NoFit, Surface, check_columns
+from .curve_model import LARGEST_STEP, CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
-from .held import Held, held
+from .held import NEUTRAL, Held, held
 from .profiles import Profiles, profiles
 from .units import format_value
 
@@ -155,6 +155,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     model.scaled = SCALE in extra
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
                                       0.1 * counts.counts.min() for name in extra]])
+    first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
     found = profiles(model, problem, values, intervals)
     for _ in range(MOST_MINIMA):
@@ -163,7 +164,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
         surface = Surface.about(model, found.lower[:len(names)], problem.surface.steps)
         values, problem = _settle(model, found.lower, replace(problem, surface=surface))
         found = profiles(model, problem, values, intervals)
-    return _conclude(model, counts, problem, values, found)
+    return _conclude(model, counts, problem, first, values, found)
 
 
 def exposure_of(model: CurveModel, counts: Counts, values: np.ndarray) -> Exposure:
@@ -280,7 +281,7 @@ def _is_there(problem: Problem, fisher: Fisher, values: np.ndarray, found: np.nd
     return bool(np.sum(scores * (fisher.inverse @ scores)) < REST**2 * values.size)
 
 
-def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray, profiled: Profiles) -> CountsFit:
+def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, profiled: Profiles) -> CountsFit:
     k = len(model.names)
     mu, _, each = problem.mean(values)
     modes = problem.modes(mu, each)
@@ -297,8 +298,33 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, values: np.nd
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      share_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
-                     () if not all(direction.hidden for direction in degenerate) else held(problem, values, errors), model.start()[:k],
+                     () if not all(direction.hidden for direction in degenerate) else _held(model, counts, problem, first, values, errors),
+                     model.start()[:k],
                      tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
+
+
+def _held(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray) -> tuple[Held, ...]:
+    """What was not free, asked for where the fit has come to rest, and where that is far from the `first` values, by a search from there."""
+    local = held(problem, values, errors)
+    moves = np.abs(values - first)
+    if (moves <= np.maximum(FAR * errors, LARGEST_STEP * np.abs(first))).all():
+        return local
+    return tuple(one if one.is_wanted else _searched(model, counts, problem, first, values, errors, one) for one in local)
+
+
+def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray, one: Held) -> Held:
+    """The same by a search from the `first` values, if that comes to rest at a curve that fits better: both as the particles explored have them."""
+    k = len(model.names)
+
+    def least(problem: Problem, values: np.ndarray) -> float:
+        return replace(problem, surface=Surface.level(model.at(values[:k]), values[:k])).least(values, range(k))[1]
+
+    try:
+        found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, NEUTRAL[one.name]))
+    except NoFit:
+        return one
+    fall = least(problem, values) - least(freed, found)
+    return replace(one, value=float(found[-1]), fall=fall, moved=(found[:-1] - values) / errors) if fall > one.fall else one
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]

@@ -152,7 +152,7 @@ TEST_F(Face, ReadsWhatATextNamesInItsFolder) {
 }
 
 TEST_F(Face, GoesOnFromASnapshotToTheSameBits) {
-  const auto setup = load_text(beamline, {}, {.particles = "2000000"});
+  const auto setup = load_text(beamline, {}, {.particles = "500000"});
   const std::optional<Result> whole = run(setup, {.threads = 2});
   ASSERT_TRUE(whole);
 

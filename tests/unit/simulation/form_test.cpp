@@ -19,8 +19,12 @@ constexpr std::uint64_t no_memory = 1, all_memory = std::uint64_t{1} << 40;
 
 Experiment scan_of(const Apparatus& apparatus) {
   Experiment e;
-  e.points = {many, [apparatus](std::size_t p) {
-                return apparatus.at(apparatus.resonance() * (1 + 1e-6 * (static_cast<double>(p) - many / 2)));
+  const double resonance = apparatus.resonance();
+  e.points = {many, [first = apparatus.at(resonance), resonance](std::size_t p) {
+                Beamline b = first;
+                std::get<RotatingField>(b.parts[2].part).frequency =
+                    resonance * (1 + 1e-6 * (static_cast<double>(p) - many / 2));
+                return b;
               }};
   return e;
 }

@@ -67,7 +67,7 @@ TEST(Ranks, FlyAShardTogether) {
 }
 
 TEST(Ranks, AreAllStoppedByTheSignalOfOneAndGoOnInAnyNumber) {
-  const Plan plan = make_plan(small(200000));
+  const Plan plan = make_plan(small(80000));
   const Sums expected = run(plan, options_for(2)).sums;
   std::atomic<bool> stop{false};
   Snapshot kept;
@@ -106,7 +106,7 @@ TEST(Ranks, EndAtThePrecisionOfAllOfThem) {
 }
 
 TEST(Ranks, EndTogetherWhereOneFailsAndKeepWhatHasFlown) {
-  const Plan plan = make_plan(small(200000));
+  const Plan plan = make_plan(small(80000));
   Snapshot kept;
   std::atomic<int> failures{0};
   test::as_team(3, [&](Ranks& own) {
