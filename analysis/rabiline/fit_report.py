@@ -96,8 +96,13 @@ def _about_unit(fit: CountsFit) -> Iterable[str]:
 
 def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
     """What the counts say about a parameter that was not free, and what hangs on it."""
-    if one.is_wanted:
-        i = int(np.argmax(np.abs(one.moved)))
+    i = int(np.argmax(np.abs(one.moved)))
+    if one.searched:
+        there = format_value(float(f"{fit.values[i] + one.moved[i] * fit.errors[i]:.3g}"), fit.units[i], None, fit.written_unit(i))
+        yield (f"  `{one.name}` is not free, and the counts fit as well with {one.value:.3g} of it and {fit.names[i]} near {there}, {abs(one.moved[i]):.0f} "
+               "of its errors from here: a search from where the fit started ends there")
+        yield f"  help: fit with `{one.name}` in --free, or measure it"
+    elif one.is_wanted:
         yield (f"  `{one.name}` is not free, and the counts lean towards {one.value:.3g} by {np.sqrt(one.fall):.1f} standard "
                f"deviations, whatever chi² says: that moves {fit.names[i]} by {abs(one.moved[i]):.1f} of its errors, or more")
         yield f"  help: fit with `{one.name}` in --free"

@@ -294,12 +294,12 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
     chi_squared = float(residual @ problem.weigh(residual[:, None], mu, modes)[:, 0])
     errors = np.sqrt(np.diag(covariance))
     units = (*model.units, *("" for _ in problem.extra))
+    others = _held(model, counts, problem, first, values, errors) if all(direction.hidden for direction in degenerate) else ()
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      share_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
-                     () if not all(direction.hidden for direction in degenerate) else _held(model, counts, problem, first, values, errors),
-                     model.start()[:k],
+                     others, model.start()[:k],
                      tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
@@ -313,7 +313,8 @@ def _held(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray
 
 
 def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray, one: Held) -> Held:
-    """The same by a search from the `first` values, if that comes to rest at a curve that fits better: both as the particles explored have them."""
+    """The same by a search from the `first` values, if that comes to rest far away at a curve that fits as well: both as the particles explored
+    have them."""
     k = len(model.names)
 
     def least(problem: Problem, values: np.ndarray) -> float:
@@ -324,7 +325,8 @@ def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
     except NoFit:
         return one
     fall = least(problem, values) - least(freed, found)
-    return replace(one, value=float(found[-1]), fall=fall, moved=(found[:-1] - values) / errors) if fall > one.fall else one
+    moved = (found[:-1] - values) / errors
+    return replace(one, value=float(found[-1]), fall=fall, moved=moved, searched=True) if fall > 0 and (np.abs(moved) > FAR).any() else one
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]

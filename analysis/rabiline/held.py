@@ -4,6 +4,7 @@ A chi² over many points hardly sees one direction: a background that makes it r
 that imitate a background have moved by many of their errors. So that direction is asked for by itself, on the surface that
 the fit has at its end. How far Q falls with the parameter free is distributed as chi² of one degree of freedom where what is held is
 right (Wilks, Ann. Math. Stat. 9, 60, 1938). Far from there the surface is not that of the experiment: values are a direction and no result.
+A fit that has been led far away may stand where that surface shows nothing; then a search from where it started has the answer.
 """
 from __future__ import annotations
 
@@ -27,11 +28,12 @@ class Held:
     fall: float  # of Q
     moved: np.ndarray  # [k] the fit's parameters, in their errors
     by_part: np.ndarray  # [k] the same where this parameter is off by as much as is PART of all counts
+    searched: bool = False  # from where the fit started, with a curve flown there: else on the surface where it came to rest
 
     @property
     def is_wanted(self) -> bool:
-        """Whether the counts contradict what it is held at, or lean towards something that would move a parameter by its error."""
-        return self.fall > ASKS or self.fall > LEANS and bool((np.abs(self.moved) > 1).any())
+        """Whether the counts contradict what it is held at, lean towards something that would move a parameter by its error, or fit as well far away."""
+        return self.searched or self.fall > ASKS or self.fall > LEANS and bool((np.abs(self.moved) > 1).any())
 
     @property
     def matters(self) -> bool:

@@ -1,5 +1,6 @@
 """What tests of experiments share."""
 
+import gc
 import pathlib
 import subprocess
 
@@ -9,6 +10,7 @@ from experiments import EXPERIMENTS, RABILINE
 
 
 def pytest_configure(config):
+    gc.set_threshold(100_000)  # a picture is made of many small objects: looking for garbage took a fifth of its time
     config.addinivalue_line("markers", "experiment(name, ...): tests what the headers of these shipped experiments promise")
     config.addinivalue_line("markers", "slow: takes long; ctest has it as a label too")
 

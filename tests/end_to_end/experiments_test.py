@@ -242,7 +242,7 @@ def test_shared_out_weights_and_drawn_levels_agree(run, name, tmp_path):
     # Behind a tally levels are drawn anyway.
     text = re.sub(r", tallies: \[.*\]}", "}", (EXPERIMENTS / f"{name}.yaml").read_text())
     (tmp_path / f"{name}.yaml").write_text(text.replace("../geometries", str(EXPERIMENTS.parent / "geometries")))
-    particles = {"refocusing": 20000000, "hydrogen-source": 200000}.get(name, 5000)
+    particles = {"refocusing": 20000000, "hydrogen-source": 200000, "ortho-hydrogen": 2000}.get(name, 5000)
     file = run(tmp_path / name, "--particles", str(particles), "--set", "seed=11", "--set", "scan.particles=independent",
                "--scan", "law=quantum,{name: quantum, outcomes: sample}")
     split, sample = file["entry/scan/detected"][:].reshape(2, -1)
