@@ -21,6 +21,7 @@ BENT = 0.05  # of what is known of a parameter: so much by its bend
 MIDDLES = 101  # places tried for the least of two halves of parabolas
 ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
 LOWER = 0.2  # of Q: less may be the noise of what is explored
+STRENGTHS = "field", "amplitude", "gradient", "frequency", "current", "pole_field"  # with the other sign, another apparatus
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,8 @@ def _flown(model: CurveModel, problem: Problem, values: np.ndarray, number: int,
 
     def flown(place: np.ndarray) -> tuple[float, np.ndarray]:
         """The others follow the slopes, from what flies there."""
+        if place[number] * values[number] < 0 and model.names[number].endswith(STRENGTHS):
+            return np.inf, place
         try:
             change = model.at(place[:k], walking).y - model.at(surface.centre, walking).y
         except NoFit:  # no such value
