@@ -1,6 +1,7 @@
 // Fields that drive spins of one moment: those that do nothing, and what their approximations leave out.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/constants.hpp"
@@ -170,6 +171,52 @@ Faults idle_drives_of(const Beamline& beamline) {
                                  return other.against || other.part->placement.name != owner;
                                })));
   }
+  return out;
+}
+
+Faults missed_resonances_of(const ScanPoints& points) {
+  /// How near a drive comes to its resonance, over the points of a scan.
+  struct Approach {
+    std::string owner;
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;         // [rad/s] of |rotation| - |precession|
+    double nearest = HUGE_VAL, precession = 0, width = 0;  // [rad/s, rad/s, Hz] there
+    bool is_line = false;
+  };
+  std::map<std::string, Approach> drives;
+  constexpr std::size_t most = 256;
+  constexpr double golden = 0.61803398874989485;  // of all points some that are even in every axis of a grid
+  for (std::size_t i = 0; i < std::min(points.size(), most); ++i) {
+    const double share = static_cast<double>(i) * golden;
+    const Beamline point =
+        points[points.size() <= most ? i
+                                     : static_cast<std::size_t>((share - std::floor(share)) *
+                                                                static_cast<double>(points.size()))];
+    for (const Species* species : points_of(point))
+      for (const Drive& d : drives_of(point, *species)) {
+        Approach& all = drives[d.part->placement.name];
+        const double detuning = std::abs(d.rotation) - std::abs(d.larmor());
+        all.owner = owner_of_clock(*d.part);
+        all.lowest = std::min(all.lowest, detuning);
+        all.highest = std::max(all.highest, detuning);
+        all.is_line = all.is_line || d.larmor() == 0 ||
+                      std::abs(detuning) < 2 * std::max(two_pi * d.width(), d.coupling);
+        if (std::abs(detuning) < all.nearest) {
+          all.nearest = std::abs(detuning);
+          all.precession = d.larmor();
+          all.width = d.width();
+        }
+      }
+  }
+  Faults out;
+  for (const auto& [name, all] : drives)
+    if (!all.is_line && all.lowest * all.highest > 0 && all.highest - all.lowest > 1e-9 * all.nearest)
+      out.push_back(warning(
+          all.owner, "frequency",
+          fmt::format("no scan point is near the resonance of `{}`: the nearest is {} away from the {} at "
+                      "which spins precess there, and 1/T is {}",
+                      name, hertz(all.nearest), hertz(all.precession),
+                      pretty_quantity(all.width, Dimension::frequency)),
+          "scan over the resonance, or is one of the units wrong?"));
   return out;
 }
 

@@ -18,6 +18,8 @@ inline Fault warning(std::string subject, std::string key, std::string message, 
 Faults blunders_of(const Beamline&);
 /// Fields that are far from every resonance, or turn the wrong way, at one scan point.
 Faults idle_drives_of(const Beamline&);
+/// Scans that change how far a field is from its resonance, none of whose points comes near it.
+Faults missed_resonances_of(const ScanPoints&);
 /// Whether any field that such a fault is about has a size at this scan point.
 bool is_driven(const Beamline&, const Fault&);
 /// Species whose moment is too small for every magnet there is, where an atom of that name exists, at one

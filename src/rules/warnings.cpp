@@ -60,6 +60,9 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   Faults out;
   add_once(at_every_point(experiment.points, &blunders_of, &is_always_asked), out);
   add_once(at_every_point(experiment.points, &idle_drives_of, &is_driven), out);
+  for (Fault& fault : missed_resonances_of(experiment.points))
+    if (std::ranges::none_of(out, [&](const Fault& other) { return is_same(fault, other); }))
+      out.push_back(std::move(fault));
   add_once(at_every_point(experiment.points, &nuclei_among_atoms_of, &is_deflected), out);
   add_once(at_any_point(experiment.points, &absurd_numbers_of), out);
   add_once(at_any_point(experiment.points, &impossible_magnets_of), out);

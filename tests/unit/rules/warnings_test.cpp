@@ -188,26 +188,6 @@ TEST(Warnings, TellThatANucleusIsTooWeakForTheMagnetsOfItsAtom) {
   EXPECT_TRUE(warned({silver("Xe-129", 1000)}).empty());  // which has no such atom here
 }
 
-/// Two rotating fields with a magnet of 1e-9 T/m between them.
-TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
-  Beamline b = standard();
-  GradientMagnet magnet;
-  magnet.length = 0.04;
-  magnet.field = 1e-3;
-  magnet.gradient = 1e-9;
-  b.parts.insert(b.parts.begin() + 3, place("M", 0.7, magnet));
-  EXPECT_TRUE(warned({b}).empty());
-  RotatingField second = std::get<RotatingField>(b.parts[2].part);
-  b.parts.insert(b.parts.begin() + 4, place("B2", 0.8, UniformField{0.25, 10e-3, {}}));
-  b.parts.insert(b.parts.begin() + 5, place("H1", 0.8, second));
-  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}}) {
-    b.law = law;
-    const std::vector<Fault> faults = warned({b});
-    ASSERT_EQ(faults.size(), 1U);
-    EXPECT_EQ(faults[0].subject, "M");
-  }
-}
-
 /// Neutrons from a slit of some height through a field along z with a fringe of 1 cm.
 std::vector<Fault> warned_of_fringe(const Fringe& fringe, double height) {
   Beamline b = test::suggested(0);

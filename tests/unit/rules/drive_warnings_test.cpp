@@ -1,0 +1,64 @@
+// Fields that drive spins, and do not do what they are there for.
+#include <gtest/gtest.h>
+
+#include "physics/suggested.hpp"
+#include "rules/warnings.hpp"
+
+namespace rabiline::drive_warnings_test {
+namespace {
+
+using test::place;
+using test::suggested;
+
+std::vector<Fault> warned(std::vector<Beamline> points) {
+  Experiment e;
+  e.points = std::move(points);
+  return warnings_of(e, make_plan(e));
+}
+Beamline standard() {
+  Beamline b = suggested(291.6e3);
+  b.law = QuantumLaw{};
+  return b;
+}
+
+TEST(Warnings, TellThatNoPointOfAScanIsNearTheResonance) {
+  const auto scan = [](double from, double to) {
+    std::vector<Beamline> points(5, standard());
+    for (std::size_t i = 0; i < points.size(); ++i)
+      std::get<RotatingField>(points[i].parts[2].part).frequency =
+          from + (to - from) * static_cast<double>(i) / 4;
+    return warned(points);
+  };
+  // Spins precess at 291.6 kHz, and 1/T is 5 kHz.
+  EXPECT_TRUE(scan(261.6e3, 321.6e3).empty());  // with a point on either side
+  EXPECT_TRUE(scan(230e3, 285e3).empty());
+  const std::vector<Fault> faults = scan(230e3, 280e3);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "H0");
+  EXPECT_NE(faults[0].message.find("is 11.65 kHz away from the 291.6 kHz"), std::string::npos)
+      << faults[0].message;
+  EXPECT_TRUE(scan(280e3, 280e3).empty());  // is no scan
+}
+
+/// Two rotating fields with a magnet of 1e-9 T/m between them.
+TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
+  Beamline b = standard();
+  GradientMagnet magnet;
+  magnet.length = 0.04;
+  magnet.field = 1e-3;
+  magnet.gradient = 1e-9;
+  b.parts.insert(b.parts.begin() + 3, place("M", 0.7, magnet));
+  EXPECT_TRUE(warned({b}).empty());
+  RotatingField second = std::get<RotatingField>(b.parts[2].part);
+  b.parts.insert(b.parts.begin() + 4, place("B2", 0.8, UniformField{0.25, 10e-3, {}}));
+  b.parts.insert(b.parts.begin() + 5, place("H1", 0.8, second));
+  for (const Law& law : {Law{QuantumLaw{}}, Law{ClassicalLaw{}}}) {
+    b.law = law;
+    const std::vector<Fault> faults = warned({b});
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].subject, "M");
+  }
+}
+
+}  // namespace
+}  // namespace rabiline::drive_warnings_test
