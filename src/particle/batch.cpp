@@ -29,11 +29,13 @@ void Batch::copy_from(const Batch& other) {
   view_.padded = other.view_.padded;
   view_.y = other.view_.y;
   view_.fall = other.view_.fall;
+  view_.up = other.view_.up;
 }
 
 void Batch::add(const BatchView& from, int particle) {
   view_.y = from.y;
   view_.fall = from.fall;
+  view_.up = false;
   const int at = view_.count++;
   view_.padded = (view_.count + 7) / 8 * 8;
   for (const auto column : real_columns) (view_.*column)[at] = (from.*column)[particle];

@@ -23,10 +23,11 @@ inline constexpr double no_turning = 1e30;
 /// plane y: where they are, or where their free flight through that plane was or would be (those caught
 /// earlier). Plain, because kernels of every instruction set read it.
 struct BatchView {
-  int count = 0;                                       // particles; the rest up to `padded` never flies
-  int padded = 0;                                      // multiple of 8
-  double y = 0;                                        // [m] the common plane
-  Fall fall;                                           // of free flight
+  int count = 0;    // particles; the rest up to `padded` never flies
+  int padded = 0;   // multiple of 8
+  double y = 0;     // [m] the common plane
+  Fall fall;        // of free flight
+  bool up = false;  // sx, sy, sz are (0, 0, 1) throughout, behind `padded` too; who writes them says no
   double *x = nullptr, *z = nullptr;                   // [m]
   double *vx = nullptr, *vy = nullptr, *vz = nullptr;  // [m/s]
   double* t = nullptr;                                 // [s] since emission, or since the pulse began

@@ -5,6 +5,7 @@
 #include "particle/law_tables.hpp"
 #include "plan/geometry.hpp"
 #include "plan/plan.hpp"
+#include "plan/stretches.hpp"
 #include "spin/levels.hpp"
 
 namespace rabiline {
@@ -128,6 +129,7 @@ Emission emission_of(const Beamline& beamline, const Component& component, Rando
                      SampledTables& tables) {
   Emission e;
   e.key = key;
+  e.watches_turning = asks_for_adiabaticity(beamline);
   Emitter(beamline, component.species, tables.laws, e).fill();
   return e;
 }

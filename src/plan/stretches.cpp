@@ -209,17 +209,6 @@ UnitVector axis_at(const Sections& sections, double end, double other, double la
   return {};
 }
 
-bool asks_for_adiabaticity(const Beamline& beamline) {
-  return std::ranges::any_of(beamline.parts, [](const PlacedPart& part) {
-    const std::vector<Tally>* tallies = tallies_of(part.part);
-    return tallies != nullptr && std::ranges::any_of(*tallies, [](const Tally& tally) {
-             return std::ranges::any_of(tally.axes, [](const TallyAxis& axis) {
-               return axis.quantity == Quantity::adiabaticity || axis.quantity == Quantity::adiabaticity_y;
-             });
-           });
-  });
-}
-
 /// The hypothesis turns the velocity with the spin, whatever turns that.
 ElectricCoupling electric_coupling_of(const Law& law, const Species& species) {
   const LawTraits traits = law_traits(law);
@@ -231,6 +220,17 @@ ElectricCoupling electric_coupling_of(const Law& law, const Species& species) {
 }
 
 }  // namespace
+
+bool asks_for_adiabaticity(const Beamline& beamline) {
+  return std::ranges::any_of(beamline.parts, [](const PlacedPart& part) {
+    const std::vector<Tally>* tallies = tallies_of(part.part);
+    return tallies != nullptr && std::ranges::any_of(*tallies, [](const Tally& tally) {
+             return std::ranges::any_of(tally.axes, [](const TallyAxis& axis) {
+               return axis.quantity == Quantity::adiabaticity || axis.quantity == Quantity::adiabaticity_y;
+             });
+           });
+  });
+}
 
 std::vector<Stretch> flown_in_steps(std::vector<Stretch> stretches, const Law& law, const Species& species) {
   if (law_traits(law).has_levels && species.structure)

@@ -24,6 +24,8 @@ struct Stretch {
 double largest_on_axis(const Sections&, const Stretch&);
 /// Of that field at y; none where it is below a hundredth of the largest, as at the end of a fringe.
 std::optional<Vector3> direction_on_axis(const Sections&, double y, double largest);
+/// Whether a tally has an axis of it.
+bool asks_for_adiabaticity(const Beamline&);
 /// Whatever flies.
 std::vector<Stretch> stretches_of(const Sections&);
 /// As a species finds them.

@@ -121,9 +121,18 @@ RABILINE_LANES void draw_places(const Aperture& opening, const double* u0, const
   }
 }
 
-/// A particle starts in some level with its spin's image at +z, or with its spin anywhere on the sphere.
+/// Levels have their spin's image at +z, where the last batch may have left it.
+[[gnu::noinline]] void turn_up(BatchView& batch) {
+  batch.up = true;
+  for (int i = 0; i < Batch::capacity; i += lane_count) {
+    store(batch.sx + i, broadcast(0));
+    store(batch.sy + i, broadcast(0));
+    store(batch.sz + i, broadcast(1));
+  }
+}
+/// A particle starts in some level, or with its spin anywhere on the sphere.
 RABILINE_LANES void draw_spins(const SpinDraw& spin, const double* u0, const double* u1, BatchView& batch) {
-  const real zero = broadcast(0), one = broadcast(1);
+  const real one = broadcast(1), zero = broadcast(0);
   for (int i = 0; i < batch.padded; i += lane_count) {
     words level = words{};
     for (int k = 1; k < spin.levels; ++k)
@@ -131,9 +140,6 @@ RABILINE_LANES void draw_spins(const SpinDraw& spin, const double* u0, const dou
                              broadcast_word(1), words{});
     store(batch.level + i, level);
     store(batch.prepared + i, level);
-    store(batch.sx + i, zero);
-    store(batch.sy + i, zero);
-    store(batch.sz + i, one);
   }
   if (spin.levels > 0) return;
   for (int i = 0; i < batch.padded; i += lane_count) {
@@ -152,8 +158,6 @@ RABILINE_LANES void begin_columns(BatchView& batch) {
     store(batch.t + i, broadcast(0));
     store(batch.flying + i, (words)(index < broadcast_word(static_cast<unsigned long long>(batch.count))));
     store(batch.caught_by + i, words{});
-    store(batch.adiabaticity + i, broadcast(no_turning));
-    store(batch.adiabaticity_y + i, broadcast(0));
   }
 }
 
@@ -304,6 +308,14 @@ Vector aim(const Emission& e, words particle, real x, real z, real speed, real& 
   }
 }
 
+/// The smallest adiabaticity on the way, so far none.
+[[gnu::noinline]] void begin_watch(BatchView& batch) {
+  for (int i = 0; i < batch.padded; i += lane_count) {
+    store(batch.adiabaticity + i, broadcast(no_turning));
+    store(batch.adiabaticity_y + i, broadcast(0));
+  }
+}
+
 [[gnu::noinline]] void draw_times(const Emission& e, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count)
     store(batch.t + i, start_time(e.pulse, e.key, load(batch.particle + i)));
@@ -339,6 +351,12 @@ void emit(const Emission& emission, std::uint64_t first_particle, BatchView& vie
     for (int i = 0; i < batch.padded; i += lane_count) direct(e, i, batch);
   else
     direct_otherwise(emission, view);
+  if (e.watches_turning) begin_watch(view);
+  const bool in_levels = e.spin.kind == SpinKind::unpolarised && e.spin.levels > 0;
+  if (!in_levels)
+    view.up = false;
+  else if (!view.up)
+    turn_up(view);
   if (e.spin.kind == SpinKind::unpolarised)
     draw_spins(e.spin, u[2], u[3], batch);
   else

@@ -68,6 +68,7 @@ struct Emission {
   SpinDraw spin{};
   PulseDraw pulse{};
   Fall fall{};
+  bool watches_turning = false;  // something asks for adiabaticity
   bool operator==(const Emission&) const = default;
 };
 

@@ -314,6 +314,7 @@ std::uint64_t collapse(const SpinPathView& q, int part, BatchView& batch) {
   for (int i = 0; i < batch.padded; i += lane_count)
     store(whole + i, load(batch.flying + i) & broadcast_word(quanta_per_particle));
   const std::uint64_t lost = outcomes(q, batch, whole, shares);
+  batch.up = false;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
     real u, unused;

@@ -116,6 +116,7 @@ void store_pack(const Region& region, const Pack& pack, BatchView& batch, int i)
 }  // namespace
 
 void turn(const Region& region, BatchView& batch, const StepRecorder* recorder) {
+  batch.up = false;
   for (int i = 0; i < batch.padded; i += lane_count) {
     Pack pack = load_pack(batch, i);
     Lookout lookout{region, batch, i, words{}, words{}};

@@ -31,6 +31,7 @@ bool Alignment::follows_paths() const { return false; }
 namespace rabiline::RABILINE_ISA {
 
 void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {
+  batch.up = false;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const real sign = drawn_sign(alignment, key, load(batch.particle + i));
     const mask flying = (mask)load(batch.flying + i);

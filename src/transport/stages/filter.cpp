@@ -41,6 +41,7 @@ std::uint64_t filter(const Filter& f, BatchView& batch) {
   const Vector axis{broadcast(f.axis[0]), broadcast(f.axis[1]), broadcast(f.axis[2])};
   const double coherence = __builtin_sqrt(f.up * f.down);
   words lost = words{};
+  batch.up = false;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
     const real sign =

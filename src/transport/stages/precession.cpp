@@ -31,6 +31,7 @@ bool Precession::follows_paths() const { return false; }
 namespace rabiline::RABILINE_ISA {
 
 void precess(const SpinZone* zones, int zone_count, const RandomKey& key, BatchView& batch) {
+  batch.up = false;
   for (int i = 0; i < batch.padded; i += lane_count) {
     const mask flying = (mask)load(batch.flying + i);
     const Vector s = spin_after(zones, zone_count, key, batch, i, load(batch.slowness + i));

@@ -14,6 +14,7 @@ void SortingField::pass(StageContext& context) const {
   BatchView& batch = context.batch.view();
   kernel::turn(context.isa)(view_of(region, context.key), batch, context.recorder);
   if (axis_behind) {
+    batch.up = false;
     std::fill_n(batch.sx, batch.padded, axis_behind->x);
     std::fill_n(batch.sy, batch.padded, axis_behind->y);
     std::fill_n(batch.sz, batch.padded, axis_behind->z);

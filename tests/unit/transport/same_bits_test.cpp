@@ -123,6 +123,24 @@ TEST_P(StageBits, AreTheSameOnEachInstructionSetInBatchesOfAnySize) {
   EXPECT_FALSE(samples.empty());
   for (const StageSample& sample : samples) expect_same(sample);
 }
+TEST_P(StageBits, SayWhereSpinsAreNoLongerUp) {
+  for (const StageSample& sample : GetParam().samples()) {
+    Batch batch;
+    BatchView& v = batch.view();
+    fill(v, sample.levels);
+    v.count = v.padded = Batch::capacity;
+    v.y = test::start;
+    std::fill_n(v.sx, Batch::capacity, 0.0);
+    std::fill_n(v.sy, Batch::capacity, 0.0);
+    std::fill_n(v.sz, Batch::capacity, 1.0);
+    v.up = true;
+    Sums sums(sums_needed(sample.stage));
+    StageContext context{best_isa(), key, batch, sums.data()};
+    advance(sample.stage, context);
+    for (int i = 0; i < Batch::capacity; ++i)
+      ASSERT_TRUE(!v.up || (v.sx[i] == 0 && v.sy[i] == 0 && v.sz[i] == 1)) << sample.what;
+  }
+}
 INSTANTIATE_TEST_SUITE_P(Of, StageBits, testing::ValuesIn(kinds_of(std::type_identity<Stage>())),
                          [](const auto& tested) { return tested.param.name; });
 
