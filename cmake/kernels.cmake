@@ -25,7 +25,8 @@ function(rabiline_add_kernels target)
     target_compile_definitions(${objects} PRIVATE RABILINE_ISA=isa_${isa} RABILINE_LANE_COUNT=${lanes_of_${isa}})
     target_compile_options(${objects} PRIVATE $<IF:$<BOOL:${RABILINE_SANITIZE}>,-O1,-O3> -ffp-contract=off -fno-math-errno ${flags_of_${isa}})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
-    set_target_properties(${objects} PROPERTIES RABILINE_UNWATCHED ON)
+    # Sources with a UNITY_GROUP are compiled together: what they include takes longer than the little that they hold.
+    set_target_properties(${objects} PROPERTIES RABILINE_UNWATCHED ON UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     if(RABILINE_SANITIZE STREQUAL address AND NOT isa STREQUAL avx2)
       # Addresses alone, and by calls: that compiles in 70 % of the time. The widest and the narrowest lanes have the source of all.
       target_compile_options(${objects} PRIVATE -fsanitize=address

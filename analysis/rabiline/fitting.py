@@ -326,7 +326,7 @@ def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
         return one
     fall = least(problem, values) - least(freed, found)
     moved = (found[:-1] - values) / errors
-    return replace(one, value=float(found[-1]), fall=fall, moved=moved, searched=True) if fall > 0 and (np.abs(moved) > FAR).any() else one
+    return replace(one, value=float(found[-1]), fall=fall, moved=moved, searched=True) if min(fall, found[-1]) > 0 and (np.abs(moved) > FAR).any() else one
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdio>
 #include <functional>
 #include <sstream>
@@ -36,6 +37,14 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
                                                : fmt::format("did you mean `{}`?", near)));
 }
 
+/// What a letter is called that other programs have, and some of the commands.
+std::string option_of_letter(char letter, const std::vector<std::string>& known) {
+  const auto begins = [&](const std::string& name) { return name[2] == letter; };
+  const std::string usual = letter == 'n' ? "--particles" : letter == 'j' ? "--threads" : "";
+  if (std::ranges::find(known, usual) != known.end()) return usual;
+  return std::ranges::count_if(known, begins) == 1 ? *std::ranges::find_if(known, begins) : std::string{};
+}
+
 /// Of an option that its command does not have, the one that may be meant.
 void require_known_options(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments.front().starts_with('-')) return;
@@ -43,11 +52,16 @@ void require_known_options(const CLI::App& app, const std::vector<std::string>& 
   std::vector<std::string> known;
   for (const CLI::Option* option : verb->get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  bool is_value = true;
   for (const std::string& argument : arguments) {
     const std::string name = argument.substr(0, argument.find('='));
     if (name == "--") return;
-    if (!name.starts_with("--") || std::ranges::find(known, name) != known.end()) continue;
-    const std::string near = closest(name, known);
+    const bool is_letter =
+        name.size() == 2 && name[0] == '-' && std::isalpha(static_cast<unsigned char>(name[1])) && !is_value;
+    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    is_value = option != nullptr && option->get_items_expected_min() > 0;
+    if (option != nullptr || !(is_letter || name.starts_with("--"))) continue;
+    const std::string near = is_letter ? option_of_letter(name[1], known) : closest(name, known);
     throw ArgumentError(fmt::format("`rabiline {}` has no option `{}`\n  help: {}", arguments.front(), name,
                                     near.empty()
                                         ? fmt::format("`rabiline {} --help` lists them", arguments.front())

@@ -82,6 +82,7 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["run", "broken.yaml"], "broken.yaml:1:"),
     (["run", EXPERIMENT, "--speed", "9"], "`rabiline run` has no option `--speed`"),
     (["run", EXPERIMENT, "--particlse", "9"], "did you mean `--particles`?"),
+    (["run", EXPERIMENT, "-n", "1000"], "`rabiline run` has no option `-n`\n  help: did you mean `--particles`?"),
     (["plot", EXPERIMENT, "--siez", "9x9"], "did you mean --size?"),
     (["run", EXPERIMENT, "--isa", "sse9"], "x86-64, avx2 or avx512"),
     (["run", EXPERIMENT, "--batch", "12"], "multiple of 8"),

@@ -1,0 +1,62 @@
+"""What a fit says of a background that is not free."""
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+pytest.importorskip("rabiline._core", reason="built without pybind11")
+import rabiline  # noqa: E402
+from rabiline.counts import Counts  # noqa: E402
+from rabiline.curve_model import CurveModel  # noqa: E402
+from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
+from rabiline.forecasting import forecast  # noqa: E402
+from rabiline.held import Held, held  # noqa: E402
+
+
+def test_a_background_that_chi_squared_does_not_show_is_told() -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml")
+    clock = clock.scan().scan("first.frequency", "9192631271.5 Hz:9192632271.5 Hz:51")
+    expected = forecast(clock, ["C.field", "first.amplitude+second.amplitude"], rate=2e6)
+    problem = replace(expected.problem, surface=replace(expected.problem.surface, covariance=np.zeros((51, 51))))
+    generator = np.random.default_rng(3)
+
+    def fitted(background: float) -> tuple[Held, float, np.ndarray]:
+        counted = replace(problem, counts=generator.poisson(expected.counts + background).astype(float))
+        values, badness = counted.least(expected.values)
+        one, = held(counted, values, expected.errors)
+        return one, float(stats.chi2.sf(badness, 48)), (values - expected.values) / expected.errors
+
+    without = [fitted(0)[0] for _ in range(200)]
+    assert np.mean([one.fall for one in without]) == pytest.approx(1, abs=0.3) and np.mean([one.is_wanted for one in without]) < 0.06
+    one, p, off = fitted(0.02 * expected.counts.mean())
+    assert one.is_wanted and one.fall > 20 and p > 0.01 and abs(off[0]) > 5
+    assert one.moved[0] == pytest.approx(-off[0], rel=0.5) and one.by_part[0] == pytest.approx(-off[0] / 2, rel=0.5)
+
+
+def test_a_background_that_has_led_a_fit_far_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml").scan().set(particles=20000)
+    places, free = np.linspace(9192631271.5, 9192632271.5, 51), ["C.field", "first.amplitude+second.amplitude"]
+    line = clock.scan("first.frequency", "9192631271.5 Hz:9192632271.5 Hz:51").set(particles=100000, seed=7).fly().detected
+
+    def fitted(seed: int, background: float, amplitude: str, *more: str) -> CountsFit:
+        counts = np.random.default_rng(seed).poisson(1000 * line / line.max() + background).astype(float)
+        table = Counts("counts", "first.frequency", tuple(f"{x!r} Hz" for x in places.tolist()), places, "Hz", counts, None, None, None)
+        return fit_counts(clock.set({"first.amplitude": amplitude, "second.amplitude": amplitude}), table, [*free, *more], intervals=False)
+
+    led = fitted(5, 100, "0.46 uT")
+    assert led["C.field"][0] < 4e-6 and led.p > 0.1 and led.held[0].searched
+    assert led.held[0].value == pytest.approx(100, rel=0.2)
+    assert led["C.field"][0] + led.held[0].moved[0] * led["C.field"][1] == pytest.approx(6.05e-6, rel=0.2)
+    assert "`background` is not free, and the counts fit as well with 9" in str(led)
+    # The field is then hardly known, and yet no fit asks for one that is reversed, through which atoms fly in many steps.
+    tried, at = [], CurveModel.at
+    monkeypatch.setattr(CurveModel, "at", lambda model, values, *particles: tried.append(values[0]) or at(model, values, *particles))
+    freed = fitted(2, 100, "0.46 uT", "background")
+    assert abs(freed["C.field"][0] - 6.05e-6) < 2 * freed["C.field"][1] and freed["C.field"][1] > 1e-6 and min(tried) > 0
+    away = fitted(5, 0, "0.38 uT")  # from far away, and rightly
+    value, error = away["first.amplitude+second.amplitude"]
+    assert value - 0.38e-6 > 4 * error and abs(value - 0.46e-6) < 3 * error and not away.held[0].is_wanted
