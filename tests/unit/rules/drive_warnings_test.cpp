@@ -1,25 +1,14 @@
 // Fields that drive spins, and do not do what they are there for.
 #include <gtest/gtest.h>
 
-#include "physics/suggested.hpp"
-#include "rules/warnings.hpp"
+#include "warned.hpp"
 
 namespace rabiline::drive_warnings_test {
 namespace {
 
 using test::place;
-using test::suggested;
-
-std::vector<Fault> warned(std::vector<Beamline> points) {
-  Experiment e;
-  e.points = std::move(points);
-  return warnings_of(e, make_plan(e));
-}
-Beamline standard() {
-  Beamline b = suggested(291.6e3);
-  b.law = QuantumLaw{};
-  return b;
-}
+using test::standard;
+using test::warned;
 
 TEST(Warnings, TellThatNoPointOfAScanIsNearTheResonance) {
   const auto scan = [](double from, double to) {

@@ -7,23 +7,14 @@
 
 #include "physics/atoms.hpp"
 #include "physics/suggested.hpp"
+#include "warned.hpp"
 
 namespace rabiline::warnings_test {
 namespace {
 
 using test::place;
-using test::suggested;
-
-std::vector<Fault> warned(std::vector<Beamline> points) {
-  Experiment e;
-  e.points = std::move(points);
-  return warnings_of(e, make_plan(e));
-}
-Beamline standard() {
-  Beamline b = suggested(291.6e3);
-  b.law = QuantumLaw{};
-  return b;
-}
+using test::standard;
+using test::warned;
 
 struct Blunder {
   const char* what;
