@@ -40,8 +40,8 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
 /// What a letter is called that other programs have, and some of the commands.
 std::string option_of_letter(char letter, const std::vector<std::string>& known) {
   const auto begins = [&](const std::string& name) { return name[2] == letter; };
-  const std::string usual = letter == 'n' ? "--particles" : letter == 'j' ? "--threads" : "";
-  if (std::ranges::find(known, usual) != known.end()) return usual;
+  const std::string_view usual = letter == 'n' ? "--particles" : letter == 'j' ? "--threads" : "";
+  if (std::ranges::find(known, usual) != known.end()) return std::string(usual);
   return std::ranges::count_if(known, begins) == 1 ? *std::ranges::find_if(known, begins) : std::string{};
 }
 
