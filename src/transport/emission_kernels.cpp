@@ -132,7 +132,7 @@ RABILINE_LANES void draw_places(const Aperture& opening, const double* u0, const
 }
 /// A particle starts in some level, or with its spin anywhere on the sphere.
 RABILINE_LANES void draw_spins(const SpinDraw& spin, const double* u0, const double* u1, BatchView& batch) {
-  const real one = broadcast(1), zero = broadcast(0);
+  const real zero = broadcast(0), one = broadcast(1);
   for (int i = 0; i < batch.padded; i += lane_count) {
     words level = words{};
     for (int k = 1; k < spin.levels; ++k)
