@@ -51,6 +51,22 @@ std::string with_meaning(std::string help, const Row& row) {
   return row.key.size() == 1 ? fmt::format("{}; `{}` is: {}", help, row.key, row.meaning) : help;
 }
 
+/// How a bare number may have been meant.
+std::string with_a_unit(const std::string& number, Dimension dimension) {
+  switch (dimension) {
+    case Dimension::angle:
+      return fmt::format("write `{0} deg` or `{0} rad`", number);
+    case Dimension::length:
+      return fmt::format("write `{0} m`, `{0} cm` or `{0} mm`", number);
+    case Dimension::magnetic_field:
+      return fmt::format("write `{0} T`, `{0} mT` or `{0} uT`", number);
+    case Dimension::frequency:
+      return fmt::format("write `{0} Hz`, `{0} kHz` or `{0} MHz`", number);
+    default:
+      return fmt::format("write `{0} {1}` if {1} is meant", number, si_unit_of(dimension));
+  }
+}
+
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {
@@ -66,13 +82,10 @@ void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got
                   with_meaning(std::move(help), row));
     return;
   }
-  const std::string_view si = si_unit_of(row.dimension);
-  const bool angle = row.dimension == Dimension::angle;
   reading.error(node.place, fmt::format("`{}` is {}, but {} has no unit", row.key, wanted, quote(node)),
                 with_meaning(node.scalar.ends_with('%') || !row.range.contains(got.value)
                                  ? fmt::format("write {} such as `{}`", wanted, example_for(row))
-                             : angle ? fmt::format("write `{0} deg` or `{0} rad`", node.scalar)
-                                     : fmt::format("write `{0} {1}` if {1} is meant", node.scalar, si),
+                                 : with_a_unit(node.scalar, row.dimension),
                              row));
 }
 

@@ -67,7 +67,8 @@ std::optional<Diagnostic> missing_comma(const Place& colon) {
   return std::nullopt;
 }
 
-/// `law:quantum` or `law quantum` in a line of its own above a key: both lines are one text for YAML.
+/// `law:quantum`, `law quantum` or `parts` in a line of its own above a key: both lines are one text for
+/// YAML.
 std::optional<Diagnostic> incomplete_colon(const Place& colon) {
   const std::vector<std::string>& lines = colon.text->lines;
   for (auto above = std::min(static_cast<std::size_t>(colon.line - 1), lines.size()); above-- > 0;) {
@@ -75,8 +76,8 @@ std::optional<Diagnostic> incomplete_colon(const Place& colon) {
     const std::size_t end = line.find_last_not_of(' ');
     if (end == line.npos) continue;
     const std::size_t begin = line.find_first_not_of(" -"), narrow = line.find(':'),
-                      gap = line.find(' ', begin);
-    if (narrow == line.npos && gap < end) {
+                      gap = std::min(line.find(' ', begin), end + 1);
+    if (narrow == line.npos && begin < end) {
       const std::string key = line.substr(begin, gap - begin);
       const std::string value = line.substr(gap, end + 1 - gap);
       return Diagnostic{{colon.text, static_cast<int>(above) + 1, static_cast<int>(begin) + 1,

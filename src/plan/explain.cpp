@@ -8,6 +8,7 @@
 
 #include "core/constants.hpp"
 #include "particle/channel.hpp"
+#include "plan/driven_parts.hpp"
 #include "plan/explain_atoms.hpp"
 #include "plan/level_history.hpp"
 #include "plan/plan.hpp"

@@ -10,7 +10,7 @@ namespace {
 constexpr double rounding = 1e-12;
 
 LevelZone zone_of(const Section& section) {
-  assert(section.coils.empty() && section.field.x == 0 && section.field.y == 0 && section.field.z >= 0);
+  assert(section.coils.empty() && section.field.x == 0 && section.field.y == 0);
   LevelZone zone;
   zone.begin = section.begin;
   zone.end = section.end;

@@ -204,14 +204,25 @@ bool needs_way(const Section& section) {
     if (!has_standing_frame(term)) return true;
     ++drives;
   }
-  return drives > 1 || section.has_shaped_fields() || section.field.x != 0 || section.field.y != 0 ||
-         section.field.z < 0;
+  return drives > 1 || section.has_shaped_fields() || section.field.x != 0 || section.field.y != 0;
 }
 
 bool needs_way(const std::vector<Section>& sections, double from, double to) {
-  return std::ranges::any_of(sections, [&](const Section& section) {
-    return std::max(section.begin, from) + no_length < std::min(section.end, to) && needs_way(section);
-  });
+  // What stands at either end has a field along +z. Where one against it meets one along it, levels do not
+  // keep their names.
+  double end_before = from, field_before = 1;
+  for (const Section& section : sections) {
+    const double begin = std::max(section.begin, from), end = std::min(section.end, to);
+    if (begin + no_length >= end) continue;
+    const double field = section.field.z;
+    const bool meets = begin <= end_before + no_length && field != 0 && field_before != 0;
+    const bool turns_round = meets && (field > 0) != (field_before > 0);
+    const bool ends_against = end >= to - no_length && field < 0;
+    if (needs_way(section) || turns_round || ends_against) return true;
+    end_before = end;
+    field_before = field;
+  }
+  return false;
 }
 
 LevelFields level_fields(const Beamline& beamline, const Species& species,

@@ -12,7 +12,7 @@ namespace rabiline {
 
 /// Whether a field needs one, however weak.
 bool needs_way(const Section&);
-/// Between two places, where any field on the way needs it.
+/// Between two places, where any field on the way needs it, or fields along +z and against it meet.
 bool needs_way(const std::vector<Section>&, double from, double to);
 
 /// The fields between two places as the levels of an atom see them; only where needs_way(). F whose

@@ -174,6 +174,18 @@ Faults idle_drives_of(const Beamline& beamline) {
   return out;
 }
 
+Faults endless_turns_of(const Beamline& beamline) {
+  Faults out;
+  for (const Species* species : points_of(beamline))
+    for (const Drive& d : drives_of(beamline, *species)) {
+      const bool is_near = std::abs(std::abs(d.rotation) - std::abs(d.larmor())) < d.coupling;
+      const double turns = d.coupling / two_pi / d.width();
+      if (d.turns_one_way() && is_near && turns > most_turns && swept_in_all(d.zone.drive[0]) == 0)
+        out.push_back(fault_of_turns(d.part->placement.name, turns, "of the spins"));
+    }
+  return out;
+}
+
 Faults missed_resonances_of(const ScanPoints& points) {
   /// How near a drive comes to its resonance, over the points of a scan.
   struct Approach {

@@ -37,6 +37,12 @@ Faults turned_magnets_of(const Beamline&);
 Faults jumps_of_sorting_fields_of(const Beamline&);
 /// Numbers that no apparatus has, at one scan point.
 Faults absurd_numbers_of(const Beamline&);
+/// Fields that drive spins round and round: through more than so many Rabi cycles on resonance.
+inline constexpr double most_turns = 100;
+Faults endless_turns_of(const Beamline&);
+Fault fault_of_turns(const std::string& name, double turns, const std::string& what);
+/// Fields that drive levels of atoms in vain, too often, or less well known than they should be.
+Faults line_warnings_of(const Experiment&, const Plan&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "plan/explain.hpp"
-#include "plan/explain_atoms.hpp"
 #include "plan/explain_laws.hpp"
 #include "rules/field_lint.hpp"
 #include "rules/fringe_warnings.hpp"
@@ -63,6 +62,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   for (Fault& fault : missed_resonances_of(experiment.points))
     if (std::ranges::none_of(out, [&](const Fault& other) { return is_same(fault, other); }))
       out.push_back(std::move(fault));
+  add_once(at_every_point(experiment.points, &endless_turns_of, &is_driven), out);
   add_once(at_every_point(experiment.points, &nuclei_among_atoms_of, &is_deflected), out);
   add_once(at_any_point(experiment.points, &absurd_numbers_of), out);
   add_once(at_any_point(experiment.points, &impossible_magnets_of), out);
@@ -72,7 +72,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(warnings_of_stages(experiment, plan), out);
   add_once(at_any_point(experiment.points, &rising_fringes_of), out);
   add_once(at_any_point(experiment.points, &approximations_of), out);
-  add_once(warnings_of_atoms(experiment, plan), out);
+  add_once(line_warnings_of(experiment, plan), out);
   add_once(warnings_of_laws(experiment), out);
   add_once(warnings_of_fields(experiment.points.front()), out);
   add_once(warnings_of_fringes(experiment.points.front(), plan), out);

@@ -58,7 +58,6 @@ constexpr double rounding = 1e-9;  // [m] of where zones begin and end
 void check(const LevelZone& zone, double last_end) {
   if (!(zone.end >= zone.begin) || zone.begin < last_end - rounding)
     throw std::invalid_argument("zones of driven levels do not ascend along the beam");
-  if (!(zone.field >= 0)) throw std::invalid_argument("a zone's field is negative");
 }
 
 std::vector<Stretch> stretches_of(const CoupledSpins& spins, std::vector<LevelZone> zones) {

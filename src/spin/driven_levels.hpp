@@ -1,6 +1,6 @@
 #pragma once
-// Transitions between the levels of two coupled spins that cross static fields along +z and fields that drive
-// them.
+// Transitions between the levels of two coupled spins that cross static fields along +z or against it, and
+// fields that drive them.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>

@@ -14,12 +14,12 @@ inline int sense_of(const RotatingTerm& drive) {
   return drive.oscillator.turn == Turn::negative ? -1 : 1;
 }
 
-/// Where the static field along +z is uniform. What drives levels turns in the xy plane with a given sense,
-/// or swings in the rotating-wave approximation; it does not twist. Fields of one part's clock have one
-/// frequency.
+/// Where the static field along the z axis is uniform; levels are those along +z. What drives them turns in
+/// the xy plane with a given sense, or swings in the rotating-wave approximation; it does not twist. Fields
+/// of one part's clock have one frequency.
 struct LevelZone {
   double begin = 0, end = 0;  // [m]
-  double field = 0;           // [T] B >= 0
+  double field = 0;           // [T] against +z where negative
   std::optional<RotatingTerm> drive{};
   int part = -1;  // whose field drives, where it differs from place to place
   bool operator==(const LevelZone&) const = default;

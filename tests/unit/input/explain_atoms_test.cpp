@@ -106,6 +106,37 @@ TEST_F(ExplainAtoms, WarnsOfAScanOnlyWhereNoPointDrivesAnything) {
   EXPECT_THAT(check({}, {"R.frequency=9 GHz:9192.632 MHz:5"}), Not(HasSubstr("drives no transition")));
 }
 
+TEST_F(ExplainAtoms, WarnsOfAScanThatStopsShortOfEveryLine) {
+  const auto scan = [&](const char* to) {
+    return check({}, {std::string("R.frequency=9192.4 MHz:") + to + ":5"});
+  };
+  // The line is 10 kHz wide, and its neighbours are 70 kHz away on either side: m = -1 below, m = +1 above.
+  EXPECT_THAT(
+      check({"R.amplitude=10 nT"}, {"R.frequency=9192.655 MHz:9192.66 MHz:2"}),
+      HasSubstr("no scan point is near a line that `R` drives: the nearest is 23.23 kHz away from F=4 "
+                "m=0 - F=3 m=0 at 9192.631774 MHz, and the line's width is 10 kHz"));
+  EXPECT_THAT(check({"R.amplitude=10 nT"}, {"R.frequency=9192.60 MHz:9192.655 MHz:2"}),
+              Not(HasSubstr("no scan point")));  // a line is crossed between them
+  EXPECT_THAT(scan("9192.632 MHz"), Not(HasSubstr("no scan point")));
+  EXPECT_THAT(check({"R.amplitude=10 nT", "R.frequency=9192.66 MHz"}, {"R.phase=0 deg:90 deg:2"}),
+              Not(HasSubstr("no scan point")));  // nothing of it is scanned
+}
+
+TEST_F(ExplainAtoms, WarnsOfADriveThatTurnsLevelsRoundAndRound) {
+  // 14.02 kHz for 1 uT, over 1/(10 kHz).
+  EXPECT_THAT(
+      check({"R.amplitude=75 uT"}),
+      HasSubstr("`R` drives 105 Rabi cycles of F=4 m=0 - F=3 m=0, where half a cycle flips them all"));
+  EXPECT_THAT(check({"R.amplitude=70 uT"}), Not(HasSubstr("Rabi cycles")));
+}
+
+TEST_F(ExplainAtoms, FollowsLevelsInAFieldAgainstTheAxisInClosedForm) {
+  const std::string text = check({"C.field=-10 uT"});
+  EXPECT_THAT(text, HasSubstr("at B = -10 uT: 9192.632 MHz"));
+  EXPECT_THAT(text, HasSubstr("its parts about +z, against B: pi 1 uT, sigma+ 0 T, sigma- 0 T"));
+  EXPECT_THAT(text, HasSubstr("probabilities worked out for each particle, exact at every speed"));
+}
+
 TEST_F(ExplainAtoms, TellsHowFarDownStepsThroughAProfileAreRight) {
   EXPECT_THAT(check({"source.speed={kind: effusive, temperature: 370 K}", "R.profile=half_sine"}),
               HasSubstr("profiles in steps, to 1e-8 down to 143 m/s; all else exact"));

@@ -29,6 +29,22 @@ TEST(Warnings, TellThatNoPointOfAScanIsNearTheResonance) {
   EXPECT_TRUE(scan(280e3, 280e3).empty());  // is no scan
 }
 
+TEST(Warnings, TellThatADriveTurnsSpinsRoundAndRound) {
+  Beamline b = standard();
+  RotatingField& drive = std::get<RotatingField>(b.parts[2].part);
+  drive.frequency = 291.64e3;
+  const auto with_cycles = [&](double cycles) {  // gamma B1 T/(2 pi), for 0.2 m at 1000 m/s
+    drive.amplitude = cycles / (29.1646935e6 * 0.2e-3);
+    return warned({b});
+  };
+  EXPECT_TRUE(with_cycles(99).empty());
+  const std::vector<Fault> faults = with_cycles(101);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "H0");
+  EXPECT_NE(faults[0].message.find("drives 101 Rabi cycles of the spins"), std::string::npos)
+      << faults[0].message;
+}
+
 /// Two rotating fields with a magnet of 1e-9 T/m between them.
 TEST(Warnings, TellThatAGradientBetweenTwoDrivesIsNotIntegratedIntoThePhase) {
   Beamline b = standard();

@@ -110,6 +110,24 @@ TEST(DrivenLevels, AgreeWithTheLaboratoryForEveryRotatingField) {
   }
 }
 
+TEST(DrivenLevels, AgreeWithTheLaboratoryInFieldsAgainstTheAxisToo) {
+  for (const auto& [twice_i, twice_j] : {std::pair{1, 1}, {3, 1}, {3, 3}}) {
+    const CoupledSpins spins = small_atom(twice_i, twice_j);
+    const std::vector<LevelZone> zones{{0.01, 0.02, -6e-6, drive(positive, 1e-6, 6e4, 0.4)},
+                                       {0.02, 0.025, 0, std::nullopt},
+                                       {0.025, 0.035, 2e-5, on_clock(drive(negative, 2e-6, 9e4, 1.1), 1)},
+                                       {0.035, 0.04, 0, std::nullopt},
+                                       {0.04, 0.05, -2e-5, drive(positive, 1e-6, 6e4, -0.8)}};
+    const double s = 1.3e-3;
+    const Eigen::MatrixXd p = test::probabilities(DrivenLevels(spins, zones, slowest), s);
+    EXPECT_LT(difference(p, in_the_laboratory(spins, zones, s, 8000)), 1e-7)
+        << "2I = " << twice_i << ", 2J = " << twice_j;
+    std::vector<LevelZone> along = zones;
+    along[0].field = 6e-6;
+    EXPECT_GT(difference(p, test::probabilities(DrivenLevels(spins, along, slowest), s)), 1e-3);
+  }
+}
+
 TEST(DrivenLevels, KeepTheirSignWhenTheFieldBetweenTwoZonesChanges) {
   const CoupledSpins spins = small_atom(3, 3);
   const Eigen::MatrixXd weak = levels_at(spins, 1e-6).states, strong = levels_at(spins, 1e-4).states;

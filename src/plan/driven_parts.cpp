@@ -1,0 +1,192 @@
+#include "plan/driven_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/portable_math.hpp"
+#include "core/units.hpp"
+#include "plan/level_lines.hpp"
+#include "plan/level_waves.hpp"
+
+namespace rabiline {
+namespace {
+
+/// What of a field is along B and leaves m as it is, and what turns right-handed and left-handed about it: m
+/// + 1 and m - 1 of the upper level.
+std::string parts_of(const RotatingTerm& drive) {
+  const double swings = drive.amplitude * portable::hypot(drive.first.x, drive.first.y) / 2;
+  const int sense = sense_of(drive);
+  const auto sigma = [&](int which) {
+    return tesla(sense == 0 ? swings : sense * which > 0 ? drive.amplitude : 0);
+  };
+  return fmt::format("pi {}, sigma+ {}, sigma- {}",
+                     tesla(sense == 0 ? drive.amplitude * std::abs(drive.first.z) : 0), sigma(1), sigma(-1));
+}
+
+/// The nearest transitions, a line each: so many, and all within 100 widths where `all`.
+void tell_transitions(const Structure& structure, const LevelZone& zone, double width, std::size_t least,
+                      bool all, std::vector<std::string>& out) {
+  const std::vector<Transition> near = transitions_near(structure, zone);
+  const Eigen::VectorXd shifts = shifts_of(structure, zone);
+  if (near.empty()) out.emplace_back("    no transition turns with it");
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const Transition& t = near[i];
+    if (i >= least && !(all && std::abs(t.detuning) <= 100 * width)) break;
+    std::string flips;
+    if (const double rate = portable::hypot(t.rabi, t.detuning);
+        zone.drive->envelope.shape == Shape::rectangular && !is_pulsed(zone) && rate > 0)
+      flips = fmt::format(", alone it flips {:.3g}",
+                          portable::pow(t.rabi / rate * portable::sin(std::numbers::pi * rate / width), 2));
+    const double by = shifts(t.upper) - shifts(t.lower);
+    const std::string shift = by == 0 ? ""
+                                      : fmt::format("; what turns otherwise shifts it by {}",
+                                                    pretty_quantity(by, Dimension::frequency));
+    out.push_back(fmt::format("    {} at {}, detuned by {}, Rabi frequency {}{}{}", name_of(structure, t),
+                              megahertz(t.frequency), pretty_quantity(t.detuning, Dimension::frequency),
+                              pretty_quantity(t.rabi, Dimension::frequency), flips, shift));
+  }
+}
+
+/// The field that drives levels there.
+std::string name_of(const LevelZone& zone, const Beamline& beamline) {
+  if (zone.part >= 0) return beamline.parts[static_cast<std::size_t>(zone.part)].placement.name;
+  for (const PlacedPart& part : beamline.parts)
+    if (traits_of(part.part).drives && part.placement.at <= zone.begin && zone.begin < end_of(part))
+      return part.placement.name;
+  return fmt::format("the field at {:.4g} m", zone.begin);
+}
+
+}  // namespace
+
+DrivenParts::DrivenParts(const Experiment& experiment, const Plan& plan)
+    : experiment_(experiment), plan_(plan) {
+  for (const PlanTree& tree : plan.trees) collect(tree.component, tree.next);
+}
+
+void DrivenParts::collect(int component, const std::vector<PlanNode>& nodes) {
+  for (const PlanNode& node : nodes) {
+    collect(component, node.stage, node.points);
+    for (const PlanNode::Reweighting& reweighting : node.reweightings)
+      collect(component, reweighting.stage, reweighting.points);
+    collect(component, node.next);
+  }
+}
+
+const DrivenParts::Driven* DrivenParts::driven_of(const SpinPath& path, const Beamline& beamline,
+                                                  const Species& atom) {
+  const Structure& structure = *atom.structure;
+  const void* of = path.way != nullptr ? static_cast<const void*>(path.way) : path.transitions;
+  const auto [known, is_new] = driven_.try_emplace(of, Driven{structure});
+  Driven& made = known->second;
+  if (!is_new) return &made;
+  if (path.way != nullptr) {
+    made.on_way = true;
+    made.zones =
+        zones_near_lines(path.way->fields(), structure, mean_speed(beamline.source.speed, atom.mass));
+    for (const WaveFields& wave : path.way->fields().waves)
+      made.neglected = std::max(made.neglected, wave.frame.neglected);
+  } else {
+    const SampledTables::Driven& tabled = plan_.tables->driven_by(path.transitions);
+    made.neglected = tabled.levels.neglected();
+    made.largest_slowness = tabled.largest_slowness;
+    std::ranges::copy_if(tabled.zones, std::back_inserter(made.zones),
+                         [](const LevelZone& zone) { return zone.drive.has_value(); });
+  }
+  for (const LevelZone& zone : made.zones) made.names.push_back(name_of(zone, beamline));
+  return &made;
+}
+
+/// Kept, as most questions about one point come one after the other.
+const Beamline& DrivenParts::beamline_at(int point) {
+  if (std::exchange(in_hand_, point) != point)
+    beamline_ = experiment_.points[static_cast<std::size_t>(point)];
+  return beamline_;
+}
+
+void DrivenParts::collect(int component, const Stage& stage, const std::vector<int>& points) {
+  const SpinPath* path = path_of(stage);
+  if (path == nullptr || (path->transitions == nullptr && path->way == nullptr)) return;
+  // Numbers of parts differ between the points where one is moved or not enabled.
+  const Beamline& beamline = beamline_at(points.front());
+  std::vector<const Driven*>& at =
+      parts_[{component, beamline.parts[static_cast<std::size_t>(part_of(stage))].placement.name}];
+  at.resize(experiment_.points.size());
+  const Driven* driven =
+      driven_of(*path, beamline, beamline.species[static_cast<std::size_t>(component)].species);
+  for (const int point : points) at[static_cast<std::size_t>(point)] = driven;
+}
+
+double DrivenParts::speed_at(std::size_t point, int component) {
+  const Beamline& beamline = beamline_at(static_cast<int>(point));
+  return mean_speed(beamline.source.speed,
+                    beamline.species[static_cast<std::size_t>(component)].species.mass);
+}
+
+void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
+                           std::vector<std::string>& out) const {
+  const std::size_t last = at.size() - 1;
+  const LevelZone* before = nullptr;
+  for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
+    if (at[point] == nullptr || number >= at[point]->zones.size()) continue;
+    const LevelZone& zone = at[point]->zones[number];
+    if (before && *before == zone) continue;
+    before = &zone;
+    const double width = width_of(zone, speed);
+    out.push_back(fmt::format("at B = {}{}{}: {}, width {} {}", tesla(zone.field),
+                              at[point]->on_way ? ", where a line is nearest" : "",
+                              last == 0 ? "" : fmt::format(", scan point {}", point + 1),
+                              megahertz(zone.drive->oscillator.frequency),
+                              is_pulsed(zone) ? "of a pulse" : "v/L",
+                              pretty_quantity(width, Dimension::frequency)));
+    if (point == 0)
+      out.push_back(fmt::format("    its parts about {}: {}", zone.field < 0 ? "+z, against B" : "B",
+                                parts_of(*zone.drive)));
+    tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, point == 0, out);
+  }
+}
+
+std::vector<std::string> DrivenParts::lines(int component, int part, double speed) const {
+  std::vector<std::string> out;
+  const auto found = parts_.find(
+      {component, experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name});
+  if (found == parts_.end()) return out;
+  const std::vector<const Driven*>& at = found->second;
+  const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
+  const Driven& driven = **first;
+  std::vector<std::vector<std::string>> told;
+  const std::vector<LevelZone>& zones = driven.zones;
+  for (std::size_t i = 0; i < zones.size(); ++i) {
+    told.emplace_back();
+    add_zone(i, at, speed, told.back());
+    const auto same =
+        static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
+    out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", driven.names[i], zones[i].begin,
+                              zones[i].end,
+                              same == i ? "" : fmt::format(", as {} does", driven.names[same])));
+    if (same == i)
+      for (const std::string& line : told.back()) out.push_back("  " + line);
+  }
+  if (driven.on_way) return out;  // whose stage says the rest
+  double neglected = 0;
+  for (const Driven* d : at)
+    if (d != nullptr) neglected = std::max(neglected, d->neglected);
+  const bool profiled = std::ranges::any_of(
+      zones, [](const LevelZone& zone) { return zone.drive->envelope.shape != Shape::rectangular; });
+  out.push_back(profiled
+                    ? fmt::format("probabilities worked out for each particle: profiles in steps, to 1e-8 "
+                                  "down to {:.4g} m/s; all else exact",
+                                  1 / driven.largest_slowness)
+                    : "probabilities worked out for each particle, exact at every speed");
+  if (neglected > 0)
+    out.push_back("rotating-wave approximation, with the shifts by the rest to third order: " +
+                  left_out(neglected));
+  return out;
+}
+
+}  // namespace rabiline

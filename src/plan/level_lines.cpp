@@ -1,0 +1,74 @@
+#include "plan/level_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/units.hpp"
+#include "spin/level_names.hpp"
+#include "spin/levels.hpp"
+#include "spin/rotating_frame.hpp"
+
+namespace rabiline {
+
+std::vector<Transition> transitions_near(const Structure& structure, const LevelZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const RotatingTerm& drive = *zone.drive;
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, drive);
+  const bool swings = sense_of(drive) == 0;
+  const double negligible = 1e-14 * states.energy.cwiseAbs().maxCoeff();
+  std::vector<Transition> out;
+  for (int i = 0; i < spins.levels(); ++i)
+    for (int k = 0; k < spins.levels(); ++k) {
+      double apart = states.energy(i) - states.energy(k);
+      if (std::abs(apart) < negligible) apart = 0;
+      const auto upper = static_cast<std::size_t>(i), lower = static_cast<std::size_t>(k);
+      const bool turns =
+          swings || levels.labels[upper].twice_m - levels.labels[lower].twice_m == 2 * sense_of(drive);
+      if (i == k || apart < 0 || (apart == 0 && swings && i > k) || states.coupling(i, k) == 0 || !turns)
+        continue;
+      out.push_back({i, k, apart, drive.oscillator.frequency - apart,
+                     (swings ? 1 : 2) * std::abs(states.coupling(i, k))});
+    }
+  std::stable_sort(out.begin(), out.end(), [](const Transition& a, const Transition& b) {
+    return std::abs(a.detuning) < std::abs(b.detuning);
+  });
+  return out;
+}
+
+Eigen::VectorXd shifts_of(const Structure& structure, const LevelZone& zone) {
+  const CoupledSpins spins = coupled_spins(structure);
+  const Levels levels = levels_at(spins, zone.field);
+  const DrivenStates states = driven_states(spins, levels, *zone.drive);
+  const DrivenStates* const alone[] = {&states};
+  return standing_coupling(rotating_frame(levels.labels, *zone.drive, alone), states).second.diagonal();
+}
+
+bool is_pulsed(const LevelZone& zone) { return zone.drive->gate != Gate{}; }
+
+double width_of(const LevelZone& zone, double speed) {
+  const double passing = speed / (zone.end - zone.begin);
+  const Gate& gate = zone.drive->gate;
+  return is_pulsed(zone) ? std::max(passing, 1 / (gate.end - gate.begin)) : passing;
+}
+
+std::string megahertz(double f) {
+  return std::abs(f) < 1e5 ? pretty_quantity(f, Dimension::frequency) : fmt::format("{:.10g} MHz", f / 1e6);
+}
+
+std::string name_of(const Structure& structure, const Transition& t) {
+  const std::vector<std::string> names = names_of_levels(coupled_spins(structure));
+  return fmt::format("{} - {}", names[static_cast<std::size_t>(t.upper)],
+                     names[static_cast<std::size_t>(t.lower)]);
+}
+
+std::string left_out(double neglected) {
+  return neglected < 1 ? fmt::format("amplitudes up to {:.2g} are left out", neglected)
+                       : "what it leaves out is too strong for that";
+}
+
+std::string tesla(double b) { return pretty_quantity(b, Dimension::magnetic_field); }
+
+}  // namespace rabiline

@@ -1,0 +1,35 @@
+#pragma once
+// Lines between levels that a field can drive, one zone by itself.
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "particle/species.hpp"
+#include "spin/level_drive.hpp"
+
+namespace rabiline {
+
+/// A transition that a field can drive: between which levels, and how far it is.
+struct Transition {
+  int upper = 0, lower = 0;
+  double frequency = 0, detuning = 0, rabi = 0;  // [Hz]; detuning of the field from the transition
+};
+/// Those that the direction of a field and its sense allow, the nearest first.
+std::vector<Transition> transitions_near(const Structure&, const LevelZone&);
+/// "F=4 m=0 - F=3 m=0".
+std::string name_of(const Structure&, const Transition&);
+
+/// [Hz] Of each level, by what does not stand still in the field's frame.
+Eigen::VectorXd shifts_of(const Structure&, const LevelZone&);
+/// What an approximation leaves out, by its largest amplitude.
+std::string left_out(double neglected);
+
+bool is_pulsed(const LevelZone&);
+/// [Hz] 1 over the time for which it drives at a stretch, at a speed [m/s].
+double width_of(const LevelZone&, double speed);
+
+/// A frequency in hertz, of a line with the digits that it has.
+std::string megahertz(double);
+std::string tesla(double);
+
+}  // namespace rabiline

@@ -1,0 +1,187 @@
+// Fields that drive the levels of atoms: those that drive nothing, miss their lines or turn levels far too
+// often, and what their approximations leave out.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/units.hpp"
+#include "plan/driven_parts.hpp"
+#include "plan/level_lines.hpp"
+#include "rules/warning_room.hpp"
+
+namespace rabiline {
+namespace {
+
+using Driven = DrivenParts::Driven;
+
+/// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
+bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
+
+/// [Hz] About what shifts a line that the approximation leaves out: the fourth order, by what the second
+/// does.
+struct LeftOutShift {
+  double shift = 0, width = 0;
+  std::string line{}, field{};
+};
+
+/// What the approximations leave out before one part, at the worst of its scan points.
+class Approximations {
+ public:
+  void look_at(const Driven& driven) {
+    if (worst_ == nullptr || driven.neglected > worst_->neglected) worst_ = &driven;
+  }
+  void look_at(const Driven& driven, const std::string& field, const Transition& line, double shifted,
+               double width) {
+    const double shift = std::abs(shifted) * driven.neglected * driven.neglected;
+    if (shift > width && shift * most_.width >= most_.shift * width)
+      most_ = {shift, width, name_of(driven.structure, line), field};
+  }
+  void tell(Faults& out) const {
+    if (worst_ != nullptr && worst_->neglected > 0.1)
+      out.push_back(
+          warning(worst_->names.front(), "amplitude",
+                  fmt::format("the rotating-wave approximation of `{}` is poor: {}",
+                              fmt::join(std::set(worst_->names.begin(), worst_->names.end()), "` and `"),
+                              left_out(worst_->neglected)),
+                  "a smaller field helps, or one that turns: a `rotating_field`"));
+    else if (most_.shift > 0)
+      out.push_back(
+          warning(most_.field, "approximation",
+                  fmt::format("what the rotating-wave approximation of `{}` leaves out would shift {} by "
+                              "about {}, more than the line's width, {}",
+                              most_.field, most_.line, pretty_quantity(most_.shift, Dimension::frequency),
+                              pretty_quantity(most_.width, Dimension::frequency)),
+                  "`approximation: none` takes the whole field"));
+  }
+
+ private:
+  const Driven* worst_ = nullptr;
+  LeftOutShift most_{};
+};
+
+/// A field that drives levels, as all species and scan points see it.
+class DrivingField {
+ public:
+  void look_at(int component, const Driven& driven, const LevelZone& zone, const std::vector<Transition>& all,
+               double width) {
+    for (const Transition& t : all) {
+      Line& line = lines_[{component, t.upper, t.lower}];
+      const double strength = std::max(width, t.rabi), distance = std::abs(t.detuning);
+      is_useful_ = is_useful_ || !is_far(t, width);
+      is_met_ = is_met_ || distance < 2 * strength;
+      line.lowest = std::min(line.lowest, t.detuning);
+      line.highest = std::max(line.highest, t.detuning);
+      // Along a way, levels may follow their field through a line.
+      if (distance < strength && !driven.on_way) line.turns = std::max(line.turns, t.rabi / width);
+      if (distance < std::abs(line.nearest.detuning))
+        line = {line.lowest, line.highest, line.turns, t, width, &driven.structure};
+    }
+    const double distance = all.empty() ? HUGE_VAL : std::abs(all.front().detuning);
+    if (nearest_zone_ != nullptr && distance >= distance_) return;
+    distance_ = distance;
+    nearest_zone_ = &zone;
+    nearest_ = {all.begin(), all.begin() + std::min<std::ptrdiff_t>(3, std::ssize(all))};
+    structure_ = &driven.structure;
+  }
+
+  void tell(const std::string& name, bool is_scanned, Faults& out) const {
+    if (!is_useful_) return out.push_back(fault_of_nothing(name, is_scanned));
+    const auto is_missed = [](const auto& line) { return line.second.lowest * line.second.highest > 0; };
+    const auto moves = [](const auto& line) {
+      return line.second.highest - line.second.lowest > 1e-9 * std::abs(line.second.nearest.detuning);
+    };
+    if (!is_met_ && std::ranges::all_of(lines_, is_missed) && std::ranges::any_of(lines_, moves))
+      out.push_back(fault_of_missed_line(name));
+    const Line& most =
+        std::ranges::max_element(lines_, {}, [](const auto& line) { return line.second.turns; })->second;
+    if (most.turns > most_turns)
+      out.push_back(fault_of_turns(name, most.turns, "of " + name_of(*most.structure, most.nearest)));
+  }
+
+ private:
+  /// A transition over the scan points.
+  struct Line {
+    double lowest = HUGE_VAL, highest = -HUGE_VAL;  // [Hz] of the detuning
+    double turns = 0;                               // Rabi cycles on resonance
+    Transition nearest{.detuning = HUGE_VAL};       // at the point where it is
+    double width = 0;                               // [Hz] there
+    const Structure* structure = nullptr;
+  };
+
+  Fault fault_of_nothing(const std::string& name, bool is_scanned) const {
+    std::string list;
+    for (const Transition& t : nearest_)
+      list += fmt::format("{}{} at {}", list.empty() ? "" : ", ", name_of(*structure_, t),
+                          megahertz(t.frequency));
+    return warning(
+        name, "frequency",
+        fmt::format("`{}` drives no transition{}: at B = {} and {}, nearest are {}", name,
+                    is_scanned ? " at any scan point" : "", tesla(nearest_zone_->field),
+                    megahertz(nearest_zone_->drive->oscillator.frequency), list.empty() ? "none" : list));
+  }
+  Fault fault_of_missed_line(const std::string& name) const {
+    const Line& line = std::ranges::min_element(lines_, {}, [](const auto& one) {
+                         return std::abs(one.second.nearest.detuning);
+                       })->second;
+    return warning(
+        name, "frequency",
+        fmt::format("no scan point is near a line that `{}` drives: the nearest is {} away from {} "
+                    "at {}, and the line's width is {}",
+                    name, pretty_quantity(std::abs(line.nearest.detuning), Dimension::frequency),
+                    name_of(*line.structure, line.nearest), megahertz(line.nearest.frequency),
+                    pretty_quantity(line.width, Dimension::frequency)),
+        "scan over the line, or is one of the units wrong?");
+  }
+
+  bool is_useful_ = false, is_met_ = false;            // drives some species of the beam; near a line
+  std::map<std::tuple<int, int, int>, Line> lines_{};  // of a component, between two levels
+  double distance_ = 0;                                // [Hz]
+  const LevelZone* nearest_zone_ = nullptr;            // to a line
+  std::vector<Transition> nearest_{};
+  const Structure* structure_ = nullptr;
+};
+
+}  // namespace
+
+Fault fault_of_turns(const std::string& name, double turns, const std::string& what) {
+  return warning(
+      name, "amplitude",
+      fmt::format("`{}` drives {:.3g} Rabi cycles {}, where half a cycle flips them all", name, turns, what),
+      "is one of the units wrong?");
+}
+
+Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {
+  DrivenParts parts(experiment, plan);
+  std::map<std::string, DrivingField> fields;
+  Faults out;
+  for (const auto& [where, at] : parts.each()) {
+    Approximations approximations;
+    const Driven* before = nullptr;
+    for (std::size_t point = 0; point < at.size(); ++point) {
+      const Driven* driven = at[point];
+      if (driven == nullptr || std::exchange(before, driven) == driven) continue;
+      approximations.look_at(*driven);
+      for (std::size_t i = 0; i < driven->zones.size(); ++i) {
+        const LevelZone& zone = driven->zones[i];
+        const double width = width_of(zone, parts.speed_at(point, where.first));
+        const std::vector<Transition> all = transitions_near(driven->structure, zone);
+        const Eigen::VectorXd shifts = shifts_of(driven->structure, zone);
+        for (const Transition& t : all)
+          if (!is_far(t, width))
+            approximations.look_at(*driven, driven->names[i], t, shifts(t.upper) - shifts(t.lower), width);
+        fields[driven->names[i]].look_at(where.first, *driven, zone, all, width);
+      }
+    }
+    approximations.tell(out);
+  }
+  for (const auto& [name, field] : fields) field.tell(name, !experiment.axes.empty(), out);
+  return out;
+}
+
+}  // namespace rabiline
