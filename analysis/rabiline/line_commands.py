@@ -28,6 +28,7 @@ DEFAULT = "rabi"
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
+WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
 UNKNOWN = 10  # times itself: an error that leaves nothing
 NEEDED = {"frequency": "Hz", "field": "T", "amplitude": "T", "gradient": "T/m", "current": "A", "phase": "deg"}  # units that columns must have, by their ends
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
@@ -187,6 +188,8 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
         lines.append(f"{name:<10} {format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else 'not known'}")
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
+    if "spread" in fitted.names and fitted["spread"][0] > WIDE:
+        lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
     lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]

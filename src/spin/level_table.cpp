@@ -213,17 +213,20 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, 
       const double off = is_driven ? cosine * taken_off[static_cast<std::size_t>(manifold.number[k])] : mean;
       row(static_cast<Eigen::Index>(k)) = 2 * std::numbers::pi * (at.energy(manifold.number[k]) - off);
     }
+    const auto between_states = [&](const Eigen::MatrixXd& by) -> Eigen::MatrixXd {
+      return at.states.transpose() * by * at.states;
+    };
+    const Eigen::MatrixXd lowers = between_states(minus), stretches = between_states(at.slope);
     for (std::size_t c = 0; c < manifold.to.size(); ++c) {
       const int to = manifold.number[static_cast<std::size_t>(manifold.to[c])],
                 from = manifold.number[static_cast<std::size_t>(manifold.from[c])];
       const bool ladder = static_cast<int>(c) < manifold.ladders;
-      const double element = at.states.col(to).dot((ladder ? minus : at.slope) * at.states.col(from));
       const double gap = at.energy(from) - at.energy(to);
-      row(static_cast<Eigen::Index>(levels + c)) = ladder ? element : gap != 0 ? element / gap : 0;
+      row(static_cast<Eigen::Index>(levels + c)) = ladder     ? lowers(to, from)
+                                                   : gap != 0 ? stretches(to, from) / gap
+                                                              : 0;
     }
     // What other manifolds shift these levels by, to second order.
-    const Eigen::MatrixXd lowers = at.states.transpose() * minus * at.states,
-                          stretches = at.states.transpose() * at.slope * at.states;
     for (std::size_t k = 0; k < levels; ++k)
       for (int q = 0; q < spins.levels(); ++q) {
         const int n = manifold.number[k];
@@ -235,15 +238,16 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, 
         row(static_cast<Eigen::Index>(levels + manifold.to.size() + k)) += turned * turned / 4 * over;
         row(static_cast<Eigen::Index>(2 * levels + manifold.to.size() + k)) += stretched * stretched * over;
       }
+    if (manifold.low.empty()) return row;
+    const Eigen::MatrixXd driven_down = between_states(drive_minus),
+                          driven_along = between_states(drive_along);
     for (std::size_t p = 0; p < manifold.low.size(); ++p) {
       const int low = manifold.number[static_cast<std::size_t>(manifold.low[p])],
                 high = manifold.number[static_cast<std::size_t>(manifold.high[p])];
-      const Eigen::MatrixXd& by =
-          labels[static_cast<std::size_t>(low)].twice_m == labels[static_cast<std::size_t>(high)].twice_m
-              ? drive_along
-              : drive_minus;
+      const bool same_m =
+          labels[static_cast<std::size_t>(low)].twice_m == labels[static_cast<std::size_t>(high)].twice_m;
       row(static_cast<Eigen::Index>(3 * levels + manifold.to.size() + p)) =
-          at.states.col(low).dot(by * at.states.col(high)) / moment;
+          (same_m ? driven_along : driven_down)(low, high) / moment;
     }
     return row;
   };

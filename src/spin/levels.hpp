@@ -23,8 +23,9 @@ struct Levels {
   Eigen::MatrixXd states;
 };
 
-/// Diagonalises H for each m_F by itself. The moment is the expectation of -dH/dB (Hellmann and Feynman). At
-/// B = 0 states and moments are the limits from B > 0, as long as no two F are degenerate by accident.
+/// Diagonalises H for each m_F by itself; in a field against +z, too, where m stays that along +z. The moment
+/// is the expectation of -dH/dB (Hellmann and Feynman). At B = 0 states and moments are the limits from B >
+/// 0, as long as no two F are degenerate by accident.
 Levels levels_at(const CoupledSpins& spins, double field);
 
 /// (E_to - E_from)/h in hertz.

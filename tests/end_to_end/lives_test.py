@@ -278,7 +278,7 @@ def test_an_input_is_no_place_for_checkpoints(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_run_killed_at_random_moments_ends_with_the_same_bits(tmp_path: Path) -> None:
     draw = random.Random(1938)
-    arguments = [*THREE, "--particles", "6000000", "--checkpoint-every", "0.02 s", "--progress", "none"]
+    arguments = [*THREE, "--particles", "3000000", "--checkpoint-every", "0.02 s", "--progress", "none"]
     kills = 0
     while True:
         process = subprocess.Popen([PROGRAM, "run", str(EXPERIMENT), "-o", str(tmp_path / "a.h5"), *arguments],

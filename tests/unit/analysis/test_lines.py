@@ -68,6 +68,9 @@ def test_a_weak_field_leaves_its_strength_and_contrast_unknown_and_the_centre_kn
     assert abs(found["centre"][0] - 29003) < 4 * found["centre"][1] < 4 and abs(found["time"][0] - 0.02) < 4 * found["time"][1] < 4e-3
     words = {line.split()[0]: line for line in described(found, "Hz")}
     assert words["strength"].endswith("not known") and words["contrast"].endswith("not known") and "±" in words["time"]
+    assert words["normal"].endswith("strength, pulse, time and spread are effective")  # which few beams have with a spread of a fifth
+    narrow = replace(found, values=np.where(np.array(found.names) == "spread", 0.04, found.values))
+    assert not any("normal times" in line for line in described(narrow, "Hz"))
 
 
 def test_any_callable_is_fitted_from_its_start() -> None:

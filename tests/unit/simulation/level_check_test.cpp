@@ -10,7 +10,7 @@ namespace {
 
 /// Of the first particle of a flight.
 std::vector<double> referred(const Flight& f, int level, double operations = 1e10) {
-  const LevelWay way(f.fields, std::make_shared<LevelTable>(f.spins, manifolds_of(f.spins, f.apart)));
+  const LevelWay way(f.fields, table_of(f));
   const RandomKey key{};
   const auto found = LevelReference(way, key).carried(
       {{0, f.length, 0}, {0, f.speed, 0}, f.length / f.speed, {}, 0, level}, operations);

@@ -11,6 +11,7 @@
 #include <complex>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "field/host_maths.hpp"
@@ -77,10 +78,19 @@ inline std::vector<double> all_carried_along(const SpinPath& path, const Flight&
     p.push_back(static_cast<double>(shares[i]) / static_cast<double>(quanta_per_particle));
   return p;
 }
+/// Those of a test are made once.
+inline std::shared_ptr<const LevelTable> table_of(const Flight& f) {
+  static std::vector<std::tuple<CoupledSpins, std::vector<int>, bool, std::shared_ptr<const LevelTable>>>
+      made;
+  const std::vector<int> manifolds = manifolds_of(f.spins, f.apart);
+  const bool driven = !f.fields.waves.empty();
+  for (const auto& [spins, of, is_driven, table] : made)
+    if (spins == f.spins && of == manifolds && is_driven == driven) return table;
+  return std::get<3>(made.emplace_back(f.spins, manifolds, driven,
+                                       std::make_shared<LevelTable>(f.spins, manifolds, driven)));
+}
 inline std::vector<double> all_carried(const Flight& f, int level, Isa isa) {
-  const auto table =
-      std::make_shared<LevelTable>(f.spins, manifolds_of(f.spins, f.apart), !f.fields.waves.empty());
-  const LevelWay way(f.fields, table);
+  const LevelWay way(f.fields, table_of(f));
   SpinPath path;
   path.levels = f.spins.levels();
   path.of_atom = true;
