@@ -241,7 +241,6 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.field = zones.zone_of(whole_fields(section, waves, false));
     part.field.begin = begin;
     part.field.end = end;
-    part.longest = (end - begin) / 8;
     part.shaped_begin = static_cast<int>(out.shaped.size());
     add_shaped_fields(section, part.field, out.shaped);
     part.shaped_end = static_cast<int>(out.shaped.size());
@@ -257,6 +256,8 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
       part.wave = static_cast<int>(driven.size());
       driven.push_back(std::move(wave));
     }
+    const bool is_uniform = part.shaped_begin == part.shaped_end && part.field.drives == 0 && part.wave < 0;
+    part.longest = (end - begin) / (is_uniform ? 1 : 8);
     out.sections.push_back(part);
   }
   out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind, speed));

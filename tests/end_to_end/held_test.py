@@ -12,6 +12,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
 from rabiline.curve_model import CurveModel  # noqa: E402
+from rabiline.fit_plots import _verdict  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
 from rabiline.held import Held, held  # noqa: E402
@@ -52,6 +53,7 @@ def test_a_background_that_has_led_a_fit_far_away_is_told(monkeypatch: pytest.Mo
     assert led.held[0].value == pytest.approx(100, rel=0.2)
     assert led["C.field"][0] + led.held[0].moved[0] * led["C.field"][1] == pytest.approx(6.05e-6, rel=0.2)
     assert "`background` is not free, and the counts fit as well with 9" in str(led)
+    assert "the counts ask for a free background" in _verdict(led)  # in the picture
     # The field is then hardly known, and yet no fit asks for one that is reversed, through which atoms fly in many steps.
     tried, at = [], CurveModel.at
     monkeypatch.setattr(CurveModel, "at", lambda model, values, *particles: tried.append(values[0]) or at(model, values, *particles))
