@@ -19,6 +19,21 @@ std::string_view value_in(std::string_view example, std::string_view key) {
   return {};
 }
 
+std::string with_a_unit(const std::string& number, Dimension dimension) {
+  switch (dimension) {
+    case Dimension::angle:
+      return fmt::format("write `{0} deg` or `{0} rad`", number);
+    case Dimension::length:
+      return fmt::format("write `{0} m`, `{0} cm` or `{0} mm`", number);
+    case Dimension::magnetic_field:
+      return fmt::format("write `{0} T`, `{0} mT` or `{0} uT`", number);
+    case Dimension::frequency:
+      return fmt::format("write `{0} Hz`, `{0} kHz` or `{0} MHz`", number);
+    default:
+      return fmt::format("write `{0} {1}` if {1} is meant", number, si_unit_of(dimension));
+  }
+}
+
 std::string example_for(const Row& row) {
   if (!row.example.empty()) return std::string(row.example);
   // Sizes that a bench has, where the type alone would give an odd one or none.

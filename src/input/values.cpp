@@ -51,22 +51,6 @@ std::string with_meaning(std::string help, const Row& row) {
   return row.key.size() == 1 ? fmt::format("{}; `{}` is: {}", help, row.key, row.meaning) : help;
 }
 
-/// How a bare number may have been meant.
-std::string with_a_unit(const std::string& number, Dimension dimension) {
-  switch (dimension) {
-    case Dimension::angle:
-      return fmt::format("write `{0} deg` or `{0} rad`", number);
-    case Dimension::length:
-      return fmt::format("write `{0} m`, `{0} cm` or `{0} mm`", number);
-    case Dimension::magnetic_field:
-      return fmt::format("write `{0} T`, `{0} mT` or `{0} uT`", number);
-    case Dimension::frequency:
-      return fmt::format("write `{0} Hz`, `{0} kHz` or `{0} MHz`", number);
-    default:
-      return fmt::format("write `{0} {1}` if {1} is meant", number, si_unit_of(dimension));
-  }
-}
-
 void wrong_dimension(const Node& node, const Row& row, const ParsedQuantity& got, Reading& reading) {
   const std::string wanted = with_article(name_of(row.dimension));
   if (got.dimension != Dimension::number) {

@@ -73,6 +73,8 @@ struct Reading {
 std::string quote(const Node&);
 /// How a value of that dimension is written: "0.2 mm".
 std::string example_for(const Row&);
+/// How a bare number may have been meant: "write `6 T`, `6 mT` or `6 uT`".
+std::string with_a_unit(const std::string& number, Dimension);
 
 /// What stands behind a key in "mass: 1 kg, torque: {kind: body_fixed, size: 0.5 N m}", or nothing.
 std::string_view value_in(std::string_view example, std::string_view key);

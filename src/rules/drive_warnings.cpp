@@ -181,7 +181,7 @@ Faults endless_turns_of(const Beamline& beamline) {
       const bool is_near = std::abs(std::abs(d.rotation) - std::abs(d.larmor())) < d.coupling;
       const double turns = d.coupling / two_pi / d.width();
       if (d.turns_one_way() && is_near && turns > most_turns && swept_in_all(d.zone.drive[0]) == 0)
-        out.push_back(fault_of_turns(d.part->placement.name, turns, "of the spins"));
+        out.push_back(fault_of_turns(d.part->placement.name, turns, "the spins"));
     }
   return out;
 }

@@ -101,7 +101,7 @@ class DrivingField {
     const Line& most =
         std::ranges::max_element(lines_, {}, [](const auto& line) { return line.second.turns; })->second;
     if (most.turns > most_turns)
-      out.push_back(fault_of_turns(name, most.turns, "of " + name_of(*most.structure, most.nearest)));
+      out.push_back(fault_of_turns(name, most.turns, name_of(*most.structure, most.nearest)));
   }
 
  private:
@@ -150,10 +150,10 @@ class DrivingField {
 }  // namespace
 
 Fault fault_of_turns(const std::string& name, double turns, const std::string& what) {
-  return warning(
-      name, "amplitude",
-      fmt::format("`{}` drives {:.3g} Rabi cycles {}, where half a cycle flips them all", name, turns, what),
-      "is one of the units wrong?");
+  return warning(name, "amplitude",
+                 fmt::format("`{}` drives {:.3g} Rabi cycles of {}, and half a cycle is a whole flip", name,
+                             turns, what),
+                 "is one of the units wrong?");
 }
 
 Faults line_warnings_of(const Experiment& experiment, const Plan& plan) {

@@ -6,6 +6,8 @@
 
 namespace rabiline {
 
+struct Plan;
+
 /// [T] About what lasts for microseconds in a coil that bursts (D. Nakamura et al., Rev. Sci. Instrum. 89,
 /// 095106 (2018)).
 inline constexpr double most_magnetic_field = 1200;

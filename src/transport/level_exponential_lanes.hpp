@@ -96,12 +96,19 @@ template <int levels>
       re[k] = h.diagonal[k] * term.re[k];
       im[k] = h.diagonal[k] * term.im[k];
     }
-    for (int c = 0; c < f.couplings; ++c) {
-      const int to = f.to[c], from = f.from[c];
-      re[to] = fma(h.re[c], term.re[from], fnma(h.im[c], term.im[from], re[to]));
-      im[to] = fma(h.re[c], term.im[from], fma(h.im[c], term.re[from], im[to]));
-      re[from] = fma(h.re[c], term.re[to], fma(h.im[c], term.im[to], re[from]));
-      im[from] = fma(h.re[c], term.im[to], fnma(h.im[c], term.re[to], im[from]));
+    // Couplings from one level stand one behind the other: what they bring to it is summed up apart.
+    for (int c = 0; c < f.couplings;) {
+      const int from = f.from[c];
+      real sum_re = re[from], sum_im = im[from];
+      for (; c < f.couplings && f.from[c] == from; ++c) {
+        const int to = f.to[c];
+        re[to] = fma(h.re[c], term.re[from], fnma(h.im[c], term.im[from], re[to]));
+        im[to] = fma(h.re[c], term.im[from], fma(h.im[c], term.re[from], im[to]));
+        sum_re = sum_re + fma(h.re[c], term.re[to], h.im[c] * term.im[to]);
+        sum_im = sum_im + fnma(h.im[c], term.re[to], h.re[c] * term.im[to]);
+      }
+      re[from] = sum_re;
+      im[from] = sum_im;
     }
     for (int k = 0; k < f.levels; ++k) {
       const real next_re = fma(by, im[k], last.re[k]), next_im = fnma(by, re[k], last.im[k]);

@@ -76,27 +76,35 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
 }
 
 constexpr int most_row = (3 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;
-/// The first numbers of LevelManifold::rows at theta, for each lane.
+/// Rows and columns of lanes change places.
+RABILINE_LANES void transpose(real (&row)[lane_count]) {
+  for (int step = 1; step < lane_count; step *= 2) {
+    real next[lane_count];
+    for (int i = 0; i < lane_count / 2; ++i)
+      interleave(row[i], row[i + lane_count / 2], next[2 * i], next[2 * i + 1]);
+    for (int i = 0; i < lane_count; ++i) row[i] = next[i];
+  }
+}
+/// The first numbers of LevelManifold::rows at theta, for each lane; `values` has whole lanes of them.
 [[gnu::noinline]] inline void look_up(const LevelManifold& f, int count, real theta, real* values) {
   constexpr double pi = 3.141592653589793;
   const real place = fma(theta, broadcast(f.cells / pi), broadcast(0.5 * f.cells));
   const real cell = max(broadcast(0), min(floor(place), broadcast(f.cells - 1)));
   const real x = fma(place - cell, broadcast(2), broadcast(-1));
-  alignas(64) double found[lane_count][most_row];
-  for (int k = 0; k < lane_count; ++k) {
-    const double* row = f.rows + static_cast<long>(lane(cell, k)) * (level_powers * f.width);
-    const real at = broadcast(lane(x, k));
-    for (int i = 0; i < count; i += lane_count) {
-      real sum = load(row + (level_powers - 1) * f.width + i);
+  const double* rows[lane_count];
+  for (int k = 0; k < lane_count; ++k)
+    rows[k] = f.rows + static_cast<long>(lane(cell, k)) * (level_powers * f.width);
+  for (int i = 0; i < count; i += lane_count) {
+    real found[lane_count];
+    for (int k = 0; k < lane_count; ++k) {
+      const real at = broadcast(lane(x, k));
+      real sum = load(rows[k] + (level_powers - 1) * f.width + i);
       for (int power = level_powers - 2; power >= 0; --power)
-        sum = fma(sum, at, load(row + power * f.width + i));
-      store(found[k] + i, sum);
+        sum = fma(sum, at, load(rows[k] + power * f.width + i));
+      found[k] = sum;
     }
-  }
-  for (int i = 0; i < count; ++i) {
-    real value = broadcast(0);
-    for (int k = 0; k < lane_count; ++k) set_lane(value, k, found[k][i]);
-    values[i] = value;
+    transpose(found);
+    for (int k = 0; k < lane_count; ++k) values[i + k] = found[k];
   }
 }
 

@@ -71,21 +71,35 @@ inline mask are_weak(const LevelManifold& f, const LevelMatrix& h) {
                                                 real* phase) {
   static constexpr GaussPoints points = gauss_points();
   const real zero = broadcast(0);
+  const auto angle_at = [](int i, const real* energy) {
+    real angle = broadcast(points.until[i][0]) * energy[0];
+    for (int n = 1; n < 5; ++n) angle = fma(broadcast(points.until[i][n]), energy[n], angle);
+    return angle;
+  };
+  // Of more couplings than levels phases are the differences of those of levels.
+  const bool by_levels = f.couplings > f.levels;
+  Phasor of_level[GaussPoints::count][most_levels];
+  for (int k = 0; by_levels && k < f.levels; ++k) {
+    real energy[5];
+    for (int n = 0; n < 5; ++n) energy[n] = select(lanes, at[n].diagonal[k], zero);
+    for (int i = 0; i < GaussPoints::count; ++i) of_level[i][k] = phasor(angle_at(i, energy));
+  }
   for (int j = 0; j < f.couplings; ++j) {
+    const int to = f.to[j], from = f.from[j];
     real gap[5], re[5], im[5], sum_re[5] = {}, sum_im[5] = {};
     for (int n = 0; n < 5; ++n) {
-      gap[n] = select(lanes, at[n].diagonal[f.to[j]] - at[n].diagonal[f.from[j]], zero);
+      gap[n] = select(lanes, at[n].diagonal[to] - at[n].diagonal[from], zero);
       re[n] = at[n].re[j];
       im[n] = at[n].im[j];
     }
     for (int i = 0; i < GaussPoints::count; ++i) {
-      real angle = zero, here_re = zero, here_im = zero;
+      real here_re = zero, here_im = zero;
       for (int n = 0; n < 5; ++n) {
-        angle = fma(broadcast(points.until[i][n]), gap[n], angle);
         here_re = fma(broadcast(points.value[i][n]), re[n], here_re);
         here_im = fma(broadcast(points.value[i][n]), im[n], here_im);
       }
-      const Phasor p = phasor(angle);
+      const Phasor p = by_levels ? of_level[i][to] * Phasor{of_level[i][from].c, -of_level[i][from].s}
+                                 : phasor(angle_at(i, gap));
       const real turned_re = fnma(here_im, p.s, here_re * p.c), turned_im = fma(here_im, p.c, here_re * p.s);
       for (int n = 0; n < 5; ++n) {
         const real by = broadcast((n + 0.5) * points.weight[i] * points.value[i][n]);

@@ -124,9 +124,8 @@ TEST_F(ExplainAtoms, WarnsOfAScanThatStopsShortOfEveryLine) {
 
 TEST_F(ExplainAtoms, WarnsOfADriveThatTurnsLevelsRoundAndRound) {
   // 14.02 kHz for 1 uT, over 1/(10 kHz).
-  EXPECT_THAT(
-      check({"R.amplitude=75 uT"}),
-      HasSubstr("`R` drives 105 Rabi cycles of F=4 m=0 - F=3 m=0, where half a cycle flips them all"));
+  EXPECT_THAT(check({"R.amplitude=75 uT"}),
+              HasSubstr("`R` drives 105 Rabi cycles of F=4 m=0 - F=3 m=0, and half a cycle is a whole flip"));
   EXPECT_THAT(check({"R.amplitude=70 uT"}), Not(HasSubstr("Rabi cycles")));
 }
 
