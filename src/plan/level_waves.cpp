@@ -68,15 +68,22 @@ RotatingTerm along_field(const DriveTerm& drive, const Vector3& shaped, const Ve
   return out;
 }
 
-/// [Hz] How far a drive is from the nearest difference of levels that it couples.
-double nearest_line(const CoupledSpins& spins, double field, const RotatingTerm& drive) {
+/// A drive that comes nearest to a difference of levels that it couples: at which of the frequencies that it
+/// sweeps through, and how far from it [Hz].
+struct NearestLine {
+  double distance = std::numeric_limits<double>::infinity(), frequency = 0;
+};
+NearestLine nearest_line(const CoupledSpins& spins, double field, const RotatingTerm& drive, double swept) {
   const DrivenStates states = driven_states(spins, levels_at(spins, field), drive);
-  double nearest = std::numeric_limits<double>::infinity();
+  const double first = drive.oscillator.frequency, last = std::abs(first + swept);
+  NearestLine nearest{.frequency = first};
   for (int i = 0; i < spins.levels(); ++i)
-    for (int j = 0; j < i; ++j)
-      if (states.coupling(i, j) != 0)
-        nearest = std::min(
-            nearest, std::abs(std::abs(states.energy(i) - states.energy(j)) - drive.oscillator.frequency));
+    for (int j = 0; j < i; ++j) {
+      if (states.coupling(i, j) == 0) continue;
+      const double line = std::abs(states.energy(i) - states.energy(j)),
+                   frequency = std::clamp(line, std::min(first, last), std::max(first, last));
+      if (std::abs(line - frequency) < nearest.distance) nearest = {std::abs(line - frequency), frequency};
+    }
   return nearest;
 }
 
@@ -184,9 +191,11 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
         for (const ShapedTerm& term : shaped)
           if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);
         const double size = length_of(b);
-        const RotatingTerm term = along_field(drive, {peak.field[0], peak.field[1], peak.field[2]},
-                                              size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
-        const double distance = nearest_line(spins, size, term);
+        RotatingTerm term = along_field(drive, {peak.field[0], peak.field[1], peak.field[2]},
+                                        size > 0 ? (1 / size) * b : Vector3{0, 0, 1});
+        const double swept = (drive.omega < 0 ? -1 : 1) * swept_in_all(drive) / two_pi;
+        const auto [distance, frequency] = nearest_line(spins, size, term, swept);
+        term.oscillator.frequency = frequency;
         const bool as_near = best.drive && distance == nearest;
         if (best.drive && !(distance < nearest || (as_near && term.amplitude > best.drive->amplitude)))
           continue;

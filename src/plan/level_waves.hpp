@@ -33,7 +33,8 @@ std::set<int> clocks_of_waves(const std::vector<Section>&, double from, double t
 WaveFields wave_fields(const SpinZone& drives, const Section&, const Species& atom,
                        const std::vector<int>& manifold_of, double speed);
 
-/// What drives on a way, in axes along the static field at the place of its section where a line is nearest.
+/// What drives on a way, in axes along the static field at the place of its section where a line is nearest,
+/// with that one of the frequencies that it sweeps through.
 std::vector<LevelZone> zones_near_lines(const LevelFields&, const Structure&, double speed);
 
 }  // namespace rabiline

@@ -74,10 +74,10 @@ class DrivingField {
       Line& line = lines_[{component, t.upper, t.lower}];
       const double strength = std::max(width, t.rabi), distance = std::abs(t.detuning);
       is_useful_ = is_useful_ || !is_far(t, width);
-      is_met_ = is_met_ || distance < 2 * strength;
+      // Along a way, levels may follow their field, or a sweep, through a line.
+      is_met_ = is_met_ || driven.on_way || distance < 2 * strength;
       line.lowest = std::min(line.lowest, t.detuning);
       line.highest = std::max(line.highest, t.detuning);
-      // Along a way, levels may follow their field through a line.
       if (distance < strength && !driven.on_way) line.turns = std::max(line.turns, t.rabi / width);
       if (distance < std::abs(line.nearest.detuning))
         line = {line.lowest, line.highest, line.turns, t, width, &driven.structure};

@@ -122,6 +122,18 @@ TEST_F(ExplainAtoms, WarnsOfAScanThatStopsShortOfEveryLine) {
               Not(HasSubstr("no scan point")));  // nothing of it is scanned
 }
 
+TEST_F(ExplainAtoms, KnowsWhichLinesADriveSweepsThrough) {
+  const auto swept = [&](const char* to) {
+    return check({"R.frequency=9190 MHz", std::string("R.sweep={begin: 2 ms, end: 2.1 ms, to: ") + to + "}"});
+  };
+  EXPECT_THAT(swept("9190.2 MHz"), HasSubstr("`R` drives no transition: at B = 10 uT and 9190.2 MHz"));
+  const std::string through = swept("9192.72 MHz");
+  EXPECT_THAT(through, Not(HasSubstr("drives no transition")));
+  EXPECT_THAT(through, HasSubstr("detuned by 0 Hz"));
+  EXPECT_THAT(check({"R.frequency=9195 MHz", "R.sweep={begin: 2 ms, end: 2.1 ms, to: 9192.5 MHz}"}),
+              Not(HasSubstr("drives no transition")));
+}
+
 TEST_F(ExplainAtoms, WarnsOfADriveThatTurnsLevelsRoundAndRound) {
   // 14.02 kHz for 1 uT, over 1/(10 kHz).
   EXPECT_THAT(check({"R.amplitude=75 uT"}),
