@@ -187,14 +187,12 @@ Faults endless_turns_of(const Beamline& beamline) {
 }
 
 Faults missed_resonances_of(const ScanPoints& points) {
-  /// How near a drive comes to its resonance, over the points of a scan.
-  struct Approach {
+  struct Missed {
     std::string owner;
-    double lowest = HUGE_VAL, highest = -HUGE_VAL;         // [rad/s] of |rotation| - |precession|
-    double nearest = HUGE_VAL, precession = 0, width = 0;  // [rad/s, rad/s, Hz] there
-    bool is_line = false;
+    Approach approach;                 // [rad/s] of |rotation| to |precession|
+    double precession = 0, width = 0;  // [rad/s, Hz] where it is nearest
   };
-  std::map<std::string, Approach> drives;
+  std::map<std::string, Missed> drives;
   constexpr std::size_t most = 256;
   constexpr double golden = 0.61803398874989485;  // of all points some that are even in every axis of a grid
   for (std::size_t i = 0; i < std::min(points.size(), most); ++i) {
@@ -205,28 +203,24 @@ Faults missed_resonances_of(const ScanPoints& points) {
                                                                 static_cast<double>(points.size()))];
     for (const Species* species : points_of(point))
       for (const Drive& d : drives_of(point, *species)) {
-        Approach& all = drives[d.part->placement.name];
-        const double detuning = std::abs(d.rotation) - std::abs(d.larmor());
+        Missed& all = drives[d.part->placement.name];
         all.owner = owner_of_clock(*d.part);
-        all.lowest = std::min(all.lowest, detuning);
-        all.highest = std::max(all.highest, detuning);
-        all.is_line = all.is_line || d.larmor() == 0 ||
-                      std::abs(detuning) < 2 * std::max(two_pi * d.width(), d.coupling);
-        if (std::abs(detuning) < all.nearest) {
-          all.nearest = std::abs(detuning);
-          all.precession = d.larmor();
-          all.width = d.width();
-        }
+        all.approach.is_met = all.approach.is_met || d.larmor() == 0;
+        if (!all.approach.look_at(std::abs(d.rotation) - std::abs(d.larmor()),
+                                  std::max(two_pi * d.width(), d.coupling)))
+          continue;
+        all.precession = d.larmor();
+        all.width = d.width();
       }
   }
   Faults out;
   for (const auto& [name, all] : drives)
-    if (!all.is_line && all.lowest * all.highest > 0 && all.highest - all.lowest > 1e-9 * all.nearest)
+    if (all.approach.keeps_off() && all.approach.moves())
       out.push_back(warning(
           all.owner, "frequency",
           fmt::format("no scan point is near the resonance of `{}`: the nearest is {} away from the {} at "
                       "which spins precess there, and 1/T is {}",
-                      name, hertz(all.nearest), hertz(all.precession),
+                      name, hertz(all.approach.nearest), hertz(all.precession),
                       pretty_quantity(all.width, Dimension::frequency)),
           "scan over the resonance, or is one of the units wrong?"));
   return out;

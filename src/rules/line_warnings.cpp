@@ -72,15 +72,16 @@ class DrivingField {
                double width) {
     for (const Transition& t : all) {
       Line& line = lines_[{component, t.upper, t.lower}];
-      const double strength = std::max(width, t.rabi), distance = std::abs(t.detuning);
+      const double strength = std::max(width, t.rabi);
       is_useful_ = is_useful_ || !is_far(t, width);
       // Along a way, levels may follow their field, or a sweep, through a line.
-      is_met_ = is_met_ || driven.on_way || distance < 2 * strength;
-      line.lowest = std::min(line.lowest, t.detuning);
-      line.highest = std::max(line.highest, t.detuning);
-      if (distance < strength && !driven.on_way) line.turns = std::max(line.turns, t.rabi / width);
-      if (distance < std::abs(line.nearest.detuning))
-        line = {line.lowest, line.highest, line.turns, t, width, &driven.structure};
+      line.approach.is_met = line.approach.is_met || driven.on_way;
+      if (std::abs(t.detuning) < strength && !driven.on_way)
+        line.turns = std::max(line.turns, t.rabi / width);
+      if (!line.approach.look_at(t.detuning, strength)) continue;
+      line.nearest = t;
+      line.width = width;
+      line.structure = &driven.structure;
     }
     const double distance = all.empty() ? HUGE_VAL : std::abs(all.front().detuning);
     if (nearest_zone_ != nullptr && distance >= distance_) return;
@@ -92,11 +93,8 @@ class DrivingField {
 
   void tell(const std::string& name, bool is_scanned, Faults& out) const {
     if (!is_useful_) return out.push_back(fault_of_nothing(name, is_scanned));
-    const auto is_missed = [](const auto& line) { return line.second.lowest * line.second.highest > 0; };
-    const auto moves = [](const auto& line) {
-      return line.second.highest - line.second.lowest > 1e-9 * std::abs(line.second.nearest.detuning);
-    };
-    if (!is_met_ && std::ranges::all_of(lines_, is_missed) && std::ranges::any_of(lines_, moves))
+    if (std::ranges::all_of(lines_, [](const auto& line) { return line.second.approach.keeps_off(); }) &&
+        std::ranges::any_of(lines_, [](const auto& line) { return line.second.approach.moves(); }))
       out.push_back(fault_of_missed_line(name));
     const Line& most =
         std::ranges::max_element(lines_, {}, [](const auto& line) { return line.second.turns; })->second;
@@ -107,10 +105,10 @@ class DrivingField {
  private:
   /// A transition over the scan points.
   struct Line {
-    double lowest = HUGE_VAL, highest = -HUGE_VAL;  // [Hz] of the detuning
-    double turns = 0;                               // Rabi cycles on resonance
-    Transition nearest{.detuning = HUGE_VAL};       // at the point where it is
-    double width = 0;                               // [Hz] there
+    Approach approach{};   // [Hz]
+    double turns = 0;      // Rabi cycles on resonance
+    Transition nearest{};  // at the point where it is
+    double width = 0;      // [Hz] there
     const Structure* structure = nullptr;
   };
 
@@ -127,19 +125,19 @@ class DrivingField {
   }
   Fault fault_of_missed_line(const std::string& name) const {
     const Line& line = std::ranges::min_element(lines_, {}, [](const auto& one) {
-                         return std::abs(one.second.nearest.detuning);
+                         return one.second.approach.nearest;
                        })->second;
     return warning(
         name, "frequency",
         fmt::format("no scan point is near a line that `{}` drives: the nearest is {} away from {} "
                     "at {}, and the line's width is {}",
-                    name, pretty_quantity(std::abs(line.nearest.detuning), Dimension::frequency),
+                    name, pretty_quantity(line.approach.nearest, Dimension::frequency),
                     name_of(*line.structure, line.nearest), megahertz(line.nearest.frequency),
                     pretty_quantity(line.width, Dimension::frequency)),
         "scan over the line, or is one of the units wrong?");
   }
 
-  bool is_useful_ = false, is_met_ = false;            // drives some species of the beam; near a line
+  bool is_useful_ = false;                             // drives some species of the beam
   std::map<std::tuple<int, int, int>, Line> lines_{};  // of a component, between two levels
   double distance_ = 0;                                // [Hz]
   const LevelZone* nearest_zone_ = nullptr;            // to a line

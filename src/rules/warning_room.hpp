@@ -1,5 +1,7 @@
 #pragma once
 // The warnings by theme.
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "rules/room.hpp"
@@ -15,6 +17,25 @@ inline constexpr double most_magnetic_field = 1200;
 inline Fault warning(std::string subject, std::string key, std::string message, std::string help = {}) {
   return {std::move(subject), std::move(key), std::move(message), std::move(help), Severity::warning};
 }
+
+/// How near a field comes to its resonance over the points of a scan, in one unit of frequency.
+struct Approach {
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;  // detuning
+  double nearest = HUGE_VAL;                      // its least size
+  bool is_met = false;
+
+  /// `strength`: of the field, or its width if that is larger. Whether it is nearer than before.
+  bool look_at(double detuning, double strength) {
+    lowest = std::min(lowest, detuning);
+    highest = std::max(highest, detuning);
+    is_met = is_met || std::abs(detuning) < 2 * strength;
+    if (!(std::abs(detuning) < nearest)) return false;
+    nearest = std::abs(detuning);
+    return true;
+  }
+  bool keeps_off() const { return !is_met && lowest * highest > 0; }
+  bool moves() const { return highest - lowest > 1e-9 * nearest; }
+};
 
 /// What makes one scan point pointless.
 Faults blunders_of(const Beamline&);
