@@ -140,6 +140,7 @@ class ConstantTurn : public Span {
 template <int terms>
 struct Coefficients {
   real of[terms];
+  real at_begin;  // of an integrated one
 
   RABILINE_LANES void fit(const real (&f)[span_points]) {
     constexpr double half_inverse[3] = {2.0953889257910308, 0.75619011198884489, 0.53621055957768052};
@@ -174,6 +175,7 @@ struct Coefficients {
   /// For `from_begin`: the coefficients of the integral over x instead, but for its constant.
   RABILINE_LANES void integrate(double scale) {
     for (int k = 0; k < terms; ++k) of[k] = of[k] * (scale / (k + 1));
+    at_begin = at(broadcast(-1));
   }
   RABILINE_LANES real at(real x) const {
     real p = of[terms - 1];
@@ -181,7 +183,7 @@ struct Coefficients {
     return p;
   }
   /// Of an integrated one: from x = -1 on.
-  RABILINE_LANES real from_begin(real x) const { return fma(x, at(x), at(broadcast(-1))); }
+  RABILINE_LANES real from_begin(real x) const { return fma(x, at(x), at_begin); }
 };
 
 /// The points that values are given at, in x.
@@ -265,15 +267,14 @@ class JointTurn : public Span {
         turn_about_z(turning_at(span_points), rotated(span_points, turned_by(chi_at(span_points))));
   }
   RABILINE_LANES Vector velocity(real tau) const {
-    real s, c, half_s, half_c;
-    sincos(tau * rate_, s, c);
-    sincos(tau * (0.5 * rate_), half_s, half_c);
-    const real lost = 2.0 * half_s * half_s, along = fma(spin_.x, broadcast(ux_), spin_.z * uz_);
+    const Phasor half = phasor(0.5 * (tau * rate_));
+    const real s = 2.0 * half.s * half.c, lost = 2.0 * half.s * half.s,
+               along = fma(spin_.x, broadcast(ux_), spin_.z * uz_);
     // int S'_z dt, S'_z = u_z (u . S) + (S_z - u_z (u . S)) cos - (u x z) . S sin
     const real steady = uz_ * along, turning = spin_.z - steady, per = broadcast(rate_ > 0 ? 1 / rate_ : 0);
     const real swing = rate_ > 0 ? fma(turning, s, ux_ * spin_.y * lost) * per : turning * tau;
     const real chi = fma(along * rate_, tau, omega() * fma(steady, tau, swing));
-    return turn_about_z(phasor(tau * omega()), rotation_in_xz_axis(ux_, uz_, tau * rate_) * turned_by(chi));
+    return turn_about_z(phasor(tau * omega()), rotation_in_xz_axis(ux_, uz_, half) * turned_by(chi));
   }
   RABILINE_LANES State end_at(real span, const Vector& way) const {
     const Motion m = in_laboratory(way, end_velocity_);

@@ -207,6 +207,13 @@ struct SpinGauge {
   double axis[3] = {0, 0, 1};
 };
 
+/// A stretch of an axis in equal divisions, the last of which `high` belongs to.
+struct Ruler {
+  static constexpr std::uint64_t outside = ~std::uint64_t{0};
+  double low = 0, high = 1, per_unit = 1;
+  int divisions = 1;
+};
+
 /// Shares of particles that follow a path each, of which some are counted by a screen.
 struct ShareCount {
   const std::uint64_t* shares = nullptr;  // [level][padded]
@@ -247,5 +254,7 @@ RABILINE_KERNEL(measure, void(const Gauge&, const BatchView&, const std::uint64_
 // The angle or the projection, or the probability of each outcome from m = I down to -I, a column for each.
 RABILINE_KERNEL(measure_spin,
                 void(const SpinGauge&, const BatchView&, const std::uint64_t* weights, double* values))
+// In which division each value is, or Ruler::outside.
+RABILINE_KERNEL(mark, void(const Ruler&, const double* values, int padded, std::uint64_t* divisions))
 
 }  // namespace rabiline

@@ -124,4 +124,13 @@ void measure_spin(const SpinGauge& gauge, const BatchView& batch, const std::uin
   }
 }
 
+void mark(const Ruler& ruler, const double* values, int padded, std::uint64_t* divisions) {
+  for (int i = 0; i < padded; i += lane_count) {
+    const real value = load(values + i);
+    const mask on = (value >= broadcast(ruler.low)) & (value <= broadcast(ruler.high));
+    const words at = weight_of(bin_of(value - ruler.low, ruler.per_unit, ruler.divisions));
+    store(divisions + i, select(on, at, broadcast_word(Ruler::outside)));
+  }
+}
+
 }  // namespace rabiline::RABILINE_ISA

@@ -50,17 +50,16 @@ RABILINE_LANES Vector operator*(const Matrix& a, const Vector& v) {
   return {fma(a.m[0], v.x, fma(a.m[1], v.y, a.m[2] * v.z)), fma(a.m[3], v.x, fma(a.m[4], v.y, a.m[5] * v.z)),
           fma(a.m[6], v.x, fma(a.m[7], v.y, a.m[8] * v.z))};
 }
-/// Right-handed rotation by `angle` about the unit vector (ux, 0, uz).
-RABILINE_LANES Matrix rotation_in_xz_axis(double ux, double uz, real angle) {
-  real s, c;
-  sincos(angle, s, c);
-  real half_s, half_c;
-  sincos(angle * 0.5, half_s, half_c);
-  const real d = 2.0 * half_s * half_s;  // 1 - cos, without loss for small angles
+/// Right-handed rotation about the unit vector (ux, 0, uz), from cosine and sine of half its angle.
+RABILINE_LANES Matrix rotation_in_xz_axis(double ux, double uz, const Phasor& half) {
+  const real d = 2.0 * half.s * half.s, c = 1.0 - d, s = 2.0 * half.s * half.c;  // d without loss, if small
   const real x = broadcast(ux), z = broadcast(uz);
   return {{fma(x * x, d, c), -(z * s), x * z * d,  //
            z * s, c, -(x * s),                     //
            x * z * d, x * s, fma(z * z, d, c)}};
+}
+RABILINE_LANES Matrix rotation_in_xz_axis(double ux, double uz, real angle) {
+  return rotation_in_xz_axis(ux, uz, phasor(0.5 * angle));
 }
 /// Rotates v by the rotation vector o, |o| <= 1.
 RABILINE_LANES Vector rotate(const Vector& o, const Vector& v) {

@@ -14,8 +14,6 @@ namespace rabiline {
 namespace {
 
 constexpr std::size_t most_axes = most_tally_axes;
-constexpr int outside_axis = -1;
-constexpr auto last_step = static_cast<std::int64_t>(moment_steps) - 1;
 
 /// Adds what one particle has in one bin, the last of which is outside of the axes, to the sums of a
 /// histogram.
@@ -24,63 +22,36 @@ void add_score(std::size_t bin, std::uint64_t q, Sum* sums) {
   sums[HistogramSums::bin(bin) + 1] += square(q);
 }
 
-/// Where a value is on an axis.
-struct Mark {
-  int bin;                      // or outside_axis
-  std::uint64_t u;              // in steps
-  std::uint64_t first, second;  // what is summed for the axis' moments: u and its square, or a direction
+/// Where values are on an axis; and what is summed for its moments: steps and their squares, or directions.
+struct Marks {
+  alignas(64) std::uint64_t bin[Batch::capacity];
+  alignas(64) std::uint64_t first[Batch::capacity], second[Batch::capacity];
 };
 
-/// Finds bins; one for each axis, so that divisions are made once.
-class Ruler {
- public:
-  explicit Ruler(const HistogramAxis& axis)
-      : low_(axis.low),
-        high_(axis.high),
-        bins_(axis.bins),
-        bins_per_unit_(axis.bins / (axis.high - axis.low)),
-        steps_per_unit_(moment_steps / (axis.high - axis.low)),
-        of_levels_(is_categorical(axis.quantity)) {}
-
-  Mark mark(double value) const {
-    if (of_levels_) return {static_cast<int>(value), 0, 0, 0};
-    if (!(value >= low_ && value <= high_)) return {outside_axis, 0, 0, 0};
-    // Conversion to an integer rounds down, since nothing is negative.
-    const double from_low = value - low_;
-    const auto u = static_cast<std::uint64_t>(
-        std::min(static_cast<std::int64_t>(from_low * steps_per_unit_), last_step));
-    return {std::min(static_cast<int>(from_low * bins_per_unit_), bins_ - 1), u, u, u * u};
-  }
-  bool of_levels() const { return of_levels_; }
-  int bins() const { return bins_; }
-
- private:
-  double low_, high_;
-  int bins_;
-  double bins_per_unit_, steps_per_unit_;
-  bool of_levels_;
-};
+constexpr int axis_steps = static_cast<int>(moment_steps);
+Ruler ruler(double low, double high, int divisions) {
+  return {low, high, divisions / (high - low), divisions};
+}
 
 /// Fills one histogram with one batch.
 class Filler {
  public:
   Filler(const Histogram& histogram, StageContext& context)
-      : histogram_(histogram), batch_(context.batch.view()), context_(context), layout_(sums_of(histogram)) {
-    for (const HistogramAxis& axis : histogram.axes) rulers_.emplace_back(axis);
-  }
+      : histogram_(histogram), batch_(context.batch.view()), context_(context), layout_(sums_of(histogram)) {}
 
   void fill() {
     if (!weigh()) return;
-    measure();
+    mark();
+    if (!measured_) return score_all();
     for (int i = 0; i < batch_.count; ++i)
-      if (weights_[i] != 0) score(i);
+      if (weights_[i] != 0) score_outcomes(i);
   }
 
   /// As long as no measurement has several outcomes.
   void find_places(PathPlaces& places) {
     places.bin.fill(PathPlaces::nowhere);
     if (!weigh()) return;
-    measure();
+    mark();
     for (int i = 0; i < batch_.count; ++i)
       if (weights_[i] != 0) find_place(i, places);
   }
@@ -93,23 +64,17 @@ class Filler {
       share(i, shares);
       found = static_cast<int>(std::max_element(shares, shares + histogram_.spins.levels) - shares);
     }
-    const auto at = static_cast<std::size_t>(i);
-    std::size_t bin = 0, ranged = 0;
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
-      const Mark mark = rulers_[a].mark(is_measured(histogram_.axes[a]) ? outcome(a, found) : values_[a][i]);
-      if (mark.bin == outside_axis) {
-        places.bin[at] = static_cast<std::uint32_t>(layout_.bins);
-        return;
-      }
-      bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(mark.bin);
-      if (!rulers_[a].of_levels()) places.steps[ranged++][at] = static_cast<std::uint32_t>(mark.u);
-    }
-    places.bin[at] = static_cast<std::uint32_t>(bin);
+    const std::size_t bin = bin_of(i, found);
+    places.bin[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(bin);
+    std::size_t ranged = 0;
+    for (std::size_t a = 0; a < axes() && bin != layout_.bins; ++a)
+      if (has_moments(a))
+        places.steps[ranged++][static_cast<std::size_t>(i)] =
+            static_cast<std::uint32_t>(marks_[a].first[mark_of(a, i, found)]);
   }
 
-  bool is_measured(const HistogramAxis& axis) const {
-    return histogram_.spins.levels > 0 && asks_for_spin(axis.quantity);
-  }
+  std::size_t axes() const { return histogram_.axes.size(); }
+  bool has_moments(std::size_t axis) const { return !is_categorical(histogram_.axes[axis].quantity); }
 
   /// The weight of each particle that counts; whether there is any.
   bool weigh() {
@@ -122,99 +87,116 @@ class Filler {
     return std::any_of(weights_, weights_ + batch_.padded, [](std::uint64_t w) { return w != 0; });
   }
 
-  void measure() {
+  /// Where all particles are on all axes; on one of a measured spin, where its outcomes are.
+  void mark() {
     SpinGauge spin;
     spin.path = histogram_.spins.view(context_.key);
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
+    alignas(64) double values[Batch::capacity] = {};
+    for (std::size_t a = 0; a < axes(); ++a) {
       const HistogramAxis& axis = histogram_.axes[a];
-      if (!asks_for_spin(axis.quantity)) {
+      of_outcomes_[a] = histogram_.spins.levels > 0 && asks_for_spin(axis.quantity);
+      spin.quantity = axis.quantity;
+      std::copy_n(axis.direction, 3, spin.axis);
+      if (of_outcomes_[a]) {
+        if (!measured_) measure_outcomes(spin);  // the checks let pass one direction only
+        for (int k = 0; k < histogram_.spins.levels; ++k) values[k] = outcome(axis, k);
+      } else if (asks_for_spin(axis.quantity)) {
+        kernel::measure_spin(context_.isa)(spin, batch_, weights_, values);
+      } else {
         kernel::measure(context_.isa)(
             {axis.quantity, histogram_.face.y, histogram_.mass, context_.key, histogram_.pulse}, batch_,
-            weights_, values_[a]);
-        continue;
+            weights_, values);
       }
-      std::copy_n(axis.direction, 3, spin.axis);
-      if (is_measured(axis) && measured_) continue;  // the checks let pass one direction only
-      measured_ = is_measured(axis);
-      if (histogram_.spins.of_atom) {
-        share_levels(histogram_.spins, context_.key, context_.isa, batch_, weights_, shares_);
-        continue;
-      }
-      spin.quantity = axis.quantity;
-      kernel::measure_spin(context_.isa)(spin, batch_, weights_, measured_ ? probabilities_ : values_[a]);
-      if (is_circular(axis.quantity)) measure_across(spin);
+      mark_axis(axis, values, marks_[a], spin);
     }
   }
-
-  /// What the spin has along x and y.
-  void measure_across(SpinGauge spin) {
-    spin.quantity = Quantity::spin;
-    for (std::size_t k = 0; k < 2; ++k) {
-      std::fill_n(spin.axis, 3, 0.0);
-      spin.axis[k] = 1;
-      kernel::measure_spin(context_.isa)(spin, batch_, weights_, across_[k]);
-    }
+  void mark_axis(const HistogramAxis& axis, const double* values, Marks& marks, const SpinGauge& spin) {
+    const bool ranged = !is_categorical(axis.quantity);
+    mark(ranged ? ruler(axis.low, axis.high, axis.bins) : ruler(0, axis.bins, axis.bins), values, marks.bin);
+    if (is_circular(axis.quantity)) return mark_directions(spin, marks);
+    if (!ranged) return;
+    mark(ruler(axis.low, axis.high, axis_steps), values, marks.first);
+    for (int i = 0; i < most_marks(); ++i) marks.second[i] = marks.first[i] * marks.first[i];
   }
-
-  void score(int i) {
-    Mark marks[most_axes];  // set where they are asked for
-    for (std::size_t a = 0; a < rulers_.size(); ++a)
-      if (!is_measured(histogram_.axes[a])) marks[a] = mark(a, i);
-    if (!measured_) {
-      const std::size_t bin = bin_of(marks);
-      add_score(bin, weights_[i], context_.sums);
-      if (bin != layout_.bins) add_moments(i, marks, weights_[i]);
-      return;
-    }
-    std::int64_t shares[most_levels];
-    share(i, shares);
-    for (int k = 0; k < histogram_.spins.levels; ++k) {
-      if (shares[k] == 0) continue;
-      for (std::size_t a = 0; a < rulers_.size(); ++a)
-        if (is_measured(histogram_.axes[a])) marks[a] = rulers_[a].mark(outcome(a, k));
-      add_share(i, marks, static_cast<std::uint64_t>(shares[k]));
-    }
-    flush();
+  void mark(const Ruler& ruler, const double* values, std::uint64_t* divisions) const {
+    kernel::mark(context_.isa)(ruler, values, most_marks(), divisions);
   }
-
-  /// The last one where a mark is outside of its axis.
-  std::size_t bin_of(const Mark* marks) const {
-    std::size_t bin = 0;
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
-      if (marks[a].bin == outside_axis) return layout_.bins;
-      bin = bin * static_cast<std::size_t>(rulers_[a].bins()) + static_cast<std::size_t>(marks[a].bin);
-    }
-    return bin;
-  }
-  void add_moments(int i, const Mark* marks, std::uint64_t q) {
-    std::size_t axis = 0;
-    for (std::size_t a = 0; a < rulers_.size(); ++a) {
-      if (rulers_[a].of_levels()) continue;
-      Sum* at = context_.sums + layout_.moments(axis++, batch_.particle[i] % moment_groups);
-      at[0] += q;
-      at[1] += static_cast<Sum>(q) * marks[a].first;
-      at[2] += static_cast<Sum>(q) * marks[a].second;
-    }
+  int most_marks() const { return std::max(batch_.padded, most_levels); }
+  void measure_outcomes(const SpinGauge& spin) {
+    measured_ = true;
+    if (histogram_.spins.of_atom)
+      share_levels(histogram_.spins, context_.key, context_.isa, batch_, weights_, shares_);
+    else
+      kernel::measure_spin(context_.isa)(spin, batch_, weights_, probabilities_);
   }
 
   /// Angles that go in a circle have the mean of their directions.
-  Mark mark(std::size_t axis, int i) const {
-    Mark made = rulers_[axis].mark(values_[axis][i]);
-    if (!is_circular(histogram_.axes[axis].quantity)) return made;
-    const double x = across_[0][i], y = across_[1][i], length = std::sqrt(x * x + y * y);
-    made.first = in_steps(length > 0 ? x / length : 1);
-    made.second = in_steps(length > 0 ? y / length : 0);
-    return made;
+  void mark_directions(SpinGauge spin, Marks& marks) const {
+    spin.quantity = Quantity::spin;
+    alignas(64) double along[2][Batch::capacity] = {};
+    for (std::size_t k = 0; k < 2; ++k) {
+      std::fill_n(spin.axis, 3, 0.0);
+      spin.axis[k] = 1;
+      kernel::measure_spin(context_.isa)(spin, batch_, weights_, along[k]);
+    }
+    for (int i = 0; i < batch_.count; ++i) {
+      const double x = along[0][i], y = along[1][i], length = std::sqrt(x * x + y * y);
+      along[0][i] = length > 0 ? std::clamp(x / length, -1.0, 1.0) : 1;
+      along[1][i] = length > 0 ? std::clamp(y / length, -1.0, 1.0) : 0;
+    }
+    mark(ruler(-1, 1, axis_steps), along[0], marks.first);
+    mark(ruler(-1, 1, axis_steps), along[1], marks.second);
   }
-  /// A number from -1 to 1.
-  static std::uint64_t in_steps(double number) {
-    return static_cast<std::uint64_t>(
-        std::min(static_cast<std::int64_t>((1 + number) * (moment_steps / 2)), last_step));
+
+  void score_all() {
+    std::uint64_t bins[Batch::capacity] = {};
+    for (std::size_t a = 0; a < axes(); ++a)
+      for (int i = 0; i < batch_.count; ++i) bins[i] = joint_bin(bins[i], a, marks_[a].bin[i]);
+    for (int i = 0; i < batch_.count; ++i)
+      if (weights_[i] != 0)
+        add_score(std::min<std::size_t>(bins[i], layout_.bins), weights_[i], context_.sums);
+    std::size_t axis = 0;
+    for (std::size_t a = 0; a < axes(); ++a) {
+      if (!has_moments(a)) continue;
+      for (int i = 0; i < batch_.count; ++i)
+        if (weights_[i] != 0 && bins[i] != Ruler::outside)
+          add_moments(marks_[a], static_cast<std::size_t>(i), weights_[i],
+                      context_.sums + layout_.moments(axis, batch_.particle[i] % moment_groups));
+      ++axis;
+    }
+  }
+  void score_outcomes(int i) {
+    std::int64_t shares[most_levels];
+    share(i, shares);
+    for (int k = 0; k < histogram_.spins.levels; ++k)
+      if (shares[k] != 0) add_share(i, k, static_cast<std::uint64_t>(shares[k]));
+    flush();
+  }
+
+  std::size_t mark_of(std::size_t axis, int i, int outcome) const {
+    return static_cast<std::size_t>(of_outcomes_[axis] ? outcome : i);
+  }
+  /// The bin of several axes, from that of the first ones and that of the next; also outside.
+  std::uint64_t joint_bin(std::uint64_t bin, std::size_t axis, std::uint64_t next) const {
+    if (bin == Ruler::outside || next == Ruler::outside) return Ruler::outside;
+    return bin * static_cast<std::uint64_t>(histogram_.axes[axis].bins) + next;
+  }
+  /// The last one where a mark is outside of its axis.
+  std::size_t bin_of(int i, int outcome) const {
+    std::uint64_t bin = 0;
+    for (std::size_t a = 0; a < axes(); ++a) bin = joint_bin(bin, a, marks_[a].bin[mark_of(a, i, outcome)]);
+    return std::min<std::size_t>(bin, layout_.bins);
+  }
+  /// To the sums of one axis and one group of particles.
+  static void add_moments(const Marks& marks, std::size_t mark, std::uint64_t q, Sum* sums) {
+    sums[0] += q;
+    sums[1] += static_cast<Sum>(q) * marks.first[mark];
+    sums[2] += static_cast<Sum>(q) * marks.second[mark];
   }
 
   /// What an axis shows of outcome k: the level's number, or m/I.
-  double outcome(std::size_t axis, int k) const {
-    if (rulers_[axis].of_levels()) return k;
+  double outcome(const HistogramAxis& axis, int k) const {
+    if (is_categorical(axis.quantity)) return k;
     const int twice = histogram_.spins.levels - 1;
     return static_cast<double>(twice - 2 * k) / twice;
   }
@@ -238,8 +220,8 @@ class Filler {
   }
 
   /// Outcomes come in order of m, so those of one particle in one bin come one after the other.
-  void add_share(int i, const Mark* marks, std::uint64_t q) {
-    const std::size_t bin = bin_of(marks);
+  void add_share(int i, int outcome, std::uint64_t q) {
+    const std::size_t bin = bin_of(i, outcome);
     if (bin == layout_.bins) {
       outside_ += q;
       return;
@@ -249,7 +231,11 @@ class Filler {
       bin_ = bin;
     }
     inside_ += q;
-    add_moments(i, marks, q);
+    std::size_t axis = 0;
+    for (std::size_t a = 0; a < axes(); ++a)
+      if (has_moments(a))
+        add_moments(marks_[a], mark_of(a, i, outcome), q,
+                    context_.sums + layout_.moments(axis++, batch_.particle[i] % moment_groups));
   }
   void flush_bin() {
     add_score(bin_, inside_, context_.sums);
@@ -265,13 +251,12 @@ class Filler {
   const BatchView& batch_;
   StageContext& context_;
   const HistogramSums layout_;
-  std::vector<Ruler> rulers_;
-  bool measured_ = false;  // the spin has outcomes
-  std::size_t bin_ = 0;    // of the particle at hand
+  bool measured_ = false;             // the spin has outcomes
+  bool of_outcomes_[most_axes] = {};  // marks are by outcome, not by particle
+  std::size_t bin_ = 0;               // of the particle at hand
   std::uint64_t inside_ = 0, outside_ = 0;
   alignas(64) std::uint64_t weights_[Batch::capacity];
-  alignas(64) double values_[most_axes][Batch::capacity];
-  alignas(64) double across_[2][Batch::capacity];  // of the spin, along x and y
+  Marks marks_[most_axes];
   union {
     alignas(64) double probabilities_[most_levels * Batch::capacity];
     alignas(64) std::uint64_t shares_[most_levels * Batch::capacity];  // of an atom
