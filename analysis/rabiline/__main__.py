@@ -103,10 +103,34 @@ class Parser(argparse.ArgumentParser):
         self.register("action", None, Once)
         self.register("type", Path, file_name)
 
+    def parse_args(self, words: Sequence[str]) -> argparse.Namespace:  # type: ignore[override]
+        """A misspelt option is told before what is missing for it."""
+        unknown = [word for word in words if word.startswith("--") and word != "--" and word.partition("=")[0] not in self._option_string_actions]
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return super().parse_args(words)
+
     def error(self, message: str) -> NoReturn:
         unknown = next((word for word in message.split() if word.startswith("--")), "") if message.startswith("unrecognized") else ""
-        near = get_close_matches(unknown.partition("=")[0], self._option_string_actions, 1)
-        self.exit(2, f"rabiline: {message} " + (f"(did you mean {near[0]}?)\n" if near else "(see --help)\n"))
+        option, known = unknown.partition("=")[0], list(self._option_string_actions)
+        if chosen := re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message):
+            option, known = chosen[1].lower(), re.findall(r"'([^']*)'", chosen[2])
+            message = f"{message[:chosen.start()]}`{chosen[1]}` is none of {', '.join(known)}"
+        near = get_close_matches(option, known, 1)
+        others = [] if near or not unknown else _verbs_with(option)
+        self.exit(2, f"rabiline: {message} " + (f"(did you mean {near[0]}?)\n" if near else
+                                                f"({option} is an option of {', '.join(others)})\n" if others else "(see --help)\n"))
+
+
+def _verbs_with(option: str) -> list[str]:
+    """Commands that draw files and have it."""
+    from .picture_options import OWN_OPTIONS, add_options
+    found = []
+    for verb in OWN_OPTIONS:
+        parser = Parser()
+        add_options(verb, parser)
+        found += [verb] if option in parser._option_string_actions else []
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -228,7 +252,7 @@ def _parser(words: Sequence[str]) -> tuple[str | None, Parser]:
     if words and words[0] in VERBS:
         parser = Parser(prog=f"rabiline {words[0]}", formatter_class=argparse.RawDescriptionHelpFormatter)
         import_module(f".{VERBS[words[0]][0]}", __package__).arguments(words[0], parser)
-        if VERBS[words[0]][0] in DRAWING:
+        if VERBS[words[0]][0] in DRAWING and "--output" in parser._option_string_actions:
             from .picture_options import dots, size_of
             parser.add_argument("--dpi", type=dots, default=200, metavar="N", help="dots per inch of a PNG, 10 to 2400; 200 by default")
             parser.add_argument("--size", metavar="WxH", type=size_of,

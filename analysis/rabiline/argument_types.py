@@ -1,11 +1,13 @@
 """Numbers on the command line."""
 from __future__ import annotations
 
+import re
 from argparse import ArgumentTypeError
 from math import nan
 from pathlib import Path
 
 LARGEST = 1e30  # of what is counted, or passes
+SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
 def positive(text: str) -> float:
@@ -16,12 +18,25 @@ def positive(text: str) -> float:
     return value
 
 
-def not_negative(text: str) -> float:
-    """A number, 0 or above, up to LARGEST."""
-    value = _number(text)
-    if not value >= 0:
-        raise ArgumentTypeError(f"`{text}` is no number, 0 or above, up to {LARGEST:g}")
+def duration(text: str) -> float:
+    """[s] Above 0: a number of seconds, or one with its unit, "10 min"."""
+    value = _with_unit(text, "")
+    if not value > 0:
+        raise ArgumentTypeError(f"`{text}` is no time above 0: write seconds, such as 600, or `600 s`, `10 min`, `2 h`")
     return value
+
+
+def rate(text: str) -> float:
+    """[1/s] Above 0: a number per second, or one with its unit, "4e4 /s"."""
+    value = _with_unit(text, "/")
+    if not value > 0:
+        raise ArgumentTypeError(f"`{text}` is no rate above 0: write a number per second, such as 4e4, or `4e4 /s`, `2.4e6 /min`")
+    return value
+
+
+def rate_or_none(text: str) -> float:
+    """[1/s] The same, or 0."""
+    return 0.0 if _with_unit(text, "/") == 0 else rate(text)
 
 
 def count(text: str, least: int = 1) -> int:
@@ -45,3 +60,12 @@ def _number(text: str) -> float:
     except ValueError:
         return nan
     return value if abs(value) <= LARGEST else nan
+
+
+def _with_unit(text: str, per: str) -> float:
+    """A number of seconds, or `per` second: "10 min", "4e4 /s", "4e4 1/s", "600"."""
+    found = re.fullmatch(rf"\s*([-+.\deE]+?)\s*(?:(?:1?{per})\s*([a-z]+))?\s*", text)
+    factor = SECONDS.get(found[2] or "") if found else None
+    if factor is None:
+        return nan
+    return _number(f"{_number(found[1]) / factor if per else _number(found[1]) * factor!r}")

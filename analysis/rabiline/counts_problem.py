@@ -13,7 +13,7 @@ from typing import Sequence
 
 import numpy as np
 
-from .curve_model import Surface
+from .curve_model import BACKGROUND, SCALE, Surface
 
 IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
 LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter
@@ -23,7 +23,6 @@ SEEN = 2.0  # times that noise: nothing that is degenerate comes so far
 MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
 REACH = 2.0  # steps
-SCALE, BACKGROUND = "scale", "background"  # of the exposure, and counts at each point (per mean time)
 
 
 @dataclass(frozen=True)
@@ -32,8 +31,12 @@ class Exposure:
 
     each: np.ndarray  # [n] counts where the fraction is 1
     time: np.ndarray  # [n] in units of the mean time
-    background: np.ndarray  # [n] counts, known
+    background: np.ndarray  # [n] counts, in proportion to the time: as known, unless it is free
     is_known: bool  # else a factor is free
+
+    def start(self, name: str) -> float:
+        """What SCALE or BACKGROUND is as long as it is not free."""
+        return 1.0 if name == SCALE else float(self.background.mean())
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,8 @@ class Problem:
         free = dict(zip(self.extra, values[k:]))
         y, slopes = self.surface.at(values[:k])
         each = self.exposure.each * free.get(SCALE, 1.0)
-        mu = each * y + self.exposure.background + free.get(BACKGROUND, 0.0) * self.exposure.time
+        background = free[BACKGROUND] * self.exposure.time if BACKGROUND in free else self.exposure.background
+        mu = each * y + background
         by = {SCALE: self.exposure.each * y, BACKGROUND: self.exposure.time}
         return np.maximum(mu, 1e-9), np.concatenate([each * slopes, *(by[name][None] for name in self.extra)]), each
 

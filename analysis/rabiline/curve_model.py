@@ -35,6 +35,7 @@ LARGEST_STEP = 0.1  # of the parameter's value
 LARGEST_FROM_ZERO = 1e3  # SI
 EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
 MORE = 4  # times as many, where they do not suffice
+SCALE, BACKGROUND = "scale", "background"  # of the exposure, and counts at each point (per mean time): the curve knows neither
 USUAL = "field", "amplitude", "gradient", "frequency", "current", "pole_field", "at", "length"  # of a part
 SEEDS = 20011, 20021, 20023, 20029  # of the groups
 
@@ -64,7 +65,7 @@ class CurveModel:
     threads: int = 0
     across: tuple[str, Sequence[str]] | None = None  # a second scanned parameter and its value at each place
     explored: int = 0  # particles; 0: as many as serve
-    told: Callable[[int, int, float], None] | None = None  # hears the flights made, their particles and the seconds of the last
+    told: Callable[[int, int, bool, float], None] | None = None  # hears the flights made; of the last its particles, whether in one, and seconds
     flights: int = 0
     scaled: bool = False  # a factor on the curve is free
     _widened: dict[int, float] = field(default_factory=dict)  # steps of parameters whose slopes are noisy
@@ -89,6 +90,10 @@ class CurveModel:
         for name in self.names:
             if {self.parameter, self.across and self.across[0]} & set(name.split("+")):
                 raise NoFit(f"`{name}` is scanned, so it is not free")
+            of_exposure = {"source.rate": f"{SCALE}` instead, a factor of all that is expected",
+                           f"{self.detector}.background": f"{BACKGROUND}` instead, in counts at each point"}
+            for one in set(name.split("+")) & set(of_exposure):
+                raise NoFit(f"`{one}` changes what is counted, and not the simulated curve\n  help: free `{of_exposure[one]}")
         # Counts are of whole detectors; images would only cost time.
         self.scanned = scanned.set({f"{name}.bins": [1, 1] for name in detectors})
         self.units = [self._unit(name) for name in self.names]
@@ -139,7 +144,7 @@ class CurveModel:
             groups = np.array([y for y, _ in flown])
             y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(sizes)**2
             if self.told is not None:
-                self.told(self.flights, particles, time.monotonic() - begun)
+                self.told(self.flights, particles, whole, time.monotonic() - begun)
             self._known[key] = Evaluated(y, covariance, groups)
         return self._known[key]
 
@@ -210,7 +215,7 @@ class CurveModel:
             elif not change.any():
                 y = self.at(values).y
                 raise NoFit(f"`{self.names[number]}` has no effect on what `{self.detector}` counts"
-                            + ("" if np.ptp(y) > FLAT * y.max() else f"\n  help: at these places `{self.parameter}` has none either: is its unit right?"))
+                            + ("" if np.ptp(y) > FLAT * y.max() else f"\n  help: at these places `{self.parameter}` has none either: is its unit right, and does a part in front of `{self.detector}` sort spins?"))
             elif not self.explore_more():
                 break
         if step > wanted:

@@ -8,7 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .argument_types import count, not_negative, positive
+from .argument_types import count, duration, rate, rate_or_none
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,9 +66,9 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
                             help="particles that show how the curve changes with the parameters; by default a quarter of all and 5000 "
                                  "at most, or as many more as this needs. The curve itself is that of all --particles")
     else:
-        parser.add_argument("--rate", type=positive, metavar="R", help="particles that leave the source per second (1/s)")
-        parser.add_argument("--seconds", type=positive, default=1.0, metavar="T", help="at each scan point; 1 by default")
-        parser.add_argument("--background", type=not_negative, metavar="B", help="counts per second without a beam")
+        parser.add_argument("--rate", type=rate, metavar="R", help="particles that leave the source per second (1/s)")
+        parser.add_argument("--seconds", type=duration, default=1.0, metavar="T", help="at each scan point, such as 600 or \"10 min\"; 1 by default")
+        parser.add_argument("--background", type=rate_or_none, metavar="B", help="counts per second without a beam; the detector's by default")
         parser.add_argument("--known-rate", action="store_true", help="the rate is known exactly: no free factor")
         parser.add_argument("--no-scan", action="store_true", help="omit the file's scan")
         parser.add_argument("--scan", action="append", default=[], metavar="NAME=FROM:TO:POINTS")
@@ -82,18 +82,18 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 class _Time:
     """Says how long a fit will take, where that is long."""
 
-    def __init__(self, parameters: int, particles: float) -> None:
+    def __init__(self, parameters: int) -> None:
         self.usual = 4 * (2 * parameters + 1) + parameters**2  # flights that explore, about
-        self.whole = int(particles)
-        self.said: set[int] = set()
+        self.said: set[tuple[int, bool]] = set()
 
-    def __call__(self, flights: int, particles: int, seconds: float) -> None:
-        if particles in self.said or seconds * self.usual < LONG or flights == 1:
+    def __call__(self, flights: int, particles: int, whole: bool, seconds: float) -> None:
+        needed = 2 if whole else self.usual
+        if (particles, whole) in self.said or seconds * needed < LONG or flights == 1:
             return
-        self.said.add(particles)
+        self.said.add((particles, whole))
         print(f"a simulation of {particles} particles takes {seconds:.2g} s; a fit needs "
-              + ("one or two of them" if particles == self.whole else
-                 f"about {self.usual} of them, {seconds * self.usual:.0f} s; fewer --explore are faster"), file=sys.stderr, flush=True)
+              + ("one or two of them" if whole else f"about {needed} of them, {seconds * needed:.0f} s; fewer --explore are faster"),
+              file=sys.stderr, flush=True)
 
 
 def _free(options: argparse.Namespace) -> list[str]:
@@ -107,7 +107,7 @@ def fit(options: argparse.Namespace) -> Figure | None:
     names = _free(options)
     experiment = _experiment(options).scan()
     found = fit_counts(experiment, options.data, names, detector=options.detector, threads=options.threads, explore=options.explore,
-                       told=_Time(len(names), experiment.value("particles")))
+                       told=_Time(len(names)))
     print(found)
     if not options.output:
         return None

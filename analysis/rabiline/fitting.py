@@ -14,11 +14,11 @@ from scipy import stats
 
 from . import asked
 from .counts import Counts, read_counts
-from .counts_problem import BACKGROUND, SCALE, Exposure, Fisher, Problem, share_of_simulation
+from .counts_problem import Exposure, Fisher, Problem, share_of_simulation
 from .covariance import LEAST_P
-from .curve_model import LARGEST_STEP, CurveModel, NoFit, Surface, check_columns
+from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
-from .held import NEUTRAL, Held, held
+from .held import Held, held
 from .profiles import Profiles, profiles
 from .units import format_value
 
@@ -133,11 +133,11 @@ class CountsFit:
 @np.errstate(all="ignore")  # of values that lead nowhere
 def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFrame, free: Sequence[str], *, detector: str | None = None,
                threads: int | None = None, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
-               told: Callable[[int, int, float], None] | None = None) -> CountsFit:
+               told: Callable[[int, int, bool, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
     a scale is free. `explore` particles, by default a quarter of all and 5000 at most or more where this needs them, show how
-    the curve changes with the parameters; `told` hears of each flight its number, particles and seconds. Raises NoFit where nothing can be fitted, FileError
+    the curve changes with the parameters; `told` hears of each flight its number, particles, whether these fly in one, and seconds. Raises NoFit where nothing can be fitted, FileError
     for a table that cannot be used, InputError as `load` does, TypeError, and ValueError for fewer than 0 to explore."""
     free, detector, explore = asked.names("free", free), asked.name("detector", detector), asked.whole_number("explore", explore)
     counts = data if isinstance(data, Counts) else read_counts(data, detector)
@@ -154,7 +154,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
         raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
     model.scaled = SCALE in extra
     values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
-                                      0.1 * counts.counts.min() for name in extra]])
+                                      exposure.start(name) or 0.1 * counts.counts.min() for name in extra]])
     first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
     found = profiles(model, problem, values, intervals)
@@ -321,7 +321,7 @@ def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
         return replace(problem, surface=Surface.level(model.at(values[:k]), values[:k])).least(values, range(k))[1]
 
     try:
-        found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, NEUTRAL[one.name]))
+        found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, problem.exposure.start(one.name)))
     except NoFit:
         return one
     fall = least(problem, values) - least(freed, found)

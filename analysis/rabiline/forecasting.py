@@ -9,8 +9,8 @@ import numpy as np
 
 from . import asked
 from .argument_types import LARGEST
-from .counts_problem import BACKGROUND, REACH, SCALE, Exposure, Problem
-from .curve_model import CurveModel, NoFit, Surface
+from .counts_problem import REACH, Exposure, Problem
+from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit, Surface
 from .experiment import Experiment
 from .fit_report import few_particles
 from .fitting import Direction, analysis
@@ -87,7 +87,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or name == SCALE and not known_rate)
     model.scaled = SCALE in extra
     start = model.start()
-    full = np.concatenate([start, [1.0 if name == SCALE else 0.0 for name in extra]])
+    full = np.concatenate([start, [exposure.start(name) for name in extra]])
     steps, exact = model.first_steps(start), np.zeros((n, 0))  # modes of a simulation without errors
     turns = TURNS
     while turns > 0:

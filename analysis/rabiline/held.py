@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .counts_problem import BACKGROUND, SCALE, Problem
+from .counts_problem import Problem
+from .curve_model import BACKGROUND, SCALE
 
 LEANS, ASKS = 4.0, 9.0  # falls of Q, of two standard deviations and of three
 PART = 0.01  # of the counts
-NEUTRAL = {SCALE: 1.0, BACKGROUND: 0.0}
+OF_EXPOSURE = (SCALE, BACKGROUND)
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,8 @@ def held(problem: Problem, values: np.ndarray, errors: np.ndarray) -> tuple[Held
     """What of the exposure was not free in a fit that has come to rest at `values` [k] with `errors` [k]."""
     found, k = [], values.size
     surface = replace(problem.surface, noise=np.zeros_like(problem.surface.noise))  # a noisy slope weighs wrongly, but it is one
-    for name in filter(lambda name: name not in problem.extra, NEUTRAL):
-        freed, start = replace(problem, surface=surface, extra=(*problem.extra, name)), np.append(values, NEUTRAL[name])
+    for name in filter(lambda name: name not in problem.extra, OF_EXPOSURE):
+        freed, start = replace(problem, surface=surface, extra=(*problem.extra, name)), np.append(values, problem.exposure.start(name))
         mu, slopes, each = freed.mean(start)
         fisher = freed.fisher(start, freed.modes(mu, each))
         part = PART * mu.sum() / slopes[k].sum()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import observed, results
-from .argument_types import positive
+from .argument_types import duration, positive, rate
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates
@@ -92,12 +92,12 @@ def arguments(verb: str, made: argparse.ArgumentParser) -> None:
     made.add_argument("--emitted", type=positive, metavar="N",
                       help="particles emitted at each scan point while the data were taken (of an aimed source, "
                            "those towards its target); where nothing tells, the flux is fitted")
-    made.add_argument("--rate", type=positive, metavar="R",
+    made.add_argument("--rate", type=rate, metavar="R",
                       help="particles that leave the source per second (1/s)")
-    made.add_argument("--background", type=positive, metavar="B",
+    made.add_argument("--background", type=rate, metavar="B",
                       help="counts per second without a beam (1/s), evenly over each detector; needs --rate, and "
                            "--seconds where there are data")
-    made.add_argument("--seconds", type=positive, metavar="T",
+    made.add_argument("--seconds", type=duration, metavar="T",
                       help="time spent at each scan point of the data (s)")
     made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
     made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")

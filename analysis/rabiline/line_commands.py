@@ -69,6 +69,9 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
             if np.count_nonzero(caught > LEAST_SHARE * caught.sum()) >= FEWEST_CELLS:
                 forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
+    elif options.file.suffix in (".yaml", ".yml"):
+        raise InputError(f"{options.file} is an experiment, and a form is fitted to a result of it, or to counts\n"
+                         f"  help: `rabiline run {options.file}` makes one; `rabiline fit {options.file} --data COUNTS.csv` fits the experiment itself")
     else:
         counts = read_counts(options.file, options.detector)
         _require_unit(counts)

@@ -133,7 +133,8 @@ def _of_scan(parser: ArgumentParser) -> None:
     parser.add_argument("--detector", metavar="NAME", help="all by default")
     parser.add_argument("--beside", action="store_true", help="a panel for each file, side by side")
     parser.add_argument("--data", type=Path, metavar="COUNTS.csv",
-                        help="measured counts over the same parameter, scaled to the first curve")
+                        help="measured counts over the same parameter: as fractions where it has `emitted`, or `seconds` and "
+                             "the source in the file its `rate`, else scaled to the first curve")
     parser.add_argument("--panel-title", action="append", default=[], metavar="TEXT",
                         help="above a panel of --beside instead of the file's title; repeated, one for each file")
 

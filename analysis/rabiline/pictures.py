@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 
 from . import (angle_plots, field_plots, image_plots, level_plots, motion_plots, motions, profile_plots, results, scan_plots,
                space_plots, stated, style, tally_plots, track_plots, tracks, transit_plots)
-from .counts import read_counts
 from .curves import Curve, NoResonance, curves, labels_of
 from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
+from .measured import read_measured
 from .picture_options import KeywordParser, add_options, dots, mark_of, pair_of, points_of, size_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
@@ -35,13 +35,18 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 
 
 def limited(figure: Figure, options: argparse.Namespace) -> Figure:
-    """The figure with the ranges that are asked for, on all its panels."""
-    for axes in figure.axes:
-        if axes.get_label() in ("<colorbar>", image_plots.PROJECTED):
+    """The figure with the ranges that are asked for, on all its panels. Raises InputError for one in which nothing is drawn."""
+    panels = [axes for axes in figure.axes if axes.get_label() not in ("<colorbar>", image_plots.PROJECTED)]
+    for name in "xy":
+        chosen = getattr(options, f"{name}_range", None)
+        drawn = [sorted(getattr(axes.dataLim, f"interval{name}")) for axes in panels]
+        if chosen is None or not drawn:
             continue
-        for name, chosen in (("x", getattr(options, "x_range", None)), ("y", getattr(options, "y_range", None))):
-            if chosen is not None:
-                axes.set(**{f"{name}lim": chosen})
+        if all(high < chosen[0] or low > chosen[1] for low, high in drawn):
+            raise InputError(f"--{name}-range {chosen[0]:g}:{chosen[1]:g}: what is drawn lies from {min(low for low, _ in drawn):.6g} to "
+                             f"{max(high for _, high in drawn):.6g}, as the axis writes it")
+        for axes in panels:
+            axes.set(**{f"{name}lim": chosen})
     return figure
 
 
@@ -153,7 +158,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
-        figure = scan_plots.draw_scan(lines, labels, title, marks, _measured(options.data, lines[0]) if options.data else None)
+        figure = scan_plots.draw_scan(lines, labels, title, marks, read_measured(options.data, lines[0]) if options.data else None)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across.values.size:
         figure = scan_plots.draw_maps(_grids(files[0], lines, across), across, title, marks)
     else:
@@ -169,27 +174,6 @@ def _require_one_measure(files: Sequence[results.Results], instead: str) -> None
     for file, whole in zip(files, wholes):
         if whole != wholes[0]:
             raise InputError(f"{file.path}: has fractions of {whole}, {files[0].path} of {wholes[0]}: {instead}")
-
-
-def _measured(path: Path, curve: Curve) -> scan_plots.Measured:
-    """Counts in SI and in the measure of the curve, by the factor that makes the squares of their differences least."""
-    counts = read_counts(path)
-    if counts.parameter != curve.axis.parameter:
-        raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
-    if curve.axis.units and not counts.unit:
-        unit = curve.axis.written[0] if curve.axis.written else curve.axis.units
-        raise InputError(f"{path}: the column `{counts.parameter}` has no unit: write `{counts.parameter} [{unit}]`")
-    try:
-        x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
-    except ValueError as problem:
-        raise InputError(f"{path}: {problem}") from None
-    if x.min() > curve.x.max() or x.max() < curve.x.min():
-        raise InputError(f"{path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
-                         f"{curve.axis.text(curve.x.max())}: is the unit right?")
-    order = np.argsort(curve.x)
-    expected = np.interp(x, curve.x[order], curve.y[order])
-    factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
-    return scan_plots.Measured(x, factor * counts.counts, factor * np.sqrt(np.maximum(counts.counts, 1.0)))
 
 
 def _across(file: results.Results, along: results.Axis) -> results.Axis | None:

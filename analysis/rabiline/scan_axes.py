@@ -8,7 +8,7 @@ from typing import Sequence
 import numpy as np
 
 from .hdf5 import Group
-from .units import QUANTITY, Scale, fitting_scale, format_value, in_unit
+from .units import QUANTITY, Scale, fitting_scale, in_unit, unit_shown
 
 REST = r"(.{0,400}?)(?:\}|\n\S|$)"  # behind a parameter's name, in which its scan stands
 
@@ -30,13 +30,13 @@ class Axis:
 
     def text(self, value: float) -> str:
         """One of its values, "291.65 kHz"."""
-        return in_unit(value, *self.written, self._digits) if self.written else format_value(value, self.units)
+        return in_unit(value, *(self.written or unit_shown(value, self.units)), self._digits).strip()
 
     @property
     def _digits(self) -> int:
         """That tell its values apart, and two more."""
-        steps = np.diff(np.unique(self.values))
-        apart = np.abs(self.values).max() / steps.min() if steps.size else 1.0
+        values = np.unique(self.values)
+        apart = (np.maximum(np.abs(values[1:]), np.abs(values[:-1])) / np.diff(values)).max(initial=1.0)
         return int(np.clip(np.ceil(np.log10(apart)) + 3, 6, 12))
 
 

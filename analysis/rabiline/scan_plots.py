@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from . import style
 from .curves import Curve, NoResonance, Resonance, Value
+from .measured import Measured
 from .pieces import pieces_of, runs_of
 from .reading import Reading, reading_of
 from .results import Axis
@@ -35,15 +36,6 @@ AWAY = 10.0  # points from a line's width to its numbers
 LETTER_WIDE, LINE_HIGH = 0.55, 1.3  # of the size of letters
 
 
-@dataclass(frozen=True)
-class Measured:
-    """Counts to draw over a curve."""
-
-    x: np.ndarray  # SI
-    y: np.ndarray
-    errors: np.ndarray
-
-
 def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks: dict[str, float],
               measured: Measured | None = None) -> Figure:
     """Curves with their error bars over one axis. `marks` names values of the axis (SI) to point out; the dips or
@@ -59,14 +51,14 @@ def draw_scan(curves: Sequence[Curve], labels: Sequence[str], title: str, marks:
     if measured is not None:
         scale = _scale(curves)
         axes.errorbar(scale.apply(measured.x), measured.y, measured.errors, fmt="o", color=INK, markersize=SYMBOL, elinewidth=0.9,
-                      zorder=5, label="counted, scaled")
+                      zorder=5, label=measured.label)
         limits = min(limits[0], np.min(measured.y - measured.errors)), max(limits[1], np.max(measured.y + measured.errors))
     axes.set_ylim(*limits)
     _draw_rates(axes, curves)
     style.write_title(figure, title)
     foot = 0.0
     if len(curves) > 1 or labels[0] and not curves[0].axis.labels:
-        foot = _draw_legend(figure, axes, [*labels, "counted, scaled"] if measured else labels)
+        foot = _draw_legend(figure, axes, [*labels, measured.label] if measured else labels)
     axes.set_ylabel(style.upright(figure, about, foot))
     return figure
 

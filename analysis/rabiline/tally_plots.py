@@ -97,6 +97,8 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
     scale = axis.scale
     edges = np.asarray(scale.apply(axis.edges))
     for number, (colour, label, point) in enumerate(zip(COLOURS, labels, points)):
+        same = [k for k in range(number) if np.array_equal(counts[point], counts[points[k]])]
+        label += f"\nthe same as {labels[same[0]]}" if same else ""
         panel.stairs(counts[point], edges, color=colour, linewidth=1.1, linestyle="--" if number % 2 else "-",
                      label=label,
                      fill=len(points) == 1 and bool(axis.labels), alpha=0.6 if axis.labels else None)

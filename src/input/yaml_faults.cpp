@@ -118,6 +118,9 @@ std::optional<Diagnostic> stray_item(const Place& key) {
   const std::size_t colon = here.find(':', column);
   if (colon == here.npos || above.find_first_not_of(' ') != column || above.compare(column, 2, "- ") != 0)
     return std::nullopt;
+  if (here[column] == '-' && column + 1 < here.size())
+    return Diagnostic{key, "a space is missing behind the dash",
+                      fmt::format("write `- {}`", here.substr(column + 1))};
   return Diagnostic{key, "this stands among the items of a list, and is none",
                     fmt::format("begin it with a dash, as the one above it: `- {{name: {}, ...}}`",
                                 here.substr(column, colon - column))};

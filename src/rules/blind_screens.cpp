@@ -1,6 +1,7 @@
 #include "rules/blind_screens.hpp"
 
 #include <algorithm>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -54,6 +55,21 @@ bool scans_spins_alone(const ScanPoints& points) {
          without_what_turns_spins(first) == without_what_turns_spins(last);
 }
 
+/// The first part that is not the same at both ends of the scan, or follows the clock of one that is not.
+const Placement* first_changed(const ScanPoints& points) {
+  const Beamline &first = points.front(), last = points[points.size() - 1];
+  std::set<std::string> changed;
+  for (std::size_t i = 0; i < first.parts.size(); ++i)
+    if (!(first.parts[i] == last.parts[i])) changed.insert(first.parts[i].placement.name);
+  const Placement* out = nullptr;
+  for (const PlacedPart& part : first.parts) {
+    const std::string* clock = clock_of(part.part);
+    if (!changed.contains(part.placement.name) && !(clock && changed.contains(*clock))) continue;
+    if (!out || part.placement.at < out->at) out = &part.placement;
+  }
+  return out;
+}
+
 bool tallies_spins(const Part& part) {
   const std::vector<Tally>* tallies = tallies_of(part);
   return tallies && std::ranges::any_of(*tallies, [](const Tally& tally) {
@@ -67,10 +83,17 @@ bool tallies_spins(const Part& part) {
 std::string note_on_blind_screens(const Experiment& experiment) {
   if (!scans_spins_alone(experiment.points)) return {};
   const Beamline& beamline = experiment.points.front();
-  double sorted = HUGE_VAL;  // from here on [m]
+  const Placement* scanned = first_changed(experiment.points);
+  double sorted = HUGE_VAL;  // from here on [m], by what may turn otherwise
   const std::vector<bool> sorts = sorts_spins(beamline);
-  for (std::size_t i = 0; i < sorts.size(); ++i)
-    if (sorts[i]) sorted = std::min(sorted, beamline.parts[i].placement.at);
+  bool sorts_before = false;
+  for (std::size_t i = 0; i < sorts.size(); ++i) {
+    if (!sorts[i]) continue;
+    if (end_of(beamline.parts[i]) > scanned->at)
+      sorted = std::min(sorted, beamline.parts[i].placement.at);
+    else
+      sorts_before = true;
+  }
   std::string names;
   for (const PlacedPart& part : beamline.parts) {
     if (!detector_in(part.part)) continue;
@@ -79,10 +102,10 @@ std::string note_on_blind_screens(const Experiment& experiment) {
   }
   if (names.empty()) return {};
   return fmt::format(
-      "note       no part in front of {0} sorts spins, so the counts there do not depend on what is "
+      "note       no part {0}in front of {1} sorts spins, so the counts there do not depend on what is "
       "scanned:\n"
       "           look at its levels (`rabiline plot-levels`), or add a `spin_filter` or a magnet\n",
-      names);
+      sorts_before ? fmt::format("behind `{}` and ", scanned->name) : "", names);
 }
 
 }  // namespace rabiline

@@ -117,8 +117,8 @@ Fault fault_of_sense(const Beamline& beamline, const PlacedPart& part, bool so_i
 /// A field with a clock, as all species together see it.
 struct Idle {
   const PlacedPart* part;
-  const Drive* nearest;  // to its resonance
-  bool far = true, against = true;
+  const Drive* nearest;                           // to its resonance
+  bool far = true, against = true, along = true;  // the last: along the static field, where it turns nothing
 };
 std::vector<Idle> judged(const std::vector<Drive>& drives, const Beamline& beamline) {
   const auto distance = [](const Drive& d) { return std::abs(std::abs(d.rotation) - std::abs(d.larmor())); };
@@ -129,6 +129,7 @@ std::vector<Idle> judged(const std::vector<Drive>& drives, const Beamline& beaml
       if (d.part != &part) continue;
       idle.far = idle.far && is_far(d);
       idle.against = idle.against && turns_against(d);
+      idle.along = idle.along && d.coupling == 0 && d.larmor() != 0;
       if (!idle.nearest || distance(d) < distance(*idle.nearest)) idle.nearest = &d;
     }
     if (idle.nearest) out.push_back(idle);
@@ -153,7 +154,11 @@ Faults idle_drives_of(const Beamline& beamline) {
     const std::string& name = idle.part->placement.name;
     const std::string& owner = owner_of_clock(*idle.part);
     const Drive& nearest = *idle.nearest;
-    if (idle.far && nearest.larmor() == 0)
+    if (idle.along)
+      tell_once(warning(name, "direction",
+                        fmt::format("`{}` swings along the static field there, and turns no spins", name),
+                        "let it swing across that field, along x where the field is along z"));
+    else if (idle.far && nearest.larmor() == 0)
       tell_once(warning(name, "at",
                         fmt::format("`{}` stands where there is no static field for spins to precess in, and "
                                     "cannot be resonant",

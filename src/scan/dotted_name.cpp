@@ -106,10 +106,13 @@ bool refuse_what_is_no_parameter(const std::vector<Segment>& path, const std::st
   }
   if (is_part || (first != "rabiline" && first != "geometry" && first != "parts" && first != "scan"))
     return false;
-  const std::string help = first == "parts"  ? "name a part instead: `H0.frequency`"
-                           : first == "scan" ? "use --scan"
-                                             : "name a key of the source, the law or a part, such as "
-                                               "`source.speed.mean`, `law` or `H0.frequency`";
+  std::string rest;  // behind `parts`
+  for (std::size_t i = 1; i < path.size(); ++i) rest += (i > 1 ? "." : "") + path[i].word;
+  const std::string help =
+      first == "parts"  ? fmt::format("name the part by itself: `{}`", rest.empty() ? "H0.frequency" : rest)
+      : first == "scan" ? "use --scan"
+                        : "name a key of the source, the law or a part, such as "
+                          "`source.speed.mean`, `law` or `H0.frequency`";
   reading.error(path.front().place, fmt::format("`{}` is not a value that can be set or scanned", first),
                 help);
   return true;

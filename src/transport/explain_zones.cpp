@@ -105,7 +105,7 @@ void explain_neglected(const SpinZone& zone, PlanReport& report) {
     if (!field || field->approximation != Approximation::rotating_wave || field->amplitude == 0 ||
         begin > zone.begin || begin + field->length < zone.end)
       continue;
-    if (zone.spin_rate == 0) continue;
+    if (zone.spin_rate == 0 || (zone.drives == 1 && zone.drive[0].spin_rate == 0)) continue;
     const double w0 = std::abs(zone.spin_rate),
                  w1 = std::abs(report.species->gyromagnetic_ratio) * field->amplitude / 2;
     const double shift = w0 / two_pi * (w1 / w0) * (w1 / w0) / 4,

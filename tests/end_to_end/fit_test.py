@@ -76,9 +76,9 @@ def test_field_amplitude_and_speed_come_back_within_their_errors(fitted: CountsF
 
 def test_few_particles_explore_and_all_conclude(ramsey: rabiline.Experiment, fringes: Counts, fitted: CountsFit) -> None:
     flown: list[int] = []
-    every = fit_counts(ramsey, fringes, list(TRUTH), explore=50000, intervals=False, told=lambda _, particles, __: flown.append(particles))
+    every = fit_counts(ramsey, fringes, list(TRUTH), explore=50000, intervals=False, told=lambda _, particles, *rest: flown.append(particles))
     assert set(flown) == {50000}
-    few = fit_counts(ramsey, fringes, list(TRUTH), intervals=False, told=lambda _, particles, __: flown.append(particles))
+    few = fit_counts(ramsey, fringes, list(TRUTH), intervals=False, told=lambda _, particles, *rest: flown.append(particles))
     assert sorted(set(flown)) == [5000, 50000] and flown.count(50000) - every.flights <= 3
     assert (np.abs(few.values - every.values) < 0.2 * every.errors).all() and few.errors == pytest.approx(every.errors, rel=0.1)
 
@@ -90,7 +90,7 @@ def test_all_particles_fly_once_where_the_noise_of_slopes_does_not_matter() -> N
     counts = measured(clock, "first.frequency", np.linspace(9192631271.5, 9192632271.5, 41), "Hz", truth, 100000)
     flown: list[int] = []
     one, two = (fit_counts(clock.set(particles=200000), counts, list(truth), intervals=False, threads=threads,
-                           told=lambda _, particles, __: flown.append(particles)) for threads in (1, 2))
+                           told=lambda _, particles, *rest: flown.append(particles)) for threads in (1, 2))
     assert flown.count(200000) == 2  # once in each fit
     assert one.values.tolist() == two.values.tolist() and one.covariance.tolist() == two.covariance.tolist()
     assert all(abs(one[name][0] - true) < 3.5 * one[name][1] for name, true in truth.items())

@@ -11,7 +11,7 @@ from scipy import stats
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
-from rabiline.curve_model import CurveModel  # noqa: E402
+from rabiline.curve_model import CurveModel, NoFit  # noqa: E402
 from rabiline.fit_plots import _verdict  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
@@ -36,6 +36,23 @@ def test_a_background_that_chi_squared_does_not_show_is_told() -> None:
     one, p, off = fitted(0.02 * expected.counts.mean())
     assert one.is_wanted and one.fall > 20 and p > 0.01 and abs(off[0]) > 5
     assert one.moved[0] == pytest.approx(-off[0], rel=0.5) and one.by_part[0] == pytest.approx(-off[0] / 2, rel=0.5)
+
+
+def test_a_free_background_starts_where_the_file_has_it() -> None:
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml")
+    clock = clock.scan().scan("first.frequency", "9192631271.5 Hz:9192632271.5 Hz:51").set(particles=2000)
+    name, = clock.fly().scan.detectors
+    stated = clock.set({f"{name}.background": "300 /s"})
+    expected = forecast(stated, ["C.field", "background"], rate=2e6, seconds=4)
+    assert expected.values[expected.names.index("background")] == pytest.approx(1200)
+    table = Counts("counts", "first.frequency", tuple(f"{x!r} Hz" for x in np.linspace(9192631271.5, 9192632271.5, 51).tolist()),
+                   np.linspace(9192631271.5, 9192632271.5, 51), "Hz", np.rint(expected.counts), np.full(51, 4.0), None, None)
+    found = fit_counts(stated, table, ["background"], intervals=False)
+    assert found["background"][0] == pytest.approx(1200, abs=4 * found["background"][1])
+    with pytest.raises(NoFit, match="free `background` instead"):
+        fit_counts(stated, table, [f"{name}.background"])
+    with pytest.raises(NoFit, match="free `scale` instead"):
+        fit_counts(stated, table, ["source.rate"])
 
 
 def test_a_background_that_has_led_a_fit_far_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

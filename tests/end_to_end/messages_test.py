@@ -121,6 +121,25 @@ def test_the_first_steps_of_help_need_no_other_files() -> None:
     assert "rabiline new ramsey" in said and "beamline/" not in said
 
 
+@pytest.mark.parametrize(("arguments", "told"), [
+    (["fit", RAMSEY, "--data", "c.csv", "--fre", "guide.field"], "--fre (did you mean --free?)"),
+    (["new", "Rasmey"], "`Rasmey` is none of ramsey, "), (["new", "Rasmey"], "(did you mean ramsey?)"),
+    (["plot", "a.h5", "--data", "c.csv"], "--data is an option of plot-scan"),
+    (["forecast", RAMSEY, "--free", "guide.field", "--rate", "4 kHz"], "`4 kHz` is no rate above 0: write a number per second"),
+    (["forecast", RAMSEY, "--free", "guide.field", "--seconds", "ten"], "`ten` is no time above 0: write seconds"),
+    (["forecast", RAMSEY, "--free", "guide.field", "--size", "86x60"], "unrecognized arguments: --size"),
+    (["fit-line", RAMSEY], "is an experiment, and a form is fitted to a result of it")])
+def test_the_package_tells_what_was_meant(arguments: list[str], told: str) -> None:
+    done = rabiline(*arguments)
+    assert done.returncode == BAD_INPUT and told in done.stderr and done.stderr.count("rabiline: ") == 1
+
+
+def test_a_forecast_takes_times_and_rates_with_their_units() -> None:
+    usual = ("forecast", EXPERIMENT.parent / "caesium-clock.yaml", "--free", "C.field", "--particles", "1000")
+    plain, written = (rabiline(*usual, "--rate", rate, "--seconds", time).stdout for rate, time in (("4e4", "600"), ("2.4e6 /min", "10 min")))
+    assert plain == written and "C.field" in plain
+
+
 @pytest.mark.parametrize("arguments", [["run", "never.yaml"], ["check", "never.yaml"], ["trace", "never.yaml", "-o", "t.h5"],
                                        ["probe", "never.yaml"], ["run", "."], ["resume", "never.h5"], ["verify", "never.h5"],
                                        ["reproduce", "never.h5"], ["rescan", "never.h5"], ["merge", "all.h5", "never.h5"]], ids=" ".join)

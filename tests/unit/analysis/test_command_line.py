@@ -228,8 +228,8 @@ def test_levels_of_what_was_not_detected_need_no_fractions(folder: Path, tmp_pat
 @pytest.mark.parametrize(("command", "reason"), [
     ("plot-scan dorado.h5 -o a.png -o b.png", "--output is given twice"), ("plot-scan dorado.h5 --output a.png -o b.png", "--output is given twice"),
     ("plot-profiles dorado.h5 --along z --along z", "--along is given twice"), ("forecast a.yaml --free a --rate 1 --rate 1", "--rate is given twice"),
-    ("plot-scan dorado.h5 --titl a", "unrecognized arguments: --titl a (did you mean --title?)"),
-    ("fit a.yaml --dat c.csv --free a", "the following arguments are required: --data"),
+    ("plot-scan dorado.h5 --titl a", "unrecognized arguments: --titl (did you mean --title?)"),
+    ("fit a.yaml --dat c.csv --free a", "unrecognized arguments: --dat (did you mean --data?)"),
 ])
 def test_options_are_written_out_and_given_once(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, command: str,
                                                 reason: str) -> None:
@@ -323,7 +323,8 @@ def test_a_size_or_a_range_that_is_none_is_told_how_to_be_written(folder: Path, 
 def test_a_rate_or_a_time_that_cannot_be_is_refused(capsys: pytest.CaptureFixture, option: str, value: str) -> None:
     with pytest.raises(SystemExit, match="2"):
         main(["forecast", "a.yaml", "--free", "a", option, value])
-    assert capsys.readouterr().err == f"rabiline: argument {option}: `{value}` is no number above 0, up to 1e+30 (see --help)\n"
+    told = capsys.readouterr().err
+    assert told.startswith(f"rabiline: argument {option}: `{value}` is no {'rate' if option == '--rate' else 'time'} above 0: write ") and told.count("\n") == 1
 
 
 def test_negative_values_are_no_options(folder: Path, tmp_path: Path) -> None:

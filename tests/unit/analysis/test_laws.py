@@ -243,7 +243,7 @@ def test_a_number_that_is_none_is_one_line(capsys: pytest.CaptureFixture) -> Non
     with pytest.raises(SystemExit) as left:
         main(["compare-laws", "laws.h5", "--rate", "-3"])
     assert left.value.code == 2
-    assert capsys.readouterr().err == "rabiline: argument --rate: `-3` is no number above 0, up to 1e+30 (see --help)\n"
+    assert capsys.readouterr().err == "rabiline: argument --rate: `-3` is no rate above 0: write a number per second, such as 4e4, or `4e4 /s`, `2.4e6 /min` (see --help)\n"
 
 
 @pytest.mark.parametrize(("table", "message"), [

@@ -102,7 +102,7 @@ def test_numbers_of_a_line_cover_nothing_that_is_drawn(tmp_path: Path) -> None:
     half, middle = (curve.y.min() + curve.y.max()) / 2, curve.x.mean()
 
     def counted(x: np.ndarray) -> Measured:
-        return Measured(x, np.full(x.size, half), np.full(x.size, 0.01))
+        return Measured(x, np.full(x.size, half), np.full(x.size, 0.01), "counted")
 
     assert beside(None) == ["left"]  # on the right
     assert beside(counted(curve.x[curve.x > middle])) == ["right"]

@@ -52,5 +52,12 @@ TEST(BlindScreens, AreNotToldBehindWhatSortsSpins) {
   EXPECT_NE(note([](Beamline& b) { b.parts.push_back(place("M", 1.5, test::magnet(0.1, 10))); }), "");
 }
 
+TEST(BlindScreens, AreToldBehindWhatSortsSpinsInFrontOfTheDriveAlone) {
+  const std::string told = note([](Beamline& b) {
+    b.parts.insert(b.parts.begin(), place("F", 0.05, SpinFilter{UnitVector{0, 0, 1}, 1, 0}));
+  });
+  EXPECT_NE(told.find("no part behind `H0` and in front of `screen` sorts spins"), std::string::npos) << told;
+}
+
 }  // namespace
 }  // namespace rabiline::blind_screens_test

@@ -29,6 +29,24 @@ TEST(Warnings, TellThatNoPointOfAScanIsNearTheResonance) {
   EXPECT_TRUE(scan(280e3, 280e3).empty());  // is no scan
 }
 
+TEST(Warnings, TellThatADriveSwingsAlongTheStaticField) {
+  const auto swinging = [](UnitVector direction) {
+    Beamline b = standard();
+    OscillatingField field;
+    field.length = 0.2;
+    field.amplitude = 1e-6;
+    field.frequency = 291.64e3;
+    field.direction = direction;
+    b.parts[2] = place("RF", b.parts[2].placement.at, field);
+    return warned({b});
+  };
+  EXPECT_TRUE(swinging({1, 0, 0}).empty());
+  const std::vector<Fault> faults = swinging({0, 0, 1});
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "RF");
+  EXPECT_EQ(faults[0].key, "direction");
+}
+
 TEST(Warnings, TellThatADriveTurnsSpinsRoundAndRound) {
   Beamline b = standard();
   RotatingField& drive = std::get<RotatingField>(b.parts[2].part);

@@ -1,0 +1,59 @@
+"""Measured counts beside a simulated curve."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .counts import Counts, read_counts
+from .curves import Curve
+from .errors import InputError
+from .units import parse_quantity
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Counts in the measure of a curve."""
+
+    x: np.ndarray  # SI
+    y: np.ndarray
+    errors: np.ndarray
+    label: str
+
+
+def read_measured(path: Path, curve: Curve) -> Measured:
+    """Counts of a table over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
+    the experiment its rate; else by the factor that makes the squares of their differences least. Raises InputError."""
+    counts = read_counts(path)
+    if counts.parameter != curve.axis.parameter:
+        raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
+    if curve.axis.units and not counts.unit:
+        unit = curve.axis.written[0] if curve.axis.written else curve.axis.units
+        raise InputError(f"{path}: the column `{counts.parameter}` has no unit: write `{counts.parameter} [{unit}]`")
+    try:
+        x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
+    except ValueError as problem:
+        raise InputError(f"{path}: {problem}") from None
+    if x.min() > curve.x.max() or x.max() < curve.x.min():
+        raise InputError(f"{path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
+                         f"{curve.axis.text(curve.x.max())}: is the unit right?")
+    each, background = _each(counts, curve) or (None, 0.0)
+    if each is not None:
+        label = "counted"
+    else:
+        order = np.argsort(curve.x)
+        expected = np.interp(x, curve.x[order], curve.y[order])
+        factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
+        each, label = np.full(x.size, 1 / max(factor, 1e-300)), f"counted, times {factor:.3g}"
+    return Measured(x, (counts.counts - background) / each, np.sqrt(np.maximum(counts.counts, 1.0)) / each, label)
+
+
+def _each(counts: Counts, curve: Curve) -> tuple[np.ndarray, np.ndarray | float] | None:
+    """[n] Counts where the fraction is 1, and the background's, if they are known."""
+    each, background = curve.rate or (None, 0.0)
+    if counts.seconds is not None:
+        background = background * counts.seconds
+    if counts.emitted is not None:
+        return counts.emitted, background if counts.seconds is not None else 0.0
+    return None if counts.seconds is None or each is None else (each * counts.seconds, background)
