@@ -70,9 +70,9 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     kept = np.ones(len(table.rows), dtype=bool)
     if "detector" in table.names:
         named = table.column("detector")
-        detector = detector or named[0]
+        chosen, detector = detector, detector or named[0]
         kept = np.array([name == detector for name in named])
-        if not kept.any() or (detector is None and len(set(named)) > 1):
+        if not kept.any() or (chosen is None and len(set(named)) > 1):
             raise FileError(table.path, f"there is {', '.join(dict.fromkeys(named))}: choose one with --detector")
     x = np.array(table.numbers(parameter))[kept]
     counts = _column(table, "counts", kept, 0.0, ": counts are what was counted, and a background that was taken off belongs back, as the parameter `background`")

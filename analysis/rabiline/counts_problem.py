@@ -135,7 +135,7 @@ class Problem:
         rows = [slopes, *(each * surface.noise), *bends]
         weighed = np.split(self.weigh(np.concatenate(rows).T, mu, modes), np.cumsum([len(own) for own in rows])[:-1], axis=1)
         straight, *noise = (own @ columns for own, columns in zip(rows[:1 + groups], weighed))
-        linear = slopes[k:].T @ np.linalg.pinv(straight[k:, k:], rcond=1e-10, hermitian=True) @ slopes[k:]  # what the exposure explains
+        linear = slopes[k:].T @ _inverse(straight[k:, k:]) @ slopes[k:]  # what the exposure explains
         bent, *trembling = (4 * (own @ columns - columns.T @ linear @ columns).reshape(k, k, k, k)
                             for own, columns in zip(bends, weighed[1 + groups:]))
         matrix, scatter = _averaged(straight, bent)
@@ -211,10 +211,16 @@ def _within_reach(scatter: np.ndarray) -> np.ndarray:
     return less[:, None] * scatter * less
 
 
-def share_of_simulation(problem: Problem, values: np.ndarray) -> float:
-    """Which part of the variance of a parameter is the simulation's, at most; its next flight may differ by that."""
+def _inverse(matrix: np.ndarray) -> np.ndarray:
+    """[k, k] Of second derivatives, whatever the units of the parameters; without directions that these do not know."""
+    size = 1 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    return size[:, None] * np.linalg.pinv(size[:, None] * matrix * size, rcond=1e-10, hermitian=True) * size
+
+
+def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:
+    """[k] Which part of the variance of each parameter of the curve is the simulation's; its next flight may differ by that."""
     mu, slopes, each = problem.mean(values)
-    fisher = problem.fisher(values, problem.modes(mu, each)).matrix
+    fisher = problem.fisher(values, problem.modes(mu, each))
     counted = slopes @ (slopes.T / mu[:, None])
-    whole, part = (np.diag(np.linalg.pinv(matrix, rcond=1e-10, hermitian=True)) for matrix in (fisher, counted))
-    return float(np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1).max())
+    whole, part = (np.diag(_inverse(matrix)) for matrix in (fisher.matrix, counted))
+    return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size]

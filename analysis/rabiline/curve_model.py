@@ -23,6 +23,7 @@ from .counts import Counts
 from .covariance import Spread
 from .errors import InputError
 from .experiment import Experiment
+from .limits import Limits
 from .units import format_value
 
 NOISE = 0.01  # relative variance of a slope, at most, where it is the same noise at all points
@@ -97,6 +98,7 @@ class CurveModel:
         # Counts are of whole detectors; images would only cost time.
         self.scanned = scanned.set({f"{name}.bins": [1, 1] for name in detectors})
         self.units = [self._unit(name) for name in self.names]
+        self.limits = Limits(self._may_be, self.start())
 
     def _grid(self) -> tuple[Experiment, np.ndarray]:
         """The experiment with its scan, and the scan point of each place."""
@@ -133,20 +135,41 @@ class CurveModel:
         whole, particles = particles is not None, particles or self.explored
         key = particles, whole, tuple(map(float, values))
         if key not in self._known:
-            self.flights += 1
-            begun = time.monotonic()
-            changed = self.changes(values)
-            sizes = [{"particles": particles}] if whole else [{"particles": max(particles // len(SEEDS), 1), "seed": seed} for seed in SEEDS]
             try:
-                flown = self._side_by_side([{**changed, **size} for size in sizes])
+                self._known[key] = self._flown_at(values, particles, whole)
             except InputError as problem:
-                raise NoFit(self._out_of_range(values, problem)) from None
-            groups = np.array([y for y, _ in flown])
-            y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(sizes)**2
-            if self.told is not None:
-                self.told(self.flights, particles, whole, time.monotonic() - begun)
-            self._known[key] = Evaluated(y, covariance, groups)
+                self._known[key] = self._continued(values, particles if whole else None, problem)
         return self._known[key]
+
+    def _flown_at(self, values: Sequence[float], particles: int, whole: bool) -> Evaluated:
+        self.flights += 1
+        begun = time.monotonic()
+        changed = self.changes(values)
+        sizes = [{"particles": particles}] if whole else [{"particles": max(particles // len(SEEDS), 1), "seed": seed} for seed in SEEDS]
+        flown = self._side_by_side([{**changed, **size} for size in sizes])
+        groups = np.array([y for y, _ in flown])
+        y, covariance = groups.mean(axis=0), sum(own for _, own in flown) / len(sizes)**2
+        if self.told is not None:
+            self.told(self.flights, particles, whole, time.monotonic() - begun)
+        return Evaluated(y, covariance, groups)
+
+    def _continued(self, values: Sequence[float], particles: int | None, problem: InputError) -> Evaluated:
+        """Beyond what a parameter may have, such as 1 of an efficiency, the curve goes on straight."""
+        number, limit = next(iter(self.limits.beyond(values).items()), (0, np.nan))
+        away = values[number] - limit
+        if not abs(away) <= max(abs(limit), abs(limit - self.limits.start[number])) and limit != 0:  # too far, or nothing by itself
+            raise NoFit(self._out_of_range(values, problem)) from None
+        within = np.copysign(min(abs(away), LARGEST_STEP * max(abs(limit), abs(self.limits.start[number])) or abs(away)), away)
+        last, before = (self.at(_moved(values, number, to - values[number]), particles) for to in (limit, limit - within))
+        further = away / within
+        return Evaluated(last.y + further * (last.y - before.y), last.covariance, last.groups + further * (last.groups - before.groups))
+
+    def _may_be(self, values: np.ndarray) -> bool:
+        try:
+            self.scanned.set(self.changes(values))
+        except InputError:
+            return False
+        return True
 
     def _out_of_range(self, values: Sequence[float], problem: InputError) -> str:
         """Which of the parameters [k] has no such value, and what it may have."""

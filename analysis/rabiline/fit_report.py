@@ -37,6 +37,10 @@ def report(fit: CountsFit) -> Iterable[str]:
         yield f"  {name:<{width}}  {fit.told(i)}   (profile {_signed(low - fit.values[i], *shown)}, {_signed(high - fit.values[i], *shown)})"
     for name, value, error in ((name, value, error) for name, value, error in fit.combined if np.isfinite(value)):
         yield f"  {name}: {value:.6g} ± {error:.2g} in SI"
+    for name, limit in fit.beyond:
+        i = fit.names.index(name)
+        yield (f"  `{name}` goes to {format_value(float(f'{limit:.4g}'), fit.units[i], None, fit.written_unit(i))} and no further: beyond, the simulated "
+               "curve is taken to go on straight")
     yield from (f"  {direction}" for direction in dict.fromkeys(map(str, fit.degenerate)))
     if fit.wanted_particles > fit.particles:
         yield f"  help: {few_particles(fit.particles, fit.wanted_particles)}"
@@ -53,8 +57,9 @@ def report(fit: CountsFit) -> Iterable[str]:
     yield f"  condition number {fit.condition:.3g}; {fit.flights} flights"
     if fit.share_of_simulation > 0.2:
         wanted = 9 * fit.share_of_simulation / (1 - min(fit.share_of_simulation, 0.999)) * fit.particles
-        yield (f"  {fit.share_of_simulation:.0%} of a variance comes from the simulation itself: {wanted:.2g} `particles` would make that a "
-               "tenth")
+        name = fit.names[int(np.argmax(fit.shares_of_simulation))]
+        yield (f"  {fit.share_of_simulation:.0%} of the variance of {name} comes from the simulation itself: {wanted:.2g} `particles` would make that "
+               "a tenth")
     for one in fit.held:
         yield from _about_held(fit, one)
     if verdict := verdict_of(fit):

@@ -14,7 +14,7 @@ from scipy import stats
 
 from . import asked
 from .counts import Counts, read_counts
-from .counts_problem import Exposure, Fisher, Problem, share_of_simulation
+from .counts_problem import Exposure, Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
 from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, Surface, check_columns
 from .experiment import Experiment
@@ -31,6 +31,7 @@ MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 MOST_MINIMA = 4  # that a walk along the profiles leads to
 FAR = 4.0  # steps: as far as a surface is followed
+PARTS_OF_THE_WAY = 1.0, 0.5, 0.25  # to where a surface promises less, beyond its reach
 
 
 @dataclass(frozen=True)
@@ -76,9 +77,10 @@ class CountsFit:
     detector: str
     title: str
     flights: int
-    share_of_simulation: float  # of the variance of a parameter, the largest
+    shares_of_simulation: np.ndarray  # [parameters of the curve] of their variance
     particles: int  # at each point of the simulation
     wanted_particles: float  # more than these where what is not known may be for their noise
+    beyond: tuple[tuple[str, float], ...] = ()  # parameters that ended beyond what they may be, and their limit in SI
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
     written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
@@ -87,6 +89,11 @@ class CountsFit:
     def p(self) -> float:
         """Of chi²."""
         return float(stats.chi2.sf(self.chi_squared, self.freedom))
+
+    @property
+    def share_of_simulation(self) -> float:
+        """The largest of them."""
+        return float(self.shares_of_simulation.max(initial=0.0))
 
     @property
     def is_flat(self) -> bool:
@@ -153,7 +160,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     if counts.counts.size < len(names) + len(extra):
         raise NoFit(f"{len(names) + len(extra)} parameters are free ({', '.join((*names, *extra))}), and there are only {counts.counts.size} points to know them by")
     model.scaled = SCALE in extra
-    values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE else
+    values = np.concatenate([values, [_first_scale(model, counts, exposure, values) if name == SCALE and not exposure.is_known else
                                       exposure.start(name) or 0.1 * counts.counts.min() for name in extra]])
     first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
@@ -206,7 +213,7 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
         found, _ = problem.least(values)
         moves = np.abs((found - values)[:k] / steps)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))  # in standard deviations
-        at_rest = crossed and reach**2 < REST**2 + share_of_simulation(problem, found)
+        at_rest = crossed and reach**2 < REST**2 + shares_of_simulation(problem, found).max(initial=0.0)
         better = None if at_rest else _better(model, problem, fisher, values, found)
         if better is None and crossed:
             if fisher.directions[2].all() or not model.explore_more():
@@ -298,35 +305,45 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
                      counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
-                     share_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
-                     others, model.start()[:k],
+                     shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
+                     tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, model.start()[:k],
                      tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
 def _held(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray) -> tuple[Held, ...]:
-    """What was not free, asked for where the fit has come to rest, and where that is far from the `first` values, by a search from there."""
-    local = held(problem, values, errors)
+    """What was not free, asked for where the fit has come to rest, and where that is far from the `first` values, a background by a search from
+    there. What the surface promises beyond its reach is flown."""
+    k = len(model.names)
+
+    def confirmed(one: Held) -> Held:
+        freed, here = replace(problem, extra=(*problem.extra, one.name)), _flown(model, problem, values, model.particles)
+        falls = [here - _flown(model, freed, np.append(values + share * one.moved * errors, one.value), model.particles)
+                 for share in PARTS_OF_THE_WAY]
+        return replace(one, fall=max(falls))
+
+    local = [confirmed(one) if one.is_wanted and (np.abs(one.moved[:k]) > FAR).any() else one for one in held(problem, values, errors)]
     moves = np.abs(values - first)
     if (moves <= np.maximum(FAR * errors, LARGEST_STEP * np.abs(first))).all():
-        return local
-    return tuple(one if one.is_wanted else _searched(model, counts, problem, first, values, errors, one) for one in local)
+        return tuple(local)
+    return tuple(one if one.is_wanted or one.name == SCALE else _searched(model, counts, problem, first, values, errors, one) for one in local)
 
 
 def _searched(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray, one: Held) -> Held:
     """The same by a search from the `first` values, if that comes to rest far away at a curve that fits as well: both as the particles explored
     have them."""
-    k = len(model.names)
-
-    def least(problem: Problem, values: np.ndarray) -> float:
-        return replace(problem, surface=Surface.level(model.at(values[:k]), values[:k])).least(values, range(k))[1]
-
     try:
         found, freed = _search(model, counts, problem.exposure, (*problem.extra, one.name), np.append(first, problem.exposure.start(one.name)))
     except NoFit:
         return one
-    fall = least(problem, values) - least(freed, found)
+    fall = _flown(model, problem, values) - _flown(model, freed, found)
     moved = (found[:-1] - values) / errors
     return replace(one, value=float(found[-1]), fall=fall, moved=moved, searched=True) if min(fall, found[-1]) > 0 and (np.abs(moved) > FAR).any() else one
+
+
+def _flown(model: CurveModel, problem: Problem, values: np.ndarray, particles: int | None = None) -> float:
+    """Q of the curve that is flown there, with what is free of the exposure as it fits best."""
+    k = len(model.names)
+    return replace(problem, surface=Surface.level(model.at(values[:k], particles), values[:k])).least(values, range(k))[1]
 
 
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]

@@ -22,10 +22,10 @@ class Measured:
     label: str
 
 
-def read_measured(path: Path, curve: Curve) -> Measured:
-    """Counts of a table over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
+def read_measured(path: Path, curve: Curve, detector: str | None) -> Measured:
+    """Counts of a table, of one detector in it, over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
     the experiment its rate; else by the factor that makes the squares of their differences least. Raises InputError."""
-    counts = read_counts(path)
+    counts = read_counts(path, detector)
     if counts.parameter != curve.axis.parameter:
         raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
     if curve.axis.units and not counts.unit:

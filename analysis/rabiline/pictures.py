@@ -148,7 +148,9 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     lines = [curve for _, curve in found]
     across = _across(files[0], first)
     if options.data and (options.beside or len(lines) > MOST_CURVES):
-        raise InputError("--data stands beside curves in one panel")
+        raise InputError("--data is drawn beside curves in one panel: leave out --beside, and of a map scan one parameter")
+    if options.data and options.detector is None and len({curve.detector for curve in lines}) > 1:
+        raise InputError(f"--data: choose which of {', '.join(dict.fromkeys(curve.detector for curve in lines))} counted, with --detector")
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
     if options.beside:
@@ -158,7 +160,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
-        figure = scan_plots.draw_scan(lines, labels, title, marks, read_measured(options.data, lines[0]) if options.data else None)
+        figure = scan_plots.draw_scan(lines, labels, title, marks, read_measured(options.data, lines[0], options.detector) if options.data else None)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across.values.size:
         figure = scan_plots.draw_maps(_grids(files[0], lines, across), across, title, marks)
     else:
