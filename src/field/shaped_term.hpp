@@ -41,7 +41,8 @@ struct ShapedTerm {
   };
   TimeCourse course{};
   int part = 0;    // whose field it is
-  int drive = -1;  // of its zone, with whose angle it swings; -1: it stands
+  int drive = -1;  // of its zone, with whose angle it swings; -1: of none
+  bool moves() const { return drive >= 0 || course.nodes > 0; }
 
   ShapedTerm() = default;
   explicit ShapedTerm(const LinearShape& f) : kind(ShapedKind::linear), linear(f) {}

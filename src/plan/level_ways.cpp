@@ -69,10 +69,18 @@ double fastest_rate(const TimeCourse& course) {
   return most * course.per_second;
 }
 
+/// The size of a course, at the most.
+double largest_of(const TimeCourse& course) {
+  double most = 0;
+  for (int i = 0; course.nodes > 0 && i < course.nodes + 2; ++i)
+    most = std::max(most, std::abs(course.coefficients[i]));
+  return most;
+}
+
 /// What a particle passes on the axis at one place.
 struct Passing {
   double rate = 0;                            // [T/s] of the static field
-  double peak = 0, growth = 0, swinging = 0;  // [T] of what swings, [T/s] along the way and in time
+  double peak = 0, growth = 0, swinging = 0;  // [T] of what moves, [T/s] along the way and in time
 };
 Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed) {
   Passing out;
@@ -88,6 +96,8 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
     if (term.drive < 0) {
       add_field<HostMaths>(term, 0.0, y, 0.0, still);
       out.rate += size * fastest_rate(term.course);
+      out.peak += size * largest_of(term.course);
+      out.growth += growth_of(peak) * largest_of(term.course);
       continue;
     }
     out.peak += size;
@@ -98,13 +108,17 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   return out;
 }
 
+/// [T] On the axis, of what stands still.
+Vector3 still_field(const Section& section, double y) {
+  FieldHere<double> here{};
+  for (const ShapedTerm& term : section.shaped)
+    if (!term.moves()) add_field<HostMaths>(term, 0.0, y, 0.0, here);
+  return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
+}
+
 /// [T] The most by which a static field turns at once where two sections that have one touch, or the last one
 /// and the field along +z behind it: the weaker of them (LevelCourse).
-double largest_turn(const std::vector<Section>& sections, double from, double to, double behind,
-                    double speed) {
-  const auto field = [&](const Section& section, double y) {
-    return static_field_on_axis(section.field, section.shaped, y, y / speed).here;
-  };
+double largest_turn(const std::vector<Section>& sections, double from, double to, double behind) {
   double most = 0;
   const auto meet = [&](const Vector3& before, const Vector3& next) {
     const double b = length_of(before), c = length_of(next);
@@ -115,9 +129,9 @@ double largest_turn(const std::vector<Section>& sections, double from, double to
     const double edge = std::min(sections[i].end, to);
     if (edge <= from || sections[i].begin >= to) continue;
     if (edge >= to - no_length)
-      meet(field(sections[i], edge - hair), {0, 0, behind});
+      meet(still_field(sections[i], edge - hair), {0, 0, behind});
     else if (i + 1 < sections.size() && sections[i + 1].begin <= edge + no_length)
-      meet(field(sections[i], edge - hair), field(sections[i + 1], edge + hair));
+      meet(still_field(sections[i], edge - hair), still_field(sections[i + 1], edge + hair));
   }
   return most;
 }
@@ -131,8 +145,7 @@ bool is_felt(const std::vector<Section>& sections, double place, double side, co
   constexpr double hair = 1e-9, another = 0.01, felt = 0.01;  // [m], [rad], [rad]
   const auto field_at = [&](double y) {
     for (const Section& section : sections)
-      if (y >= section.begin && y < section.end)
-        return static_field_on_axis(section.field, section.shaped, y, y / speed).here;
+      if (y >= section.begin && y < section.end) return still_field(section, y);
     return Vector3{};
   };
   const double turn =
@@ -244,6 +257,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.shaped_begin = static_cast<int>(out.shaped.size());
     add_shaped_fields(section, part.field, out.shaped);
     part.shaped_end = static_cast<int>(out.shaped.size());
+    part.has_courses = std::ranges::any_of(section.shaped, &ShapedTerm::moves);
     for (int i = 0; i < part.field.drives; ++i)
       part.fastest = std::max(part.fastest, angular_frequency(part.field.drive[i], speed));
     part.is_pulsed = std::ranges::any_of(section.rotating, [](const RotatingTerm& term) {
@@ -260,7 +274,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.longest = (end - begin) / (is_uniform ? 1 : 8);
     out.sections.push_back(part);
   }
-  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind, speed));
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind));
   const CoupledSpins spins = coupled_spins(*species.structure);
   const std::vector<int> manifolds = manifolds_of(spins, out.apart);
   for (const Section& section : driven) {

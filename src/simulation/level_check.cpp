@@ -194,22 +194,21 @@ class FollowedAtom {
     return {r.x + (v.x + flight_.fall.x * s / 2) * s, r.y + v.y * s,
             r.z + (v.z + flight_.fall.z * s / 2) * s};
   }
-  Vector3 field_at(const CourseSection& section, double s) const {
+  Vector3 field_at(const CourseSection& section, double s, bool all = true) const {
     const Vector3 place = place_at(s);
     FieldHere<double> here{};
     const double y =
         std::clamp(place.y, section.field.begin + section.hair(), section.field.end - section.hair());
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      if (const ShapedTerm& term = way_.fields().shaped[static_cast<std::size_t>(i)];
-          term.drive < section.field.drives)
+      if (const ShapedTerm& term = way_.fields().shaped[static_cast<std::size_t>(i)]; all || !term.moves())
         add_field_at(term, section.field, phases_, {place.x, y, place.z}, flight_.t + s, here);
     return rates_of(section.field, phases_, place, flight_.t + s, moment_).spin + vector_at(here.field);
   }
-  /// Of what does not drive.
+  /// Of what stands still.
   Vector3 static_at(const CourseSection& section, double s) const {
     CourseSection still = section;
     still.field.drives = 0;
-    return field_at(still, s);
+    return field_at(still, s, false);
   }
   /// [T] Of all that swings, at any time.
   double peaks_at(const CourseSection& section, double s) const {

@@ -13,10 +13,13 @@ struct CourseSection {
   int shaped_begin = 0, shaped_end = 0;  // of the course's terms
   double longest = 0;                    // [m] way in one step
   double fastest = 0;                    // [rad/s] of what drives there as a whole field; 0: nothing does
+  bool has_courses = false;              // that fields go through in time
   int wave = -1;           // of the course's: what drives there in the rotating-wave approximation
   bool is_pulsed = false;  // by any of its drives, at times of the clock
   bool operator==(const CourseSection&) const = default;
 
+  /// Whether any whole field does, in time.
+  bool moves() const { return fastest > 0 || has_courses; }
   /// [s] Short against whatever drives there: B's rate is taken from neighbours that far away.
   double moment() const { return 1e-3 / fastest; }
   /// [m] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
@@ -43,8 +46,8 @@ struct LevelWave {
 /// From where levels are known to where they are asked for. At both ends they are those of the static field
 /// there, or in no field those along +z; between fields they stay as if a weak field kept its direction.
 /// Where one static field ends and another begins, levels keep their names in the frame of the old direction,
-/// as if the size changed slowly; directions change at once. What drives is switched on behind that, and off
-/// before it, at once: the state stays.
+/// as if the size changed slowly; directions change at once. What moves in time is switched on behind that,
+/// and off before it, at once: the state stays.
 struct LevelCourse {
   const LevelManifold* manifolds = nullptr;
   const int *manifold_of = nullptr, *place_of = nullptr;  // [level]

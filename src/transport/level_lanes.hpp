@@ -191,7 +191,7 @@ class LevelFlight {
     } else {
       meet(entry, touches ? min(abs(size_), entry.size) : broadcast(0), counted);
     }
-    if (section.fastest > 0) {
+    if (section.moves()) {
       const FieldAtTime driven = path_.field_at(section, begin);
       jump(still, driven, counted & differ(driven.b, still));
     }
@@ -291,7 +291,7 @@ class LevelFlight {
           from, until, -1, dressed & counted);
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
     const Vector stays = path_.static_at(section, end);
-    if (section.fastest > 0)
+    if (section.moves())
       jump(field.b, {stays, {broadcast(0), broadcast(0), broadcast(0)}}, counted & differ(field.b, stays));
     size_ = dot(stays, axes_.third);
   }

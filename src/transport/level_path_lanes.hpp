@@ -81,7 +81,7 @@ class LevelPath {
     return at;
   }
 
-  /// [T] Of what does not drive.
+  /// [T] Of what stands still.
   [[gnu::noinline]] inline Vector static_at(const CourseSection& section, real s) const {
     const real rate = broadcast(section.field.spin_rate), zero = broadcast(0);
     const Vector uniform =
@@ -89,7 +89,7 @@ class LevelPath {
     FieldHere<real> field{};
     const Vector inside = place_inside(section, s);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      if (course_.shaped[i].drive < 0)
+      if (!course_.shaped[i].moves())
         add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field);
     return add(uniform, broadcast(1), {field.field[0], field.field[1], field.field[2]});
   }

@@ -57,6 +57,32 @@ def test_a_sum_of_courses_drives_the_levels_of_an_atom_as_the_point_spin_that_it
             assert file["entry/field_check/particles"][()] == 16 and file[f"entry/field_check/{what}"][()] < 1e-6
 
 
+ATOM = """
+rabiline: 1
+title: An atom through a field along its axis that swings
+species: {{name: own, mass: 200 u, charge: 0 e, structure: {{I: 1/2, J: 1/2, coupling: 120 kHz, g_J: 1.5, g_I: 0.02}}}}
+law: {{name: quantum, tolerance: 1e-8}}
+source:
+  speed: {{kind: single, value: 2000 m/s}}
+  opening: {{width: 0 m, height: 0 m}}
+  direction: parallel
+  spin: {{kind: levels, levels: [F=1 m=0]}}
+parts:
+  - {{name: C, kind: uniform_field, at: 0 m, length: 1 m, field: 6 uT}}
+  - {{name: F, kind: formula_field, at: 0.2 m, formula: {{Bz: '2e-6*cos(2*pi*50e3*t + 0.4)', width: 1 cm, height: 1 cm, length: 0.2 m, step: 5 mm, {time}}}}}
+  - {{name: D, kind: detector, at: 0.95 m, width: 2 m, height: 2 m, bins: [1, 1]}}
+particles: 2
+seed: 3
+"""
+
+
+@pytest.mark.parametrize("time", ["duration: 0.5 ms", "frequency: 50 kHz, phase: locked"])
+def test_ends_of_what_moves_in_time_leave_the_state_of_an_atom(tmp_path: Path, time: str) -> None:
+    """0.0179505 in F = 0 by DOP853. As if its size changed slowly it would be 0.000478."""
+    (tmp_path / "atom.yaml").write_text(ATOM.format(time=time))
+    assert levels_of(tmp_path / "atom.yaml")[3] == pytest.approx(0.0179505, abs=1e-7)
+
+
 @pytest.mark.parametrize("formula", ["Bz: 'B0*exp(-t/tau)', constants: {B0: 100 uT, tau: 0.3 ms}, duration: 2 ms", "Bz: B0*(1 + y/L), constants: {B0: 100 uT, L: 0.5 m}"], ids=["course", "map"])
 def test_scan_points_that_change_a_formula_have_each_its_own_field(tmp_path: Path, formula: str) -> None:
     """Each point's maps must outlive the beamline that they were made for."""
