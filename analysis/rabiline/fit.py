@@ -1,7 +1,9 @@
 """The fit of dips or peaks with a model, and what its errors mean."""
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -91,16 +93,27 @@ def fit(curve: Curve) -> Fit:
 
 def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: lmfit.Parameters) -> lmfit.Parameters:
     """The parameters at which |root (model - y)|² is least."""
-    import lmfit  # takes long to load
-    outcome = lmfit.minimize(lambda p: root @ (bells(x, _numbers(p)) - y), start)
+    outcome = _lmfit().minimize(lambda p: root @ (bells(x, _numbers(p)) - y), start)
     if not (outcome.success and np.isfinite(_numbers(outcome.params)).all()):
         raise NoResonance("the fit does not converge")
     return outcome.params
 
 
+def _lmfit() -> ModuleType:
+    """The module, which takes long to load; without pandas, which takes as long and would serve to write models as JSON."""
+    hidden = "pandas" not in sys.modules
+    if hidden:
+        sys.modules["pandas"] = None  # type: ignore[assignment]
+    try:
+        import lmfit
+        return lmfit
+    finally:
+        if hidden:
+            del sys.modules["pandas"]
+
+
 def _start(starts: list[Resonance], unit: float, origin: float) -> lmfit.Parameters:
-    import lmfit
-    parameters = lmfit.Parameters()
+    parameters = _lmfit().Parameters()
     parameters.add("baseline", starts[0].baseline.value)
     for i, start in enumerate(starts):
         low, high = ((start.centre.value - origin + side * start.width.value / 2) / unit for side in (-1, 1))

@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from scipy.interpolate import CubicSpline
 
 from . import style
 from .motions import Course, Finding, Motion, Motions
@@ -157,6 +156,7 @@ def _ends(motion: Motion) -> list[np.ndarray]:
     times = [motion.time[:begin + 1], motion.time[max(end - 1, 0):]]
     if motion.time.size < SMOOTH * turns[-1]:
         return [motion.position[:begin + 1], motion.position[max(end - 1, 0):]]
+    from scipy.interpolate import CubicSpline  # takes long to load
     path = CubicSpline(motion.time, motion.position)
     return [path(np.linspace(part[0], part[-1], FINE * part.size)) for part in times]
 

@@ -51,14 +51,20 @@ struct Counts {
   void add(const std::vector<Moments>& species, double n, std::uint64_t each = quanta_per_particle) {
     const double of_none = variance_of({}, n, each);
     for (std::size_t b = 0; b < species.size(); ++b) {
-      const bool is_empty = species[b].q == 0 && species[b].q2 == 0;
+      if (species[b].q == 0 && species[b].q2 == 0) {
+        variances[b] += of_none;
+        continue;
+      }
       counts[b] += particles(species[b].q);
-      variances[b] += is_empty ? of_none : variance_of(species[b], n, each);
+      variances[b] += variance_of(species[b], n, each);
     }
   }
   void put(std::vector<double>& to, std::vector<double>& errors) const {
     to.insert(to.end(), counts.begin(), counts.end());
-    for (const double v : variances) errors.push_back(std::sqrt(v));
+    const std::size_t before = errors.size();
+    errors.resize(before + variances.size());
+    std::transform(variances.begin(), variances.end(), errors.begin() + static_cast<std::ptrdiff_t>(before),
+                   [](double variance) { return std::sqrt(variance); });
   }
 };
 

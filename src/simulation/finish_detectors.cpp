@@ -98,10 +98,15 @@ class DetectorFinisher {
       std::vector<Moments> own(nx * nz), own_x(nx), own_z(nz), own_total{whole};
       all.q += whole.q;
       all.q2 += whole.q2;
-      for (std::size_t b = 0; b < own.size(); ++b)
-        for (Moments* m : {&own[b], &own_x[b / nz], &own_z[b % nz]}) {
-          m->q += s[ScreenSums::bin(b)];
-          m->q2 += s[ScreenSums::bin(b) + 1];
+      for (std::size_t x = 0; x < nx; ++x)
+        for (std::size_t z = 0; z < nz; ++z) {
+          const std::size_t b = x * nz + z;
+          const Moments here{s[ScreenSums::bin(b)], s[ScreenSums::bin(b) + 1]};
+          if (here.q == 0) continue;
+          for (Moments* m : {&own[b], &own_x[x], &own_z[z]}) {
+            m->q += here.q;
+            m->q2 += here.q2;
+          }
         }
       for (std::size_t x = 0; x < nx; ++x) own_x[x].q2 += s[screen.layout.across_column(x)];
       for (std::size_t z = 0; z < nz; ++z) own_z[z].q2 += s[screen.layout.across_row(z)];
