@@ -99,6 +99,9 @@ class CurveModel:
         self.scanned = scanned.set({f"{name}.bins": [1, 1] for name in detectors})
         self.units = [self._unit(name) for name in self.names]
         self.limits = Limits(self._may_be, self.start())
+        for name, text in self.changes(self.limits.start).items():
+            for wrong in unknown(self.experiment, name, text):
+                raise NoFit(f"`{name}` cannot be changed by itself in this file: {wrong}")
 
     def _grid(self) -> tuple[Experiment, np.ndarray]:
         """The experiment with its scan, and the scan point of each place."""

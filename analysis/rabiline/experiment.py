@@ -6,6 +6,7 @@ import re
 import sys
 import warnings
 from dataclasses import dataclass, field, replace
+from inspect import signature
 from math import isclose, pi
 from numbers import Real
 from pathlib import Path
@@ -192,6 +193,9 @@ class Experiment:
     def fit(self, data: str | Path | pandas.DataFrame, free: Sequence[str], **options: object) -> CountsFit:
         """Parameters from measured counts, a table or a frame with its columns; see `rabiline.fitting.fit_counts` for the options, and what it raises."""
         from .fitting import fit_counts
+        known = signature(fit_counts).parameters
+        if unknown := [name for name in options if name not in known]:
+            raise TypeError(f"`fit` has no option `{unknown[0]}`; it has {', '.join(list(known)[3:])}")
         with as_keywords():
             return fit_counts(self, data, free, **options)
 

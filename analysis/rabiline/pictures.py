@@ -17,7 +17,7 @@ from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
 from .measured import read_measured
-from .picture_options import KeywordParser, add_options, dots, mark_of, pair_of, points_of, size_of, words_of
+from .picture_options import OWN_OPTIONS, KeywordParser, add_options, dots, mark_of, pair_of, points_of, size_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
 
@@ -67,9 +67,12 @@ def plot_of(opened: object, kind: str | None = None, options: dict[str, object] 
     parser, options = KeywordParser(), dict(options or {})
     size = options.pop("size", None)
     verb = f"plot-{kind or _fitting_kind(opened)}"
-    if verb.replace("-", "_") not in globals():
-        raise InputError(f"there is no picture `{kind}`")
+    if verb not in OWN_OPTIONS:
+        raise InputError(f"there is no picture `{kind}`: kind is {', '.join(one.removeprefix('plot-') for one in OWN_OPTIONS)}, or left out")
     arguments(verb, parser)
+    if verb == "plot-tally" and "name" not in options:
+        there = ", ".join(getattr(opened, "tallies", {}))
+        raise InputError(f"which tally? `name` is one of {there}" if there else "it has no tally")
     name = [str(options.pop("name"))] if verb == "plot-tally" else []
     fixed = ["FILE", *name, "-o", "none.png"]
     known = vars(parser.parse_args(fixed))

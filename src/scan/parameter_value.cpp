@@ -24,6 +24,16 @@ struct TakeNumber {
   }
 };
 
+/// Of the beam's one species: what the file has of its own.
+std::optional<ParsedQuantity> number_of_species(const std::string& key, const Beamline& beamline) {
+  if (beamline.species.size() != 1) return std::nullopt;
+  const Species& species = beamline.species.front().species;
+  if (key == "gyromagnetic_ratio" && !species.structure)
+    return ParsedQuantity{species.gyromagnetic_ratio, Dimension::gyromagnetic, {}, {}};
+  if (key == "mass") return ParsedQuantity{species.mass, Dimension::mass, {}, {}};
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<ParsedQuantity> number_called(const std::string& name, const Beamline& beamline) {
@@ -31,6 +41,7 @@ std::optional<ParsedQuantity> number_called(const std::string& name, const Beaml
   std::istringstream text(name);
   for (std::string word; std::getline(text, word, '.');) words.push_back(word);
   if (words.empty()) return std::nullopt;
+  if (words.size() == 2 && words[0] == "species") return number_of_species(words[1], beamline);
   Beamline file = beamline;
   TakeNumber take;
   visit_parameter(file, words, take);

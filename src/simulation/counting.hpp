@@ -41,6 +41,7 @@ inline double variance_of(const Moments& m, double n, std::uint64_t each = quant
     return weight == 0 ? 0 : portable::pow(weight * n * wilson_error(particles(m.q) / weight, n), 2);
   }
   const double q = particles(m.q);
+  if (n < 2) return q * q;  // by one particle nothing is known of how they scatter
   return std::max(0.0, static_cast<double>(m.q2) / (quanta * quanta) - q * q / n);
 }
 

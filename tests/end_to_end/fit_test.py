@@ -351,6 +351,19 @@ def test_the_command_fits_a_table_and_draws_it(tmp_path: Path, fringes: Counts) 
     assert done.returncode == 2 and "help: the column `detector` of the table, or --detector, names it" in done.stderr
 
 
+def test_a_species_of_the_file_can_be_fitted(ramsey: rabiline.Experiment, fringes: Counts) -> None:
+    own = rabiline.load(RAMSEY.replace("species: neutron", "species: {name: own, mass: 1.00866491606 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: -29.1646935 MHz/T}"))
+    assert own.value("species.gyromagnetic_ratio") == pytest.approx(-1.83247174e8, rel=1e-6) and own.value("species.mass") == pytest.approx(1.67492750e-27, rel=1e-6)
+    at = {"guide.field": "1.0003 mT", "C1.amplitude": "113 uT", "C2.amplitude": "113 uT", "source.speed.mean": "805 m/s"}
+    found = fit_counts(own.set(at), fringes, ["species.gyromagnetic_ratio"], intervals=False)
+    value, error = found["species.gyromagnetic_ratio"]
+    assert abs(value - own.value("species.gyromagnetic_ratio")) < 4 * error < 1e5
+    with pytest.raises(TypeError, match="`fit` has no option `particels`; it has detector, "):
+        own.fit(fringes, ["guide.field"], particels=5)
+    with pytest.raises(NoFit, match="`species.gyromagnetic_ratio` cannot be changed by itself in this file: "):
+        fit_counts(ramsey, fringes, ["species.gyromagnetic_ratio"])
+
+
 @pytest.mark.parametrize(("table", "reason"), [
     ("", "an empty table"), ("C1.frequency [kHz]\n29\n", "no column `counts`"), ("counts\n1\n", "no column of the scanned"),
     ("C1.frequency [kHz],counts\n29,1.5\n29.1,2\n", "line 2: counts must be whole numbers"),
