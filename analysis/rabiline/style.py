@@ -19,6 +19,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.textpath import text_to_path
 
 from . import asked
 from .errors import InputError
@@ -277,8 +278,12 @@ def letters(figure: Figure) -> int:
 
 
 def in_lines(text: str, inches: float, size: float) -> str:
-    """Wrapped to a width, for letters of a size in points."""
-    return wrapped(text, max(12, int(inches * 72 / (LETTER * size))))
+    """Wrapped to a width, for letters of a size in points; shorter where they are wide ones."""
+    most, font = max(12, int(inches * 72 / (LETTER * size))), FontProperties(size=size)
+    while most > 12 and any(text_to_path.get_text_width_height_descent(line, font, False)[0] > 72 * inches
+                            for line in wrapped(text, most).split("\n")):
+        most -= 1
+    return wrapped(text, most)
 
 
 @contextmanager
