@@ -39,8 +39,9 @@ def read_region(text: str) -> Region:
         raise InputError(f'--region "{text}" is not NAME=BEGIN:END in metres, such as "B=0.30:0.55"') from None
 
 
-def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
-    """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge."""
+def shade(axes: Axes, regions: Sequence[Region], named: bool) -> int:
+    """Field regions; those that overlap show through. Their names stand above, over a line from edge to edge, in so many rows as are
+    returned."""
     size, up = style.points("legend.fontsize"), axes.get_xaxis_transform()
     rows: list[float] = []
     ordered = sorted(regions, key=lambda region: (region.begin, -region.end))
@@ -59,3 +60,4 @@ def shade(axes: Axes, regions: Sequence[Region], named: bool) -> None:
                   color=GREY, linewidth=1.2, solid_capstyle="butt")
         axes.annotate(style.plain(region.name), (middle, 1), xycoords=up, xytext=(0, height + 1), textcoords="offset points", ha="center",
                       va="bottom", color=GREY, fontsize=size)
+    return len(rows)

@@ -353,9 +353,9 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
     def place(item: tuple[object, str]) -> int:
         return next(i for i, label in enumerate(map(style.plain, order)) if item[1] == label or item[1].startswith(f"{label}\n"))
 
-    width = width or style.letters(figure)
+    longest, width = width or style.letters(figure) - 12, width or style.letters(figure)
     items, labels = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
-    labels = [style.wrapped(label, width - 12) for label in labels]
+    labels = [style.wrapped(label, longest) for label in labels]
     widths = [10 + max(map(len, label.splitlines())) for label in labels]  # in letters
     columns = len(labels) if sum(widths) < width else max(1, width // max(widths))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 
 from . import style
 from .regions import Region, shade
@@ -19,6 +20,8 @@ from .units import Scale, fitting_scale
 MILLI = 1e3
 STILL = 1e-6  # rad: a spin that tilts less needs no panel
 TILTED = np.radians(20)  # a spin that tilts by more is shown on the whole sphere
+USUAL_ROWS, HIGHER = 4, 0.19  # rows of names, and inches for each more
+BELOW = 38.0  # points from the axis to the legend
 LETTERS = 86  # of a legend below the panels
 ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a star
 
@@ -58,13 +61,15 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         _draw_spins(sphere, [(track, look) for look, track in farthest.items()])
     panels[0].set_xlim(*_extent(files))
     regions = [region for region in regions if region.begin <= _extent(files)[1]]
+    rows = [shade(panel, regions, named=panel is panels[0]) for panel in panels][0]
+    figure.set_figheight(figure.get_figheight() + HIGHER * max(0, rows - USUAL_ROWS))
     for panel in panels:
-        shade(panel, regions, named=panel is panels[0])
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     style.write_title(figure, title)
     lines = _legend(styled)
-    panels[-1].legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, -0.28), ncol=style.columns_of([line.get_label() for line in lines], LETTERS))
+    below = panels[-1].transAxes + ScaledTranslation(0, -style.scaled(BELOW) / 72, figure.dpi_scale_trans)
+    panels[-1].legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0), bbox_transform=below, ncol=style.columns_of([line.get_label() for line in lines], LETTERS))
     return figure
 
 
