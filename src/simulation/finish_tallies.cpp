@@ -123,25 +123,28 @@ class TallyFinisher {
     if (out.planes > 1) out.axes.push_back(axis_of_planes(*monitor, part.placement));
     for (const TallyAxis& axis : tally.axes) out.axes.push_back(axis_of(axis, species, levels));
     const HistogramSums layout{static_cast<std::size_t>(bins_of(tally, levels)), 0};
-    for (std::size_t p = 0; p < points_; ++p)
+    for (std::size_t p = 0; p < points_; ++p) {
+      const int at = run_.parts.of(out.part, p);
+      const std::vector<Found> found = found_in_planes(at, number, out.planes, p);
+      const std::vector<Sum> crossed = crossed_in_planes(at, out.planes, p);
       for (std::size_t plane = 0; plane < out.planes; ++plane) {
-        add_counts(layout, number, plane, p, out);
-        add_moments(tally, number, plane, p, out);
+        add_counts(layout, found[plane], crossed[plane], p, out);
+        add_moments(tally, found[plane], out);
       }
+    }
     result_.tallies.push_back(std::move(out));
   }
 
-  std::vector<const HistogramTally*> found(int part, std::size_t number, std::size_t plane,
-                                           std::size_t p) const {
-    std::vector<const HistogramTally*> out;
+  using Found = std::vector<const HistogramTally*>;
+  std::vector<Found> found_in_planes(int part, std::size_t number, std::size_t planes, std::size_t p) const {
+    std::vector<Found> out(planes);
     for (const HistogramTally& tally : histograms_[p])
-      if (tally.part == part && static_cast<std::size_t>(tally.tally) == number &&
-          static_cast<std::size_t>(tally.plane) == plane)
-        out.push_back(&tally);
+      if (tally.part == part && static_cast<std::size_t>(tally.tally) == number)
+        out[static_cast<std::size_t>(tally.plane)].push_back(&tally);
     return out;
   }
 
-  void add_counts(const HistogramSums& layout, std::size_t number, std::size_t plane, std::size_t p,
+  void add_counts(const HistogramSums& layout, const Found& found, Sum crossed, std::size_t p,
                   TallyResult& out) {
     const int part = run_.parts.of(out.part, p);
     std::uint64_t each = quanta_per_particle;
@@ -151,7 +154,7 @@ class TallyFinisher {
     }
     Counts bins(layout.bins), outside(1);
     Sum sum = 0;
-    for (const HistogramTally* tally : found(part, number, plane, p)) {
+    for (const HistogramTally* tally : found) {
       const Sum* s = &run_.sums[tally->at];
       const double n = static_cast<double>(tally->tree->last - tally->tree->first);
       std::vector<Moments> own(layout.bins);
@@ -166,30 +169,29 @@ class TallyFinisher {
     }
     bins.put(out.counts, out.counts_errors);
     outside.put(out.outside, out.outside_errors);
-    if (sum != crossed(part, plane, p))
+    if (sum != crossed)
       throw std::logic_error(
           fmt::format("the tally {} of {} does not add up to what crossed its plane at scan point {}",
                       out.name, out.part, p));
   }
 
   /// What a detector counted or a monitor let pass.
-  Sum crossed(int part, std::size_t plane, std::size_t p) const {
-    Sum sum = 0;
+  std::vector<Sum> crossed_in_planes(int part, std::size_t planes, std::size_t p) const {
+    std::vector<Sum> out(planes, 0);
     for (const ScreenTally& screen : screens_[p])
-      if (screen.part == part) sum += run_.sums[screen.at + screen.layout.total()];
+      if (screen.part == part) out.front() += run_.sums[screen.at + screen.layout.total()];
     for (const CensusTally& census : censuses_[p])
-      if (census.part == part && static_cast<std::size_t>(census.plane) == plane)
-        sum += run_.sums[census.at + CensusSums::total()];
-    return sum;
+      if (census.part == part)
+        out[static_cast<std::size_t>(census.plane)] += run_.sums[census.at + CensusSums::total()];
+    return out;
   }
 
-  void add_moments(const Tally& tally, std::size_t number, std::size_t plane, std::size_t p,
-                   TallyResult& out) {
+  void add_moments(const Tally& tally, const Found& all, TallyResult& out) {
     std::size_t ranged = 0;
     for (std::size_t a = 0; a < tally.axes.size(); ++a) {
       if (is_categorical(tally.axes[a].quantity)) continue;
       std::vector<MomentSums> groups(moment_groups);
-      for (const HistogramTally* found : found(run_.parts.of(out.part, p), number, plane, p)) {
+      for (const HistogramTally* found : all) {
         for (std::size_t g = 0; g < moment_groups; ++g) {
           const Sum* s = &run_.sums[found->at + found->layout.moments(ranged, g)];
           groups[g].q += s[0];
