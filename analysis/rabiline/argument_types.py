@@ -7,7 +7,7 @@ from math import nan
 from pathlib import Path
 
 LARGEST = 1e30  # of what is counted, or passes
-SECONDS = {"": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0}
+SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
 
 def positive(text: str) -> float:
@@ -34,7 +34,7 @@ def rate(text: str) -> float:
     return value
 
 
-def rate_or_none(text: str) -> float:
+def rate_or_zero(text: str) -> float:
     """[1/s] The same, or 0."""
     return 0.0 if _with_unit(text, "/") == 0 else rate(text)
 
@@ -65,7 +65,8 @@ def _number(text: str) -> float:
 def _with_unit(text: str, per: str) -> float:
     """A number of seconds, or `per` second: "10 min", "4e4 /s", "4e4 1/s", "600"."""
     found = re.fullmatch(rf"\s*([-+.\deE]+?)\s*(?:(?:1?{per})\s*([a-z]+))?\s*", text)
-    factor = SECONDS.get(found[2] or "") if found else None
-    if factor is None:
+    if found is None or (found[2] or "s") not in SECONDS:
         return nan
-    return _number(f"{_number(found[1]) / factor if per else _number(found[1]) * factor!r}")
+    time = SECONDS[found[2] or "s"]
+    value = _number(found[1]) * (1 / time if per else time)
+    return value if abs(value) <= LARGEST else nan

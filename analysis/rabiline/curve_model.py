@@ -159,10 +159,10 @@ class CurveModel:
     def _continued(self, values: Sequence[float], particles: int | None, problem: InputError) -> Evaluated:
         """Beyond what a parameter may have, such as 1 of an efficiency, the curve goes on straight."""
         number, limit = next(iter(self.limits.beyond(values).items()), (0, np.nan))
-        away = values[number] - limit
-        if not abs(away) <= max(abs(limit), abs(limit - self.limits.start[number])) and limit != 0:  # too far, or nothing by itself
+        away, start = values[number] - limit, self.limits.start[number]
+        if not abs(away) <= (max(abs(limit), abs(limit - start)) or np.inf):  # too far, or nothing that is wrong by itself
             raise NoFit(self._out_of_range(values, problem)) from None
-        within = np.copysign(min(abs(away), LARGEST_STEP * max(abs(limit), abs(self.limits.start[number])) or abs(away)), away)
+        within = np.copysign(min(abs(away), LARGEST_STEP * max(abs(limit), abs(start)) or abs(away)), away)
         last, before = (self.at(_moved(values, number, to - values[number]), particles) for to in (limit, limit - within))
         further = away / within
         return Evaluated(last.y + further * (last.y - before.y), last.covariance, last.groups + further * (last.groups - before.groups))

@@ -8,7 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .argument_types import count, duration, rate, rate_or_none
+from .argument_types import count, duration, rate, rate_or_zero
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +68,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     else:
         parser.add_argument("--rate", type=rate, metavar="R", help="particles that leave the source per second (1/s)")
         parser.add_argument("--seconds", type=duration, default=1.0, metavar="T", help="at each scan point, such as 600 or \"10 min\"; 1 by default")
-        parser.add_argument("--background", type=rate_or_none, metavar="B", help="counts per second without a beam; the detector's by default")
+        parser.add_argument("--background", type=rate_or_zero, metavar="B", help="counts per second without a beam; the detector's by default")
         parser.add_argument("--known-rate", action="store_true", help="the rate is known exactly: no free factor")
         parser.add_argument("--no-scan", action="store_true", help="omit the file's scan")
         parser.add_argument("--scan", action="append", default=[], metavar="NAME=FROM:TO:POINTS")

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
@@ -23,6 +24,20 @@ constexpr int places_of_frame = 129;
 
 double place_in(double begin, double end, int number) {
   return begin + (number + 0.5) / places_of_frame * (end - begin);
+}
+
+/// What acts as a static field on the axis, and how it changes along the beam.
+struct FieldOnAxis {
+  Vector3 here, slope;  // [T], [T/m]
+};
+/// Of a section's uniform field and its terms, at the time t [s] of those with a course.
+FieldOnAxis static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
+                                 double t) {
+  FieldHere<double> here{};
+  for (const ShapedTerm& term : shaped)
+    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
+  return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
+          {here.slope[1], here.slope[4], here.slope[7]}};
 }
 
 /// What drives, in axes along a static field.
@@ -88,15 +103,6 @@ NearestLine nearest_line(const CoupledSpins& spins, double field, const Rotating
 }
 
 }  // namespace
-
-FieldOnAxis static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
-                                 double t) {
-  FieldHere<double> here{};
-  for (const ShapedTerm& term : shaped)
-    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
-  return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
-          {here.slope[1], here.slope[4], here.slope[7]}};
-}
 
 double angular_frequency(const DriveTerm& drive, double speed) {
   double rate = std::max(std::abs(drive.omega), std::abs(drive.omega + swept_in_all(drive))) +

@@ -1,7 +1,6 @@
 #pragma once
 // Which drives on an atom's way are taken in the rotating-wave approximation, and in which frames.
 #include <set>
-#include <span>
 #include <vector>
 
 #include "beamline/beamline.hpp"
@@ -11,13 +10,6 @@
 #include "transport/level_way.hpp"
 
 namespace rabiline {
-
-/// What stands on the axis, and how it changes along the beam.
-struct FieldOnAxis {
-  Vector3 here, slope;  // [T], [T/m]
-};
-/// Of a section's uniform field and its terms, at the time t [s] of those with a course.
-FieldOnAxis static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm>, double y, double t);
 
 /// [rad/s] The fastest that a drive changes for a particle of that speed.
 double angular_frequency(const DriveTerm&, double speed);
