@@ -295,7 +295,7 @@ def test_an_error_that_leaves_nothing_of_a_parameter_is_told_in_words(fitted: Co
 
 @pytest.mark.parametrize(("text", "name", "value", "limit", "within"), [
     (WIRE, "source.speed.temperature", -5.0, 0.0, None), (RAMSEY, "C1.amplitude+C2.amplitude", -1e-6, 0.0, 1e-6),
-    (RAMSEY, "pol.up", 1.05, 1.0, 0.95)])
+    (RAMSEY, "pol.up", 1.05, 1.0, 0.95)], ids=["temperature", "amplitude", "efficiency"])
 def test_a_curve_goes_on_straight_beyond_what_a_parameter_may_be(text: str, name: str, value: float, limit: float, within: float | None) -> None:
     places = ("wire.offset.z", ("-1 mm", "1 mm")) if text == WIRE else ("C1.frequency", ("29 kHz", "30 kHz"))
     model = CurveModel(rabiline.load(text), *places, [name])
