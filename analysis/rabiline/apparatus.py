@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from . import style
-from .argument_types import count
+from .argument_types import count, heading
 from .errors import InputError
 from .style import GREY, INK, LAWS, OTHERS
 from .units import Scale, fitting_scale, format_value
@@ -65,7 +65,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("-n", "--paths", type=partial(count, least=0), metavar="N",
                         help=f"{PATHS} by default, or fewer where they take long to fly; 0 draws the apparatus alone")
-    parser.add_argument("--title")
+    parser.add_argument("--title", type=heading)
 
 
 def draw(options: argparse.Namespace) -> Figure:
@@ -262,7 +262,7 @@ def _extent(pieces: list[Piece], across: str, tracks: Tracks | None) -> float:
     index = "xyz".index(across)
     reached = max((np.abs(track.position[:, index]).max() for track in tracks.tracks), default=0.0) if tracks else 0.0
     sizes = [abs(piece.offset[across]) + piece.half[across] for piece in pieces if piece.half[across] and piece.kind != "monitor"]
-    near = [size for size in sizes if reached == 0 or size <= 4 * reached]
+    near = [size for size in sizes if reached == 0 or size <= max(4 * reached, 1.5 * min(sizes))]
     beside = [abs(piece.offset[across]) for piece in pieces if piece.kind == "detector" and abs(piece.offset[across]) > (piece.half[across] or 0.0)]
     return 1.15 * max([reached, *near, *beside, min(sizes, default=1e-3) if not near else 0.0, 1e-6])
 
@@ -298,23 +298,17 @@ def _walls(axes: Axes, low: float, length: float, centre: float, size: float, ha
             axes.add_patch(Rectangle((low, 1e3 * bottom), length, 1e3 * height, facecolor=colour, edgecolor="none", zorder=2.5))
 
 
-def _fate(track: Track) -> str:
-    """In words, with the place."""
-    where = f"{'by' if track.fate == 'stopped' else 'at'} {track.where}" if track.where else ""
-    return f"{track.fate.replace('_', ' ')} {where}".strip()
-
-
 def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
     """One colour for each fate."""
     index = "xyz".index(across)
-    fates = list(dict.fromkeys(map(_fate, tracks.tracks)))
+    fates = list(dict.fromkeys(track.ending for track in tracks.tracks))
     colours = [LAWS["classical"][0], LAWS["dorado"][0], *(colour for colour, _ in OTHERS), GREY]
     fates.sort(key=lambda fate: not fate.startswith("detected"))
     if not fates[0].startswith("detected"):
         colours = colours[1:]
     shown = set()
     for track in tracks.tracks:
-        fate = _fate(track)
+        fate = track.ending
         number = min(fates.index(fate), len(colours) - 1)
         label = None if number in shown else fate if number < len(colours) - 1 else "elsewhere"
         shown.add(number)

@@ -47,6 +47,11 @@ def count(text: str, least: int = 1) -> int:
     return int(value)
 
 
+def heading(text: str) -> str:
+    """Of a picture; an empty one is a blank, which stands for none, and not for the file's own."""
+    return text or " "
+
+
 def file_name(text: str) -> Path:
     """A path; an empty one would be the folder."""
     if not text:

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from . import results
 from .agreement import compare, same_particles
+from .argument_types import heading
 from .errors import InputError
 from .reports import require_detector
 
@@ -22,7 +23,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     parser.add_argument("other", metavar="OTHER", type=Path)
     parser.add_argument("--detector", metavar="NAME", help="all by default; of the picture, the first one")
     parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture of both, and of their difference over its error")
-    parser.add_argument("--title", help="of the picture, instead of the file's own")
+    parser.add_argument("--title", type=heading, help="of the picture, instead of the file's own")
 
 
 def compare_scans(options: argparse.Namespace) -> Figure | None:

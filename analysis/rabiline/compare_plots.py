@@ -9,6 +9,7 @@ from . import stated, style
 from .curves import curves, labels_of
 from .errors import InputError
 from .results import Results
+from .scan_plots import about_errors
 from .style import GREY, INK, PALE, looks
 from .units import is_logarithmic
 
@@ -45,11 +46,8 @@ def draw_difference(one: Results, other: Results, detector: str, title: str | No
     above.grid(axis="y")
     above.set_title(agreement.replace("chi²", "χ²"), fontsize=style.points("legend.fontsize"))
     style.write_title(figure, title or one.title)
-    foot = 0.0
-    if style.size(0, 0) != (0, 0):
-        foot = style.legend_at_foot(figure, *above.get_legend_handles_labels())
-    else:
-        below.legend(*above.get_legend_handles_labels(), loc="upper center", bbox_to_anchor=(0.5, -0.45), ncol=2)
+    foot = style.legend_at_foot(figure, *above.get_legend_handles_labels())
+    drawn = [curve for pair in pairs for curve in pair]
     of = "aimed at the target" if pairs[0][0].aimed else "emitted"
-    above.set_ylabel(style.upright(figure, f"{labels_of(one)[detector]}: detected / {of}\n(bars: 1 σ)", foot + 0.3 * figure.get_figheight()))
+    above.set_ylabel(style.upright(figure, f"{labels_of(one)[detector]}: detected / {of}\n({about_errors(drawn, above.get_ylim())})", foot + 0.3 * figure.get_figheight()))
     return figure

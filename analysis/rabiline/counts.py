@@ -10,6 +10,7 @@ import numpy as np
 
 from .csv_table import Table, read_table
 from .hdf5 import FileError
+from .units import parse_quantity
 
 if TYPE_CHECKING:
     import pandas
@@ -59,9 +60,9 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
     for name, unit in table.columns:
-        if unit and (name in ("counts", "emitted") or name == "seconds" and unit != "s"):
-            raise FileError(table.path, f"line {table.header}: `{name}` has the unit `{unit}`: " + (
-                "write the times in seconds" if name == "seconds" else "write what was counted, which has none, and of a rate the time at each point in a column `seconds`"))
+        if unit and name in ("counts", "emitted"):
+            raise FileError(table.path, f"line {table.header}: `{name}` has the unit `{unit}`: "
+                            "write what was counted, which has none, and of a rate the time at each point in a column `seconds`")
     if not table.rows:
         raise FileError(table.path, f"line {table.header}: nothing stands below the names of the columns")
     if len(others) == 2:  # along the one that has more values
@@ -87,9 +88,20 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
     across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
+    if optional["seconds"] is not None:
+        optional["seconds"] = optional["seconds"] * _seconds(table)
     if optional["emitted"] is not None and optional["seconds"] is None:  # over a time there may be a background
         _require(table, kept, counts <= optional["emitted"], "more counts than particles were emitted")
     return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
+
+
+def _seconds(table: Table) -> float:
+    """How much the times of the table are in."""
+    unit = dict(table.columns)["seconds"] or "s"
+    try:
+        return parse_quantity(f"1 {unit}", "s")
+    except ValueError as problem:
+        raise FileError(table.path, f"line {table.header}: `seconds` has the unit `{unit}`: {problem}") from None
 
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float, help_of_range: str = "") -> np.ndarray:

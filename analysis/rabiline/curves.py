@@ -8,6 +8,7 @@ import numpy as np
 from .covariance import Spread
 from .errors import InputError
 from .results import Axis, Results
+from .swings import maxima
 from .units import law_name
 
 
@@ -226,8 +227,7 @@ def _is_inside(x: np.ndarray, extremes: list[int], farthest: int) -> bool:
 def _are_side_lobes(x: np.ndarray, height: np.ndarray, least: float) -> bool:
     """Whether dips or peaks, as far as they rise by `least` from their neighbourhood, fall off from one end of the scan on, at even
     distances, the first no farther from the end than the next from it."""
-    from scipy import signal  # takes as long as all else that is imported
-    tops = signal.find_peaks(height, prominence=least)[0]
+    tops = maxima(height, least)
     above = height - height.min()  # what touches has no baseline between
     for lobes, end in ((tops[:LOBES], x[0]), (tops[:-LOBES - 1:-1], x[-1])):
         if lobes.size < LOBES:

@@ -6,6 +6,7 @@ import re
 from contextlib import contextmanager
 from typing import Iterator, Mapping, Sequence
 
+TURNING = (0x200e, 0x200f, *range(0x2028, 0x202f), *range(0x2066, 0x206a))  # characters that turn the direction of writing, or end lines
 VALUES = {"beside": "True", "in_space": "True", "size": "(width, height)"}  # of options in Python; all others are texts
 
 

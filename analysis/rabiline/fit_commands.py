@@ -8,7 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .argument_types import count, duration, rate, rate_or_zero
+from .argument_types import count, duration, rate, rate_or_zero, heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,7 +61,7 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
     if is_fit:
         parser.add_argument("--data", type=Path, required=True, metavar="COUNTS.csv")
         parser.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture with residuals")
-        parser.add_argument("--title", help="of the picture")
+        parser.add_argument("--title", type=heading, help="of the picture")
         parser.add_argument("--explore", type=count, default=0, metavar="N",
                             help="particles that show how the curve changes with the parameters; by default a quarter of all and 5000 "
                                  "at most, or as many more as this needs. The curve itself is that of all --particles")

@@ -30,7 +30,7 @@ SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that ma
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 MOST_MINIMA = 4  # that a walk along the profiles leads to
-FAR = 4.0  # steps: as far as a surface is followed
+FAR = 4.0  # steps: as far as a surface is followed, and twice as far each time after that has led to a better place
 PARTS_OF_THE_WAY = 1.0, 0.5, 0.25  # to where a surface promises less, beyond its reach
 
 
@@ -168,8 +168,11 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
     for _ in range(MOST_MINIMA):
         if found.lower is None:
             break
-        surface = Surface.about(model, found.lower[:len(names)], problem.surface.steps)
-        values, problem = _settle(model, found.lower, replace(problem, surface=surface))
+        if (np.abs(found.lower - values)[:len(names)] > FAR * problem.surface.steps).any():
+            values, problem = _search(model, counts, exposure, extra, found.lower)
+        else:
+            values, problem = found.lower, replace(problem, surface=Surface.about(model, found.lower[:len(names)], problem.surface.steps))
+        values, problem = _settle(model, values, problem)
         found = profiles(model, problem, values, intervals)
     return _conclude(model, counts, problem, first, values, found)
 
@@ -204,7 +207,7 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
             values: np.ndarray) -> tuple[np.ndarray, Problem]:
     """Surfaces about better and better places, with steps of one standard deviation and more."""
     k = len(model.names)
-    steps, reach = model.first_steps(values[:k]), np.inf
+    steps, reach, far = model.first_steps(values[:k]), np.inf, FAR
     for turn in range(MOST_ITERATIONS):
         crossed = turn > 0 and reach < 3
         problem = Problem(counts.counts, exposure, Surface.about(model, values[:k], steps, crossed), extra)
@@ -214,14 +217,15 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
         moves = np.abs((found - values)[:k] / steps)
         reach = float(np.sqrt((found - values) @ fisher.matrix @ (found - values) / values.size))  # in standard deviations
         at_rest = crossed and reach**2 < REST**2 + shares_of_simulation(problem, found).max(initial=0.0)
-        better = None if at_rest else _better(model, problem, fisher, values, found)
+        better = None if at_rest else _better(model, problem, fisher, values, found, far=far)
         if better is None and crossed:
             if fisher.directions[2].all() or not model.explore_more():
                 return found if at_rest else values, problem
         elif better is None:
             reach = 0.0  # once more, with all bends
         else:
-            values = better
+            gone = np.abs((better - values)[:k] / steps).max(initial=0.0)
+            far, values = max(FAR, 2 * far if gone > 0.9 * far else gone), better
         # Steps of about one standard deviation see the curve as the data do.
         close = moves < FAR
         steps = np.array([model.step(values[:k], i, np.clip(fisher.errors[i], steps[i] / 10 if close[i] else steps[i], 10 * steps[i]))
@@ -229,14 +233,14 @@ def _search(model: CurveModel, counts: Counts, exposure: Exposure, extra: tuple[
     raise NoFit("the fit does not come to rest: start nearer, or free fewer parameters")
 
 
-def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, particles: int | None = None
-            ) -> np.ndarray | None:
-    """The first place on the way from `values` to what the surface promises, no more than a few steps of it and then half as far each time,
+def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndarray, found: np.ndarray, particles: int | None = None,
+            far: float = FAR) -> np.ndarray | None:
+    """The first place on the way from `values` to what the surface promises, no more than `far` steps of it and then half as far each time,
     at which the curve that is flown there fits better. None where nothing does but what is as good as here."""
     k = len(model.names)
     _, here = problem.least(values, range(k))
     way = found - values
-    way = way * min(1.0, FAR / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
+    way = way * min(1.0, far / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
     while way @ fisher.matrix @ way > REST**2 * way.size:
         there = values + way
         flown = replace(problem, surface=Surface.level(model.at(there[:k], particles), there[:k]))

@@ -16,13 +16,14 @@ from typing import Iterator
 import h5py
 import numpy as np
 
-from .errors import InputError, StorageError
+from .errors import TURNING, InputError, StorageError
 
 FORMAT_VERSION = 3  # the newest layout of files that is understood here; files without a version are older
 SEALED_SINCE = 3  # the format version
 SEAL = b"\nrabiline: SHA-256 of all before this line: "
 SEAL_SIZE = len(SEAL) + 64 + 1
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
+ROUNDING = 1e-6  # of what is 1, or of variances in a covariance
 
 
 IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
@@ -77,10 +78,54 @@ class Group:
         if (np.isinf(values) if or_none else ~np.isfinite(values)).any():
             raise self.error(f"`{name}` has values that are infinite or no numbers")
         if shape is None:
-            return values.astype(float)
+            return values.astype(float, copy=False)
         if values.size != np.prod(shape, dtype=int):
             raise self.error(f"`{name}` has the shape {values.shape} where {shape} belongs")
-        return values.astype(float).reshape(shape)
+        return values.astype(float, copy=False).reshape(shape)
+
+    def amounts(self, name: str, shape: tuple[int, ...] | None = None, *, or_none: bool = False) -> np.ndarray:
+        """[as in the file, or `shape`] As `numbers`, of what is never below zero: counts, errors."""
+        values = self.numbers(name, shape, or_none=or_none)
+        if (values < 0).any():
+            raise self.error(f"`{name}` has values below zero")
+        return values
+
+    def shares(self, name: str, shape: tuple[int, ...], *, or_none: bool = False) -> np.ndarray:
+        """[as `shape`] As `amounts`, of parts of a whole: none above one, but for rounding."""
+        values = self.amounts(name, shape, or_none=or_none)
+        if (values > 1 + ROUNDING).any():
+            raise self.error(f"`{name}` has values above one")
+        return values
+
+    def sizes(self, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+        """[as in the file, or `shape`] As `numbers`, of what is always above zero."""
+        values = self.numbers(name, shape)
+        if values.size == 0 or not (values > 0).all():
+            raise self.error(f"`{name}` has values that are not above zero")
+        return values
+
+    def edges(self, name: str) -> np.ndarray:
+        """[n + 1] Those of n bins, which ascend."""
+        values = self.numbers(name).ravel()
+        if values.size < 2 or not (values[1:] > values[:-1]).all():
+            raise self.error(f"`{name}` has edges that do not ascend")
+        return values
+
+    def covariance(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
+        """[..., n, n] Symmetric matrices without eigenvalues below zero, but for rounding."""
+        matrices = self.numbers(name, shape)
+        for matrix in matrices.reshape(-1, *shape[-2:]):
+            variances = np.diag(matrix)
+            largest = variances.max(initial=0.0)
+            if (variances < 0).any():
+                raise self.error(f"`{name}` has variances below zero")
+            if (matrix / 2 - matrix.T / 2 > ROUNDING * largest).any():  # halves do not overflow
+                raise self.error(f"`{name}` is not symmetric")
+            try:
+                np.linalg.cholesky(matrix + np.diag(ROUNDING * variances + ROUNDING * largest + np.finfo(float).tiny))
+            except np.linalg.LinAlgError:
+                raise self.error(f"`{name}` has eigenvalues below zero") from None
+        return matrices
 
     def whole_number(self, name: str) -> int:
         """The first number of the dataset `name`, of up to 64 bits."""
@@ -213,4 +258,4 @@ def _decoded(value: object) -> str:
     text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
     if text.replace("\n", "").replace("\t", "").isprintable():  # most are
         return text
-    return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") else "?" for c in text)
+    return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cs") and ord(c) not in TURNING else "?" for c in text)

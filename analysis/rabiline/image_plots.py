@@ -105,7 +105,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
     colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal")
     _write_counts(colour_bar.xaxis, norm.vmax, " per bin")
-    figure.suptitle(title, fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
+    figure.suptitle(title.strip(), fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
     return figure
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import observed, results
-from .argument_types import duration, positive, rate
+from .argument_types import duration, positive, rate, heading
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates
@@ -101,7 +101,7 @@ def arguments(verb: str, made: argparse.ArgumentParser) -> None:
                       help="time spent at each scan point of the data (s)")
     made.add_argument("--free-flux", action="store_true", help="the flux is not known: only shapes count")
     made.add_argument("-o", "--output", type=Path, metavar="PNG", help="a picture: PNG, PDF or SVG")
-    made.add_argument("--title", help="of the picture, instead of the file's own")
+    made.add_argument("--title", type=heading, help="of the picture, instead of the file's own")
 
 
 def compare_laws(options: argparse.Namespace) -> Figure | None:

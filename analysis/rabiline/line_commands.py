@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import results
-from .argument_types import count
+from .argument_types import count, heading
 from .counts import Counts, read_counts
 from .covariance import LEAST_P, freedom_in_words, p_in_words
 from .curves import Curve, curves
@@ -47,7 +47,7 @@ def arguments(parser: ArgumentParser) -> None:
     known.add_argument("--per-field", metavar="RATE", help='turns the centres into fields: "29.1646935 MHz/T"')
     known.add_argument("--field", metavar="B", help='turns the centres into moments and g factors: "10 mT"')
     parser.add_argument("--detector", metavar="NAME")
-    parser.add_argument("--title")
+    parser.add_argument("--title", type=heading)
     parser.add_argument("-o", "--output", type=Path, metavar="PNG")
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,9 @@ from .counts import Counts, read_counts
 from .curves import Curve
 from .errors import InputError
 from .units import parse_quantity
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -22,21 +26,21 @@ class Measured:
     label: str
 
 
-def read_measured(path: Path, curve: Curve, detector: str | None) -> Measured:
-    """Counts of a table, of one detector in it, over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
+def read_measured(source: Path | pandas.DataFrame, curve: Curve, detector: str | None) -> Measured:
+    """Counts of a table or frame, of one detector in it, over the curve's parameter: as fractions where the table tells how many particles were `emitted`, or the `seconds` and
     the experiment its rate; else by the factor that makes the squares of their differences least. Raises InputError."""
-    counts = read_counts(path, detector)
+    counts = read_counts(source, detector)
     if counts.parameter != curve.axis.parameter:
-        raise InputError(f"{path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
+        raise InputError(f"{counts.path}: its counts are over {counts.parameter}, the scan is over {curve.axis.parameter}")
     if curve.axis.units and not counts.unit:
         unit = curve.axis.written[0] if curve.axis.written else curve.axis.units
-        raise InputError(f"{path}: the column `{counts.parameter}` has no unit: write `{counts.parameter} [{unit}]`")
+        raise InputError(f"{counts.path}: the column `{counts.parameter}` has no unit: write `{counts.parameter} [{unit}]`")
     try:
         x = counts.x * (parse_quantity(f"1 {counts.unit}", curve.axis.units) if counts.unit else 1.0)
     except ValueError as problem:
-        raise InputError(f"{path}: {problem}") from None
+        raise InputError(f"{counts.path}: {problem}") from None
     if x.min() > curve.x.max() or x.max() < curve.x.min():
-        raise InputError(f"{path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
+        raise InputError(f"{counts.path}: all counts lie outside the scan, {curve.axis.text(curve.x.min())} to "
                          f"{curve.axis.text(curve.x.max())}: is the unit right?")
     each, background = _each(counts, curve) or (None, 0.0)
     if each is not None:

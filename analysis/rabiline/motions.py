@@ -106,12 +106,6 @@ class Motions:
         return picture(self, "motion", output, options)
 
 
-def has_motions(path: Path | str) -> bool:
-    """Whether a file is of a model; raises FileError."""
-    with open_entry(path) as entry:
-        return "motions" in entry and "findings" in entry
-
-
 def read(source: Path | str | bytes) -> Motions:
     """Reads the motions of a model; raises FileError."""
     path = IN_MEMORY if isinstance(source, bytes) else Path(source)

@@ -7,6 +7,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Callable, NoReturn, TypeVar
 
+from .argument_types import heading
 from .errors import InputError
 from .units import parse_quantity
 
@@ -58,7 +59,7 @@ def add_options(verb: str, parser: ArgumentParser) -> None:
         parser.add_argument("name", metavar="NAME", help="PART_TALLY, as `summary` lists them")
     parser.add_argument("-o", "--output", type=Path, metavar="PNG",
                         help=f"PNG, PDF or SVG; FILE{verb.removeprefix('plot')}.png where it is missing")
-    parser.add_argument("--title", help="instead of the file's own")
+    parser.add_argument("--title", type=heading, help="instead of the file's own")
     if verb in ("plot-levels", "plot-image", "plot-profiles", "plot-transit"):
         parser.add_argument("--detector", metavar="NAME", help="the first one by default")
     if verb in ("plot-scan", "plot-levels"):

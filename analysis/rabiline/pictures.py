@@ -63,7 +63,7 @@ def picture(opened: object, kind: str | None, output: Path | str | None, options
 
 def plot_of(opened: object, kind: str | None = None, options: dict[str, object] | None = None) -> Figure:
     """The picture of what is open, with the options of `plot-KIND` as keywords: texts and numbers as on the command line, a range or a size
-    also as a pair of numbers, the size then in inches."""
+    also as a pair of numbers, the size in mm."""
     parser, options = KeywordParser(), dict(options or {})
     size = options.pop("size", None)
     verb = f"plot-{kind or _fitting_kind(opened)}"
@@ -74,14 +74,16 @@ def plot_of(opened: object, kind: str | None = None, options: dict[str, object] 
         there = ", ".join(getattr(opened, "tallies", {}))
         raise InputError(f"which tally? `name` is one of {there}" if there else "it has no tally")
     name = [str(options.pop("name"))] if verb == "plot-tally" else []
+    frame = options.pop("data") if verb == "plot-scan" and not isinstance(options.get("data"), (str, Path, type(None))) else None
     fixed = ["FILE", *name, "-o", "none.png"]
     known = vars(parser.parse_args(fixed))
     if unknown := [key for key in options if key not in known]:
         raise InputError(f"{verb} has no option `{unknown[0]}`")
     chosen = parser.parse_args([*fixed, *(word for key, value in options.items() for word in words_of(key, value))])
     chosen.file, chosen.files = opened, [opened]
-    if size is not None and not isinstance(size, str):  # in inches
-        size = "x".join(f"{25.4 * each:.6g}" for each in pair_of("size", size))
+    chosen.data = getattr(chosen, "data", None) if frame is None else frame
+    if size is not None and not isinstance(size, str):
+        size = "x".join(f"{each:.6g}" for each in pair_of("size", size))
     with style.here(size and KeywordParser.require("size", size_of, size)):
         return limited(chosen.command(chosen), chosen)
 
@@ -150,9 +152,9 @@ def plot_scan(options: argparse.Namespace) -> Figure:
     marks = dict(mark_of(text, first.units) for text in options.mark)
     lines = [curve for _, curve in found]
     across = _across(files[0], first)
-    if options.data and (options.beside or len(lines) > MOST_CURVES):
+    if options.data is not None and (options.beside or len(lines) > MOST_CURVES):
         raise InputError("--data is drawn beside curves in one panel: leave out --beside, and of a map scan one parameter")
-    if options.data and options.detector is None and len({curve.detector for curve in lines}) > 1:
+    if options.data is not None and options.detector is None and len({curve.detector for curve in lines}) > 1:
         raise InputError(f"--data: choose which of {', '.join(dict.fromkeys(curve.detector for curve in lines))} counted, with --detector")
     if options.panel_title and not options.beside:
         raise InputError("--panel-title names the panels of --beside")
@@ -163,7 +165,7 @@ def plot_scan(options: argparse.Namespace) -> Figure:
         panels = [_panel(file, name, [curve for of, curve in found if of is file]) for file, name in zip(files, names)]
         figure = scan_plots.draw_beside(panels, options.title or "", marks)
     elif len(lines) <= MOST_CURVES:
-        figure = scan_plots.draw_scan(lines, labels, title, marks, read_measured(options.data, lines[0], options.detector) if options.data else None)
+        figure = scan_plots.draw_scan(lines, labels, title, marks, read_measured(options.data, lines[0], options.detector) if options.data is not None else None)
     elif across and len(files) == len({curve.detector for curve in lines}) == 1 and len(lines) <= MOST_PANELS * across.values.size:
         figure = scan_plots.draw_maps(_grids(files[0], lines, across), across, title, marks)
     else:

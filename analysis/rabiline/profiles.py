@@ -18,6 +18,7 @@ FARTHEST = 4.0  # standard deviations, on a surface
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk
 MOST_WALKING = 200000  # particles: what they change from place to place is known far better than what they count
 BENT = 0.05  # of what is known of a parameter: so much by its bend
+SHORTER = 0.7  # than the error by the curvature where a parameter is: the interval has come to where the curve bends
 MIDDLES = 101  # places tried for the least of two halves of parabolas
 ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
 LOWER = 0.2  # of Q: less may be the noise of what is explored
@@ -29,7 +30,7 @@ class Profiles:
     """What was found."""
 
     intervals: tuple[tuple[float, float], ...]  # in errors, from where the fit is
-    errors: np.ndarray  # times those by the curvature: half the interval, where that was flown
+    errors: np.ndarray  # times those by the curvature: half the interval, where that was flown or is much shorter
     lower: np.ndarray | None  # values where Q is lower
 
 
@@ -53,6 +54,8 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
             intervals[i] = tuple(factors[i] / half * side for side in flown)
         elif everywhere and is_least:
             intervals[i] = _on_surface(problem, values, i, errors[i], least)
+            half = np.ptp(intervals[i]) / 2
+            factors[i] = half if half < SHORTER else 1.0
     return Profiles(tuple(intervals), factors, lowest[1])
 
 

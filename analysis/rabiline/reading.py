@@ -12,6 +12,7 @@ import numpy as np
 from .curves import Curve, NoResonance, Resonance, are_fringes, half_maxima
 from .fit import Fit, fit
 from .pieces import pieces_of
+from .swings import maxima
 
 FEWEST, DEEP = 4, 0.4  # maxima and minima of a comb, and how far the curve goes between them, of all that it changes by
 EVEN = 1.5  # between the largest and the smallest of their distances, which are those of a comb
@@ -69,9 +70,8 @@ def comb_of(curve: Curve) -> Comb | None:
     """None where the curve is no comb."""
     if curve.axis.labels or curve.y.size < 2 * FEWEST or len(pieces_of([curve])) > 1:
         return None
-    from scipy import signal  # takes long to load
     way = max(DEEP * np.ptp(curve.y), 5 * float(np.median(curve.errors)))
-    tops, bottoms = (signal.find_peaks(sign * curve.y, prominence=way)[0] for sign in (1, -1))
+    tops, bottoms = (maxima(sign * curve.y, way) for sign in (1, -1))
     turns = np.sort(np.concatenate([tops, bottoms]))
     if turns.size < FEWEST or np.isin(turns[1:], tops).tolist() != np.isin(turns[:-1], bottoms).tolist():
         return None

@@ -7,10 +7,14 @@ import sys
 from argparse import ArgumentParser
 from pathlib import Path
 
-from . import motions, results, tables
+from . import results, tables
 from .errors import InputError
+from .files import open as read_any
 from .motion_report import motion_numbers, motion_summary
+from .motions import Motions
 from .report import summary, summary_numbers
+from .track_report import track_numbers, track_summary
+from .tracks import Tracks
 
 
 def arguments(verb: str, parser: ArgumentParser) -> None:
@@ -28,21 +32,22 @@ def arguments(verb: str, parser: ArgumentParser) -> None:
 
 def print_summary(options: argparse.Namespace) -> None:
     """What a file holds, in words."""
-    if motions.has_motions(options.file):
-        if options.detector:
-            raise InputError(f"{options.file}: holds the motions of a model, and no detector")
-        solved = motions.read(options.file)
-        print(json.dumps(motion_numbers(solved), indent=1) if options.json else motion_summary(solved))
-        return
-    file = results.read(options.file)
+    file = read_any(options.file)
+    for kind, what, in_words, numbers in ((Motions, "the motions of a model", motion_summary, motion_numbers),
+                                          (Tracks, "the paths of single particles", track_summary, track_numbers)):
+        if isinstance(file, kind):
+            if options.detector:
+                raise InputError(f"{options.file}: holds {what}, and no detector")
+            print(json.dumps(numbers(file), indent=1) if options.json else in_words(file))
+            return
     detectors = [require_detector(file, options.detector)] if options.detector else file.scan.detectors
     print(json.dumps(summary_numbers(file, detectors), indent=1) if options.json else summary(file, detectors))
 
 
 def export(options: argparse.Namespace) -> None:
-    """The numbers of a scan as CSV: a line for each scan point of each detector, with the populations of its levels, or of a model, in SI, with the
-    units in the header in []."""
-    file = motions.read(options.file) if motions.has_motions(options.file) else results.read(options.file)
+    """The numbers of a scan as CSV: a line for each scan point of each detector, with the populations of its levels, or of a model; of paths
+    a line for each of their records. In SI, with the units in the header in []."""
+    file = read_any(options.file)
     try:
         tables.to_csv(file, options.output or sys.stdout)
     except InputError as problem:

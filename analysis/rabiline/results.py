@@ -202,16 +202,16 @@ def read(source: Path | str | bytes) -> Results:
             laws=_per_point(entry, "law", points),
             species=_per_point(entry, "species", points),
             particles=_particles(entry, scan, points),
-            solid_angle=float(entry.numbers("solid_angle", (1,))[0]) if "solid_angle" in entry else None,
-            aimed_fraction=entry.numbers("aimed_fraction", (points,)) if "aimed_fraction" in entry else None,
-            rate=float(entry.numbers("rate").ravel()[0]) if "rate" in entry else None,
+            solid_angle=float(entry.sizes("solid_angle", (1,))[0]) if "solid_angle" in entry else None,
+            aimed_fraction=entry.sizes("aimed_fraction", (points,)) if "aimed_fraction" in entry else None,
+            rate=float(entry.sizes("rate").ravel()[0]) if "rate" in entry else None,
             scan=scan,
             detectors={name: _read_detector(entry, name, points) for name in scan.detectors},
             monitors=_read_monitors(entry, points),
             tallies={name: read_tally(entry.group(name), name, points, texts_of(entry)) for name in entry.names()
                      if entry.group(name).attribute("tally")},
             fates=_read_fates(fates, points),
-            emitted=fates.numbers("emitted", (points,)),
+            emitted=fates.sizes("emitted", (points,)),
             simulation=_read_simulation(entry) if "simulation" in entry else {},
             warnings=read_warnings(entry),
             field_check=_read_field_check(entry.group("field_check")) if "field_check" in entry else None,
@@ -222,8 +222,10 @@ def _particles(entry: Group, scan: Scan, points: int) -> np.ndarray:
     """[points] What the file asks for, or what is scanned of it."""
     for axis, number in zip(scan.axes, np.unravel_index(np.arange(points), scan.shape)):
         if axis.parameter == "particles":
+            if not (axis.values > 0).all():
+                raise entry.error("`particles` is scanned over values that are not above zero")
             return axis.values[number]
-    return np.broadcast_to(entry.numbers("particles").ravel(), points)
+    return np.broadcast_to(entry.sizes("particles").ravel(), points)
 
 
 def program_of(entry: Group) -> str:
@@ -259,10 +261,10 @@ def _read_scan(group: Group, texts: Sequence[str]) -> Scan:
     return Scan(
         axes=axes,
         detectors=detectors,
-        detected=group.numbers("detected", (rows, points)),
-        errors=group.numbers("detected_errors", (rows, points)),
-        covariance=group.numbers("detected_covariance", (rows, points, points)) if has_covariance else None,
-        **{name: group.numbers(name, (rows, points)) for name in
+        detected=group.shares("detected", (rows, points)),
+        errors=group.amounts("detected_errors", (rows, points)),
+        covariance=group.covariance("detected_covariance", (rows, points, points)) if has_covariance else None,
+        **{name: group.amounts(name, (rows, points)) for name in
            ("detected_of_all", "detected_of_all_errors", "count_rate", "count_rate_errors") if name in group},
     )
 
@@ -270,7 +272,7 @@ def _read_scan(group: Group, texts: Sequence[str]) -> Scan:
 def _read_detector(entry: Group, name: str, points: int) -> Detector:
     stem = _group_of_detector(entry, name)
     image, along_x, along_z, levels = (entry.group(stem + suffix) for suffix in ("", "_x", "_z", "_levels"))
-    x_edges, z_edges = image.numbers("x_edges").ravel(), image.numbers("z_edges").ravel()
+    x_edges, z_edges = image.edges("x_edges"), image.edges("z_edges")
     nx, nz = x_edges.size - 1, z_edges.size - 1
     return Detector(
         name=name,
@@ -279,30 +281,30 @@ def _read_detector(entry: Group, name: str, points: int) -> Detector:
         z_edges=z_edges,
         offset_x=image.numbers("offset_x", (points,)) if "offset_x" in image else np.zeros(points),
         offset_z=image.numbers("offset_z", (points,)) if "offset_z" in image else np.zeros(points),
-        counts=image.numbers("counts", (points, nx, nz)),
-        errors=image.numbers("counts_errors", (points, nx, nz)),
-        counts_x=along_x.numbers("counts", (points, nx)),
-        errors_x=along_x.numbers("counts_errors", (points, nx)),
-        counts_z=along_z.numbers("counts", (points, nz)),
-        errors_z=along_z.numbers("counts_errors", (points, nz)),
+        counts=image.amounts("counts", (points, nx, nz)),
+        errors=image.amounts("counts_errors", (points, nx, nz)),
+        counts_x=along_x.amounts("counts", (points, nx)),
+        errors_x=along_x.amounts("counts_errors", (points, nx)),
+        counts_z=along_z.amounts("counts", (points, nz)),
+        errors_z=along_z.amounts("counts_errors", (points, nz)),
         levels=_read_levels(levels, points),
-        background=float(image.numbers("background").ravel()[0]) if "background" in image else 0.0,
+        background=float(image.amounts("background").ravel()[0]) if "background" in image else 0.0,
         transits=tuple(_read_transit(image.group(name)) for name in image.names() if "slowness_edges" in
                        image.group(name)),
     )
 
 
 def _read_transit(group: Group) -> Transit:
-    paths, edges = group.texts("path_labels"), group.numbers("slowness_edges").ravel()
+    paths, edges = group.texts("path_labels"), group.edges("slowness_edges")
     shape = (len(paths), edges.size - 1)
-    return Transit(group.text("title"), paths, edges, group.numbers("caught", shape),
-                   group.numbers("caught_errors", shape), float(group.numbers("distance").ravel()[0]))
+    return Transit(group.text("title"), paths, edges, group.amounts("caught", shape),
+                   group.amounts("caught_errors", shape), float(group.sizes("distance").ravel()[0]))
 
 
 def _read_levels(group: Group, points: int) -> Levels:
     labels = group.texts("level_index_labels")
     shape = (points, len(labels))
-    return Levels(labels, group.numbers("levels", shape, or_none=True), group.numbers("levels_errors", shape, or_none=True))
+    return Levels(labels, group.shares("levels", shape, or_none=True), group.amounts("levels_errors", shape, or_none=True))
 
 
 def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
@@ -310,7 +312,7 @@ def _read_monitors(entry: Group, points: int) -> dict[str, Monitor]:
     for group in map(entry.group, entry.names()):
         for name in group.attribute("monitor"):
             shape = (points, group.numbers("y").size) if "y" in group else (points,)
-            monitors[name] = Monitor(name, group.numbers("passed", shape), group.numbers("passed_errors", shape))
+            monitors[name] = Monitor(name, group.amounts("passed", shape), group.amounts("passed_errors", shape))
     return monitors
 
 
@@ -318,12 +320,12 @@ def _read_fates(group: Group, points: int) -> tuple[Fate, ...]:
     fates, places = group.texts("fate"), group.texts("where")
     if len(fates) != len(places):
         raise group.error(f"{len(fates)} fates at {len(places)} places")
-    particles = group.numbers("particles", (len(fates), points))
+    particles = group.amounts("particles", (len(fates), points))
     return tuple(Fate(*line) for line in zip(fates, places, particles))
 
 
 def _read_field_check(group: Group) -> FieldCheck:
-    number = {name: float(group.numbers(name).ravel()[0]) for name in ("particles", "place", "direction", "spin", "levels", "tolerance")}
+    number = {name: float(group.amounts(name).ravel()[0]) for name in ("particles", "place", "direction", "spin", "levels", "tolerance")}
     return FieldCheck(int(number["particles"]), max(number[name] for name in ("place", "direction", "spin", "levels")), number["tolerance"])
 
 

@@ -282,6 +282,8 @@ def _draw_curve(axes: Axes, curve: Curve, label: str, look: Look, scale: Scale, 
 
 def about_errors(curves: Sequence[Curve], limits: tuple[float, float]) -> str:
     """What the error bars are, or why none are to be seen."""
+    if not any(curve.y.any() for curve in curves):
+        return "nothing detected"
     smallest_seen = (SYMBOL / 2 + BEYOND) / (PANEL * 72) * (limits[1] - limits[0])
     if not any((curve.errors > smallest_seen).any() for curve in curves):
         return "errors smaller than symbols"

@@ -7,14 +7,13 @@ import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from . import style
 from .style import GREY, looks
 from .regions import SHADES, Region
-from .track_plots import ENDS
+from .track_plots import ENDS, legend_items
 from .tracks import Tracks
 from .units import Scale, fitting_scale
 
@@ -56,8 +55,8 @@ def draw_paths(files: Sequence[Tracks], labels: Sequence[str], title: str, regio
     axes.set_box_aspect((1, 2, 1), zoom=1.12)
     axes.view_init(elev=20, azim=-35)
     style.write_title(figure, title)
-    lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
-    axes.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0.02), ncol=style.columns_of(labels, LETTERS))
+    lines = legend_items(styled)
+    axes.legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0.02), ncol=style.columns_of([line.get_label() for line in lines], LETTERS))
     return figure
 
 
@@ -80,5 +79,5 @@ def _draw_frames(axes: Axes, regions: Sequence[Region], along: Scale, low: np.nd
         half = 0.5 * LETTER * (len(region.name) + 2) * (high[1] - low[1])
         row = next((i for i, end in enumerate(rows) if end <= middle - half), len(rows))
         rows[row:row + 1] = [middle + half]
-        axes.text(high[0], middle, high[2] + ROW * row * (high[2] - low[2]), style.plain(region.name), color=GREY,
+        axes.text(low[0], middle, high[2] + ROW * row * (high[2] - low[2]), style.plain(region.name), color=GREY,
                   fontsize=style.scaled(9), ha="center", va="bottom")

@@ -50,7 +50,10 @@ class PictureWarning(UserWarning):
 
 
 def write_title(figure: Figure, title: str) -> None:
-    """Above the figure, in lines that fit its width."""
+    """Above the figure, in lines that fit its width; nothing where it is blank."""
+    title = title.strip()
+    if not title:
+        return
     size = TITLE * (SMALLER if figure.get_figwidth() < NARROW else 1)
     figure.suptitle(in_lines(shortened(title), figure.get_figwidth(), size), fontsize=scaled(size), parse_math=False)
 

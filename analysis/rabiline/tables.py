@@ -17,15 +17,18 @@ if TYPE_CHECKING:
 
     from .motions import Motions
     from .results import Results
+    from .tracks import Tracks
 
 LINE = 1 << 16  # bytes that are read of one
 
 
-def columns(results: Results | Motions) -> dict[tuple[str, str], np.ndarray]:
-    """(name, unit) and [rows] of each column: a row for each scan point of each detector, or of a model with what it found. Populations
+def columns(results: Results | Motions | Tracks) -> dict[tuple[str, str], np.ndarray]:
+    """(name, unit) and [rows] of each column: a row for each scan point of each detector, or of a model with what it found, or for each record of each path. Populations
     of levels stand in columns such as `wire: F=4 m=0`, fractions of what that detector caught, NaN in the rows of others and where nothing is caught."""
     if hasattr(results, "findings"):
         return _findings(results)
+    if hasattr(results, "tracks"):
+        return _paths(results)
     scan = results.scan
     points, detectors = int(np.prod(scan.shape)), len(scan.detectors)
     table: dict[tuple[str, str], np.ndarray] = {}
@@ -57,7 +60,23 @@ def _findings(results: Motions) -> dict[tuple[str, str], np.ndarray]:
     return table
 
 
-def to_csv(results: Results | Motions, to: Path | str | TextIO) -> None:
+def _paths(results: Tracks) -> dict[tuple[str, str], np.ndarray]:
+    """A row for each record of each particle."""
+    def every(name: str) -> np.ndarray:
+        return np.concatenate([np.full(track.time.size, getattr(track, name), dtype=object) for track in results.tracks])
+
+    table = {("particle", ""): every("particle").astype(int)}
+    for name in ("law", "species", "fate", "where"):
+        if any(getattr(track, name) for track in results.tracks):
+            table[name, ""] = every(name)
+    table["t", "s"] = np.concatenate([track.time for track in results.tracks])
+    for attribute, names, unit in (("position", "x y z", "m"), ("velocity", "vx vy vz", "m/s"), ("spin", "sx sy sz", "")):
+        values = np.concatenate([getattr(track, attribute) for track in results.tracks])
+        table |= {(name, unit): values[:, i] for i, name in enumerate(names.split())}
+    return table
+
+
+def to_csv(results: Results | Motions | Tracks, to: Path | str | TextIO) -> None:
     """A line for each row of `columns`, numbers in SI. Raises InputError for a file that is no such table, which is not
     written over, and StorageError."""
     if hasattr(to, "write"):
@@ -68,12 +87,12 @@ def to_csv(results: Results | Motions, to: Path | str | TextIO) -> None:
         _write(results, file)
 
 
-def _write(results: Results | Motions, file: TextIO) -> None:
+def _write(results: Results | Motions | Tracks, file: TextIO) -> None:
     table = columns(results)
     file.write(f"# {results.title}\n# {results.program}\n")
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in table])
-    writer.writerows([value if isinstance(value, str) else repr(float(value)) for value in row] for row in zip(*table.values()))
+    writer.writerows([value if isinstance(value, str) else repr(value.item()) for value in row] for row in zip(*table.values()))
 
 
 def _require_own(path: Path) -> None:
@@ -86,7 +105,7 @@ def _require_own(path: Path) -> None:
                                  "or remove it")
 
 
-def to_dataframe(results: Results | Motions) -> pandas.DataFrame:
+def to_dataframe(results: Results | Motions | Tracks) -> pandas.DataFrame:
     """`columns` for pandas, numbers in SI; the units stand in its `attrs["units"]`."""
     import pandas
     table = columns(results)

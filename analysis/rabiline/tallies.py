@@ -67,19 +67,19 @@ def read_tally(group: Group, name: str, points: int, texts: Sequence[str]) -> Ta
         name=name,
         title=group.text("title", name),
         axes=axes,
-        counts=group.numbers("counts", shape),
-        errors=group.numbers("counts_errors", shape),
-        outside=group.numbers("outside", each),
+        counts=group.amounts("counts", shape),
+        errors=group.amounts("counts_errors", shape),
+        outside=group.amounts("outside", each),
         is_expectation=bool(group.attribute("spin_outcomes")),
     )
 
 
 def _read_axis(group: Group, name: str, shape: tuple[int, ...], tally: str, texts: Sequence[str]) -> TallyAxis:
     units = "".join(group.attribute("units", of=name))
-    moments = (group.numbers(f"{name}_{moment}", shape, or_none=True) if f"{name}_{moment}" in group else None
-               for moment in ("mean", "mean_errors", "deviation", "deviation_errors"))
+    moments = (read(f"{name}_{moment}", shape, or_none=True) if f"{name}_{moment}" in group else None
+               for moment, read in (("mean", group.numbers), ("mean_errors", group.amounts), ("deviation", group.amounts), ("deviation_errors", group.amounts)))
     labels = group.texts(f"{name}_labels") if f"{name}_labels" in group else ()
     title = "".join(group.attribute("long_name", of=name)) or name
-    edges = group.numbers(f"{name}_edges").ravel()
+    edges = group.edges(f"{name}_edges")
     units = "" if units == "1" else units
     return TallyAxis(name, title, units, edges, labels, *moments, written=written_unit_of_bins(tally, name, edges, texts) if units else None)

@@ -67,7 +67,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")
     style.write_title(figure, title)
-    lines = _legend(styled)
+    lines = legend_items(styled)
     below = panels[-1].transAxes + ScaledTranslation(0, -style.scaled(BELOW) / 72, figure.dpi_scale_trans)
     panels[-1].legend(handles=lines, loc="upper center", bbox_to_anchor=(0.5, 0), bbox_transform=below, ncol=style.columns_of([line.get_label() for line in lines], LETTERS))
     return figure
@@ -142,7 +142,7 @@ def _draw_sphere(axes: Axes) -> None:
     axes.set_box_aspect((1, 1, 1), zoom=0.84)
 
 
-def _legend(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:
+def legend_items(styled: Sequence[tuple[Tracks, str, Look]]) -> list[Line2D]:
     """One line per file, with the law named, and one marker per fate that occurs."""
     lines = [Line2D([], [], color=look.colour, label=label) for _, label, look in styled]
     fates = dict.fromkeys(track.fate for file, _, _ in styled for track in file.tracks)

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from . import tables
 from .hdf5 import IN_MEMORY, FileError, Group, open_entry
+from .results import program_of
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 SAME_PLACE = 1e-9  # m
@@ -31,6 +34,12 @@ class Track:
     velocity: np.ndarray  # [n, 3] m/s
     spin: np.ndarray  # [n, 3] unit vector; NaN where it is not followed
     polarizers: tuple[float, ...] | None = None  # [m] where spins are aligned; None where the file does not say
+
+    @property
+    def ending(self) -> str:
+        """Its fate in words, with the place."""
+        where = f"{'by' if self.fate == 'stopped' else 'at'} {self.where}" if self.where else ""
+        return f"{self.fate.replace('_', ' ')} {where}".strip()
 
     @property
     def has_spin(self) -> bool:
@@ -95,9 +104,24 @@ class Tracks:
     law: str  # empty where the file does not say
     tracks: tuple[Track, ...]  # by particle number
     parts: tuple[Part, ...] = ()  # what they pass
+    program: str = ""  # name and version
 
     def __repr__(self) -> str:
         return f"<{len(self.tracks)} track{'s' if len(self.tracks) > 1 else ''} of {self.title}>"
+
+    def to_csv(self, path: Path | str) -> None:
+        """A line for each record of each path, in SI, with the units in the header: time, position, velocity and spin. Raises StorageError,
+        and InputError for the name of a result or an experiment and a file that is no such table."""
+        tables.to_csv(self, path)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The same for pandas; units stand in `attrs["units"]`."""
+        return tables.to_dataframe(self)
+
+    def summary(self) -> str:
+        """In words."""
+        from .track_report import track_summary
+        return track_summary(self)
 
     def plot(self, output: Path | str | None = None, **options: object) -> Figure:
         """The picture of `rabiline plot-tracks`, with its options as keywords; written to `output` where that is given. Raises
@@ -117,7 +141,7 @@ def read(source: Path | str | bytes) -> Tracks:
         polarizers = tuple(part.begin for part in parts if part.kind == "polarizer") if parts else None
         tracks = (_read_track(entry.group(name), name, polarizers) for name in names)
         ordered = tuple(sorted(tracks, key=lambda track: track.particle))
-        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered, parts)
+        return Tracks(path, entry.text("title"), entry.text("law", ordered[0].law), ordered, parts, program_of(entry))
 
 
 def _read_parts(entry: Group) -> tuple[Part, ...]:
@@ -125,6 +149,8 @@ def _read_parts(entry: Group) -> tuple[Part, ...]:
         return ()
     group = entry.group("parts")
     numbers = [group.numbers(name).ravel() for name in ("begin", "end", "has_field", "drives")]
+    if (numbers[0] > numbers[1]).any():
+        raise group.error("a part ends before it begins")
     return tuple(Part(*words, begin, end, bool(field), bool(drives)) for *words, begin, end, field, drives in
                  zip(*(group.texts(name) for name in ("name", "kind", "label")), *numbers))
 

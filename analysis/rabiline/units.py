@@ -51,7 +51,7 @@ def fitting_scale(values: np.ndarray, unit: str, written: tuple[str, float] | No
     if unit == "rad" and finite.size:
         return Scale("deg", np.pi / 180) if _round_in_degrees(finite) else Scale(*prefixed(min(np.abs(finite).max(), 1.0), unit))
     if unit not in TAKE_PREFIXES or finite.size == 0:
-        return Scale(unit)
+        return Scale(unit.replace("u", "µ"))
     largest, spread = np.abs(finite).max(), np.ptp(finite)
     origin = 0.0
     if 0 < spread < 1e-3 * largest and not is_logarithmic(finite):

@@ -17,7 +17,7 @@ std::string in_json(std::string_view text) {
     else
       out += c;
   }
-  return out + '"';
+  return printable(out) + '"';
 }
 
 std::string in_json(const std::vector<Diagnostic>& diagnostics) {

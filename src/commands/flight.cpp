@@ -63,6 +63,14 @@ int keep_unwritten(const Snapshot& snapshot, const Path& output, const StorageEr
   return exit_code::not_written;
 }
 
+ArgumentError lost_by_writing(const Path& output) {
+  return ArgumentError(
+      fmt::format("{} is a checkpoint of another run, which would be lost\n  help: continue that one with "
+                  "`rabiline resume {}`, or "
+                  "remove it with `rm {}`, or write to another file",
+                  checkpoint_of(output).string(), quoted(output), quoted(checkpoint_of(output))));
+}
+
 /// What lies there is gone on from where it is of this run.
 std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup,
                                           const RunSettings& settings) {
@@ -81,11 +89,7 @@ std::optional<Snapshot> checkpoint_beside(const Path& output, const Setup& setup
   }
   if (found.fingerprint != setup.fingerprint() || !(found.shard == settings.shard) ||
       found.transit != settings.transit || found.max_memory != settings.max_memory)
-    throw ArgumentError(
-        fmt::format("{} is a checkpoint of another run, which would be lost\n  help: continue that one with "
-                    "`rabiline resume {}`, or "
-                    "remove it with `rm {}`, or write to another file",
-                    path.string(), quoted(output), quoted(path)));
+    throw lost_by_writing(output);
   return found;
 }
 
@@ -129,6 +133,11 @@ std::string quoted(const Path& path) {
 }
 
 Path checkpoint_of(const Path& output) { return output.string() + ".checkpoint"; }
+
+void require_no_checkpoint(const Path& output) {
+  std::error_code none;
+  if (std::filesystem::exists(checkpoint_of(output), none)) throw lost_by_writing(output);
+}
 
 int fly(const Setup& setup, const Path& output, const FlightOptions& options, RunSettings settings,
         std::optional<Snapshot> start) {

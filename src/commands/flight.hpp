@@ -25,6 +25,10 @@ std::string quoted(const std::filesystem::path&);
 /// "OUT.h5.checkpoint", where a run that was stopped is kept.
 std::filesystem::path checkpoint_of(const std::filesystem::path& output);
 
+/// For what writes no checkpoints of its own: the sums of another run may lie there, which `rabiline resume`
+/// would write over this. Throws ArgumentError.
+void require_no_checkpoint(const std::filesystem::path& output);
+
 /// Flies, and writes the result, or the sums of a shard; or a checkpoint where it is stopped or the result
 /// cannot be written. Goes on from `start`, or from a checkpoint that lies there. Returns the exit code.
 int fly(const Setup&, const std::filesystem::path& output, const FlightOptions&, RunSettings,

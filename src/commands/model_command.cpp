@@ -59,6 +59,7 @@ void print_findings(const SolvedModel& solved) {
 void run_model(const Setup& setup, const std::filesystem::path& output, const FlightOptions& options,
                const std::vector<std::string>& arguments) {
   const Lock lock(output);
+  require_no_checkpoint(output);
   watch_signals();
   if (!options.max_time.empty()) stop_after(read_time_argument("--max-time", options.max_time, range::any));
   SolvedModel solved;

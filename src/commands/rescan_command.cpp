@@ -1,5 +1,5 @@
 // rabiline rescan: other scan points of a result, without another flight.
-#include "commands/common.hpp"
+#include "commands/flight.hpp"
 #include "storage/lock.hpp"
 #include "storage/results_file.hpp"
 
@@ -20,6 +20,7 @@ int rescan_command(const RescanArguments& a, const std::vector<std::string>& arg
                                            : std::filesystem::path(a.output);
   require_place(output, {{a.flown.string(), {}}});
   const Lock lock(output);
+  require_no_checkpoint(output);
   RunSettings settings = a.machine.settings();
   settings.arguments = arguments;
   settings.planned = [&](const std::vector<Diagnostic>& warnings) { tell(warnings, a.strict, stderr); };

@@ -62,6 +62,7 @@ void add_merge(CLI::App& app, Ranks* ranks, int& exit) {
         throw ArgumentError(fmt::format("{} is what is merged\n  help: name the new file first", part));
       merger.add(part, read_snapshot(part));
     }
+    require_no_checkpoint(*output);
     exit = finish(merger.finish(), *output, *options, ranks);
   });
 }

@@ -1,7 +1,7 @@
 // rabiline trace: the paths of a few particles, by the same kernels as a run.
 #include <map>
 
-#include "commands/common.hpp"
+#include "commands/flight.hpp"
 #include "commands/stop.hpp"
 #include "scan/settings.hpp"
 #include "storage/lock.hpp"
@@ -44,6 +44,7 @@ void trace_command(const TraceArguments& a) {
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   require_place(a.output, with_file(setup.inputs(), a.experiment.file));
   const Lock lock(a.output);
+  require_no_checkpoint(a.output);
   const std::vector<Track> tracks =
       blaming("--particle", [&] { return trace(setup, first, a.particle ? 1 : count, settings); });
   write(tracks, setup, a.output);

@@ -125,6 +125,18 @@ std::string render(const std::vector<Diagnostic>& diagnostics) {
 InputError::InputError(std::vector<Diagnostic> diagnostics)
     : std::runtime_error(render(diagnostics)), diagnostics_(std::move(diagnostics)) {}
 
+namespace {
+
+/// Characters of three bytes that turn the direction of a line around or end it: U+200E, U+200F, U+2028 to
+/// U+202E, U+2066 to U+2069.
+bool turns_lines(std::string_view letter) {
+  const auto last = static_cast<unsigned char>(letter.back());
+  if (letter.starts_with("\xe2\x80")) return (last >= 0x8e && last <= 0x8f) || (last >= 0xa8 && last <= 0xae);
+  return letter.starts_with("\xe2\x81") && last >= 0xa6 && last <= 0xa9;
+}
+
+}  // namespace
+
 std::string printable(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
@@ -139,7 +151,8 @@ std::string printable(std::string_view text) {
     for (std::size_t k = 1; whole && k < size; ++k)
       whole = (static_cast<unsigned char>(text[i + k]) & 0xc0) == 0x80;
     const bool control = (lead < 0x20 && lead != '\n') || lead == 0x7f ||
-                         (whole && lead == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0);
+                         (whole && lead == 0xc2 && static_cast<unsigned char>(text[i + 1]) < 0xa0) ||
+                         (whole && size == 3 && turns_lines(text.substr(i, 3)));
     if (whole && !control)
       out += text.substr(i, size);
     else

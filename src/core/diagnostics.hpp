@@ -53,7 +53,7 @@ class InputError : public std::runtime_error {
 };
 
 /// The text without what would steer a terminal: a question mark for each control character but the end of a
-/// line, and for each byte that is not UTF-8.
+/// line, for each that turns the direction of writing around, and for each byte that is not UTF-8.
 std::string printable(std::string_view text);
 
 /// The entry of `known` closest to `word` by edit distance, or empty when none is near.

@@ -1,10 +1,12 @@
 #include "face/memory.hpp"
 
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "core/machine_memory.hpp"
+#include "field/field_map.hpp"
 #include "simulation/form_flight.hpp"
 
 namespace rabiline {
@@ -19,9 +21,20 @@ double bytes_of_histograms(const Experiment& experiment, std::size_t points) {
   return 2.5 * sizeof(double) * bins * static_cast<double>(points);
 }
 
-double memory_there() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+/// Of its field maps [bytes], each once.
+double bytes_of_maps(const Experiment& experiment) {
+  std::set<const FieldMap*> maps;
+  for (const PlacedPart& part : experiment.points.front().parts)
+    std::visit(
+        [&](const auto& any) {
+          if constexpr (requires { any.map.map; }) maps.insert(any.map.map.get());
+        },
+        part.part);
+  double bytes = 0;
+  for (const FieldMap* map : maps) bytes += static_cast<double>(map->bytes());
+  return bytes;
 }
+
 /// That a run may take, for which so much may be stated [bytes].
 std::uint64_t most_memory(std::uint64_t stated) {
   constexpr double share = 0.7;  // of the machine's, where nothing is stated
@@ -57,7 +70,8 @@ void require_memory(const Experiment& experiment, const Form& form, std::size_t 
                     std::uint64_t max_memory) {
   const double kept =
       form.flies_in_slabs() ? bytes_of_kept_sums(form.plan) * static_cast<double>(form.slabs) : 0;
-  const double needed = kept + static_cast<double>(form.plan.sums) * sizeof(Sum) * (threads + 2) +
+  const double maps = bytes_of_maps(experiment);
+  const double needed = kept + maps + static_cast<double>(form.plan.sums) * sizeof(Sum) * (threads + 2) +
                         static_cast<double>(bytes_of_stages(form.plan)) * threads +
                         bytes_of_histograms(experiment, at_once);
   const bool is_stated = max_memory > 0;
@@ -69,9 +83,9 @@ void require_memory(const Experiment& experiment, const Form& form, std::size_t 
   };
   const std::size_t points = experiment.points.size();
   throw std::invalid_argument(fmt::format(
-      "the histograms{} need {} on {}, and {}\n  help: use fewer `bins`{}{}, {}",
-      points == 1 ? std::string() : fmt::format(" of {} scan points", points), size(needed),
-      threads == 1 ? "one thread" : fmt::format("{} threads", threads),
+      "the histograms{}{} need {} on {}, and {}\n  help: use fewer `bins`{}{}, {}",
+      maps > 0 ? " and maps" : "", points == 1 ? std::string() : fmt::format(" of {} scan points", points),
+      size(needed), threads == 1 ? "one thread" : fmt::format("{} threads", threads),
       is_stated
           ? fmt::format("--max-memory allows {}", size(most))
           : fmt::format("a run may take {} of the {} of this machine", size(most), size(memory_there())),

@@ -14,22 +14,18 @@ namespace {
 constexpr double most_wrong = 0.01, most_size = 1.5;
 constexpr int looks = 256;
 
-/// The largest of `size(z)` about an edge.
-template <class Size>
-double largest_along(const FringeShape& shape, Size size) {
+/// The largest of the field about an edge, in parts of the whole, as complex places have it.
+double size_beside(const FringeShape& shape, double distance) {
   const bool ends = shape.curve == FringeCurve::gaussian;
   const double end = shape.half_length + (ends ? 0 : 6 * shape.fringe),
                begin = ends ? 0 : std::max(0.0, shape.half_length - 6 * shape.fringe);
   double largest = 0;
-  for (int i = 0; i <= looks; ++i) largest = std::max(largest, size(begin + (end - begin) * i / looks));
+  for (int i = 0; i <= looks; ++i) {
+    const double z = begin + (end - begin) * i / looks;
+    const ComplexNumber<double> f = fringed_share<HostMaths>(shape, ComplexNumber<double>{z, distance}).value;
+    largest = std::max(largest, portable::hypot(f.re, f.im, 0));
+  }
   return largest;
-}
-
-double size_beside(const FringeShape& shape, double distance) {
-  return largest_along(shape, [&](double z) {
-    const auto f = fringed_share<2, HostMaths>(shape, ComplexNumber<double>{z, distance});
-    return portable::hypot(f.c[0].re, f.c[0].im, 0);
-  });
 }
 
 }  // namespace
@@ -38,11 +34,6 @@ double good_up_to(const FringeShape& shape) {
   if (shape.curve == FringeCurve::sine || shape.curve == FringeCurve::half_sine) {
     const double length = shape.curve == FringeCurve::sine ? shape.fringe : 2 * shape.half_length;
     return length / std::numbers::pi * std::sqrt((shape.along ? 8 : 6) * most_wrong);
-  }
-  if (shape.along) {
-    const double sixth = largest_along(
-        shape, [&](double z) { return std::abs(fringed_share<7, HostMaths>(shape, z).c[6]) * 720; });
-    return portable::pow(most_wrong * 2304 / sixth, 1.0 / 6);
   }
   const double step = shape.fringe / 64;
   double distance = 0;

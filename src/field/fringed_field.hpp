@@ -23,21 +23,15 @@ struct FringeShape {
   bool operator==(const FringeShape&) const = default;
 };
 
-/// A function and its derivatives over factorials: the beginning of its Taylor series. `Value` is a Number or
-/// a ComplexNumber.
-template <class Value, int n>
-struct Taylor {
-  Value c[n];
+/// A function and its derivative. `Value` is a Number or a ComplexNumber.
+template <class Value>
+struct WithSlope {
+  Value value, slope;
 };
-template <class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> operator*(const Taylor<Value, n>& a,
-                                                         const Taylor<Value, n>& b) {
-  Taylor<Value, n> out;
-  for (int i = 0; i < n; ++i) {
-    out.c[i] = a.c[0] * b.c[i];
-    for (int k = 1; k <= i; ++k) out.c[i] = out.c[i] + a.c[k] * b.c[i - k];
-  }
-  return out;
+template <class Value>
+[[gnu::always_inline]] inline WithSlope<Value> operator*(const WithSlope<Value>& a,
+                                                         const WithSlope<Value>& b) {
+  return {a.value * b.value, a.value * b.slope + a.slope * b.value};
 }
 
 template <class Number>
@@ -81,38 +75,24 @@ template <class Maths, class Number>
   return {size * cosine, size * sine};
 }
 
-/// e^P: w' = P' w.
-template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> exponential_of(const Taylor<Value, n>& exponent) {
-  Taylor<Value, n> w;
-  w.c[0] = bounded_exponential<Maths>(exponent.c[0]);
-  for (int i = 1; i < n; ++i) {
-    w.c[i] = exponent.c[1] * w.c[i - 1];
-    for (int k = 2; k <= i; ++k) w.c[i] = w.c[i] + static_cast<double>(k) * (exponent.c[k] * w.c[i - k]);
-    w.c[i] = (1.0 / i) * w.c[i];
-  }
-  return w;
+/// e^P.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> exponential_of(const WithSlope<Value>& exponent) {
+  const Value w = bounded_exponential<Maths>(exponent.value);
+  return {w, exponent.slope * w};
 }
 
-/// f = 1/(1 + w), w = e^P: f (1 + w) = 1.
-template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> enge_edge(const Taylor<Value, n>& s, const double* a) {
-  Taylor<Value, n> exponent;
-  for (int i = 0; i < n; ++i) exponent.c[i] = 0.0 * s.c[0];
-  for (int power = 5; power >= 0; --power) {
-    if (power < 5) exponent = exponent * s;
-    exponent.c[0] = exponent.c[0] + a[power];
+/// f = 1/(1 + w), w = e^P: f' = -f w' f.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> enge_edge(const WithSlope<Value>& s, const double* a) {
+  WithSlope<Value> exponent{0.0 * s.value + a[5], 0.0 * s.value};
+  for (int power = 4; power >= 0; --power) {
+    exponent = exponent * s;
+    exponent.value = exponent.value + a[power];
   }
-  const Taylor<Value, n> w = exponential_of<Maths>(exponent);
-  Taylor<Value, n> f;
-  const Value inverse = inverse_of<Maths>(w.c[0] + 1.0);
-  f.c[0] = inverse;
-  for (int i = 1; i < n; ++i) {
-    f.c[i] = w.c[1] * f.c[i - 1];
-    for (int k = 2; k <= i; ++k) f.c[i] = f.c[i] + w.c[k] * f.c[i - k];
-    f.c[i] = -1.0 * (inverse * f.c[i]);
-  }
-  return f;
+  const WithSlope<Value> w = exponential_of<Maths>(exponent);
+  const Value f = inverse_of<Maths>(w.value + 1.0);
+  return {f, -1.0 * (f * (w.slope * f))};
 }
 
 template <class Maths, class Number>
@@ -123,105 +103,109 @@ template <class Maths, class Number>
 [[gnu::always_inline]] inline void sine_and_cosine_of(const ComplexNumber<Number>& x,
                                                       ComplexNumber<Number>& sine,
                                                       ComplexNumber<Number>& cosine) {
-  const Number grown = bounded_exponential<Maths>(x.im), shrunk = 1.0 / grown;
-  const Number even = 0.5 * (grown + shrunk), odd = 0.5 * (grown - shrunk);
+  const Number grown = bounded_exponential<Maths>(x.im), shrunk = 1.0 / grown, square = x.im * x.im;
+  const Number even = 0.5 * (grown + shrunk);
+  const Number series =
+      x.im *
+      (1.0 + square * (1.0 / 6 + square * (1.0 / 120 + square * (1.0 / 5040 + square * (1.0 / 362880)))));
+  const Number odd = Maths::select(square < 0.01 + (square - square), series, 0.5 * (grown - shrunk));
   Number s, c;
   Maths::sine_and_cosine(x.re, s, c);
   sine = {s * even, c * odd};
   cosine = {c * even, s - s - s * odd};
 }
 
-/// sin(a) with its derivatives, a linear in z.
-template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> sine_of(const Value& a, double slope) {
-  Value sine, cosine;
-  sine_and_cosine_of<Maths>(a, sine, cosine);
-  const Value wave[4] = {sine, cosine, -1.0 * sine, -1.0 * cosine};
-  Taylor<Value, n> out;
-  double step = 1;
-  for (int i = 0; i < n; ++i) {
-    out.c[i] = step * wave[i % 4];
-    step *= slope / (i + 1);
-  }
-  return out;
+/// sin(a), a linear in z.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> sine_of(const Value& a, double slope) {
+  WithSlope<Value> out;
+  sine_and_cosine_of<Maths>(a, out.value, out.slope);
+  return {out.value, slope * out.slope};
 }
 
 /// A function where low <= Re z <= high, and constants below and above.
-template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> between(const Value& z, double low, double below, double high,
-                                                       double above, const Taylor<Value, n>& f) {
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> between(const Value& z, double low, double below, double high,
+                                                       double above, const WithSlope<Value>& f) {
   const Value nothing = 0.0 * z;
   const auto where = real_part(z), none = where - where;
-  Taylor<Value, n> out;
-  for (int i = 0; i < n; ++i)
-    out.c[i] = choose<Maths>(where < none + low, nothing + (i == 0 ? below : 0.0),
-                             choose<Maths>(where > none + high, nothing + (i == 0 ? above : 0.0), f.c[i]));
-  return out;
+  const auto pieces = [&](double first, const Value& within, double last) {
+    return choose<Maths>(where < none + low, nothing + first,
+                         choose<Maths>(where > none + high, nothing + last, within));
+  };
+  return {pieces(below, f.value, above), pieces(0, f.slope, 0)};
 }
 
-/// (1 - sin(pi s))/2 for s = outwards (z - edge)/length.
-template <class Maths, class Value, int n>
-[[gnu::always_inline]] inline Taylor<Value, n> sine_edge(const Value& z, double edge, double length,
+/// (1 - sin(pi s))/2 for s = outwards (z - edge)/length: a square of a sine, from its foot on.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> sine_edge(const Value& z, double edge, double length,
                                                          double outwards) {
-  const double slope = outwards * 3.141592653589793 / length;
-  Taylor<Value, n> f = sine_of<Maths, Value, n>(slope * (z + -edge), slope);
-  for (int i = 0; i < n; ++i) f.c[i] = -0.5 * f.c[i];
-  f.c[0] = f.c[0] + 0.5;
+  const double foot = edge + outwards * length / 2, slope = -outwards * 3.141592653589793 / (2 * length);
+  const WithSlope<Value> wave = sine_of<Maths>(slope * (z + -foot), slope);
   return between<Maths>(z, edge - length / 2, outwards > 0 ? 1 : 0, edge + length / 2, outwards > 0 ? 0 : 1,
-                        f);
+                        wave * wave);
 }
 
-/// The share of the whole field at z and its derivatives.
-template <int n, class Maths, class Value>
-[[gnu::always_inline]] inline Taylor<Value, n> fringed_share(const FringeShape& shape, const Value& z) {
+/// The share of the whole field at z.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlope<Value> fringed_share(const FringeShape& shape, const Value& z) {
   const double half = shape.half_length, inverse = 1 / shape.fringe;
   const Value nothing = 0.0 * z;
   if (shape.curve == FringeCurve::sine)
-    return sine_edge<Maths, Value, n>(z, -half, shape.fringe, -1) *
-           sine_edge<Maths, Value, n>(z, half, shape.fringe, 1);
+    return sine_edge<Maths>(z, -half, shape.fringe, -1) * sine_edge<Maths>(z, half, shape.fringe, 1);
   if (shape.curve == FringeCurve::half_sine) {
     const double slope = 3.141592653589793 / (2 * half);
-    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths, Value, n>(slope * (z + half), slope));
+    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths>(slope * (z + half), slope));
   }
-  Taylor<Value, n> first, last;
-  for (int i = 0; i < n; ++i) first.c[i] = last.c[i] = nothing;
-  if (shape.curve == FringeCurve::gaussian) {
-    first.c[0] = (-0.5 * inverse * inverse) * (z * z);
-    first.c[1] = (-inverse * inverse) * z;
-    if constexpr (n > 2) first.c[2] = nothing + -0.5 * inverse * inverse;
-    return between<Maths>(z, -half, 0, half, 0, exponential_of<Maths>(first));
-  }
-  first.c[0] = -inverse * (z + half);
-  last.c[0] = inverse * (z + -half);
-  first.c[1] = nothing + -inverse;
-  last.c[1] = nothing + inverse;
+  if (shape.curve == FringeCurve::gaussian)
+    return between<Maths>(z, -half, 0, half, 0,
+                          exponential_of<Maths>(WithSlope<Value>{(-0.5 * inverse * inverse) * (z * z),
+                                                                 (-inverse * inverse) * z}));
+  const WithSlope<Value> first{-inverse * (z + half), nothing + -inverse},
+      last{inverse * (z + -half), nothing + inverse};
   return enge_edge<Maths>(first, shape.enge) * enge_edge<Maths>(last, shape.enge);
 }
 
+/// Along: as Whittaker has harmonic functions with an axis (Math. Ann. 57, 333, 1903), B_z = 1/pi int F(z + i
+/// r cos t) dt from 0 to pi and B_r = 1/pi int i cos t F(z + i r cos t) dt, whose series is f - r^2 f''/4 +
+/// ... and -r f'/2 + .... Gauss and Chebyshev's 8 places in cos t, which come in conjugate pairs, leave out
+/// r^16 f^(16) of it: of F with a pole at the distance d, (r/d)^16.
+template <class Maths, class Number>
+[[gnu::always_inline]] inline FieldHere<Number> field_along(const FringeShape& shape, Number x, Number y,
+                                                            Number z) {
+  constexpr double places[] = {0.9807852804032304, 0.8314696123025452, 0.5555702330196022,
+                               0.1950903220161283};
+  const Number none = x - x;
+  const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
+  const Number r = Maths::root(x * x + y * y + least * least);
+  Number along = none, out = none, along_slope = none, out_slope = none;
+  for (const double place : places) {
+    const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, place * r});
+    along = along + f.value.re;
+    out = out - place * f.value.im;
+    along_slope = along_slope + f.slope.re;
+    out_slope = out_slope - place * f.slope.im;
+  }
+  const double mean = 0.25 * shape.size;
+  const Number per_r = mean / r;
+  return about_axis<Maths>(x, y, mean * along, per_r * out, mean * along_slope, per_r * out_slope);
+}
+
 /// Across: B_x + i B_z = B_0 F(z + i x), exactly, as far from the axis as F is analytic: up to pi/2 lengths
-/// of a tanh. Along: B_z = f - r^2 f''/4 + r^4 f''''/64, B_r = -r f'/2 + r^3 f'''/16 - r^5 f'''''/384, which
-/// has no divergence; what is left out are r^6 f^(6)/2304 of B_z, and r^5 f^(6)/384 of the curl.
+/// of a tanh.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_of(const FringeShape& shape, Number x, Number y,
                                                          Number z) {
+  if (shape.along) return field_along<Maths>(shape, x, y, z);
   const Number none = x - x;
-  if (shape.along) {
-    const auto f = fringed_share<6, Maths>(shape, z);
-    const Number r2 = x * x + y * y, r4 = r2 * r2;
-    const double b = shape.size;
-    return about_axis<Maths>(x, y, b * (f.c[0] - 0.5 * r2 * f.c[2] + 0.375 * r4 * f.c[4]),
-                             b * (0.375 * r2 * f.c[3] - 0.5 * f.c[1] - 0.3125 * r4 * f.c[5]),
-                             b * (f.c[1] - 1.5 * r2 * f.c[3] + 1.875 * r4 * f.c[5]),
-                             b * (1.5 * r2 * f.c[4] - f.c[2]));
-  }
-  const auto f = fringed_share<2, Maths>(shape, ComplexNumber<Number>{z, x});
+  const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, x});
   FieldHere<Number> here;
   for (Number& component : here.field) component = none;
   for (Number& component : here.slope) component = none;
-  here.field[0] = shape.size * f.c[0].re;
-  here.field[2] = shape.size * f.c[0].im;
-  here.slope[2] = here.slope[6] = shape.size * f.c[1].re;
-  here.slope[8] = shape.size * f.c[1].im;
+  here.field[0] = shape.size * f.value.re;
+  here.field[2] = shape.size * f.value.im;
+  here.slope[2] = here.slope[6] = shape.size * f.slope.re;
+  here.slope[8] = shape.size * f.slope.im;
   here.slope[0] = none - here.slope[8];
   return here;
 }

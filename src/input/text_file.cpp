@@ -4,13 +4,41 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "core/diagnostics.hpp"
 
 #include "input/document.hpp"
 
 namespace rabiline {
+
+namespace {
+
+/// Help with the file of its kind beside it whose name is nearest; empty where none is near.
+std::string name_of_near_file(const std::filesystem::path& path) {
+  constexpr int most = 1000;
+  const auto kind = [](const std::filesystem::path& file) {
+    const std::string ending = file.extension().string();
+    return ending.empty() || ending == ".yml" ? ".yaml" : ending;
+  };
+  std::vector<std::string> known;
+  std::error_code error;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  for (std::filesystem::directory_iterator file(folder, error), end;
+       !error && file != end && known.size() < most; file.increment(error))
+    if (kind(file->path()) == kind(path)) known.push_back(file->path().filename().string());
+  std::ranges::sort(known);
+  const std::string found = closest(path.filename().string(), known);
+  return found.empty() ? found : fmt::format("did you mean `{}`?", (path.parent_path() / found).string());
+}
+
+}  // namespace
 
 TextFile read_text_file(const std::filesystem::path& path) {
   constexpr int patience = 5000;  // [ms]
@@ -18,7 +46,7 @@ TextFile read_text_file(const std::filesystem::path& path) {
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::none)  // a folder that nobody may look into, a long name
     return {"", "the file cannot be opened: " + error.message(), ""};
-  if (!std::filesystem::exists(status)) return {"", "there is no such file", ""};
+  if (!std::filesystem::exists(status)) return {"", "there is no such file", name_of_near_file(path)};
   if (std::filesystem::is_directory(status))
     return {"", "this is a folder, not a file", "name the file in it"};
   const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);

@@ -167,6 +167,7 @@ constexpr std::array key_meanings{
     Meaning{"axis", "direction"},
     Meaning{"diameter", "radius"},
     Meaning{"aperture", "opening radius"},
+    Meaning{"length", "winding"},
     Meaning{"slit", "opening"},
     Meaning{"velocity", "speed"},
     Meaning{"v", "speed value mean"},

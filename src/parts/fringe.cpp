@@ -14,7 +14,7 @@ constexpr double common_dipole[6] = {0.478959, 1.911289, -1.185953, 1.630554, -1
 constexpr double farthest = 20, spacing = 1.0 / 64;  // [lengths] that curves are looked at
 
 double enge_share(const FringeShape& shape, double s) {
-  return enge_edge<HostMaths>(Taylor<double, 2>{{s, 1}}, shape.enge).c[0];
+  return enge_edge<HostMaths>(WithSlope<double>{s, 1}, shape.enge).value;
 }
 
 /// How far outside its edge [m] it falls below 1e-6 of the whole field for good; nothing where it never does.

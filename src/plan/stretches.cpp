@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/constants.hpp"
@@ -41,7 +42,8 @@ double integral_along(const Sections& sections, const Stretch& stretch, const De
   }
   return sum;
 }
-/// Integral of |grad |B|| along the beam at a place across it [T].
+/// Integral along the beam of the gradient of |B| across it, at a place across it [T]: what |B| changes by
+/// along the beam gives back behind it the speed that it took.
 double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
   return integral_along(sections, stretch, [&](const Section& section, double y) {
     const FieldHere<double> here = field_beside(section, x, y, z);
@@ -50,7 +52,7 @@ double gradient_along(const Sections& sections, const Stretch& stretch, double x
       return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
                       : std::max({std::abs(g[k]), std::abs(g[3 + k]), std::abs(g[6 + k])});
     };
-    return portable::hypot(grows(0), grows(1), grows(2));
+    return portable::hypot(grows(0), grows(2), 0);
   });
 }
 /// Integral along the beam of how far |B| there is from that on its axis [T m].
@@ -158,6 +160,18 @@ HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) 
   return size;
 }
 
+/// [T] By how much |B| changes along the axis.
+double change_along(const Sections& sections, const Stretch& stretch) {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  integral_along(sections, stretch, [&](const Section& section, double y) {
+    const double size = tesla_of(field_beside(section, 0, y, 0));
+    least = std::min(least, size);
+    most = std::max(most, size);
+    return 0.0;
+  });
+  return std::max(most - least, 0.0);
+}
+
 StretchOutlook outlook_of(const Beamline& beamline, const Species& species, const Sections& sections,
                           const Stretch& stretch) {
   StretchOutlook out;
@@ -172,9 +186,10 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
                                  spread_along(sections, stretch, 0, half.z));
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
   const double lever = last_look(sections, stretch.end) - (stretch.begin + stretch.end) / 2;
-  const double pushed =
-      2 * moment * integral / (species.mass * speed * speed);  // [1] of the two outer levels
-  out.splitting = pushed * lever;
+  const double per_tesla = 2 * moment / (species.mass * speed * speed);  // of the two outer levels
+  const double slowed =
+      per_tesla * change_along(sections, stretch);  // their difference in speed, in parts of it
+  out.splitting = std::max(per_tesla * integral, slowed > one_path ? slowed : 0.0) * lever;
   out.feature = std::min(smallest_feature(sections, stretch.begin, lever), spot_of(beamline.source.opening));
   out.turns = 2 * moment * spread / (constants::hbar * speed) / (2 * std::numbers::pi);
   if (out.splitting > one_path * out.feature) {

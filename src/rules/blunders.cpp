@@ -116,7 +116,7 @@ std::vector<Hole> holes_of(const Beamline& beamline) {
 void find_holes_out_of_reach(const Beamline& beamline, Faults& out) {
   const Source& source = beamline.source;
   const Slopes slopes = std::visit([](const auto& law) { return slopes_of(law); }, source.direction);
-  if (!slopes || !(source.tilt == SourceTilt{})) return;
+  if (!slopes || !(source.tilt == SourceTilt{}) || beamline.gravity) return;
   const std::array<double, 2> start{source.offset.x, source.offset.z},
       size = std::visit([](const auto&hole) { return half_size(hole); }, source.opening);
   for (const Hole& hole : holes_of(beamline)) {

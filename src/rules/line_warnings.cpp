@@ -23,6 +23,10 @@ using Driven = DrivenParts::Driven;
 /// Where a field is 100 widths and Rabi frequencies away, it flips about 1e-4 at most.
 bool is_far(const Transition& t, double width) { return std::abs(t.detuning) > 100 * (width + t.rabi); }
 
+/// Amplitudes that the rotating-wave approximation may leave out: beside those that it has they change a
+/// probability by twice as much.
+constexpr double most_left_out = 0.07;
+
 /// [Hz] About what shifts a line that the approximation leaves out: the fourth order, by what the second
 /// does.
 struct LeftOutShift {
@@ -43,7 +47,7 @@ class Approximations {
       most_ = {shift, width, name_of(driven.structure, line), field};
   }
   void tell(Faults& out) const {
-    if (worst_ != nullptr && worst_->neglected > 0.1)
+    if (worst_ != nullptr && worst_->neglected > most_left_out)
       out.push_back(
           warning(worst_->names.front(), "amplitude",
                   fmt::format("the rotating-wave approximation of `{}` is poor: {}",

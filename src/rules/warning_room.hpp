@@ -66,6 +66,8 @@ Faults endless_turns_of(const Beamline&);
 Fault fault_of_turns(const std::string& name, double turns, const std::string& what);
 /// Fields that drive levels of atoms in vain, too often, or less well known than they should be.
 Faults line_warnings_of(const Experiment&, const Plan&);
+/// What would fall by more than a tenth of the lowest opening, where nothing is said of gravity.
+Faults untold_falls_of(const Beamline&);
 /// Where the physics that is left out matters at one scan point.
 Faults approximations_of(const Beamline&);
 

@@ -53,17 +53,19 @@ Changes changes_of(const std::vector<std::string>& options) {
 }
 
 Changes joined(Changes earlier, const Changes& later) {
-  std::erase_if(earlier.set, [&](const std::string& before) {
-    const std::string name = name_in(before);
-    if ((name == "particles" && later.particles) || (name == "seed" && later.seed)) return true;
+  const auto gives = [&](const std::string& name) {
     return std::any_of(later.set.begin(), later.set.end(),
                        [&](const auto& s) { return name_in(s) == name; }) ||
            std::any_of(later.scan.begin(), later.scan.end(), [&](const auto& s) { return takes(s, name); });
+  };
+  std::erase_if(earlier.set, [&](const std::string& before) {
+    const std::string name = name_in(before);
+    return (name == "particles" && later.particles) || (name == "seed" && later.seed) || gives(name);
   });
   earlier.set.insert(earlier.set.end(), later.set.begin(), later.set.end());
   earlier.scan = later.scan;
-  if (later.particles) earlier.particles = later.particles;
-  if (later.seed) earlier.seed = later.seed;
+  if (later.particles || gives("particles")) earlier.particles = later.particles;
+  if (later.seed || gives("seed")) earlier.seed = later.seed;
   earlier.without_scan = later.without_scan || !later.scan.empty();
   return earlier;
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <set>
+#include <span>
 
 #include "core/constants.hpp"
 #include "core/portable_math.hpp"
@@ -153,6 +154,25 @@ void leave_out_marked(const Stage& stage, BatchView& batch) {
     if (batch.scratch[i] != 0) batch.flying[i] = 0;
 }
 
+/// How many zones a particle flew through, up to the end, or to the plate or screen that it met on its way
+/// forward; 0 where it ended elsewhere.
+std::size_t zones_flown(const TurningRegion& region, const BatchView& behind, int i) {
+  if (behind.flying[i] != 0) return region.zones.size();
+  const std::uint64_t end = behind.scratch[i] & 0xffffffffULL;
+  const bool at_edge = (end & (region_end::stopped_at_edge | region_end::caught_at_edge)) != 0;
+  return at_edge && behind.vy[i] > 0 ? (end & 0xffffULL) + 1 : 0;
+}
+
+/// A free flight to the end of the region, for which what met an edge is referred to that, too.
+void draw_out(double way, const Fall& fall, Row& state) {
+  const double dt = way / state[4];
+  state[0] += (state[3] + 0.5 * fall.x * dt) * dt;
+  state[1] += (state[5] + 0.5 * fall.z * dt) * dt;
+  state[2] += dt;
+  state[3] += fall.x * dt;
+  state[5] += fall.z * dt;
+}
+
 class Checker {
  public:
   explicit Checker(Isa isa) : isa_(isa) {}
@@ -238,16 +258,19 @@ class Checker {
     ++stretches_;
     found_.tolerance = region.feels.tolerance;
     for (int i = 0; i < before.count; ++i) {
-      if (before.flying[i] == 0 || behind.flying[i] == 0) continue;
+      const std::size_t zones = before.flying[i] != 0 ? zones_flown(region, behind, i) : 0;
+      if (zones == 0) continue;
       Row state = state_of(before, i);
-      if (follow(region, before, i, state)) note(region, state, state_of(behind, i));
+      if (!follow(region, zones, before, i, state)) continue;
+      draw_out(region.zones.back().field.end - region.zones[zones - 1].field.end, behind.fall, state);
+      note(region, state, state_of(behind, i));
     }
   }
-  /// The same flight by the other integrator.
-  bool follow(const TurningRegion& region, const BatchView& before, int i, Row& state) {
+  /// The same flight by the other integrator, through the first so many zones.
+  bool follow(const TurningRegion& region, std::size_t zones, const BatchView& before, int i, Row& state) {
     const int levels = region.feels.levels;
     const double part = levels > 0 ? 1 - 2 * static_cast<double>(before.level[i]) / (levels - 1) : 1;
-    for (const RegionZone& zone : region.zones) {
+    for (const RegionZone& zone : std::span(region.zones).first(zones)) {
       double phases[most_drives] = {};
       for (int k = 0; k < zone.field.drives; ++k)
         phases[k] = phase_of(zone.field.drive[k], key_, before.particle[i]);

@@ -176,6 +176,7 @@ class Tracer {
   /// spin on the way.
   void record_straight(double y) {
     const double last = track_.y.empty() ? y : track_.y.back();
+    if (y < last) return;  // a wall farther on has been asked for before
     std::vector<double> places;
     if (beamline_.gravity && beamline_.gravity->direction.y == 0 && last < y)
       for (double i = 0; i <= fewest_points; ++i) places.push_back(std::lerp(last, y, i / fewest_points));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "core/machine_memory.hpp"
 #include "core/units.hpp"
 #include "storage/digest.hpp"
 #include "storage/hdf5_reader.hpp"
@@ -39,6 +40,11 @@ class MapReader {
           fmt::format("{}: the map has {:.2g} nodes, which need {:.3g} GiB; {:.2g} are the most", path_,
                       static_cast<double>(nodes), static_cast<double>(nodes) * bytes_per_node / 0x1p30,
                       static_cast<double>(most_nodes)));
+    const double needed = static_cast<double>(nodes) * bytes_per_node;
+    if (needed > memory_there())
+      throw StorageError(fmt::format(
+          "{}: the map has {:.2g} nodes, which need {:.3g} GiB, and there are {:.3g} GiB of memory", path_,
+          static_cast<double>(nodes), needed / 0x1p30, memory_there() / 0x1p30));
     const std::size_t m = axes.size();
     out_.nodes.electric = file_.contains("E" + axes[0]);
     for (std::size_t c = 0; c < m; ++c) {

@@ -12,6 +12,7 @@ bool is_hdf5(const std::filesystem::path& path) {
   std::error_code error;
   std::string begin(8, '\0');
   return std::filesystem::is_regular_file(path, error) &&
+         std::filesystem::file_size(path, error) > begin.size() &&  // in /proc there are some that never end
          std::ifstream(path, std::ios::binary).read(begin.data(), 8) && begin == "\x89HDF\r\n\x1a\n";
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
+#include <gsl/gsl_version.h>
 #include <openssl/crypto.h>
 
 namespace rabiline::nexus {
@@ -13,7 +14,7 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("compiler", provenance.compiler);
   simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});
   const std::vector<std::string> libraries{
-      fmt::format("glibc {}", gnu_get_libc_version()),
+      fmt::format("glibc {}", gnu_get_libc_version()), "GSL " GSL_VERSION,
       fmt::format("HDF5 {}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
       OpenSSL_version(OPENSSL_VERSION)};
   simulation.dataset("libraries", {libraries.size()}, libraries,

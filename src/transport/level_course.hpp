@@ -1,6 +1,8 @@
 #pragma once
 // Fields of any direction and shape along a straight path, through which the levels of an atom are carried as
 // amplitudes, as kernels see them.
+#include <algorithm>
+
 #include "field/shaped_term.hpp"
 #include "spin/level_table.hpp"
 #include "transport/kernels.hpp"
@@ -23,7 +25,7 @@ struct CourseSection {
   /// [s] Short against whatever drives there: B's rate is taken from neighbours that far away.
   double moment() const { return 1e-3 / fastest; }
   /// [m] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
-  double hair() const { return 1e-9 * (field.end - field.begin); }
+  double hair() const { return std::min(1e-12 * field.end, 1e-9 * (field.end - field.begin)); }
 };
 
 /// What drives in a section, all near one frequency, and the frame of WaveFrame, as kernels see them: places

@@ -180,6 +180,7 @@ class LevelFlight {
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
     real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
+    const real stop = end - path_.unfelt(section, end, -1, end - begin);
     const Vector still = path_.static_at(section, begin);
     const FollowedField entry = followed({still, {broadcast(0), broadcast(0), broadcast(0)}}, axes_);
     const bool touches = last != nullptr && last->field.end == section.field.begin;
@@ -203,6 +204,17 @@ class LevelFlight {
     }
     const LevelManifold& f = coupled(section);
     real s = begin, h = longest, skip = longest;
+    if (last != nullptr || !course_.begins_in_field) {
+      s = s + path_.unfelt(section, begin, 1, until - begin);
+      const mask waits = counted & (s > begin);
+      if (any(waits)) {
+        turn_to(f_,
+                followed({path_.static_at(section, s), {broadcast(0), broadcast(0), broadcast(0)}}, axes_).n,
+                broadcast(0), waits, axes_, a);
+        rest(f_, s - begin, a);
+      }
+    }
+    until = min(until, stop);
     mask going = counted, dressed = mask{};
     const bool driven = section.fastest > 0 || section.wave >= 0;
     const bool pulses = section.is_pulsed && section.wave < 0;
@@ -273,12 +285,12 @@ class LevelFlight {
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
       }
-      const mask switches = arrives & (until < end);
+      const mask switches = arrives & (until < stop);
       if (any(switches)) {
         s = select(switches, until, s);
         dress(section, s, near, from, until, -1, switches & dressed);
         dressed = dressed & ~switches;
-        until = select(switches, switch_fields(section, s, end, switches), until);
+        until = select(switches, min(switch_fields(section, s, end, switches), stop), until);
         from = select(switches, s, from);
         arrives = arrives & ~switches;
       }
@@ -286,11 +298,13 @@ class LevelFlight {
       lost_ = lost_ | stuck;
       going = going & ~arrives & ~stuck;
     }
-    const FieldAtTime field = path_.field_at(section, end);
-    dress(section, end, min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))),
-          from, until, -1, dressed & counted);
+    const FieldAtTime field = path_.field_at(section, stop);
+    dress(section, stop,
+          min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))), from, until,
+          -1, dressed & counted);
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
-    const Vector stays = path_.static_at(section, end);
+    if (any(counted & (stop < end))) rest(f_, end - stop, a);
+    const Vector stays = path_.static_at(section, stop);
     if (section.moves())
       jump(field.b, {stays, {broadcast(0), broadcast(0), broadcast(0)}}, counted & differ(field.b, stays));
     size_ = dot(stays, axes_.third);

@@ -70,14 +70,16 @@ class LevelPath {
     }
     if (section.shaped_begin == section.shaped_end) return at;
     FieldHere<real> field{};
-    const Vector inside = place_inside(section, s);
+    const real known = inside(section, s, 1);
+    const Vector place = place_at(known);
+    Vector rate{broadcast(0), broadcast(0), broadcast(0)};
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      at.rate = add(at.rate, broadcast(1),
-                    add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field));
+      rate = add(rate, broadcast(1),
+                 add_field_at(course_.shaped[i], section.field, phases_, t_ + s, place, field));
+    rate = add(rate, broadcast(1), along(field, v));
     at.b = add(at.b, broadcast(1), {field.field[0], field.field[1], field.field[2]});
-    const real* g = field.slope;
-    at.rate = add(at.rate, broadcast(1),
-                  {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)});
+    at.b = add(at.b, inside(section, s, beside_face) - known, rate);
+    at.rate = add(at.rate, broadcast(1), rate);
     return at;
   }
 
@@ -87,11 +89,28 @@ class LevelPath {
     const Vector uniform =
         section.field.turned ? times(rate, third_axis(section.field)) : Vector{zero, zero, rate};
     FieldHere<real> field{};
-    const Vector inside = place_inside(section, s);
+    const real known = inside(section, s, 1);
+    const Vector place = place_at(known);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
       if (!course_.shaped[i].moves())
-        add_field_at(course_.shaped[i], section.field, phases_, t_ + s, inside, field);
-    return add(uniform, broadcast(1), {field.field[0], field.field[1], field.field[2]});
+        add_field_at(course_.shaped[i], section.field, phases_, t_ + s, place, field);
+    const Vector b = add(uniform, broadcast(1), {field.field[0], field.field[1], field.field[2]});
+    return add(b, inside(section, s, beside_face) - known, along(field, velocity_at(s)));
+  }
+
+  /// How long a static field that rises from nothing, or falls to it, is too weak to be felt, `sign` of time
+  /// from s on, for half of `rest` at the most: its direction may turn within nanometres there. 0 where it is
+  /// none of these.
+  [[gnu::noinline]] inline real unfelt(const CourseSection& section, real s, double sign, real rest) const {
+    constexpr double per_tesla = 2e11, least = 1e-12;  // [rad/(s T)] of an electron, and more; of `rest`
+    real found = broadcast(0);
+    if (section.moves() || section.wave >= 0 || section.shaped_begin == section.shaped_end) return found;
+    const double angle = 1e-3 * course_.tolerance;
+    for (real time = 0.5 * rest; any((found == broadcast(0)) & (time > least * rest)); time = 0.25 * time) {
+      const real size = length_of(static_at(section, fma(time, broadcast(sign), s)));
+      found = select((found == broadcast(0)) & (size * (per_tesla * time) < broadcast(angle)), time, found);
+    }
+    return found;
   }
 
   [[gnu::noinline]] inline Wave wave_at(const LevelWave& wave, real s) const {
@@ -137,9 +156,18 @@ class LevelPath {
             fma(velocity_.y, s, broadcast(y_)),
             fma(fma(0.5 * s, broadcast(fall_.z), velocity_.z), s, place_.z)};
   }
-  /// Not on a face where the field jumps: rounding would decide on which side.
-  inline Vector place_inside(const CourseSection& section, real s) const {
-    return place_at(max(from_ + hair(section), min(until_ - hair(section), s)));
+  /// s, no nearer than so many hairs to a face where the field jumps: on it, rounding would decide on which
+  /// side. From one hair inside nearly to the face the field goes on straight: what rises from there may turn
+  /// within as little.
+  static constexpr double beside_face = 1e-3;
+  inline real inside(const CourseSection& section, real s, double hairs) const {
+    const real away = hairs * hair(section);
+    return max(from_ + away, min(until_ - away, s));
+  }
+  /// [T/s] By which a field changes along the way.
+  static inline Vector along(const FieldHere<real>& field, const Vector& v) {
+    const real* g = field.slope;
+    return {dot({g[0], g[1], g[2]}, v), dot({g[3], g[4], g[5]}, v), dot({g[6], g[7], g[8]}, v)};
   }
   inline Vector velocity_at(real s) const {
     return {fma(broadcast(fall_.x), s, velocity_.x), velocity_.y, fma(broadcast(fall_.z), s, velocity_.z)};

@@ -82,6 +82,8 @@ def test_detected_is_the_ledgers_share_and_the_images_sum(crowded_reference: Pat
     (["run", "broken.yaml"], "broken.yaml:1:"),
     (["run", EXPERIMENT, "--speed", "9"], "`rabiline run` has no option `--speed`"),
     (["run", EXPERIMENT, "--particlse", "9"], "did you mean `--particles`?"),
+    (["run", EXPERIMENT, "-particles", "9"], "did you mean `--particles`?"), (["--vesion"], "did you mean `--version`?"),
+    (["run", EXPERIMENT, "--set", "B.field", "9", "mT"], "write --set 'B.field=9 mT'"),
     (["run", EXPERIMENT, "-n", "1000"], "`rabiline run` has no option `-n`\n  help: did you mean `--particles`?"),
     (["plot", EXPERIMENT, "--siez", "9x9"], "did you mean --size?"),
     (["run", EXPERIMENT, "--isa", "sse9"], "x86-64, avx2 or avx512"),

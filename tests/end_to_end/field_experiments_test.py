@@ -184,3 +184,33 @@ def test_a_sweep_turns_hydrogen_round_as_its_whole_hamiltonian_does(tmp_path):
     expected = abs(levels.conj().T @ state)[::-1] ** 2
     assert 0.9 < expected[2] < 0.99
     assert np.abs(found - expected).max() < 2e-6
+
+
+INSIDE = """rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 1000 m/s}, opening: {width: 0.2 mm, height: 1 mm}, direction: parallel, spin: {kind: polarised, axis: x, degree: 1}}
+parts:
+  - {name: B, %s}
+  - {name: screen, kind: detector, at: 1 m, width: 0.2 m, height: 0.2 m, bins: [80, 80]}
+particles: 20
+seed: 1
+"""
+
+
+@pytest.mark.parametrize("field", ["kind: coil_pair, radius: 5 cm, at: 0.6 m, field: 1 mT",
+                                   "kind: uniform_field, at: 0.5 m, length: 0.4 m, field: 1 mT, fringe: {kind: tanh, length: 2 cm}"])
+def test_flights_are_checked_where_a_detector_stands_in_their_field(tmp_path, field):
+    (tmp_path / "inside.yaml").write_text(INSIDE % field)
+    subprocess.run([RABILINE, "run", tmp_path / "inside.yaml", "-o", tmp_path / "a.h5"], check=True, capture_output=True)
+    with h5py.File(tmp_path / "a.h5") as file:
+        check = file["entry/field_check"]
+        assert check["particles"][()] == 16 and 0 < check["spin"][()] < 1e-6
+
+
+def test_a_field_that_rises_along_the_beam_parts_no_paths(tmp_path):
+    """The speed that it takes it gives back: a resonance in a field with fringes is flown as one without."""
+    text = (EXPERIMENTS / "kusch-millman-rabi-potassium.yaml").read_text()
+    (tmp_path / "fringe.yaml").write_text(text.replace("length: 0.20 m, field: 50 uT", "length: 0.20 m, field: 50 uT, fringe: {kind: tanh, length: 1 cm}"))
+    told = subprocess.run([RABILINE, "check", tmp_path / "fringe.yaml"], capture_output=True, text=True)
+    assert told.returncode == 0 and "levels stay coherent, and atoms fly straight here: their paths come apart by 0.2" in told.stdout, told.stdout

@@ -119,3 +119,34 @@ def test_the_far_tail_of_a_fringe_gives_levels_no_axis(tmp_path: Path, at: str) 
               f"name: X, kind: uniform_field, at: {at} m, length: 0.3 m, field: 1 uT, direction: x, fringe: {{kind: tanh, length: 45 mm}}"]
     found = levels(tmp_path, fields, "F=3 m=+3", 0.06, species="Rb-85 atom", speed=300)  # at 0.3 m about 1 pT are at the source
     assert found[0] > 0.9999
+
+
+RISING = """rabiline: 1
+species: {species}
+law: quantum
+source:
+  speed: {{kind: single, value: 3000 m/s}}
+  opening: {{radius: {radius}}}
+  direction: parallel
+  spin: {{kind: levels, levels: [{start}]}}
+parts:
+  - {{name: B, kind: uniform_field, at: 0.1 m, length: 0.2 m, field: 20 uT, direction: [0.6, 0, 0.8], {shape}}}
+  - {{name: d, kind: detector, at: 0.6 m, radius: 1 m, bins: [1, 1]}}
+particles: 4
+seed: 1
+"""
+
+
+@pytest.mark.parametrize(("species", "start"), [("H(2S) atom", "F=1 m=1"), ("D atom", "F=3/2 m=1/2")])
+@pytest.mark.parametrize("shape", ["profile: half_sine", "fringe: {kind: sine, length: 5 cm}"])
+@pytest.mark.parametrize("radius", ["1 nm", "1 um", "30 um", "1 mm"])
+def test_a_field_that_rises_from_zero_turns_levels_as_fast_as_it_does_beside_the_axis(tmp_path: Path, species: str, start: str, shape: str,
+                                                                                      radius: str) -> None:
+    """Where it begins it points along the beam, and a few radii farther it points as it does on the axis."""
+    path = tmp_path / "rising.yaml"
+    path.write_text(RISING.format(species=species, start=start, shape=shape, radius=radius))
+    done = rabiline("run", path, "-o", path.with_suffix(".h5"))
+    assert done.returncode == 0 and "warning" not in done.stderr, done.stderr
+    with h5py.File(path.with_suffix(".h5")) as file:
+        check = file["entry/field_check"]
+        assert check["particles"][()] > 0 and check["levels"][()] < 1e-6

@@ -261,3 +261,12 @@ def test_a_damaged_map_is_named_once(tmp_path: Path) -> None:
     (tmp_path / "map.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     (tmp_path / "beam.yaml").write_text(MAP.replace("map.csv", "map.h5"))
     assert "error: `map.h5`: HDF5 failed" in rabiline("check", "beam.yaml", cwd=tmp_path).stderr
+
+
+@pytest.mark.parametrize("written", ["mine", "mine.yml", "mnie.yaml"])
+def test_a_file_whose_name_is_nearly_written_is_offered(tmp_path: Path, written: str) -> None:
+    (tmp_path / "mine.yaml").write_text("rabiline: 1\n")
+    (tmp_path / "mine.csv").write_text("1\n")
+    refused = rabiline("check", tmp_path / written)
+    assert refused.returncode == NOT_WRITTEN and f"help: did you mean `{tmp_path / 'mine.yaml'}`?" in refused.stderr, refused.stderr
+    assert "did you mean" not in rabiline("check", tmp_path / "another.yaml").stderr

@@ -27,9 +27,22 @@ def test_options_of_pictures_are_read_as_on_the_command_line(ramsey: rabiline.Ex
 
 
 def test_a_picture_takes_texts_and_numbers(ramsey: rabiline.Experiment) -> None:
-    figure = ramsey.set(particles=20).run().plot(kind="scan", size="100x80", x_range="286:290", mark=["here=288 kHz"], title=3)
+    result = ramsey.set(particles=20).run()
+    assert result.plot(kind="scan", size=(100, 80)).get_size_inches() * 25.4 == pytest.approx([100, 80])
+    figure = result.plot(kind="scan", size="100x80", x_range="286:290", mark=["here=288 kHz"], title=3)
     assert figure.get_size_inches() * 25.4 == pytest.approx([100, 80]) and figure.axes[0].get_xlim() == (286, 290)
     assert figure._suptitle.get_text().startswith("3")
+
+
+def test_a_frame_of_counts_stands_beside_a_curve(ramsey: rabiline.Experiment) -> None:
+    pandas = pytest.importorskip("pandas")
+    measured = pandas.DataFrame({"first.frequency [kHz]": [286.0, 290.0, 295.0], "counts": [500, 400, 450]})
+    result = ramsey.set(particles=20).run()
+    labels = result.plot(kind="scan", data=measured, detector="screen").axes[0].get_legend_handles_labels()[1]
+    assert any(label.startswith("counted") for label in labels)
+    with pytest.raises(rabiline.InputError, match="plot-image has no option `data`"):
+        result.plot(kind="image", data=measured)
+
 
 def test_a_detector_beside_the_beam_is_drawn(ramsey: rabiline.Experiment) -> None:
     beside = draw_apparatus(ramsey.set({"screen.offset": {"x": "40 mm"}}).scan(), 2)

@@ -39,7 +39,8 @@ FRINGES = Path(__file__).parents[2] / "docs" / "example" / "ramsey-fringes.yaml"
 NAMES = sorted(path.stem for path in BEAMLINES.glob("*.yaml"))
 LONG = "An experiment whose title takes eighty letters, which is no more than a paper may need"
 PARTICLES = 40  # at most: what is drawn, not what it means
-COLUMN, SMALL, PAGE = (100 / 25.4, 80 / 25.4), (86 / 25.4, 60 / 25.4), (170 / 25.4, 220 / 25.4)  # inches
+MM = {"column": (100, 80), "small": (86, 60), "page": (170, 220)}
+COLUMN, SMALL, PAGE = (tuple(length / 25.4 for length in size) for size in MM.values())  # inches
 MINUS = re.compile(r"(?:^|[\s=(,±×])-[\d.]")  # of ASCII, where the ticks have a true one
 SLACK = 1.0  # points that texts may share: the boxes of letters are larger than their ink
 
@@ -112,12 +113,12 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
     eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
     kinds += [("profiles", {"points": "0,1"})]
-    kinds += [("profiles", {"points": eight}), ("profiles", {"size": SMALL, "points": eight})]
+    kinds += [("profiles", {"points": eight}), ("profiles", {"size": MM["small"], "points": eight})]
     small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "transit"))]
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
-              for size in ({}, {"size": SMALL})]
-    tries = [[each] for each in kinds] + [[(kind, {**options, "size": size}) for size in (SMALL, COLUMN)] for kind, options in small]
+              for size in ({}, {"size": MM["small"]})]
+    tries = [[each] for each in kinds] + [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small]
     figures = {}
     for sizes in tries:
         for kind, options in sizes:
@@ -139,8 +140,9 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             experiment = experiment.set(particles=min(PARTICLES, int(experiment.value("particles"))))
             figures = drawn(experiment.fly(), name)
             tracks = experiment.trace(3)
+            assert all((np.diff(one.time) >= 0).all() for one in tracks.tracks), "a path goes back in time"
             figures["tracks"] = pictures.plot_of(tracks, "tracks", {"title": LONG})
-            figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": PAGE})
+            figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM["page"]})
             figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
             with style.here(PAGE):
@@ -278,7 +280,7 @@ def test_files_are_told_apart_by_the_numbers_in_which_they_differ(folder: Path) 
             figure = pictures.plot_scan(options_of("plot-scan", folder / "one.h5", folder / f"{other}.h5"))
             assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == told
         figure = draw_difference(*(read_results(folder / f"{name}.h5") for name in ("one", "strong")), "det", None, "alike")
-        assert [text.get_text() for text in figure.axes[1].get_legend().get_texts()] == ["one, C1.amplitude = 110 µT", "strong, C1.amplitude = 160 µT"]
+        assert [text.get_text() for text in figure.legends[0].get_texts()] == ["one, C1.amplitude = 110 µT", "strong, C1.amplitude = 160 µT"]
     plt.close("all")
 
 

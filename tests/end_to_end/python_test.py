@@ -380,7 +380,7 @@ def test_no_run_has_no_threads(ramsey: rabiline.Experiment) -> None:
 
 def test_messages_name_options_as_callers_write_them(ramsey: rabiline.Experiment, tmp_path: Path) -> None:
     flown = ramsey.set(particles=20).run()
-    for options, says in (({"points": "9999", "kind": "image"}, "`points` 9999: the scan points are 0 to 13"), ({"size": (1.05, 1.05)}, "`size`: 27x27 leaves no room")):
+    for options, says in (({"points": "9999", "kind": "image"}, "`points` 9999: the scan points are 0 to 13"), ({"size": (27, 27)}, "`size`: 27x27 leaves no room")):
         with pytest.raises(rabiline.InputError) as caught:
             flown.plot(**options)
         assert str(caught.value).startswith(says)

@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
-from lives_test import BAD_INPUT, DONE, EXPERIMENT, FEW, NOT_WRITTEN, bits, rabiline, reference, run
+from lives_test import BAD_INPUT, DONE, EXPERIMENT, FEW, NOT_WRITTEN, ROOT, STOPPED, bits, rabiline, reference, run
 
 
 def shards_of(folder: Path, count: int) -> list[Path]:
@@ -48,3 +48,18 @@ def test_a_launcher_needs_shards(tmp_path: Path) -> None:
     assert rabiline("run", EXPERIMENT, *FEW, "--shard", "2/4", "-o", tmp_path / "a.h5", env=several).returncode == DONE
     alone = {**os.environ, "OMPI_COMM_WORLD_SIZE": "1"}
     assert rabiline("run", EXPERIMENT, *FEW, "-o", tmp_path / "a.h5", env=alone).returncode == DONE
+
+
+def test_a_checkpoint_of_another_run_is_not_lost_beside_what_writes_none(tmp_path: Path) -> None:
+    """Of a merge, a model, paths and a rescan."""
+    first, second = shards_of(tmp_path, 2)
+    kept = run(tmp_path / "kept.h5", *FEW)
+    output = tmp_path / "out.h5"
+    stopped = rabiline("run", EXPERIMENT, "--particles", "1e9", "--max-time", "0.1 s", "-o", output)
+    assert stopped.returncode == STOPPED
+    checkpoint = Path(f"{output}.checkpoint").read_bytes()
+    for command in (["merge", output, first, second], ["run", ROOT / "beamline" / "bound-charge.yaml", "-o", output],
+                    ["trace", EXPERIMENT, "-n", "1", "-o", output], ["rescan", kept, "--set", "H0.frequency=290 kHz", "-o", output]):
+        refused = rabiline(*command)
+        assert refused.returncode == BAD_INPUT and "is a checkpoint of another run, which would be lost" in refused.stderr, refused.stderr
+        assert Path(f"{output}.checkpoint").read_bytes() == checkpoint and not output.exists()

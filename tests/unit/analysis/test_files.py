@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rabiline
-from rabiline import asked, results, starters, writing
+from rabiline import asked, hdf5, results, starters, writing
 from rabiline.__main__ import main
 from rabiline.errors import InputError, StorageError
 from rabiline.hdf5 import FileError, UnreadableFile
@@ -57,6 +57,15 @@ def test_too_little_memory_is_a_line(result: Path) -> None:
     done = subprocess.run(["bash", "-c", f"ulimit -v 100000; exec {sys.executable} -m rabiline summary {result}"], capture_output=True, text=True,
                           env={**os.environ, "PYTHONPATH": package, "OMP_NUM_THREADS": "1"})
     assert (done.returncode, done.stderr) == (2, "rabiline: not enough memory\n")
+
+
+@pytest.mark.parametrize("command", ["summary {1}", "compare {0} {1}", "export {1}", "plot {1}", "fit-line {1}"])
+def test_a_result_with_numbers_that_cannot_be_is_one_line_and_exit_code_3(tmp_path: Path, capsys: pytest.CaptureFixture, command: str) -> None:
+    axis = frequencies(21)
+    whole, forged = (write_results(tmp_path / name, [axis], dip(axis.values, steepness=4), law=[DORADO], covariance=sign * np.eye(21)[None], bins=4)
+                     for name, sign in (("a.h5", 1), ("b.h5", -1)))
+    assert main(command.format(whole, forged).split()) == 3
+    assert capsys.readouterr().err == f"rabiline: {forged}: /entry/scan: `detected_covariance` has variances below zero\n"
 
 
 @pytest.mark.parametrize("command", ["export {} -o {}/table.csv", "plot-scan {} -o {}/picture.png"])
@@ -174,3 +183,7 @@ def test_half_of_a_character_is_told() -> None:
     for call in (lambda: rabiline.load("rabiline: 1\ntitle: \ud800\n"), lambda: asked.text("`title`", "a \ud800")):
         with pytest.raises(InputError, match=r"has half of a character in it, '\\ud800', which no file can hold"):
             call()
+
+
+def test_a_text_of_a_file_neither_steers_a_terminal_nor_turns_its_lines_round() -> None:
+    assert hdf5._decoded("a\x1b[31m\x9b \u202eb\u2066") == "a?[31m? ?b?" and hdf5._decoded("µ – π\n\t²") == "µ – π\n\t²"

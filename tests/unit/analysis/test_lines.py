@@ -217,6 +217,11 @@ def test_more_counts_than_were_emitted_may_be_background_where_a_time_is_stated(
     assert read_counts(tmp_path / "a.csv").counts.tolist() == [1, 14]
 
 
+def test_times_may_have_their_unit_in_the_header(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("f [kHz],counts,seconds [ms]\n1,1,500\n2,14,250\n")
+    assert read_counts(tmp_path / "a.csv").seconds == pytest.approx([0.5, 0.25])
+
+
 def weak_table(path: Path, form: str = "rabi") -> Path:
     """Counts without noise over kilohertz about 29.165 kHz: of a field of 50 Hz for 100 µs, or of two such."""
     x = np.linspace(24e3, 34e3, 161)

@@ -126,6 +126,18 @@ def test_a_title_is_written_as_it_stands(tmp_path: Path) -> None:
     assert figure._suptitle.get_text() == "from $5 to $6_{a"
 
 
+@pytest.mark.parametrize("kind", ["scan", "image", "profiles"])
+def test_an_empty_title_is_none(tmp_path: Path, kind: str) -> None:
+    file = results.read(write_results(tmp_path / "a.h5", [frequencies(5)], dip(frequencies(5).values), law=["quantum"], bins=4))
+    figure = plot_of(file, kind, {"title": ""})
+    assert figure._suptitle is None or not figure._suptitle.get_text()
+
+
+def test_where_nothing_is_detected_a_scan_says_so(tmp_path: Path) -> None:
+    file = results.read(write_results(tmp_path / "a.h5", [frequencies(5)], np.zeros(5), law=["quantum"], bins=4))
+    assert plot_of(file, "scan").axes[0].get_ylabel().endswith("(nothing detected)")
+
+
 def test_profiles_that_coincide_are_all_to_be_seen(tmp_path: Path) -> None:
     file = results.read(write_results(tmp_path / "a.h5", [laws("quantum", DORADO)], np.ones(2), law=["quantum", DORADO], bins=4))
     figure = draw_profiles([profile_of(file, "screen", i, "x", name) for i, name in enumerate(("quantum", "dorado"))], "x", "a title")
@@ -276,7 +288,7 @@ def test_a_size_without_room_for_curves_is_refused(tmp_path: Path) -> None:
     axis = frequencies(11)
     file = results.read(write_results(tmp_path / "a.h5", [axis], np.ones(11), law=["quantum"] * 11, bins=4))
     with pytest.raises(InputError, match="--size: 38x33 leaves no room for curves"):
-        style.save(plot_of(file, "scan", {"size": (1.5, 1.3), "title": 8 * "ten words that take up the room "}), tmp_path / "a.png")
+        style.save(plot_of(file, "scan", {"size": (38, 33), "title": 8 * "ten words that take up the room "}), tmp_path / "a.png")
     assert not (tmp_path / "a.png").exists()
 
 

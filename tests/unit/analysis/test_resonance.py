@@ -251,14 +251,14 @@ def test_a_dip_that_the_scan_cuts_off_is_refused() -> None:
 def test_a_scan_over_laws_has_one_curve_per_law(tmp_path: Path) -> None:
     axis = frequencies(21)
     detected = np.concatenate([np.ones(21), dip(axis.values)])
-    covariance = np.add.outer(np.arange(42.0), np.arange(42.0)) + 100 * np.eye(42)
+    covariance = np.add.outer(np.arange(42.0), np.arange(42.0)) + 200 * np.eye(42)
     path = write_results(tmp_path / "a.h5", [laws("quantum", DORADO), axis], detected,
                          law=["quantum"] * 21 + [DORADO] * 21, covariance=covariance, bins=4)
     quantum, dorado = curves(results.read(path))
     assert quantum.label == "quantum" and dorado.label == "dorado (hypothesis), torque, κ = 1"
     assert dorado.points.tolist() == list(range(21, 42))
     np.testing.assert_allclose(dorado.y, dip(axis.values))
-    np.testing.assert_allclose(dorado.spread.correlation[3, 4], 49 / np.sqrt(148 * 150))
+    np.testing.assert_allclose(dorado.spread.correlation[3, 4], 49 / np.sqrt(248 * 250))
 
 
 def test_the_first_axis_may_be_the_one_that_the_curve_runs_along(tmp_path: Path) -> None:

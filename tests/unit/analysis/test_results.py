@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from rabiline import results, tracks
-from rabiline.hdf5 import FileError
+from rabiline.hdf5 import FileError, UnreadableFile
 from synthetic import DORADO, Axis, dip, frequencies, laws, write_results, write_tracks
 
 
@@ -161,6 +161,48 @@ def test_a_wrong_file_is_named_with_the_reason(tmp_path: Path, harm: object, rea
     with pytest.raises(FileError) as caught:
         results.read(path)
     assert str(caught.value) == f"{path}: {reason}"
+
+
+def forge(path: Path, name: str, value: object) -> None:
+    with h5py.File(path, "a") as file:
+        shape = file[f"entry/{name}"].shape
+        del file[f"entry/{name}"]
+        file[f"entry/{name}"] = np.broadcast_to(value, shape)
+
+
+@pytest.mark.parametrize(("name", "value", "reason"), [
+    ("particles", -5, "`particles` has values that are not above zero"), ("fates/emitted", 0.0, "`emitted` has values that are not above zero"),
+    ("fates/particles", -1.0, "`particles` has values below zero"), ("scan/detected", -5.0, "`detected` has values below zero"),
+    ("scan/detected", 1e308, "`detected` has values above one"), ("scan/detected_errors", -0.1, "`detected_errors` has values below zero"),
+    ("screen/counts", -1.0, "`counts` has values below zero"), ("screen_x/counts_errors", -1.0, "`counts_errors` has values below zero"),
+    ("screen/z_edges", [0, 1, 2, 2, 3], "`z_edges` has edges that do not ascend"), ("screen_levels/levels", 7.0, "`levels` has values above one"),
+    ("scan/detected_covariance", -1.0, "`detected_covariance` has variances below zero"),
+    ("scan/detected_covariance", np.triu(np.ones((5, 5))), "`detected_covariance` is not symmetric"),
+    ("scan/detected_covariance", 2 - np.eye(5), "`detected_covariance` has eigenvalues below zero"),
+    ("scan/detected_covariance", 1 - np.eye(5), "`detected_covariance` has eigenvalues below zero"),
+])
+def test_a_number_that_cannot_be_is_refused_with_its_place(tmp_path: Path, name: str, value: object, reason: str) -> None:
+    path = write_results(tmp_path / "a.h5", [frequencies(5)], np.full(5, 0.5), law=["quantum"], bins=4, covariance=np.eye(5)[None])
+    forge(path, name, value)
+    with pytest.raises(UnreadableFile) as caught:
+        results.read(path)
+    assert str(caught.value) == f"{path}: {'/'.join(['/entry', *name.split('/')[:-1]])}: {reason}"
+
+
+@pytest.mark.parametrize("covariance", [np.zeros((5, 5)), np.ones((5, 5)), np.ones((5, 5)) - 1e-8 * np.eye(5), np.diag([0, 0, 1, 1e-20, 1])])
+def test_a_covariance_may_have_no_variance_and_be_off_by_rounding(tmp_path: Path, covariance: np.ndarray) -> None:
+    path = write_results(tmp_path / "a.h5", [frequencies(5)], np.full(5, 0.5), law=["quantum"], bins=4, covariance=covariance[None])
+    np.testing.assert_array_equal(results.read(path).scan.covariance, covariance[None])
+
+
+def test_a_part_ends_behind_its_beginning(tmp_path: Path) -> None:
+    flight = {name: np.zeros(3) for name in "t x y z vx vy vz sx sy sz".split()}
+    path = write_tracks(tmp_path / "t.h5", [flight])
+    with h5py.File(path, "a") as file:
+        for name, value in {"name": b"B", "kind": b"magnet", "label": b"B", "begin": 0.3, "end": 0.2, "has_field": 1, "drives": 0}.items():
+            file[f"entry/parts/{name}"] = np.array([value])
+    with pytest.raises(UnreadableFile, match="/entry/parts: a part ends before it begins"):
+        tracks.read(path)
 
 
 def test_tracks_are_not_taken_for_results_nor_results_for_tracks(tmp_path: Path) -> None:

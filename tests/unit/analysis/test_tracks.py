@@ -1,6 +1,8 @@
 """Tracks: whose law they follow, and from where on their spins mean something."""
 from __future__ import annotations
 
+import csv
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot as plt
 from rabiline import tracks
+from rabiline.__main__ import main
 from rabiline.space_plots import draw_paths
 from rabiline.regions import Region
 from rabiline.track_plots import draw_tracks
@@ -116,7 +119,7 @@ def test_paths_in_space_are_drawn_whole_in_their_own_units(tmp_path: Path) -> No
     ends = [line.get_data_3d() for line in axes.lines if len(line.get_data_3d()[0]) == 1]
     assert [float(end[0][0]) for end in ends] == pytest.approx([0, -5])
     assert "B" in [text.get_text() for text in axes.texts]
-    assert [text.get_text() for text in axes.get_legend().texts] == ["quantum", "dorado"]
+    assert [text.get_text() for text in axes.get_legend().texts] == ["quantum", "dorado", "detected", "passed"]
 
 
 @pytest.mark.parametrize("tilt", [1.5, 0.1])
@@ -126,3 +129,20 @@ def test_the_spin_that_is_drawn_by_itself_is_named(tmp_path: Path, tilt: float) 
     assert figure.axes[-1].get_title().startswith("the spin that tilts farthest, of particle 1:\n")
     assert draw_tracks([file, file], ["a", "b"], "", []).axes[-1].get_title().startswith("of each file the spin that tilts farthest:\n")
     plt.close("all")
+
+
+def test_paths_are_told_in_words_and_written_as_a_table(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    path = write_tracks(tmp_path / "t.h5", [spinning(np.zeros(3)), spinning(np.zeros(4))], law=DORADO)
+    assert main(["summary", str(path)]) == 0
+    told = capsys.readouterr().out
+    assert "paths        2, of 7 records" in told and "fate         detected at screen: 2" in told and "end          at y = 1 m, after 1 ms" in told
+    assert main(["summary", str(path), "--json"]) == 0
+    assert [one["records"] for one in json.loads(capsys.readouterr().out)["tracks"]] == [3, 4]
+    assert main(["summary", str(path), "--detector", "wire"]) == 2
+    assert "holds the paths of single particles, and no detector" in capsys.readouterr().err
+    tracks.read(path).to_csv(tmp_path / "t.csv")
+    rows = list(csv.DictReader((tmp_path / "t.csv").read_text().splitlines()[2:]))
+    assert ",".join(rows[0]) == "particle,law,species,fate,where,t [s],x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],sx,sy,sz" and len(rows) == 7
+    assert (rows[4]["particle"], rows[4]["law"], rows[4]["y [m]"], rows[4]["z [m]"]) == ("1", DORADO, repr(float(1 / 3)), "0.0")
+    frame = tracks.read(path).to_dataframe()
+    assert frame["t"].tolist()[:3] == pytest.approx([0, 5e-4, 1e-3]) and frame.attrs["units"]["vy"] == "m/s"

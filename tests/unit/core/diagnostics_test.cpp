@@ -87,5 +87,14 @@ TEST(Closest, StaysSilentWhereNothingIsNear) {
   EXPECT_EQ(closest("abc", {}), "");
 }
 
+TEST(Diagnostics, ShowNothingThatSteersATerminal) {
+  EXPECT_EQ(printable("a\x1b[31m\x7f\xc2\x9b"), "a?[31m??");
+  EXPECT_EQ(printable("a\xe2\x80\xae"
+                      "b\xe2\x81\xa6\xe2\x80\xa8\xe2\x80\x8f"),
+            "a?b???");  // U+202E, U+2066, U+2028, U+200F
+  EXPECT_EQ(printable("\xe2\x80\x93 \xe2\x81\xbb\xc2\xb5 \xcf\x80\n"),
+            "\xe2\x80\x93 \xe2\x81\xbb\xc2\xb5 \xcf\x80\n");
+}
+
 }  // namespace
 }  // namespace rabiline::diagnostics_test

@@ -79,6 +79,31 @@ TEST_P(WarnsOf, ABlunderOnceAndOnlyWhereEveryPointMakesIt) {
 INSTANTIATE_TEST_SUITE_P(Warnings, WarnsOf, testing::ValuesIn(blunders),
                          [](const auto& test) { return test.param.what; });
 
+TEST(Warnings, SayThatNothingFallsWhereAFallWouldMatter) {
+  Beamline b = standard();
+  const auto with_slit = [&](double height) {
+    Beamline slit = b;
+    slit.parts.insert(slit.parts.end() - 1, place("S", 1.1, Slit{Rectangle{1e-3, height}, {}}));
+    return warned({slit});
+  };
+  // 9.8 m/s^2/2 (1.2 ms)^2 = 7.1 um
+  EXPECT_TRUE(with_slit(75e-6).empty());
+  const std::vector<Fault> faults = with_slit(70e-6);
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "gravity");
+  EXPECT_NE(faults[0].message.find("the opening of `S` is 70 um high"), std::string::npos)
+      << faults[0].message;
+  b.gravity = Gravity{};
+  EXPECT_TRUE(with_slit(70e-6).empty());
+}
+TEST(Warnings, TakeNoOpeningForOutOfReachThatParticlesFallTo) {
+  Beamline b = standard();
+  b.parts.push_back(place("S", 0.7, Slit{Rectangle{1e-3, 1e-3}, {0, -5e-3}}));
+  EXPECT_EQ(warned({b}).size(), 1U);
+  b.gravity = Gravity{2e4, {0, 0, -1}};
+  for (const Fault& fault : warned({b})) EXPECT_NE(fault.subject, "S") << fault.message;
+}
+
 TEST(Warnings, LeaveOutPointsAtWhichADriveHasNoSize) {
   const auto at = [](double frequency, double amplitude) {
     Beamline b = standard();
