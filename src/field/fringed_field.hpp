@@ -96,19 +96,23 @@ template <class Maths, class Value>
 }
 
 template <class Maths, class Number>
-[[gnu::always_inline]] inline void sine_and_cosine_of(Number x, Number& sine, Number& cosine) {
+[[gnu::always_inline]] inline void sine_and_cosine_of(Number x, bool, Number& sine, Number& cosine) {
   Maths::sine_and_cosine(x, sine, cosine);
 }
+/// `near`: of a small imaginary part every digit counts.
 template <class Maths, class Number>
-[[gnu::always_inline]] inline void sine_and_cosine_of(const ComplexNumber<Number>& x,
+[[gnu::always_inline]] inline void sine_and_cosine_of(const ComplexNumber<Number>& x, bool near,
                                                       ComplexNumber<Number>& sine,
                                                       ComplexNumber<Number>& cosine) {
-  const Number grown = bounded_exponential<Maths>(x.im), shrunk = 1.0 / grown, square = x.im * x.im;
+  const Number grown = bounded_exponential<Maths>(x.im), shrunk = 1.0 / grown;
   const Number even = 0.5 * (grown + shrunk);
-  const Number series =
-      x.im *
-      (1.0 + square * (1.0 / 6 + square * (1.0 / 120 + square * (1.0 / 5040 + square * (1.0 / 362880)))));
-  const Number odd = Maths::select(square < 0.01 + (square - square), series, 0.5 * (grown - shrunk));
+  Number odd = 0.5 * (grown - shrunk);
+  if (near) {
+    const Number square = x.im * x.im;
+    const Number series =
+        1.0 + square * (1.0 / 6 + square * (1.0 / 120 + square * (1.0 / 5040 + square * (1.0 / 362880))));
+    odd = Maths::select(square < 0.01 + (square - square), x.im * series, odd);
+  }
   Number s, c;
   Maths::sine_and_cosine(x.re, s, c);
   sine = {s * even, c * odd};
@@ -117,9 +121,9 @@ template <class Maths, class Number>
 
 /// sin(a), a linear in z.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> sine_of(const Value& a, double slope) {
+[[gnu::always_inline]] inline WithSlope<Value> sine_of(const Value& a, double slope, bool near) {
   WithSlope<Value> out;
-  sine_and_cosine_of<Maths>(a, out.value, out.slope);
+  sine_and_cosine_of<Maths>(a, near, out.value, out.slope);
   return {out.value, slope * out.slope};
 }
 
@@ -136,14 +140,14 @@ template <class Maths, class Value>
   return {pieces(below, f.value, above), pieces(0, f.slope, 0)};
 }
 
-/// (1 - sin(pi s))/2 for s = outwards (z - edge)/length: a square of a sine, from its foot on.
+/// (1 - sin(pi s))/2 for s = outwards (z - edge)/length.
 template <class Maths, class Value>
 [[gnu::always_inline]] inline WithSlope<Value> sine_edge(const Value& z, double edge, double length,
-                                                         double outwards) {
-  const double foot = edge + outwards * length / 2, slope = -outwards * 3.141592653589793 / (2 * length);
-  const WithSlope<Value> wave = sine_of<Maths>(slope * (z + -foot), slope);
+                                                         double outwards, bool near) {
+  const double slope = outwards * 3.141592653589793 / length;
+  const WithSlope<Value> wave = sine_of<Maths>(slope * (z + -edge), slope, near);
   return between<Maths>(z, edge - length / 2, outwards > 0 ? 1 : 0, edge + length / 2, outwards > 0 ? 0 : 1,
-                        wave * wave);
+                        {-0.5 * wave.value + 0.5, -0.5 * wave.slope});
 }
 
 /// The share of the whole field at z.
@@ -152,10 +156,11 @@ template <class Maths, class Value>
   const double half = shape.half_length, inverse = 1 / shape.fringe;
   const Value nothing = 0.0 * z;
   if (shape.curve == FringeCurve::sine)
-    return sine_edge<Maths>(z, -half, shape.fringe, -1) * sine_edge<Maths>(z, half, shape.fringe, 1);
+    return sine_edge<Maths>(z, -half, shape.fringe, -1, shape.along) *
+           sine_edge<Maths>(z, half, shape.fringe, 1, shape.along);
   if (shape.curve == FringeCurve::half_sine) {
     const double slope = 3.141592653589793 / (2 * half);
-    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths>(slope * (z + half), slope));
+    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths>(slope * (z + half), slope, shape.along));
   }
   if (shape.curve == FringeCurve::gaussian)
     return between<Maths>(z, -half, 0, half, 0,
