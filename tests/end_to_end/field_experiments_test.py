@@ -214,3 +214,12 @@ def test_a_field_that_rises_along_the_beam_parts_no_paths(tmp_path):
     (tmp_path / "fringe.yaml").write_text(text.replace("length: 0.20 m, field: 50 uT", "length: 0.20 m, field: 50 uT, fringe: {kind: tanh, length: 1 cm}"))
     told = subprocess.run([RABILINE, "check", tmp_path / "fringe.yaml"], capture_output=True, text=True)
     assert told.returncode == 0 and "levels stay coherent, and atoms fly straight here: their paths come apart by 0.2" in told.stdout, told.stdout
+
+
+@pytest.mark.parametrize(("speed", "says"), [(8, "levels are sorted"), (80, "levels stay coherent")])
+def test_levels_that_a_field_slows_by_a_hundredth_are_sorted(tmp_path, speed, says):
+    """2 mu B/(m v^2) is 0.09 and 0.0009 in half a tesla."""
+    text = (INSIDE % "kind: uniform_field, at: 0.4 m, length: 0.2 m, field: 0.5 T, fringe: {kind: tanh, length: 2 cm}").replace("1000 m/s", f"{speed} m/s")
+    (tmp_path / "slow.yaml").write_text(text.replace("width: 0.2 mm, height: 1 mm", "width: 1 um, height: 1 um").replace("law:", "gravity: 0 m/s^2\nlaw:"))
+    told = subprocess.run([RABILINE, "check", tmp_path / "slow.yaml"], capture_output=True, text=True)
+    assert told.returncode == 0 and says in told.stdout, told.stdout

@@ -292,3 +292,12 @@ def test_a_run_killed_at_random_moments_ends_with_the_same_bits(tmp_path: Path) 
             kills += 1
     assert kills > 3
     assert bits(tmp_path / "a.h5") == bits(run(tmp_path / "b.h5", *arguments[:-4], "--progress", "none"))
+
+
+def test_a_result_that_was_made_with_so_many_particles_is_flown_with_others(tmp_path: Path) -> None:
+    made = run(tmp_path / "made.h5", "--particles", "60", "--seed", "3")
+    for changes in (["--set", "particles=40", "--set", "seed=4"], ["--particles", "40", "--seed", "4"]):
+        done = rabiline("run", made, *changes, "-o", tmp_path / "again.h5")
+        assert done.returncode == DONE, done.stderr
+        with h5py.File(tmp_path / "again.h5") as file:
+            assert int(file["entry/particles"][()]) == 40

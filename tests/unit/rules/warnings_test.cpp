@@ -87,14 +87,14 @@ TEST(Warnings, SayThatNothingFallsWhereAFallWouldMatter) {
     return warned({slit});
   };
   // 9.8 m/s^2/2 (1.2 ms)^2 = 7.1 um
-  EXPECT_TRUE(with_slit(75e-6).empty());
-  const std::vector<Fault> faults = with_slit(70e-6);
+  EXPECT_TRUE(with_slit(70.9e-6).empty());
+  const std::vector<Fault> faults = with_slit(70.3e-6);
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0].subject, "gravity");
-  EXPECT_NE(faults[0].message.find("the opening of `S` is 70 um high"), std::string::npos)
+  EXPECT_NE(faults[0].message.find("the opening of `S` is 70.3 um high"), std::string::npos)
       << faults[0].message;
   b.gravity = Gravity{};
-  EXPECT_TRUE(with_slit(70e-6).empty());
+  EXPECT_TRUE(with_slit(70.3e-6).empty());
 }
 TEST(Warnings, TakeNoOpeningForOutOfReachThatParticlesFallTo) {
   Beamline b = standard();
