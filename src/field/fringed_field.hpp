@@ -34,18 +34,6 @@ template <class Value>
   return {a.value * b.value, a.value * b.slope + a.slope * b.value};
 }
 
-template <class Number>
-[[gnu::always_inline]] inline Number real_part(Number x) {
-  return x;
-}
-template <class Number>
-[[gnu::always_inline]] inline Number real_part(const ComplexNumber<Number>& x) {
-  return x.re;
-}
-template <class Maths, class Mask, class Number>
-[[gnu::always_inline]] inline Number choose(Mask mask, Number yes, Number no) {
-  return Maths::select(mask, yes, no);
-}
 template <class Maths, class Mask, class Number>
 [[gnu::always_inline]] inline ComplexNumber<Number> choose(Mask mask, const ComplexNumber<Number>& yes,
                                                            const ComplexNumber<Number>& no) {
@@ -95,10 +83,6 @@ template <class Maths, class Value>
   return {f, -1.0 * (f * (w.slope * f))};
 }
 
-template <class Maths, class Number>
-[[gnu::always_inline]] inline void sine_and_cosine_of(Number x, bool, Number& sine, Number& cosine) {
-  Maths::sine_and_cosine(x, sine, cosine);
-}
 /// `near`: of a small imaginary part every digit counts.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline void sine_and_cosine_of(const ComplexNumber<Number>& x, bool near,
@@ -132,7 +116,7 @@ template <class Maths, class Value>
 [[gnu::always_inline]] inline WithSlope<Value> between(const Value& z, double low, double below, double high,
                                                        double above, const WithSlope<Value>& f) {
   const Value nothing = 0.0 * z;
-  const auto where = real_part(z), none = where - where;
+  const auto where = z.re, none = where - where;
   const auto pieces = [&](double first, const Value& within, double last) {
     return choose<Maths>(where < none + low, nothing + first,
                          choose<Maths>(where > none + high, nothing + last, within));
