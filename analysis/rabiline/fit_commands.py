@@ -8,7 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .argument_types import count, duration, rate, rate_or_zero, heading
+from .argument_types import count, duration, heading, rate, rate_or_zero
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import observed, results
-from .argument_types import duration, positive, rate, heading
+from .argument_types import duration, heading, positive, rate
 from .laws_report import Beam, all_pairs, report, unit_models
 from .likelihood import same
 from .templates import HISTOGRAMS, NoTemplates, Templates, templates

@@ -30,17 +30,15 @@ std::string option_of_letter(char letter, const std::vector<std::string>& known)
 }
 
 /// Of an option that its command does not have, the one that may be meant.
-void require_known_options(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  const CLI::App* verb = app.get_subcommand(arguments.front());
-  const std::vector<std::string> known = names_of(*verb);
+void require_known_options(const CLI::App& verb, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> known = names_of(verb);
   bool is_value = true;
   for (const std::string& argument : arguments) {
     const std::string name = argument.substr(0, argument.find('='));
     if (name == "--") return;
     const bool is_letter =
         name.size() == 2 && name[0] == '-' && std::isalpha(static_cast<unsigned char>(name[1])) && !is_value;
-    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    const CLI::Option* option = name.starts_with('-') ? verb.get_option_no_throw(name) : nullptr;
     is_value = option != nullptr && option->get_items_expected_min() > 0;
     const bool is_word =
         name.size() > 2 && name[0] == '-' && std::isalpha(static_cast<unsigned char>(name[1])) && !is_value;
@@ -54,11 +52,9 @@ void require_known_options(const CLI::App& app, const std::vector<std::string>& 
 
 /// An empty text is no value: a variable of a shell that is not set leaves one. Nor is what stands last
 /// without one, which CLI11 would count.
-void require_values(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  const CLI::App* verb = app.get_subcommand(arguments.front());
+void require_values(const CLI::App& verb, const std::vector<std::string>& arguments) {
   if (const std::string& last = arguments.back(); last.starts_with('-') && last.size() > 1)
-    if (const CLI::Option* option = verb->get_option_no_throw(last);
+    if (const CLI::Option* option = verb.get_option_no_throw(last);
         option != nullptr && option->get_items_expected_min() > 0)
       throw ArgumentError(
           fmt::format("`{0}` needs a value\n  help: write `{0} {1}`", last, option->get_type_name()));
@@ -66,7 +62,7 @@ void require_values(const CLI::App& app, const std::vector<std::string>& argumen
     const bool joined = arguments[i].ends_with('=');  // `--threads=`
     if (!joined && !arguments[i].empty()) continue;
     const std::string name = joined ? arguments[i].substr(0, arguments[i].size() - 1) : arguments[i - 1];
-    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    const CLI::Option* option = name.starts_with('-') ? verb.get_option_no_throw(name) : nullptr;
     if (option != nullptr && option->get_items_expected_min() > 0)
       throw ArgumentError(
           fmt::format("`{}` is set to nothing\n  help: write a value behind it, or omit it", name));
@@ -76,14 +72,12 @@ void require_values(const CLI::App& app, const std::vector<std::string>& argumen
 }
 
 /// CLI11 would only count.
-void require_single(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  const CLI::App* verb = app.get_subcommand(arguments.front());
+void require_single(const CLI::App& verb, const std::vector<std::string>& arguments) {
   std::vector<const CLI::Option*> given;
   for (const std::string& argument : arguments) {
     if (argument == "--") return;
     const std::string name = argument.substr(0, argument.find('='));
-    const CLI::Option* option = name.starts_with('-') ? verb->get_option_no_throw(name) : nullptr;
+    const CLI::Option* option = name.starts_with('-') ? verb.get_option_no_throw(name) : nullptr;
     if (option == nullptr || option->get_items_expected_max() != 1) continue;
     if (std::ranges::find(given, option) != given.end())
       throw ArgumentError(fmt::format("`{}` is given twice\n  help: keep one of them", name));
@@ -92,12 +86,10 @@ void require_single(const CLI::App& app, const std::vector<std::string>& argumen
 }
 
 /// `--set guide.field 3 mT`, as it may come from a shell.
-void require_assignments(const CLI::App& app, const std::vector<std::string>& arguments) {
-  if (arguments.empty() || arguments.front().starts_with('-')) return;
-  const CLI::App* verb = app.get_subcommand(arguments.front());
+void require_assignments(const CLI::App& verb, const std::vector<std::string>& arguments) {
   for (std::size_t i = 1; i + 1 < arguments.size(); ++i) {
     const CLI::Option* option =
-        arguments[i].starts_with("--") ? verb->get_option_no_throw(arguments[i]) : nullptr;
+        arguments[i].starts_with("--") ? verb.get_option_no_throw(arguments[i]) : nullptr;
     if (option == nullptr || option->get_type_name().find('=') == std::string::npos ||
         arguments[i + 1].find('=') != std::string::npos)
       continue;
@@ -136,10 +128,12 @@ void require_known_verb(const CLI::App& app, const std::vector<std::string>& arg
 }
 
 void require_known_arguments(const CLI::App& app, const std::vector<std::string>& arguments) {
-  require_known_options(app, arguments);
-  require_values(app, arguments);
-  require_assignments(app, arguments);
-  require_single(app, arguments);
+  if (arguments.empty() || arguments.front().starts_with('-')) return;
+  const CLI::App& verb = *app.get_subcommand(arguments.front());
+  require_known_options(verb, arguments);
+  require_values(verb, arguments);
+  require_assignments(verb, arguments);
+  require_single(verb, arguments);
 }
 
 }  // namespace rabiline

@@ -150,3 +150,14 @@ def test_a_field_that_rises_from_zero_turns_levels_as_fast_as_it_does_beside_the
     with h5py.File(path.with_suffix(".h5")) as file:
         check = file["entry/field_check"]
         assert check["particles"][()] > 0 and check["levels"][()] < 1e-6
+
+
+def test_a_field_that_is_nothing_at_one_place_of_the_way_is_followed_on_both_sides_of_it(tmp_path: Path) -> None:
+    """Half-way along, where a search for where it begins might stop, on the axis, or a micrometre farther."""
+    found = [levels(tmp_path, ["name: C1, kind: uniform_field, at: 0.05 m, length: 0.05 m, field: 20 uT, direction: [0.6, 0, 0.8]",
+                               f"name: F, kind: formula_field, at: 0.1 m, formula: {{Bx: '{shape}', Bz: '{shape}', constants: {{A: 20 uT, L: 0.1 m}}, "
+                               "width: 2 mm, height: 2 mm, length: 0.2 m, step: 1 mm}",
+                               "name: C2, kind: uniform_field, at: 0.3 m, length: 0.05 m, field: 20 uT, direction: y"], "F=3/2 m=1/2", 0.38, speed=3000)
+             for shape in ("A*((y-L)/L)^2", "A*((y-L-1e-5*L)/L)^2")]
+    assert 0.1 < found[0][0] < 0.5
+    assert np.abs(found[0] - found[1]).max() < 1e-6
