@@ -22,8 +22,6 @@ struct CourseSection {
 
   /// Whether any whole field does, in time.
   bool moves() const { return fastest > 0 || has_courses; }
-  /// [s] Short against whatever drives there: B's rate is taken from neighbours that far away.
-  double moment() const { return 1e-3 / fastest; }
   /// [m] By so much inside of where a field begins or ends it is asked for: rounding would find it absent.
   double hair() const { return std::min(1e-12 * field.end, 1e-9 * (field.end - field.begin)); }
 };

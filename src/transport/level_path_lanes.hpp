@@ -54,20 +54,9 @@ class LevelPath {
 
   [[gnu::noinline]] inline FieldAtTime field_at(const CourseSection& section, real s) const {
     const Vector r = place_at(s), v = velocity_at(s);
-    FieldAtTime at{rates_at(section.field, phases_, t_ + s, r, on_).spin,
-                   {broadcast(0), broadcast(0), broadcast(0)}};
-    if (section.fastest > 0) {
-      // Four neighbours: to (moment x rate)^4/30 of itself.
-      const auto near = [&](double moments) {
-        const double ds = moments * section.moment();
-        return rates_at(section.field, phases_, t_ + s + ds, add(r, broadcast(ds), v), on_).spin;
-      };
-      const Vector after = near(1), before = near(-1), later = near(2), earlier = near(-2);
-      const double over = 1 / (12 * section.moment());
-      const auto rate = [&](real e, real b, real c, real l) { return (8.0 * (c - b) - (l - e)) * over; };
-      at.rate = {rate(earlier.x, before.x, after.x, later.x), rate(earlier.y, before.y, after.y, later.y),
-                 rate(earlier.z, before.z, after.z, later.z)};
-    }
+    FieldAtTime at{uniform_in(section), {broadcast(0), broadcast(0), broadcast(0)}};
+    for (int i = 0; i < section.field.drives; ++i)
+      add_drive(section.field.drive[i], phases_[i], on_[i], t_ + s, r, v, at);
     if (section.shaped_begin == section.shaped_end) return at;
     FieldHere<real> field{};
     const real known = inside(section, s, 1);
@@ -85,16 +74,13 @@ class LevelPath {
 
   /// [T] Of what stands still.
   [[gnu::noinline]] inline Vector static_at(const CourseSection& section, real s) const {
-    const real rate = broadcast(section.field.spin_rate), zero = broadcast(0);
-    const Vector uniform =
-        section.field.turned ? times(rate, third_axis(section.field)) : Vector{zero, zero, rate};
     FieldHere<real> field{};
     const real known = inside(section, s, 1);
     const Vector place = place_at(known);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
       if (!course_.shaped[i].moves())
         add_field_at(course_.shaped[i], section.field, phases_, t_ + s, place, field);
-    const Vector b = add(uniform, broadcast(1), {field.field[0], field.field[1], field.field[2]});
+    const Vector b = add(uniform_in(section), broadcast(1), {field.field[0], field.field[1], field.field[2]});
     return add(b, inside(section, s, beside_face) - known, along(field, velocity_at(s)));
   }
 
@@ -120,6 +106,35 @@ class LevelPath {
   }
 
  private:
+  static inline Vector uniform_in(const CourseSection& section) {
+    const real rate = broadcast(section.field.spin_rate), zero = broadcast(0);
+    return section.field.turned ? times(rate, third_axis(section.field)) : Vector{zero, zero, rate};
+  }
+  /// What drives at the time t at r, seen by a particle with the velocity v; its spin_rate is a field [T].
+  static inline void add_drive(const DriveTerm& drive, real phase, mask on, real t, const Vector& r,
+                               const Vector& v, FieldAtTime& at) {
+    const Phasor p = phasor(angle_at(drive, phase, t, r));
+    const Slopes& slopes = drive.slopes;
+    real turning = fma(broadcast(drive.twist), v.y,
+                       fma(broadcast(slopes.phase_x), v.x,
+                           fma(broadcast(slopes.phase_z), v.z, broadcast(drive.omega))));
+    if (drive.sweep.rate != 0) turning = turning + swept_rate(drive.sweep, t);
+    const real field = select(on, broadcast(drive.spin_rate), broadcast(0)),
+               beside = fma(broadcast(slopes.size_x), r.x - slopes.x,
+                            fma(broadcast(slopes.size_z), r.z - slopes.z, broadcast(1))),
+               growing = fma(broadcast(slopes.size_x), v.x, broadcast(slopes.size_z) * v.z);
+    const ShareHere along = share_here(drive.envelope, r.y);
+    const real size = field * along.share * beside,
+               rate = field * fma(along.slope * v.y, beside, along.share * growing), turn = size * turning;
+    const auto add_up = [&](real first, real second, Vector& sum) {
+      const double *a = drive.first, *b = drive.second;
+      sum = {fma(first, broadcast(a[0]), fma(second, broadcast(b[0]), sum.x)),
+             fma(first, broadcast(a[1]), fma(second, broadcast(b[1]), sum.y)),
+             fma(first, broadcast(a[2]), fma(second, broadcast(b[2]), sum.z))};
+    };
+    add_up(size * p.c, size * p.s, at.b);
+    add_up(fnma(turn, p.s, rate * p.c), fma(turn, p.c, rate * p.s), at.rate);
+  }
   inline real switch_pulses(const CourseSection& section, real s, real end, mask lanes) {
     // A pulse that rounding leaves just ahead begins at once.
     const real now = t_ + s, latest = t_ + end, from = fma(abs(now), broadcast(1e-14), now);

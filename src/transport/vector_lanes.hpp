@@ -111,22 +111,28 @@ RABILINE_LANES real angle_at(const DriveTerm& drive, real phase, real t, real y)
   const real angle = fma(broadcast(drive.omega), t, phase);
   return drive.twist == 0 ? angle : fma(broadcast(drive.twist), y - drive.envelope.begin, angle);
 }
-/// The share of a field's highest size at place y.
-RABILINE_LANES real share_of(const Envelope& envelope, real y) {
-  if (envelope.shape == Shape::rectangular) return broadcast(1);
+/// The share of a field's highest size at place y, and what it grows by along the beam [1/m].
+struct ShareHere {
+  real share, slope;
+};
+RABILINE_LANES ShareHere share_here(const Envelope& envelope, real y) {
+  constexpr double pi = 3.141592653589793;
+  if (envelope.shape == Shape::rectangular) return {broadcast(1), broadcast(0)};
+  real s, c;
   if (envelope.shape == Shape::half_sine) {
-    real s, c;
-    sincos((y - envelope.begin) * (3.141592653589793 / envelope.length), s, c);
-    return s;
+    sincos((y - envelope.begin) * (pi / envelope.length), s, c);
+    return {s, c * (pi / envelope.length)};
   }
   if (envelope.shape == Shape::standing_wave) {
-    real s, c;
-    sincos((y - envelope.begin) * (envelope.half_waves * 3.141592653589793 / envelope.length), s, c);
-    return envelope.is_cosine ? c : s;
+    const double per_length = envelope.half_waves * pi / envelope.length;
+    sincos((y - envelope.begin) * per_length, s, c);
+    return envelope.is_cosine ? ShareHere{c, s * -per_length} : ShareHere{s, c * per_length};
   }
-  const real off = (y - (envelope.begin + 0.5 * envelope.length)) * (1 / envelope.sigma);
-  return exp(off * off * -0.5);
+  const real off = (y - (envelope.begin + 0.5 * envelope.length)) * (1 / envelope.sigma),
+             share = exp(off * off * -0.5);
+  return {share, share * off * (-1 / envelope.sigma)};
 }
+RABILINE_LANES real share_of(const Envelope& envelope, real y) { return share_here(envelope, y).share; }
 
 /// What a sweep has added to omega by the time t.
 RABILINE_LANES real swept_rate(const Sweep& sweep, real t) {
