@@ -7,6 +7,9 @@
 #include <cmath>
 #include <csignal>
 #include <ctime>
+#include <string_view>
+
+#include "commands/common.hpp"
 
 namespace rabiline {
 namespace {
@@ -35,6 +38,18 @@ extern "C" void on_signal(int signal) {
   std::raise(signal);
 }
 
+/// Nothing but what is safe within a signal.
+extern "C" void on_early_signal(int) {
+  constexpr std::string_view told = "\nstopped while planning, before anything flew\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, told.data(), told.size());
+  _exit(exit_code::stopped);
+}
+
+void handle_signals(void (*handler)(int)) {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM})
+    if (std::signal(signal, handler) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
+}
+
 }  // namespace
 
 void ignore_failed_writes() {
@@ -43,10 +58,8 @@ void ignore_failed_writes() {
     if (fcntl(stream, F_GETFD) == -1) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
-void watch_signals() {
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM})
-    if (std::signal(signal, on_signal) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
-}
+void end_at_signals() { handle_signals(on_early_signal); }
+void watch_signals() { handle_signals(on_signal); }
 
 void stop_after(double seconds) {
   itimerval timer{};

@@ -101,8 +101,12 @@ std::string told_cost(const Experiment& experiment, const Form& form, double pla
   double seconds =
       start_up + plans * planning + flights * time_of_flight(plan) + each_bin * bins_of(experiment);
   if (seconds < of_field_check) seconds += time_of([&] { check_fields(plan, best_isa()); });
-  return fmt::format("\ncost       about {:.2g} s on one core; {:.0f} MiB of memory for each thread\n{}",
+  const std::size_t points = experiment.points.size();
+  return fmt::format("\ncost       about {:.2g} s on one core{}; {:.0f} MiB of memory for each thread\n{}",
                      seconds,
+                     points > 1 ? fmt::format(", {:.2g} s for each of {} scan points",
+                                              seconds / static_cast<double>(points), points)
+                                : "",
                      static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0,
                      in_slabs ? fmt::format("           scan points {} in {} slabs, one behind the other\n",
                                             fly ? "fly" : "follow from one flight", form.slabs)

@@ -167,16 +167,16 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
 FieldMap::FieldMap(MapNodes nodes, const std::array<MapSymmetry, 3>& symmetry, std::string path)
     : path_(std::move(path)), electric_(nodes.electric) {
   const std::size_t count = nodes.axes.size(), m = components(count), width = per_node(count);
-  if (count == 2) {
-    if (nodes.axes[0].begin == 0) mirror(nodes, 0, {-1, 1, 0});  // B_r is odd in r, B_z even
-  } else
-    for (std::size_t a = 0; a < count; ++a) {
-      if (symmetry[a] == MapSymmetry::none) continue;
-      const double along = symmetry[a] == MapSymmetry::same_currents ? -1 : 1;
-      std::array<double, 3> sign{along, along, along};
-      sign[a] = -along;
-      mirror(nodes, a, sign);
-    }
+  if (count == 2 && nodes.axes[0].begin == 0) mirror(nodes, 0, {-1, 1, 0});  // B_r is odd in r, B_z even
+  for (std::size_t a = count == 2 ? 1 : 0; a < count; ++a) {
+    const MapSymmetry plane = symmetry[count == 2 ? 2 : a];
+    if (plane == MapSymmetry::none) continue;
+    const double along =
+        plane == MapSymmetry::same_currents || plane == MapSymmetry::opposite_charges ? -1 : 1;
+    std::array<double, 3> sign{along, along, along};
+    sign[a] = -along;
+    mirror(nodes, a, sign);
+  }
   axes_ = nodes.axes;
   // Nodes into the table, shifted by one; then a sweep along each axis, over the edges of those before.
   std::array<std::size_t, 3> n{1, 1, 1}, stride{0, 0, 0};

@@ -11,11 +11,13 @@
 
 namespace rabiline {
 
-/// How B continues behind a plane at zero of an axis that the map ends at.
+/// How B or E continues behind a plane at zero of an axis that the map ends at.
 enum class MapSymmetry {
   none,
-  same_currents,     // currents mirror into themselves: B across the plane is even, along it odd
-  opposite_currents  // they change sign: B across the plane is odd, along it even
+  same_currents,      // currents mirror into themselves: B across the plane is even, along it odd
+  opposite_currents,  // they change sign: B across the plane is odd, along it even
+  same_charges,       // charges mirror into themselves: E across the plane is odd, along it even
+  opposite_charges    // they change sign: E across the plane is even, along it odd
 };
 
 /// Places i h from the first node on, n of them.
@@ -34,7 +36,7 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
 struct MapNodes {
   std::vector<MapAxis> axes;
   std::vector<double> field;  // [T], or [V/m]
-  bool electric = false;      // it is E, which has no planes of symmetry here
+  bool electric = false;      // it is E
 };
 
 /// Of the cubic B-spline through four values or more at even steps, not-a-knot at the ends: one more at each
@@ -44,8 +46,8 @@ std::vector<double> spline_coefficients(const std::vector<double>& values);
 /// Owns the table that terms point into.
 class FieldMap {
  public:
-  /// Mirrors the nodes at planes of symmetry (none of a field about an axis, which is mirrored at it) and
-  /// finds the splines' coefficients. Each axis has four nodes or more then.
+  /// Mirrors the nodes at planes of symmetry (z = 0 alone of a field about an axis, which is mirrored at
+  /// that, too) and finds the splines' coefficients. Each axis has four nodes or more then.
   FieldMap(MapNodes, const std::array<MapSymmetry, 3>&, std::string path);
 
   const std::string& path() const { return path_; }

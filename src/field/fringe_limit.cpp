@@ -22,7 +22,7 @@ double size_beside(const FringeShape& shape, double distance) {
   double largest = 0;
   for (int i = 0; i <= looks; ++i) {
     const double z = begin + (end - begin) * i / looks;
-    const ComplexNumber<double> f = fringed_share<HostMaths>(shape, ComplexNumber<double>{z, distance}).value;
+    const ComplexNumber<double> f = edges_at<HostMaths>(shape, ComplexNumber<double>{z, distance}).value;
     largest = std::max(largest, portable::hypot(f.re, f.im, 0));
   }
   return largest;
@@ -33,7 +33,7 @@ double size_beside(const FringeShape& shape, double distance) {
 double good_up_to(const FringeShape& shape) {
   if (shape.curve == FringeCurve::sine || shape.curve == FringeCurve::half_sine) {
     const double length = shape.curve == FringeCurve::sine ? shape.fringe : 2 * shape.half_length;
-    return length / std::numbers::pi * std::sqrt((shape.along ? 8 : 6) * most_wrong);
+    return length / std::numbers::pi * std::sqrt((shape.kind == FringeKind::across ? 6 : 8) * most_wrong);
   }
   const double step = shape.fringe / 64;
   double distance = 0;
@@ -44,7 +44,7 @@ double good_up_to(const FringeShape& shape) {
 double distance_from_axis(const ShapedTerm& fringed, double x, double y, double z) {
   double own[3];
   own_place(fringed, x, y, z, own);
-  return fringed.fringed.along ? portable::hypot(own[0], own[1], 0) : std::abs(own[0]);
+  return fringed.fringed.kind == FringeKind::across ? std::abs(own[0]) : portable::hypot(own[0], own[1], 0);
 }
 
 }  // namespace rabiline

@@ -1,6 +1,6 @@
 #pragma once
-// A field that rises and falls along the z axis of its frame, of the same direction all along it; what it is
-// beside the axis follows from Maxwell's equations without currents.
+// A field that rises and falls along the z axis of its frame; what it is beside the axis follows from
+// Maxwell's equations without currents.
 #include "field/complex_number.hpp"
 #include "field/field_here.hpp"
 
@@ -13,25 +13,34 @@ enum class FringeCurve {
   gaussian    // exp(-(z/length)^2/2), cut at both ends
 };
 
+/// Which way a field points: along z or along x on the axis, or about it as that of 4, 6, ... poles does.
+enum class FringeKind { along, across, poles };
+
+/// F(z), the curve of a field: `size (even + growth z) sin(turn z + phase)` times the curve of its edges.
 struct FringeShape {
-  bool along;          // B on the axis points along z, else along x
-  FringeCurve curve;   // how its size runs along z
-  double size;         // [T] B_0 between the edges
-  double half_length;  // [m] its edges are at z = -half_length and half_length
-  double fringe;       // [m] unit of s, or the gaussian's standard deviation
-  double enge[6];      // a
+  FringeKind kind;
+  FringeCurve curve;              // of its edges
+  double size;                    // [T]; [T/m^power] of poles
+  double half_length;             // [m] its edges are at z = -half_length and half_length
+  double fringe;                  // [m] unit of s, or the gaussian's standard deviation
+  double enge[6];                 // a
+  double even = 1, growth = 0;    // 1, [1/m]
+  double turn = 0, phase = 0;     // [rad/m], [rad]; no sine where turn is 0
+  int power = 0;                  // of poles: B_x - i B_y = F (x + i y)^power where F is even
+  double place[4]{}, share[4]{};  // of poles: where F is asked for, and for which part of its mean
   bool operator==(const FringeShape&) const = default;
 };
 
-/// A function and its derivative. `Value` is a Number or a ComplexNumber.
+/// A function and its first two derivatives. `Value` is a Number or a ComplexNumber.
 template <class Value>
-struct WithSlope {
-  Value value, slope;
+struct WithSlopes {
+  Value value, slope, bend;
 };
 template <class Value>
-[[gnu::always_inline]] inline WithSlope<Value> operator*(const WithSlope<Value>& a,
-                                                         const WithSlope<Value>& b) {
-  return {a.value * b.value, a.value * b.slope + a.slope * b.value};
+[[gnu::always_inline]] inline WithSlopes<Value> operator*(const WithSlopes<Value>& a,
+                                                          const WithSlopes<Value>& b) {
+  return {a.value * b.value, a.value * b.slope + a.slope * b.value,
+          a.value * b.bend + 2.0 * (a.slope * b.slope) + a.bend * b.value};
 }
 
 template <class Maths, class Mask, class Number>
@@ -63,24 +72,25 @@ template <class Maths, class Number>
   return {size * cosine, size * sine};
 }
 
-/// e^P.
+/// w = e^P: w'' = (P'' + P'^2) w.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> exponential_of(const WithSlope<Value>& exponent) {
-  const Value w = bounded_exponential<Maths>(exponent.value);
-  return {w, exponent.slope * w};
+[[gnu::always_inline]] inline WithSlopes<Value> exponential_of(const WithSlopes<Value>& p) {
+  const Value w = bounded_exponential<Maths>(p.value);
+  return {w, p.slope * w, (p.bend + p.slope * p.slope) * w};
 }
 
-/// f = 1/(1 + w), w = e^P: f' = -f w' f.
+/// f = 1/(1 + w), w = e^P: f' = -f w' f, f'' = -f w'' f - 2 f' w' f.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> enge_edge(const WithSlope<Value>& s, const double* a) {
-  WithSlope<Value> exponent{0.0 * s.value + a[5], 0.0 * s.value};
+[[gnu::always_inline]] inline WithSlopes<Value> enge_edge(const WithSlopes<Value>& s, const double* a) {
+  const Value nothing = 0.0 * s.value;
+  WithSlopes<Value> exponent{nothing + a[5], nothing, nothing};
   for (int power = 4; power >= 0; --power) {
     exponent = exponent * s;
     exponent.value = exponent.value + a[power];
   }
-  const WithSlope<Value> w = exponential_of<Maths>(exponent);
-  const Value f = inverse_of<Maths>(w.value + 1.0);
-  return {f, -1.0 * (f * (w.slope * f))};
+  const WithSlopes<Value> w = exponential_of<Maths>(exponent);
+  const Value f = inverse_of<Maths>(w.value + 1.0), slope = -1.0 * (f * (w.slope * f));
+  return {f, slope, -1.0 * (f * (w.bend * f)) + -2.0 * (slope * (w.slope * f))};
 }
 
 /// `near`: of a small imaginary part every digit counts.
@@ -105,54 +115,69 @@ template <class Maths, class Number>
 
 /// sin(a), a linear in z.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> sine_of(const Value& a, double slope, bool near) {
-  WithSlope<Value> out;
-  sine_and_cosine_of<Maths>(a, near, out.value, out.slope);
-  return {out.value, slope * out.slope};
+[[gnu::always_inline]] inline WithSlopes<Value> sine_of(const Value& a, double slope, bool near) {
+  Value sine, cosine;
+  sine_and_cosine_of<Maths>(a, near, sine, cosine);
+  return {sine, slope * cosine, (-slope * slope) * sine};
 }
 
 /// A function where low <= Re z <= high, and constants below and above.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> between(const Value& z, double low, double below, double high,
-                                                       double above, const WithSlope<Value>& f) {
+[[gnu::always_inline]] inline WithSlopes<Value> between(const Value& z, double low, double below, double high,
+                                                        double above, const WithSlopes<Value>& f) {
   const Value nothing = 0.0 * z;
   const auto where = z.re, none = where - where;
   const auto pieces = [&](double first, const Value& within, double last) {
     return choose<Maths>(where < none + low, nothing + first,
                          choose<Maths>(where > none + high, nothing + last, within));
   };
-  return {pieces(below, f.value, above), pieces(0, f.slope, 0)};
+  return {pieces(below, f.value, above), pieces(0, f.slope, 0), pieces(0, f.bend, 0)};
 }
 
 /// (1 - sin(pi s))/2 for s = outwards (z - edge)/length.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> sine_edge(const Value& z, double edge, double length,
-                                                         double outwards, bool near) {
+[[gnu::always_inline]] inline WithSlopes<Value> sine_edge(const Value& z, double edge, double length,
+                                                          double outwards, bool near) {
   const double slope = outwards * 3.141592653589793 / length;
-  const WithSlope<Value> wave = sine_of<Maths>(slope * (z + -edge), slope, near);
+  const WithSlopes<Value> wave = sine_of<Maths>(slope * (z + -edge), slope, near);
   return between<Maths>(z, edge - length / 2, outwards > 0 ? 1 : 0, edge + length / 2, outwards > 0 ? 0 : 1,
-                        {-0.5 * wave.value + 0.5, -0.5 * wave.slope});
+                        {-0.5 * wave.value + 0.5, -0.5 * wave.slope, -0.5 * wave.bend});
 }
 
-/// The share of the whole field at z.
+/// The curve of the edges.
 template <class Maths, class Value>
-[[gnu::always_inline]] inline WithSlope<Value> fringed_share(const FringeShape& shape, const Value& z) {
+[[gnu::always_inline]] inline WithSlopes<Value> edges_at(const FringeShape& shape, const Value& z) {
   const double half = shape.half_length, inverse = 1 / shape.fringe;
+  const bool near = shape.kind != FringeKind::across;
   const Value nothing = 0.0 * z;
   if (shape.curve == FringeCurve::sine)
-    return sine_edge<Maths>(z, -half, shape.fringe, -1, shape.along) *
-           sine_edge<Maths>(z, half, shape.fringe, 1, shape.along);
+    return sine_edge<Maths>(z, -half, shape.fringe, -1, near) *
+           sine_edge<Maths>(z, half, shape.fringe, 1, near);
   if (shape.curve == FringeCurve::half_sine) {
     const double slope = 3.141592653589793 / (2 * half);
-    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths>(slope * (z + half), slope, shape.along));
+    return between<Maths>(z, -half, 0, half, 0, sine_of<Maths>(slope * (z + half), slope, near));
   }
-  if (shape.curve == FringeCurve::gaussian)
-    return between<Maths>(z, -half, 0, half, 0,
-                          exponential_of<Maths>(WithSlope<Value>{(-0.5 * inverse * inverse) * (z * z),
-                                                                 (-inverse * inverse) * z}));
-  const WithSlope<Value> first{-inverse * (z + half), nothing + -inverse},
-      last{inverse * (z + -half), nothing + inverse};
+  if (shape.curve == FringeCurve::gaussian) {
+    const double per_square = inverse * inverse;
+    return between<Maths>(
+        z, -half, 0, half, 0,
+        exponential_of<Maths>(WithSlopes<Value>{(-0.5 * inverse * inverse) * (z * z),
+                                                (-inverse * inverse) * z, nothing + -per_square}));
+  }
+  const WithSlopes<Value> first{-inverse * (z + half), nothing + -inverse, nothing},
+      last{inverse * (z + -half), nothing + inverse, nothing};
   return enge_edge<Maths>(first, shape.enge) * enge_edge<Maths>(last, shape.enge);
+}
+
+/// F/size.
+template <class Maths, class Value>
+[[gnu::always_inline]] inline WithSlopes<Value> fringed_share(const FringeShape& shape, const Value& z) {
+  WithSlopes<Value> share = edges_at<Maths>(shape, z);
+  const Value nothing = 0.0 * z;
+  if (shape.growth != 0)
+    share = share * WithSlopes<Value>{shape.growth * z + shape.even, nothing + shape.growth, nothing};
+  if (shape.turn != 0) share = share * sine_of<Maths>(shape.turn * z + shape.phase, shape.turn, true);
+  return share;
 }
 
 /// Along: as Whittaker has harmonic functions with an axis (Math. Ann. 57, 333, 1903), B_z = 1/pi int F(z + i
@@ -180,12 +205,57 @@ template <class Maths, class Number>
   return about_axis<Maths>(x, y, mean * along, per_r * out, mean * along_slope, per_r * out_slope);
 }
 
-/// Across: B_x + i B_z = B_0 F(z + i x), exactly, as far from the axis as F is analytic: up to pi/2 lengths
-/// of a tanh.
+/// Poles: B is the gradient of P g, with P + i Q = (x + i y)^n/n, n = power + 1, and g(r, z), which obeys
+/// g_rr + (2n + 1) g_r/r + g_zz = 0 and is F on the axis: the mean of F(z + i r cos t) with the weight (sin
+/// t)^(2n), by Gauss and Gegenbauer's 8 places in cos t.
+template <class Maths, class Number>
+[[gnu::always_inline]] inline FieldHere<Number> field_of_poles(const FringeShape& shape, Number x, Number y,
+                                                               Number z) {
+  const Number none = x - x;
+  const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
+  const Number r2 = x * x + y * y + least * least, r = Maths::root(r2);
+  // g, g_z, g_zz, and the derivatives by u = r^2: g_u and g_uz.
+  Number g = none, g_z = none, g_zz = none, g_u = none, g_uz = none;
+  for (int i = 0; i < 4; ++i) {
+    const double place = shape.place[i], share = shape.share[i];
+    const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, place * r});
+    g = g + share * f.value.re;
+    g_z = g_z + share * f.slope.re;
+    g_zz = g_zz + share * f.bend.re;
+    g_u = g_u - (place * share) * f.slope.im;
+    g_uz = g_uz - (place * share) * f.bend.im;
+  }
+  const Number per_2r = 0.5 / r;
+  g_u = g_u * per_2r;
+  g_uz = g_uz * per_2r;
+  const double n = shape.power + 1;
+  const Number g_uu = (none - (4 * n + 4) * g_u - g_zz) / (4.0 * r2);
+  ComplexNumber<Number> lower{none + shape.size, none};  // size (x + i y)^(power - 1)
+  const ComplexNumber<Number> place{x, y};
+  for (int k = 1; k < shape.power; ++k) lower = lower * place;
+  const ComplexNumber<Number> flat = lower * place, potential = (1 / n) * (flat * place);
+  const Number p = potential.re, p_x = flat.re, p_y = none - flat.im, p_xx = shape.power * lower.re,
+               p_xy = none - shape.power * lower.im, two_x = 2.0 * x, two_y = 2.0 * y;
+  FieldHere<Number> here;
+  here.field[0] = p_x * g + p * two_x * g_u;
+  here.field[1] = p_y * g + p * two_y * g_u;
+  here.field[2] = p * g_z;
+  here.slope[0] = p_xx * g + 2.0 * p_x * two_x * g_u + p * (2.0 * g_u + two_x * two_x * g_uu);
+  here.slope[1] = here.slope[3] = p_xy * g + (p_x * two_y + p_y * two_x) * g_u + p * two_x * two_y * g_uu;
+  here.slope[2] = here.slope[6] = p_x * g_z + p * two_x * g_uz;
+  here.slope[5] = here.slope[7] = p_y * g_z + p * two_y * g_uz;
+  here.slope[8] = p * g_zz;
+  here.slope[4] = none - here.slope[0] - here.slope[8];
+  return here;
+}
+
+/// Across: B_x + i B_z = F(z + i x), exactly, as far from the axis as F is analytic: up to pi/2 lengths of a
+/// tanh.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_of(const FringeShape& shape, Number x, Number y,
                                                          Number z) {
-  if (shape.along) return field_along<Maths>(shape, x, y, z);
+  if (shape.kind == FringeKind::along) return field_along<Maths>(shape, x, y, z);
+  if (shape.kind == FringeKind::poles) return field_of_poles<Maths>(shape, x, y, z);
   const Number none = x - x;
   const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, x});
   FieldHere<Number> here;

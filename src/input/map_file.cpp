@@ -16,20 +16,25 @@ namespace fs = std::filesystem;
 
 /// Behind a plane at zero the map goes on where it ends there; four nodes are the fewest then.
 void require_axes(const MapNodes& nodes, const std::array<MapSymmetry, 3>& symmetry) {
-  if (nodes.electric && symmetry != std::array<MapSymmetry, 3>{})
-    throw MapFault("planes of symmetry are those of currents, and this is the map of an electric field",
-                   "omit `x`, `y` and `z`, and give the map from end to end");
-  const std::string_view names = nodes.axes.size() == 2 ? "rz" : "xyz";
+  const bool round = nodes.axes.size() == 2;
+  const std::string_view names = round ? "rz" : "xyz";
+  for (const MapSymmetry plane : symmetry) {
+    const bool of_charges = plane == MapSymmetry::same_charges || plane == MapSymmetry::opposite_charges;
+    if (plane != MapSymmetry::none && of_charges != nodes.electric)
+      throw MapFault(nodes.electric ? "currents have no electric field to mirror, and this is the map of one"
+                                    : "charges have no magnetic field to mirror, and this is the map of one",
+                     nodes.electric ? "write `same_charges` or `opposite_charges`"
+                                    : "write `same_currents` or `opposite_currents`");
+  }
+  if (round && (symmetry[0] != MapSymmetry::none || symmetry[1] != MapSymmetry::none))
+    throw MapFault("a map in r and z is symmetric about its axis, and about no plane but z = 0",
+                   "omit `x` and `y`");
   for (std::size_t a = 0; a < nodes.axes.size(); ++a) {
     const MapAxis& axis = nodes.axes[a];
     const char name = names[a];
     const bool ends_at_zero =
         std::abs(axis.begin) <= 1e-6 * axis.step || std::abs(axis.end()) <= 1e-6 * axis.step;
-    const bool mirrored =
-        nodes.axes.size() == 2 ? name == 'r' && ends_at_zero : symmetry[a] != MapSymmetry::none;
-    if (nodes.axes.size() == 2 && (symmetry[a] != MapSymmetry::none || symmetry[2] != MapSymmetry::none))
-      throw MapFault("a map in r and z is symmetric about its axis and about no plane",
-                     "omit `x`, `y` and `z`, and give the map from end to end");
+    const bool mirrored = name == 'r' ? ends_at_zero : symmetry[round ? 2 : a] != MapSymmetry::none;
     if (name == 'r' && axis.begin < -1e-6 * axis.step)
       throw MapFault("`r` is below zero in a map about an axis", "r is the distance from the axis");
     if (mirrored && !ends_at_zero)

@@ -13,10 +13,7 @@ struct Coil {
   static constexpr std::string_view
       kind = "coil",
       meaning = "a static field that turns spins by an angle at one speed: a pi/2 or a pi coil";
-  static constexpr PartTraits traits{
-      .field = true,
-      .needs_one_moment = "turns one spin by an angle",
-      .instead = "drive transitions by a `rotating_field` or an `oscillating_field`"};
+  static constexpr PartTraits traits{.field = true, .sets_spins = true};
   double length = 0;  // [m]
   UnitVector axis{};
   double angle = 0;     // [rad] right-handed about the axis

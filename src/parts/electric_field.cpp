@@ -12,10 +12,9 @@ void contribute(const ElectricField& part, const Placement& place, SectionBuilde
   if (field == Vector3{}) return;
   if (std::holds_alternative<HardFringe>(part.fringe))
     return builder.electric(place.at, end, ShapedTerm(LinearShape{{field.x, field.y, field.z}, {}}));
-  const FringedField fringed =
-      fringed_field(shape_of(part.fringe, RectangularProfile{}), field, place.at, part.length, part.offset);
-  for (const ShapedTerm& term : fringed.terms) builder.electric(fringed.begin, fringed.end, term);
-  for (const double y : fringed.kinks) builder.kink(y);
+  FringedField fringed(shape_of(part.fringe, RectangularProfile{}), place.at, part.length, part.offset);
+  fringed.add(field);
+  fringed.contribute_electric(builder);
 }
 
 std::vector<Fault> faults_of(const ElectricField& part, const Placement& place) {

@@ -1,6 +1,7 @@
 #pragma once
 // A field that grows evenly from place to place.
-#include "field/shaped_term.hpp"
+#include <array>
+
 #include "parameter/parameter.hpp"
 #include "parts/own_frame.hpp"
 
@@ -23,11 +24,12 @@ inline constexpr auto parameters<FieldGradient> = std::tuple{
           "growth across the beam along the field, and as much decay of the component across both", 0.0),
 };
 
-/// The field beside B itself, zero at its origin; the direction is along or across the beam. Across: with w
+/// dB_i/dx_k [T/m] in the laboratory, at [3 i + k].
+using FieldSlopes = std::array<double, 9>;
+/// Those of the field; its direction is along or across the beam. Across: with w
 /// along the direction, y the beam and u = y x w: dB_w/dy = dB_y/dw, dB_w/du = dB_u/dw, dB_w/dw = -dB_u/du.
 /// Along the beam, with u = x, w = z: dB_y/dy = -2 dB_u/du = -2 dB_w/dw, dB_y/du = dB_u/dy, dB_w/dw =
 /// -dB_u/du.
-ShapedTerm gradient_term(const FieldGradient&, const UnitVector& direction, const Tilt&,
-                         const Vector3& origin);
+FieldSlopes slopes_of(const FieldGradient&, const UnitVector& direction, const Tilt&);
 
 }  // namespace rabiline

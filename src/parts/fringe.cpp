@@ -1,10 +1,15 @@
 #include "parts/fringe.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
+#include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "parts/own_frame.hpp"
+#include "parts/time_factor.hpp"
+#include "section/section_builder.hpp"
 
 namespace rabiline {
 namespace {
@@ -14,12 +19,13 @@ constexpr double common_dipole[6] = {0.478959, 1.911289, -1.185953, 1.630554, -1
 constexpr double farthest = 20, spacing = 1.0 / 64;  // [lengths] that curves are looked at
 
 double enge_share(const FringeShape& shape, double s) {
-  return enge_edge<HostMaths>(WithSlope<double>{s, 1}, shape.enge).value;
+  return enge_edge<HostMaths>(WithSlopes<double>{s, 1, 0}, shape.enge).value;
 }
 
-/// How far outside its edge [m] it falls below 1e-6 of the whole field for good; nothing where it never does.
+/// How far outside its edge [m] it falls below 1e-8 of the whole field for good, where energies jump by as
+/// little; nothing where it never does.
 std::optional<double> reach_of(const FringeShape& shape) {
-  constexpr double cut_off = 1e-6;
+  constexpr double cut_off = 1e-8;
   if (shape.curve == FringeCurve::sine) return shape.fringe / 2;
   if (shape.curve != FringeCurve::enge) return 0;
   const auto share = [&](double s) { return enge_share(shape, s); };
@@ -32,7 +38,7 @@ std::optional<double> reach_of(const FringeShape& shape) {
 }  // namespace
 
 FringeShape shape_of(const Fringe& fringe, const AmplitudeProfile& profile) {
-  FringeShape shape{false, FringeCurve::enge, 0, 0, 1, {}};
+  FringeShape shape{FringeKind::across, FringeCurve::enge, 0, 0, 1, {}};
   if (std::holds_alternative<HalfSineProfile>(profile)) {
     shape.curve = FringeCurve::half_sine;
   } else if (const auto* gaussian = std::get_if<GaussianProfile>(&profile)) {
@@ -53,28 +59,107 @@ FringeShape shape_of(const Fringe& fringe, const AmplitudeProfile& profile) {
   return shape;
 }
 
-FringedField fringed_field(FringeShape shape, const Vector3& field, double at, double length,
-                           const Offset& offset) {
+bool is_boxed(const Fringe& fringe, const AmplitudeProfile& profile) {
+  return std::holds_alternative<HardFringe>(fringe) && std::holds_alternative<RectangularProfile>(profile);
+}
+
+FringedField::FringedField(const FringeShape& shape, double at, double length, const Offset& offset)
+    : shape_(shape), middle_(place_of(at + length / 2, offset)) {
   const double reach = reach_of(shape).value_or(0);
-  FringedField fringed{std::max(0.0, at - reach), at + length + reach, {}, {}};
+  begin_ = std::max(0.0, at - reach);
+  end_ = at + length + reach;
+  shape_.half_length = length / 2;
   if (shape.curve == FringeCurve::sine && length > shape.fringe)
-    fringed.kinks = {at + shape.fringe / 2, at + length - shape.fringe / 2};
-  const Vector3 across{field.x, 0, field.z}, beam{0, 1, 0}, middle = place_of(at + length / 2, offset);
-  shape.half_length = length / 2;
-  const auto add = [&](bool along, double size, const Vector3& x) {
-    shape.along = along;
-    shape.size = size;
-    const Vector3 u = (1 / length_of(x)) * x;
-    fringed.terms.push_back(placed(ShapedTerm(shape), middle, {u, cross(beam, u), beam}));
-  };
-  if (length_of(across) > 0) add(false, length_of(across), across);
-  if (field.y != 0) add(true, field.y, {1, 0, 0});
-  return fringed;
+    kinks_ = {at + shape.fringe / 2, at + length - shape.fringe / 2};
+}
+
+/// On the axis along `x`, or along the beam with `x` across it.
+void FringedField::add_term(FringeShape shape, double even, double growth, const Vector3& x) {
+  if (even == 0 && growth == 0) return;
+  const Vector3 beam{0, 1, 0}, first = (1 / length_of(x)) * x;
+  shape.size = growth == 0 ? even : 1;
+  shape.even = growth == 0 ? 1 : even;
+  shape.growth = growth;
+  terms_.push_back(placed(ShapedTerm(shape), middle_, {first, cross(beam, first), beam}));
+}
+
+/// In a frame with w = z, u = x and the beam y, slopes have a part dB_y/dy, which is that of a field along
+/// the beam that grows along it; dB_u/dy and dB_w/dy, of one across it; and what is left, a quadrupole's.
+void FringedField::add(const Vector3& field, const FieldSlopes& slopes) {
+  double most = 0;
+  for (const double slope : slopes) most = std::max(most, std::abs(slope));
+  const auto felt = [&](double slope) {
+    return std::abs(slope) > 1e-14 * most ? slope : 0;
+  };  // a tilt rounds
+  const Vector3 across{field.x, 0, field.z}, growing{felt(slopes[1]), 0, felt(slopes[7])};
+  const double size = length_of(across), growth = length_of(growing);
+  FringeShape shape = shape_;
+  shape.kind = FringeKind::across;
+  if (length_of(cross(across, growing)) <= 1e-14 * size * growth) {
+    add_term(shape, size, size > 0 ? dot(across, growing) / size : growth, size > 0 ? across : growing);
+  } else {
+    add_term(shape, size, 0, across);
+    add_term(shape, 0, growth, growing);
+  }
+  shape.kind = FringeKind::along;
+  add_term(shape, field.y, felt(slopes[4]), {1, 0, 0});
+  const double even = felt(slopes[8] + slopes[4] / 2), skew = felt(slopes[2]),
+               quadrupole = portable::hypot(even, skew, 0);
+  if (quadrupole == 0) return;
+  const double angle = portable::atan2(skew, even) / 2, cosine = portable::cos(angle),
+               sine = portable::sin(angle);
+  add_poles(1, quadrupole, {{sine, 0, cosine}, {cosine, 0, -sine}, {0, 1, 0}});
+}
+
+void FringedField::add_turning(const Vector3& field, double turn, double phase) {
+  FringeShape shape = shape_;
+  shape.turn = turn;
+  shape.phase = phase + std::numbers::pi / 2;
+  const Vector3 across{field.x, 0, field.z};
+  shape.kind = FringeKind::across;
+  add_term(shape, length_of(across), 0, across);
+  shape.kind = FringeKind::along;
+  add_term(shape, field.y, 0, {1, 0, 0});
+}
+
+/// Gauss and Gegenbauer's places, by G. Golub and J. Welsch (Math. Comp. 23, 221, 1969): eigenvalues of the
+/// recurrence of polynomials that are orthogonal with the weight (1 - c^2)^(n - 1/2).
+void FringedField::add_poles(int power, double size, const OwnFrame& frame) {
+  constexpr int places = 8;
+  FringeShape shape = shape_;
+  shape.kind = FringeKind::poles;
+  shape.size = size;
+  shape.power = power;
+  const double n = power + 1;
+  Eigen::MatrixXd recurrence = Eigen::MatrixXd::Zero(places, places);
+  for (int k = 1; k < places; ++k)
+    recurrence(k, k - 1) = std::sqrt(k * (k + 2 * n - 1) / (4 * (k + n) * (k + n - 1)));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(recurrence);
+  for (int i = 0; i < places / 2; ++i) {
+    const Eigen::Index positive = places - 1 - i;
+    shape.place[i] = solver.eigenvalues()(positive);
+    shape.share[i] = 2 * solver.eigenvectors()(0, positive) * solver.eigenvectors()(0, positive);
+  }
+  terms_.push_back(placed(ShapedTerm(shape), middle_, frame));
+}
+
+void FringedField::contribute(SectionBuilder& builder, const std::optional<Oscillator>& clock) const {
+  for (const ShapedTerm& term : terms_) add_shaped(clock, begin_, end_, term, builder);
+  for (const double y : kinks_) builder.kink(y);
+}
+void FringedField::contribute_electric(SectionBuilder& builder) const {
+  for (const ShapedTerm& term : terms_) builder.electric(begin_, end_, term);
+  for (const double y : kinks_) builder.kink(y);
 }
 
 std::vector<Fault> faults_of_fringe(const Fringe& fringe, const AmplitudeProfile& profile,
                                     const Placement& place) {
-  if (std::holds_alternative<HardFringe>(fringe) || reach_of(shape_of(fringe, profile))) return {};
+  const bool hard = std::holds_alternative<HardFringe>(fringe);
+  if (!hard && !std::holds_alternative<RectangularProfile>(profile))
+    return {{place.name, "profile",
+             fmt::format("`{}` has a profile and a fringe, which are two curves of one field", place.name),
+             "omit one of them, or make two fields that overlap"}};
+  if (hard || reach_of(shape_of(fringe, profile))) return {};
   return {
       {place.name, "fringe",
        fmt::format("the fringe of `{}` does not fall from the full field to none", place.name),

@@ -7,10 +7,15 @@
 
 #include "field/shaped_term.hpp"
 #include "parameter/parameter.hpp"
+#include "parts/field_gradient.hpp"
 #include "parts/placement.hpp"
 #include "parts/profile.hpp"
 
 namespace rabiline {
+
+class SectionBuilder;
+struct Oscillator;
+struct OwnFrame;
 
 struct HardFringe {
   static constexpr std::string_view kind = "hard", meaning = "the field ends at once";
@@ -72,15 +77,38 @@ using Fringe = std::variant<HardFringe, TanhFringe, EngeFringe, SineFringe>;
 /// The curve of a profile that is not rectangular, else of a fringe that is not hard; without size and
 /// length.
 FringeShape shape_of(const Fringe&, const AmplitudeProfile&);
-/// A field of some curve along the beam, across and along it each as Maxwell's equations have it.
-struct FringedField {
-  double begin = 0, end = 0;  // [m], where it is there
-  std::vector<ShapedTerm> terms;
-  std::vector<double> kinks;  // [m], where the curve is not smooth, nor is the field off the axis
+/// Whether a field has hard edges and one size.
+bool is_boxed(const Fringe&, const AmplitudeProfile&);
+
+/// Adds fields of some curve along the beam, along, across and about it each as Maxwell's equations have it,
+/// with the middle of their axis on the offset axis.
+class FringedField {
+ public:
+  FringedField(const FringeShape&, double at, double length, const Offset&);
+
+  /// `field` [T] is that in the middle between the edges, and `slopes` [T/m], dB_i/dx_k at [3 i + k], how it
+  /// would grow from there on if it had no edges.
+  void add(const Vector3& field, const FieldSlopes& slopes = {});
+  /// `field` turns along the beam by `turn` [rad/m]: this is its part that runs as cos(turn y + phase), y
+  /// from the middle.
+  void add_turning(const Vector3& field, double turn, double phase);
+  /// Poles about the beam: B_x - i B_y = size (x + i y)^power, in the x and y axis of a frame whose third one
+  /// is that of the poles.
+  void add_poles(int power, double size, const OwnFrame&);
+
+  void contribute(SectionBuilder&, const std::optional<Oscillator>& clock = std::nullopt) const;
+  void contribute_electric(SectionBuilder&) const;
+
+ private:
+  void add_term(FringeShape, double even, double growth, const Vector3& x);
+
+  FringeShape shape_;
+  double begin_, end_;  // [m], where it is there
+  Vector3 middle_;
+  std::vector<ShapedTerm> terms_;
+  std::vector<double> kinks_;  // [m], where the curve is not smooth, nor is the field off the axis
 };
-/// `field` is the one between the edges, at `at` and `length` behind it.
-FringedField fringed_field(FringeShape, const Vector3& field, double at, double length, const Offset&);
-/// A curve that never ends.
+/// A curve that never ends, or two curves.
 std::vector<Fault> faults_of_fringe(const Fringe&, const AmplitudeProfile&, const Placement&);
 
 /// Where a curve grows outwards: shares of the whole field, and where they are, in lengths outwards from the

@@ -1,4 +1,5 @@
 #pragma once
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -19,6 +20,8 @@ struct GuideField {
   std::optional<Bore> bore;
   Offset offset{};
   Tilt tilt{};
+  Fringe fringe{};
+  AmplitudeProfile profile{};
   bool operator==(const GuideField&) const = default;
 };
 template <>
@@ -30,6 +33,11 @@ inline constexpr auto parameters<GuideField> = std::tuple{
     param("bore", &GuideField::bore, "wall around the field; none if omitted"),
     param("offset", &GuideField::offset, "displacement of the bore's centre from the axis", Offset{}),
     param("tilt", &GuideField::tilt, "how the field is turned inside its slab", Tilt{}),
+    param("fringe", &GuideField::fringe,
+          "how the field ends at both ends, where it goes on turning; at once if omitted",
+          Fringe{HardFringe{}}),
+    param("profile", &GuideField::profile, "how the size of the field runs along its length",
+          AmplitudeProfile{RectangularProfile{}}),
 };
 
 StaticField static_field(const GuideField&);

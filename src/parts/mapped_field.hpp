@@ -21,6 +21,12 @@ inline constexpr auto choices<MapSymmetry> = std::array{
     Choice<MapSymmetry>{
         "opposite_currents", MapSymmetry::opposite_currents,
         "currents change sign in the mirror: the field across the plane is odd, that along it even"},
+    Choice<MapSymmetry>{
+        "same_charges", MapSymmetry::same_charges,
+        "charges mirror into themselves: the electric field across the plane is odd, that along it even"},
+    Choice<MapSymmetry>{
+        "opposite_charges", MapSymmetry::opposite_charges,
+        "charges change sign in the mirror: the electric field across the plane is even, that along it odd"},
 };
 template <>
 inline constexpr auto choices<MapOutside> = std::array{
@@ -42,7 +48,7 @@ inline constexpr auto parameters<MapFile> = std::tuple{
     param("x", &MapFile::x, "how the field goes on behind the plane x = 0, where the map ends there",
           MapSymmetry::none),
     param("y", &MapFile::y, "likewise behind y = 0", MapSymmetry::none),
-    param("z", &MapFile::z, "likewise behind z = 0", MapSymmetry::none),
+    param("z", &MapFile::z, "likewise behind z = 0, of a map in r and z as well", MapSymmetry::none),
 };
 /// The map itself, which lives as long as any beamline that has it.
 struct LoadedMap {

@@ -7,15 +7,24 @@
 namespace rabiline {
 
 void contribute(const MultipoleField& part, const Placement& place, SectionBuilder& builder) {
-  const MultipoleShape shape{static_cast<int>(part.poles) / 2 - 1, part.field, part.radius};
-  add_shaped(
-      clock_of(part.oscillates), place.at, place.at + part.length,
-      placed(ShapedTerm(shape), place_of(place.at + part.length / 2, part.offset), turned_frame(part.tilt)),
-      builder);
+  const int power = static_cast<int>(part.poles) / 2 - 1;
+  const OwnFrame frame = turned_frame(part.tilt);
+  if (is_boxed(part.fringe, part.profile))
+    return add_shaped(clock_of(part.oscillates), place.at, place.at + part.length,
+                      placed(ShapedTerm(MultipoleShape{power, part.field, part.radius}),
+                             place_of(place.at + part.length / 2, part.offset), frame),
+                      builder);
+  FringedField fringed(shape_of(part.fringe, part.profile), place.at, part.length, part.offset);
+  double size = part.field;
+  for (int i = 0; i < power; ++i) size /= part.radius;
+  fringed.add_poles(power, size, {frame.z, frame.x, frame.y});
+  fringed.contribute(builder, clock_of(part.oscillates));
 }
 
 std::vector<Fault> faults_of(const MultipoleField& part, const Placement& place) {
-  return faults_of_poles(part.poles, place);
+  std::vector<Fault> out = faults_of_poles(part.poles, place);
+  for (Fault& fault : faults_of_fringe(part.fringe, part.profile, place)) out.push_back(std::move(fault));
+  return out;
 }
 
 }  // namespace rabiline

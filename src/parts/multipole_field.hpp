@@ -1,11 +1,13 @@
 #pragma once
+#include "parts/fringe.hpp"
 #include "parts/multipole_magnet.hpp"
 #include "parts/time_factor.hpp"
 
 namespace rabiline {
 
-/// The field of n poles around the beam as a field among others, with hard edges: |B| = B_0 (r/r_0)^(n/2 -
-/// 1), along +z above the beam. Unlike a MultipoleMagnet it may overlap other fields, and it stops nothing.
+/// The field of n poles around the beam as a field among others, its edges hard but where it has a fringe:
+/// |B| = B_0 (r/r_0)^(n/2 - 1), along +z above the beam. Unlike a MultipoleMagnet it may overlap other
+/// fields, and it stops nothing.
 struct MultipoleField {
   static constexpr std::string_view kind = "multipole_field",
                                     meaning =
@@ -20,6 +22,8 @@ struct MultipoleField {
   Offset offset{};
   Tilt tilt{};
   std::optional<TimeFactor> oscillates{};
+  Fringe fringe{};
+  AmplitudeProfile profile{};
   bool operator==(const MultipoleField&) const = default;
 };
 template <>
@@ -34,6 +38,10 @@ inline constexpr auto parameters<MultipoleField> = std::tuple{
     param("tilt", &MultipoleField::tilt, "how the field is turned inside its slab", Tilt{}),
     param("oscillates", &MultipoleField::oscillates,
           "frequency and phase with which the whole field swings; it stands if omitted"),
+    param("fringe", &MultipoleField::fringe, "how the field ends at both ends; at once if omitted",
+          Fringe{HardFringe{}}),
+    param("profile", &MultipoleField::profile, "how the size of the field runs along its length",
+          AmplitudeProfile{RectangularProfile{}}),
 };
 
 void contribute(const MultipoleField&, const Placement&, SectionBuilder&);

@@ -54,7 +54,7 @@ bool is_electric(const Part& part) {
 }
 bool holds_spins(const Part& part) {
   const PartTraits traits = traits_of(part);
-  if (!traits.field || traits.drives || is_electric(part) || !traits.needs_one_moment.empty()) return false;
+  if (!traits.field || traits.drives || is_electric(part) || traits.sets_spins) return false;
   const std::optional<StaticField> own = static_field_of(part);
   return !own || traits.deflects || own->field != Vector3{};
 }

@@ -28,8 +28,7 @@ struct PartTraits {
   bool drives = false;       // its field has a clock: it can drive transitions
   bool target = false;       // a source may be aimed at it
   bool one_way = false;      // what it does depends on how often and in which direction it is passed
-  std::string_view needs_one_moment{};  // what it does to a spin with one moment, and to no atom with levels
-  std::string_view instead{};           // what does the like to atoms
+  bool sets_spins = false;   // it aligns, turns or filters them by itself, whatever its field
 };
 
 struct Placement {

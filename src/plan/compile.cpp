@@ -10,6 +10,7 @@
 #include "plan/magnets.hpp"
 #include "plan/plan.hpp"
 #include "plan/regions.hpp"
+#include "plan/set_spins.hpp"
 #include "plan/spin_history.hpp"
 #include "plan/tally_plan.hpp"
 #include "plan/zones.hpp"
@@ -52,6 +53,7 @@ class Compiler {
 
  private:
   int levels() const { return quantum_ ? species_.levels() : 0; }
+  bool is_atom() const { return quantum_ && species_.structure.has_value(); }
 
   // ---- fields as the species sees them ----
 
@@ -60,17 +62,6 @@ class Compiler {
     return std::visit([&](const auto& law) { return law.speed_range(species_.mass).slowest; },
                       beamline_.source.speed);
   }
-  Alignment alignment_of(const AlignTerm& term, const Plane& plane) const {
-    assert(!quantum_ || !species_.structure);
-    const double spin_along_field = species_.gyromagnetic_ratio < 0 ? -1 : 1;  // mu = gamma S
-    return {term.probability,
-            spin_along_field * term.field_sign,
-            {term.axis.x, term.axis.y, term.axis.z},
-            levels(),
-            plane.part,
-            plane.y};
-  }
-
   // ---- planes ----
 
   Screen screen_at(const Plane& plane) const {
@@ -82,7 +73,7 @@ class Compiler {
     chain_.push_back(Drift{plane.y});
     std::vector<SpinZone> zones = quantum_ ? std::vector<SpinZone>{} : spins_.zones_before(plane);
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    if (auto asked = questions_.at_magnet(plane, spin_axis(magnet))) chain_.push_back(std::move(*asked));
+    if (auto asked = questions_.at_plane(plane, spin_axis(magnet))) chain_.push_back(std::move(*asked));
     add_deflection(plane, magnet, species_, levels(), law_traits(beamline_.law).tolerance,
                    beamline_.chamber ? beamline_.chamber->radius : std::numeric_limits<double>::infinity(),
                    tables_, chain_);
@@ -94,14 +85,15 @@ class Compiler {
   }
   /// The spin must be known where it is filtered: fields that a straight flight passed before act now.
   void add_filter(const FilterTerm& filter, const Plane& plane) {
+    if (is_atom()) {
+      if (auto asked = questions_.at_plane(plane, {})) chain_.push_back(std::move(*asked));
+      chain_.push_back(level_filter_of(filter, plane, species_));
+      return;
+    }
     std::vector<SpinZone> zones = straight_ ? spins_.zones_before(plane) : std::vector<SpinZone>{};
     if (!zones.empty()) chain_.push_back(Precession{std::move(zones)});
-    chain_.push_back(filter_of(filter, plane));
+    chain_.push_back(filter_of(filter, plane, species_, quantum_));
     outlook_.tip = 1;
-  }
-  Filter filter_of(const FilterTerm& term, const Plane& plane) const {
-    assert(!quantum_ || (!species_.structure && species_.spin.twice == 1));
-    return {{term.axis.x, term.axis.y, term.axis.z}, term.up, term.down, quantum_, plane.part, plane.y};
   }
   void add_own_stage(const Plane& plane) {
     std::visit(
@@ -120,7 +112,7 @@ class Compiler {
     const double before = flight_.reached();
     flight_.reach(plane.y);
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
-      chain_.push_back(alignment_of(*align, plane));
+      chain_.push_back(alignment_of(*align, plane, species_, quantum_));
       aligned_along(align->axis);
       return;
     }
@@ -180,7 +172,7 @@ class Compiler {
       if (asks_for_spin(tallies[i]) != of_spin) continue;
       Histogram histogram = tally_at(plane, tallies[i], i, face);
       histogram.caught = caught;
-      if (of_spin && quantum_ && species_.structure) {
+      if (of_spin && is_atom()) {
         histogram.spins.of_atom = true;
         questions_.carry_levels(plane, histogram.spins);
       } else if (of_spin && straight_) {
@@ -268,7 +260,7 @@ class Compiler {
     const Section& first =
         *std::ranges::find_if(touching, [](const Section& s) { return !s.shaped.empty(); });
     const Plane entrance{begin, first.shaped.front().part, MagnetTerm{stretch.end}};
-    if (auto asked = questions_.at_magnet(entrance, stretch.entrance)) chain_.push_back(std::move(*asked));
+    if (auto asked = questions_.at_plane(entrance, stretch.entrance)) chain_.push_back(std::move(*asked));
     fly_through_region(touching, level_coupling_of(beamline_, species_, stretch, tables_), stretch.outlook);
     TurningRegion region = std::move(std::get<TurningRegion>(chain_.back()));
     SortingField field{std::move(region), entrance.part, {}};
@@ -290,7 +282,7 @@ class Compiler {
     edge.part = plane.part;
     if (const auto* align = std::get_if<AlignTerm>(&plane.term)) {
       edge.kind = EdgeKind::align;
-      edge.align = alignment_of(*align, plane);
+      edge.align = alignment_of(*align, plane, species_, quantum_);
     } else if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
       edge.kind = EdgeKind::plate;
       edge.plate = aperture_of(plane.y, *plate);

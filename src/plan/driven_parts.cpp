@@ -128,15 +128,26 @@ double DrivenParts::speed_at(std::size_t point, int component) {
                     beamline.species[static_cast<std::size_t>(component)].species.mass);
 }
 
-void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
-                           std::vector<std::string>& out) const {
+/// The zone of one point that is that of another one: a drive may have no amplitude at some.
+const LevelZone* DrivenParts::zone_called(const Driven& at, const Driven& most, std::size_t number) {
+  const std::string& name = most.names[number];
+  auto before =
+      std::count(most.names.begin(), most.names.begin() + static_cast<std::ptrdiff_t>(number), name);
+  for (std::size_t i = 0; i < at.names.size(); ++i)
+    if (at.names[i] == name && before-- == 0) return &at.zones[i];
+  return nullptr;
+}
+
+void DrivenParts::add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at,
+                           double speed, std::vector<std::string>& out) const {
   const std::size_t last = at.size() - 1;
   const LevelZone* before = nullptr;
   for (const std::size_t point : std::set<std::size_t>{0, last / 2, last}) {
-    if (at[point] == nullptr || number >= at[point]->zones.size()) continue;
-    const LevelZone& zone = at[point]->zones[number];
-    if (before && *before == zone) continue;
-    before = &zone;
+    const LevelZone* same = at[point] == nullptr ? nullptr : zone_called(*at[point], most, number);
+    if (same == nullptr || (before && *before == *same)) continue;
+    const LevelZone& zone = *same;
+    const bool first = before == nullptr;
+    before = same;
     const double width = width_of(zone, speed);
     out.push_back(fmt::format("at B = {}{}{}: {}, width {} {}", tesla(zone.field),
                               at[point]->on_way ? ", where a line is nearest" : "",
@@ -144,10 +155,10 @@ void DrivenParts::add_zone(std::size_t number, const std::vector<const Driven*>&
                               megahertz(zone.drive->oscillator.frequency),
                               is_pulsed(zone) ? "of a pulse" : "v/L",
                               pretty_quantity(width, Dimension::frequency)));
-    if (point == 0)
+    if (first)
       out.push_back(fmt::format("    its parts about {}: {}", zone.field < 0 ? "+z, against B" : "B",
                                 parts_of(*zone.drive)));
-    tell_transitions(at[point]->structure, zone, width, point == 0 ? 3 : 1, point == 0, out);
+    tell_transitions(at[point]->structure, zone, width, first ? 3 : 1, first, out);
   }
 }
 
@@ -157,13 +168,13 @@ std::vector<std::string> DrivenParts::lines(int component, int part, double spee
       {component, experiment_.points.front().parts[static_cast<std::size_t>(part)].placement.name});
   if (found == parts_.end()) return out;
   const std::vector<const Driven*>& at = found->second;
-  const auto first = std::find_if(at.begin(), at.end(), [](const Driven* d) { return d != nullptr; });
-  const Driven& driven = **first;
+  const Driven& driven = **std::ranges::max_element(
+      at, {}, [](const Driven* d) { return d == nullptr ? -1 : static_cast<int>(d->zones.size()); });
   std::vector<std::vector<std::string>> told;
   const std::vector<LevelZone>& zones = driven.zones;
   for (std::size_t i = 0; i < zones.size(); ++i) {
     told.emplace_back();
-    add_zone(i, at, speed, told.back());
+    add_zone(driven, i, at, speed, told.back());
     const auto same =
         static_cast<std::size_t>(std::find(told.begin(), told.end(), told.back()) - told.begin());
     out.push_back(fmt::format("{} drives from {:.4f} to {:.4f} m{}", driven.names[i], zones[i].begin,

@@ -31,14 +31,15 @@ class DrivenParts {
 
   /// The fields that drive transitions of a component of the beam before a part of the first scan point, and
   /// how well they are known; a line each, without indentation. At the first, the middle and the last scan
-  /// point.
+  /// point, where they have an amplitude.
   std::vector<std::string> lines(int component, int part, double speed) const;
 
  private:
   const Driven* driven_of(const SpinPath&, const Beamline&, const Species& atom);
   void collect(int component, const std::vector<PlanNode>&);
   void collect(int component, const Stage&, const std::vector<int>& points);
-  void add_zone(std::size_t number, const std::vector<const Driven*>& at, double speed,
+  static const LevelZone* zone_called(const Driven& at, const Driven& most, std::size_t number);
+  void add_zone(const Driven& most, std::size_t number, const std::vector<const Driven*>& at, double speed,
                 std::vector<std::string>& out) const;
   const Beamline& beamline_at(int point);
 

@@ -41,7 +41,7 @@ void LevelQuestions::carry_levels(const Plane& plane, SpinPath& path) const {
   path.way = &tables_.way(*species_.structure, fields);
 }
 
-std::optional<LevelProjection> LevelQuestions::at_magnet(const Plane& plane, const UnitVector& axis) const {
+std::optional<LevelProjection> LevelQuestions::at_plane(const Plane& plane, const UnitVector& axis) const {
   if (!quantum_) return std::nullopt;
   LevelProjection asked;
   asked.part = plane.part;

@@ -1,5 +1,5 @@
 #pragma once
-// Where a flight asks for the level of a particle: at deflecting magnets and at detectors.
+// Where a flight asks for the level of a particle: at deflecting magnets, filters and detectors.
 #include <optional>
 #include <vector>
 
@@ -17,7 +17,7 @@ class LevelQuestions {
                  const SpinHistory& spins, bool straight, SampledTables& tables);
 
   /// None where the level is still the one that was asked for last, or under a vector law.
-  std::optional<LevelProjection> at_magnet(const Plane&, const UnitVector& axis) const;
+  std::optional<LevelProjection> at_plane(const Plane&, const UnitVector& axis) const;
   SpinStretch at_detector(const Plane&) const;
 
   /// What acts on the levels of an atom since they were known last.

@@ -1,5 +1,6 @@
 // From parts to sections: each part contributes its terms.
 #include <algorithm>
+#include <utility>
 #include <variant>
 
 #include "plan/plan.hpp"
@@ -23,7 +24,15 @@ Sections sections_of(const Beamline& beamline) {
     for (const PlacedPart& part : beamline.parts) end = std::max(end, end_of(part));
     builder.fall_along(end);
   }
-  return builder.build(law_traits(beamline.law).has_forces ? Magnets::deflect : Magnets::uniform);
+  const LawTraits law = law_traits(beamline.law);
+  Sections out = builder.build(law.has_forces ? Magnets::deflect : Magnets::uniform);
+  const Species& first = beamline.species.front().species;
+  if (!law.has_levels || !first.structure) return out;
+  // To levels a coil's field is one as any other.
+  for (Section& section : out.sections)
+    for (const CoilTerm& coil : std::exchange(section.coils, {}))
+      section.field = section.field + coil.field(first);
+  return out;
 }
 
 }  // namespace rabiline

@@ -39,21 +39,28 @@ void check_structures(const Beamline& beamline, Faults& out) {
   }
 }
 
-/// Parts that know one moment only.
+/// A coil winds spins up by an angle, which is that of one spin; a filter lets levels pass by their names.
 void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
-  for (const PlacedPart& part : beamline.parts) {
-    const PartTraits traits = traits_of(part.part);
-    if (traits.needs_one_moment.empty()) continue;
-    out.push_back(
-        {part.placement.name, "kind",
-         fmt::format("`{}` {}, but `{}` has {} levels", part.placement.name, traits.needs_one_moment,
-                     atom.name, atom.levels()),
-         traits.instead.empty()
-             ? fmt::format("let the source prepare levels, `spin: {{kind: levels, levels: [{}]}}`, or select "
-                           "them by a deflecting magnet",
-                           some_level(atom))
-             : std::string(traits.instead)});
-  }
+  const auto check = [&](const auto& part, const std::string& name) {
+    if constexpr (requires { part.angle; }) {
+      if (atom.structure->i.twice == 0) return;
+      out.push_back(
+          {name, "kind",
+           fmt::format("`{}` turns one spin by an angle, but `{}` has two, I and J", name, atom.name),
+           "write a `uniform_field` with the coil's field, or drive transitions by a `rotating_field` or an "
+           "`oscillating_field`"});
+    }
+    if constexpr (requires { part.up; }) {
+      check_named_levels(beamline, part.levels, name, "levels", out);
+      if (part.axis)
+        out.push_back({name, "axis",
+                       fmt::format("`{}` filters spins along an axis, but `{}` has {} levels", name,
+                                   atom.name, atom.levels()),
+                       fmt::format("name the levels that pass: `levels: [{}]`", some_level(atom))});
+    }
+  };
+  for (const PlacedPart& part : beamline.parts)
+    std::visit([&](const auto& any) { check(any, part.placement.name); }, part.part);
 }
 
 // ---- fields ----

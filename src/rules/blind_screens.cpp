@@ -36,7 +36,7 @@ bool has_bore(const Part& part) {
 /// Of what sorts no spins.
 bool turns_spins_alone(const Part& part) {
   const PartTraits traits = traits_of(part);
-  return (traits.field || !traits.needs_one_moment.empty()) && !has_bore(part) && !is_magnet(part);
+  return (traits.field || traits.sets_spins) && !has_bore(part) && !is_magnet(part);
 }
 Beamline without_what_turns_spins(const Beamline& beamline) {
   const std::vector<bool> sorts = sorts_spins(beamline);

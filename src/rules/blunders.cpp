@@ -20,9 +20,7 @@ bool works_on_spins(const Part& part) {
       },
       part);
 }
-bool acts(const PlacedPart& part) {
-  return traits_of(part.part).field || !traits_of(part.part).needs_one_moment.empty();
-}
+bool acts(const PlacedPart& part) { return traits_of(part.part).field || traits_of(part.part).sets_spins; }
 bool aligns(const Part& part) {
   return std::visit(
       [](const auto& any) {

@@ -253,6 +253,8 @@ std::string report_of_fields(const Beamline& beamline) {
     if (!has_hard_edges(part.part))
       out += fmt::format(", {} where it ends", pretty_quantity(field->step(end), dimension));
     out += '\n';
+    if (const auto* wire = std::get_if<StraightWire>(&part.part); wire != nullptr && wire->wire_length)
+      out += "    a piece of wire without its leads, whose field is left out: what is there has a curl\n";
     if (const Tables tables = tables_of(part.part); !tables.maps.empty()) {
       const FieldMap& first = *tables.maps.front().first;
       std::string nodes;

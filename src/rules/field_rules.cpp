@@ -109,8 +109,23 @@ void check_filters(const Beamline& beamline, Faults& out) {
             },
             part.part))
       continue;
+    const bool names_levels = std::visit(
+        [](const auto& any) {
+          if constexpr (requires { any.up; }) return !any.levels.empty();
+          return false;
+        },
+        part.part);
     for (const Component& c : beamline.species)
-      if (is_quantum(beamline) && c.species.spin.twice > 1 && !c.species.structure)
+      if (names_levels && !(is_quantum(beamline) && c.species.structure))
+        out.push_back(
+            {part.placement.name, "levels",
+             fmt::format("`{}` filters levels, but {}", part.placement.name,
+                         c.species.structure ? "they exist under the law `quantum` only"
+                                             : fmt::format("`{}` has one moment and no levels of two "
+                                                           "spins",
+                                                           c.species.name)),
+             "write `axis` in place of `levels`"});
+      else if (is_quantum(beamline) && c.species.spin.twice > 1 && !c.species.structure)
         out.push_back({part.placement.name, "kind",
                        fmt::format("`{}` filters spins 1/2, but {} has another spin", part.placement.name,
                                    c.species.name),

@@ -160,6 +160,9 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
   const auto part = [&](int number) -> const PlacedPart& {
     return beamline.parts[static_cast<std::size_t>(number)];
   };
+  const bool atoms = is_quantum(beamline) && std::ranges::all_of(beamline.species, [](const Component& c) {
+                       return c.species.structure.has_value();
+                     });
   for (const Stretch& stretch : stretches_of(sections)) {
     const bool sorts = sorts_levels(beamline, sections, stretch);
     const std::string* field = nullptr;  // none where gravity alone asks for steps
@@ -187,6 +190,7 @@ void check_stepped(const Beamline& beamline, const Sections& sections, Faults& o
            field == nullptr ? "let gravity act across the beam" : "move it out of that field"});
       return;
     }
+    if (atoms && !sorts) continue;  // they fly straight
     for (const Plane& plane : sections.planes) {
       if (plane.y <= stretch.begin || plane.y >= stretch.end) continue;
       const bool both_ways =

@@ -144,8 +144,9 @@ Fault warning_of(const Fringed& field, const Placement& part) {
       fmt::format(
           "{} of the first {} particles pass `{}` more than {} from its axis{}, up to {}: so far from it "
           "the {} does not tell what the field is",
-          strays, field.strays.size(), part.name, metres(field.good), shape.along ? "" : " along the field",
-          metres(field.farthest), edge ? "fringe" : "profile"),
+          strays, field.strays.size(), part.name, metres(field.good),
+          shape.kind == FringeKind::across ? " along the field" : "", metres(field.farthest),
+          edge ? "fringe" : "profile"),
       "make it longer, or stop in front of it what comes so far");
 }
 

@@ -25,6 +25,20 @@ bool has_gradient(const PlacedPart& part) {
                              [](const Section& section) { return section.has_shaped_fields(); });
 }
 
+bool is_map(const ShapedTerm& term) {
+  return term.kind == ShapedKind::map || term.kind == ShapedKind::round_map;
+}
+/// Whether its field is interpolated at every step.
+bool is_mapped(const PlacedPart& part) {
+  SectionBuilder builder(Wall{});
+  std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
+  return std::ranges::any_of(builder.build().sections, [](const Section& section) {
+    return std::ranges::any_of(section.shaped, is_map) ||
+           std::ranges::any_of(section.swinging, is_map, &SwingingTerm::field) ||
+           std::ranges::any_of(section.electric, is_map);
+  });
+}
+
 Effects effects_of(const PlacedPart& part, const Law& law, const Species& species) {
   const bool charged = species.charge != 0, has_moment = species.gyromagnetic_ratio != 0 || species.structure;
   const LawTraits traits = law_traits(law);
@@ -86,11 +100,15 @@ std::string report_of_parts(const Beamline& beamline) {
     const PlacedPart& part = beamline.parts[i];
     if (!traits_of(part.part).field) continue;
     const Effects& all = effects[i];
-    out += fmt::format("  {:<16} {:<16} {}\n", part.placement.name, kind_of(part.part),
-                       all.spins && all.paths ? "turns spins and moves particles"
-                       : all.spins            ? "turns spins"
-                       : all.paths            ? "moves particles"
-                                              : "does nothing to what flies");
+    out +=
+        fmt::format("  {:<16} {:<16} {}{}\n", part.placement.name, kind_of(part.part),
+                    all.spins && all.paths ? "turns spins and moves particles"
+                    : all.spins            ? "turns spins"
+                    : all.paths            ? "moves particles"
+                                           : "does nothing to what flies",
+                    (all.spins || all.paths) && is_mapped(part)
+                        ? "; a step through its map takes some 30 times one through two wires in closed form"
+                        : "");
   }
   return out.empty() ? out : "what the fields do\n" + out;
 }

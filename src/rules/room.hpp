@@ -1,6 +1,7 @@
 #pragma once
 // What the rules have in common, and the rules by theme, in the order in which they are asked.
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +37,9 @@ inline std::string key_of_species(std::size_t number, std::string_view key) {
 bool is_quantum(const Beamline&);
 /// The first species with levels, or null.
 const Species* atom_of(const Beamline&);
+/// Of an atom: levels that it has, each named once; the key is that of the list.
+void check_named_levels(const Beamline&, std::span<const LevelName>, const std::string& subject,
+                        const std::string& key, Faults&);
 /// Whether fields bend paths.
 bool turns_paths(const Beamline&);
 

@@ -76,28 +76,36 @@ std::string quote(const LevelName& name) {
                            : fmt::format("`F={} m={}`", first, second);
 }
 
-void check_named_levels(const Beamline& beamline, const LevelsSpin& named, Faults& out) {
+}  // namespace
+
+void check_named_levels(const Beamline& beamline, std::span<const LevelName> levels,
+                        const std::string& subject, const std::string& list, Faults& out) {
   for (const Component& component : beamline.species) {
     if (!component.species.structure) continue;
     const CoupledSpins spins = coupled_spins(*component.species.structure);
     const std::vector<LevelLabel> labels = level_labels(spins);
-    for (std::size_t i = 0; i < named.levels.size(); ++i) {
-      const std::string key = fmt::format("spin.levels[{}]", i);
-      const std::optional<int> level = find_level(labels, named.levels[i]);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const std::string key = fmt::format("{}[{}]", list, i);
+      const std::optional<int> level = find_level(labels, levels[i]);
       if (!level)
-        out.push_back({"source", key,
-                       fmt::format("`{}` has no level {}", component.species.name, quote(named.levels[i])),
-                       fmt::format("it has {}", levels_of(spins, named.levels[i].strong_field))});
+        out.push_back({subject, key,
+                       fmt::format("`{}` has no level {}", component.species.name, quote(levels[i])),
+                       fmt::format("it has {}", levels_of(spins, levels[i].strong_field))});
       for (std::size_t k = 0; level && k < i; ++k)
-        if (find_level(labels, named.levels[k]) == level) {
+        if (find_level(labels, levels[k]) == level) {
           out.push_back(
-              {"source", key,
-               fmt::format("{} is the level {} again", quote(named.levels[i]), quote(named.levels[k])),
-               "name each level once; `shares` tells how many particles start in it"});
+              {subject, key, fmt::format("{} is the level {} again", quote(levels[i]), quote(levels[k])),
+               subject == "source" ? "name each level once; `shares` tells how many particles start in it"
+                                   : "name each level once"});
           break;
         }
     }
   }
+}
+
+namespace {
+
+void check_shares(const LevelsSpin& named, Faults& out) {
   if (!named.shares) return;
   if (named.shares->size() != named.levels.size())
     out.push_back({"source", "spin.shares",
@@ -117,7 +125,9 @@ void check_start_spin(const Beamline& beamline, Faults& out) {
   if (populated) check_populations(beamline, *populated, out);
   check_kind(beamline, named != nullptr || std::holds_alternative<ThermalSpin>(spin),
              populated != nullptr || std::holds_alternative<PolarisedSpin>(spin), out);
-  if (named) check_named_levels(beamline, *named, out);
+  if (!named) return;
+  check_named_levels(beamline, named->levels, "source", "spin.levels", out);
+  check_shares(*named, out);
 }
 
 }  // namespace rabiline

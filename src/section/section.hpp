@@ -12,6 +12,7 @@
 #include "particle/opening.hpp"
 #include "particle/species.hpp"
 #include "particle/speed.hpp"
+#include "spin/level_names.hpp"
 #include "tally/tally.hpp"
 
 namespace rabiline {
@@ -95,10 +96,12 @@ struct AlignTerm {
   Vector3 axis{0, 0, 1};
   bool operator==(const AlignTerm&) const = default;
 };
-/// Spins along the axis pass with one probability, spins against it with another one.
+/// Spins along the axis pass with one probability, spins against it with another one; or so do levels that
+/// are named, and the others.
 struct FilterTerm {
   Vector3 axis{0, 0, 1};
   double up = 1, down = 0;  // transmissions of the spin S along and against the axis
+  std::vector<LevelName> levels{};
   bool operator==(const FilterTerm&) const = default;
 };
 /// A deflecting magnet begins, and reaches to the place `end`.

@@ -115,9 +115,9 @@ class LevelPath {
                                const Vector& v, FieldAtTime& at) {
     const Phasor p = phasor(angle_at(drive, phase, t, r));
     const Slopes& slopes = drive.slopes;
-    real turning = fma(broadcast(drive.twist), v.y,
-                       fma(broadcast(slopes.phase_x), v.x,
-                           fma(broadcast(slopes.phase_z), v.z, broadcast(drive.omega))));
+    real turning =
+        fma(broadcast(drive.twist), v.y,
+            fma(broadcast(slopes.phase_x), v.x, fma(broadcast(slopes.phase_z), v.z, broadcast(drive.omega))));
     if (drive.sweep.rate != 0) turning = turning + swept_rate(drive.sweep, t);
     const real field = select(on, broadcast(drive.spin_rate), broadcast(0)),
                beside = fma(broadcast(slopes.size_x), r.x - slopes.x,

@@ -18,6 +18,7 @@
 #include "transport/stages/filter.hpp"
 #include "transport/stages/filter_stop.hpp"
 #include "transport/stages/histogram.hpp"
+#include "transport/stages/level_filter.hpp"
 #include "transport/stages/level_projection.hpp"
 #include "transport/stages/passage.hpp"
 #include "transport/stages/precession.hpp"
@@ -33,9 +34,10 @@ namespace rabiline {
 
 template <StageKind... Kinds>
 using StageList = std::variant<Kinds...>;
-using Stage = StageList<Drift, Passage, Alignment, Precession, Filter, FilterStop, LevelProjection,
-                        Deflection, Steering, TurningRegion, Score, Exit, SpinStretch, Census, Histogram,
-                        Attenuation, Chopping, VelocitySelection, SortingField, Bounds, WallStop>;
+using Stage =
+    StageList<Drift, Passage, Alignment, Precession, Filter, FilterStop, LevelFilter, LevelProjection,
+              Deflection, Steering, TurningRegion, Score, Exit, SpinStretch, Census, Histogram, Attenuation,
+              Chopping, VelocitySelection, SortingField, Bounds, WallStop>;
 
 // What every stage states (StageKind).
 const StageTraits& traits_of(const Stage&);

@@ -37,10 +37,11 @@ void cross_edge(const Region& region, int number, mask lanes, mask forward, word
     finish(pack, hit & ~dead, code(region_end::caught_at_edge, number) | bin_on(edge.screen, x, z) << 32);
   } else if (edge.kind == EdgeKind::align) {
     const real sign = drawn_sign(edge.align, region.key, particle);
-    const words bottom = code(0, edge.align.levels - 1);
     pack.state.spin = select(forward, aligned_spin(edge.align, sign), pack.state.spin);
     if (edge.align.levels > 0)
-      pack.level = select(forward, select(sign > broadcast(0), words{}, bottom), pack.level);
+      pack.level =
+          select(forward, select(sign > broadcast(0), code(0, edge.align.along), code(0, edge.align.against)),
+                 pack.level);
   }
 }
 

@@ -55,6 +55,18 @@ def test_two_lengths_that_trade_against_each_other_hold_the_truth_within_their_e
     assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 7 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.03
 
 
+def test_a_slit_and_a_free_scale_that_imitate_each_other_do_not_stop_a_fit_early() -> None:
+    """What 20,000 particles know of the slit is noise for the most part: its direction is followed nevertheless, as the counts ask for it."""
+    truth, x = {"magnet.gradient": 1460.0, "slit.height": 42e-6}, np.linspace(-0.3e-3, 0.3e-3, 61)
+    silver = rabiline.load(Path(__file__).parents[2] / "beamline/stern-gerlach.yaml").scan().set({"plate.height": "20 um", "plate.bins": [1, 1]})
+    places = tuple(f"{z!r} m" for z in x.tolist())
+    y = np.ravel(silver.set(truth).set(seed=1003, particles=1000000).scan("plate.offset.z", places).fly().detected)
+    counts = Counts("counts", "plate.offset.z", places, x, "m", np.random.default_rng(3).poisson(40000 * y).astype(float), None, None, None)
+    far, near = (fit_counts(silver.set(particles=20000), counts, [*truth, "scale"], start=start) for start in ({}, truth))
+    assert far.chi_squared < near.chi_squared + 5
+    assert abs(far["slit.height"][0] - 42e-6) < 4e-6 and abs(far["magnet.gradient"][0] - 1460) < 3.5 * far["magnet.gradient"][1]
+
+
 def test_fits_are_calibrated_by_a_script(tmp_path: Path) -> None:
     tool, fringes = (Path(__file__).parents[2] / name for name in ("tools/calibrate-fit", "docs/example/ramsey-fringes.yaml"))
     done = subprocess.run([tool, fringes, "--free", "guide.field=1.0003e-3", "--experiments", "2", "--particles", "300", "--truth", "3000"],

@@ -114,7 +114,7 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
     kinds += [("profiles", {"points": "0,1"})]
     kinds += [("profiles", {"points": eight}), ("profiles", {"size": MM["small"], "points": eight})]
-    small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "transit"))]
+    small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "image", "transit"))]
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
               for size in ({}, {"size": MM["small"]})]
@@ -147,10 +147,30 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
             with style.here(PAGE):
                 figures["draw, small"] = draw_apparatus(experiment.scan(), 2, LONG)
+            with style.here(SMALL):
+                figures["draw, column"] = draw_apparatus(experiment.scan(), 2, LONG)
         wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
     for figure in figures.values():
         plt.close(figure)
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("name", ["caesium-clock", "stern-gerlach", "hydrogen-source", "neutron-edm"])
+def test_a_column_has_room_for_images_levels_and_an_apparatus(name: str) -> None:
+    experiment = rabiline.load(BEAMLINES / f"{name}.yaml").set(particles=PARTICLES)
+    result = experiment.fly()
+    figures = [pictures.plot_of(result, kind, {"size": MM["small"]}) for kind in ("image", "levels")]
+    with style.here(SMALL):
+        figures.append(draw_apparatus(experiment, 5))
+    for figure in figures:
+        assert not faults(figure)
+        assert min(text.get_fontsize() for text in figure.findobj(Text) if text.get_text().strip() and text.get_visible()) > 4.5
+        plt.close(figure)
+
+
+def test_a_slender_picture_has_its_numbers_and_names_apart() -> None:
+    result = rabiline.load(BEAMLINES / "caesium-clock.yaml").set(particles=PARTICLES).fly()
+    assert not faults(pictures.plot_of(result, "scan", {"size": (40, 200)}))
 
 
 def test_a_column_has_room_for_eight_profiles() -> None:

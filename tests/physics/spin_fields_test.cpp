@@ -275,7 +275,7 @@ TEST(GuideField, ThatTurnsSlowlyTakesTheSpinAlong) {
   const GuideField guide{length, 2e-3, {0, 0, 1}, {1, 0, 0}, {}};
   const double turning = pi / 2 / stay, precession = -gamma_n * 2e-3;
   const double lost =
-      1 - detected(line({place("G", begin, guide), place("F", 0.8, SpinFilter{{-1, 0, 0}, 1, 0, {}})},
+      1 - detected(line({place("G", begin, guide), place("F", 0.8, SpinFilter{UnitVector{-1, 0, 0}, 1, 0, {}})},
                         QuantumLaw{}));
   EXPECT_LT(lost, std::pow(turning / precession, 2));
 }
@@ -286,8 +286,8 @@ TEST(GuideField, ThatDoesNotTurnIsAUniformField) {
 }
 
 TEST(SpinFilter, PassesHalfOfAnUnpolarisedBeamAndMalusLawOfTheRest) {
-  Beamline b = line({place("F1", 0.2, SpinFilter{{0, 0, 1}, 1, 0, {}}),
-                     place("F2", 0.6, SpinFilter{{std::sin(1.0), 0, std::cos(1.0)}, 1, 0, {}})},
+  Beamline b = line({place("F1", 0.2, SpinFilter{UnitVector{0, 0, 1}, 1, 0, {}}),
+                     place("F2", 0.6, SpinFilter{UnitVector{std::sin(1.0), 0, std::cos(1.0)}, 1, 0, {}})},
                     QuantumLaw{}, false);
   b.particles = 2000000;
   expect_agreement(
@@ -298,8 +298,8 @@ TEST(SpinFilter, PassesHalfOfAnUnpolarisedBeamAndMalusLawOfTheRest) {
 TEST(SpinFilter, OfPartialTransmissionKeepsTheRootOfTheProductOfCoherence) {
   // S along x: w = (up + down)/2 passes, and S_x = sqrt(up down)/w is left: an analyser along x tells.
   const Beamline b = line(
-      {place("F", 0.2, SpinFilter{{1, 0, 0}, 1, 0, {}}), place("G", 0.4, SpinFilter{{0, 0, 1}, 0.8, 0.2, {}}),
-       place("H", 0.6, SpinFilter{{1, 0, 0}, 1, 0, {}})},
+      {place("F", 0.2, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}}), place("G", 0.4, SpinFilter{UnitVector{0, 0, 1}, 0.8, 0.2, {}}),
+       place("H", 0.6, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}})},
       QuantumLaw{});
   expect_agreement(
       detected(b), [](double s) { return 0.5 * (0.5 * (0.8 + 0.2) + std::sqrt(0.8 * 0.2 * s)) / 2; }, 1e-11,
@@ -307,13 +307,13 @@ TEST(SpinFilter, OfPartialTransmissionKeepsTheRootOfTheProductOfCoherence) {
 }
 
 TEST(SpinFilter, OfNoTransmissionStopsEverythingAndOfFullTransmissionNothing) {
-  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{{0, 0, 1}, 0, 0, {}})}, QuantumLaw{})), 0);
-  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{{0.6, 0, 0.8}, 1, 1, {}})}, QuantumLaw{})), 1);
+  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{UnitVector{0, 0, 1}, 0, 0, {}})}, QuantumLaw{})), 0);
+  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{UnitVector{0.6, 0, 0.8}, 1, 1, {}})}, QuantumLaw{})), 1);
 }
 
 TEST(SpinFilter, GivesTheSameForAVectorOfEverySpinLaw) {
   const std::vector<PlacedPart> parts{place("C", 0.3, Coil{0.1, {1, 0, 0}, 0.8, speed, {}, {}, {}}),
-                                      place("F", 0.5, SpinFilter{{0, 0.6, 0.8}, 0.9, 0.1, {}}),
+                                      place("F", 0.5, SpinFilter{UnitVector{0, 0.6, 0.8}, 0.9, 0.1, {}}),
                                       place("D", 0.6, Coil{0.1, {0, 1, 0}, 0.5, speed, {}, {}, {}})};
   const Beamline quantum = line(parts, QuantumLaw{}), classical = line(parts, ClassicalLaw{});
   EXPECT_NEAR(detected(quantum), detected(classical), 1e-11);

@@ -40,8 +40,9 @@ void align(const Alignment& alignment, const RandomKey& key, BatchView& batch) {
     store(batch.sy + i, select(flying, spin.y, load(batch.sy + i)));
     store(batch.sz + i, select(flying, spin.z, load(batch.sz + i)));
     if (alignment.levels == 0) continue;
-    const words bottom = broadcast_word(static_cast<unsigned long long>(alignment.levels - 1));
-    const words level = select(flying, select(sign > broadcast(0), words{}, bottom), load(batch.level + i));
+    const words along = broadcast_word(static_cast<unsigned long long>(alignment.along)),
+                against = broadcast_word(static_cast<unsigned long long>(alignment.against));
+    const words level = select(flying, select(sign > broadcast(0), along, against), load(batch.level + i));
     store(batch.level + i, level);
     store(batch.prepared + i, select(flying, level, load(batch.prepared + i)));
   }

@@ -11,6 +11,7 @@ struct Alignment {
   double spin_sign = 1;        // +1 or -1: S along the axis that puts the moment along the field
   double axis[3] = {0, 0, 1};  // unit vector
   int levels = 0;              // quantum: how many levels; 0: a vector law
+  int along = 0, against = 0;  // quantum: the levels with S along the axis and against it
   int part = 0;
   double at = 0;  // [m]
   bool operator==(const Alignment&) const = default;

@@ -203,6 +203,47 @@ TEST(FieldMap, GoesOnBehindItsPlanesOfSymmetry) {
   }
 }
 
+TEST(FieldMap, AboutAnAxisGoesOnBehindItsMiddlePlane) {
+  // Two rings: of one sense their currents mirror into themselves at z = 0.
+  for (const double sense : {1.0, -1.0}) {
+    ShapedTerm ring(LoopShape{0.05, 1e-3}), other(LoopShape{0.05, sense * 1e-3});
+    ring.z = 0.03, other.z = -0.03;
+    constexpr double h = 0.5e-3;
+    const auto rings = [&](int first) {
+      MapNodes nodes;
+      nodes.axes = {{21, 0, h}, {41 - first, first * h, h}};
+      for (int i = 0; i < 21; ++i)
+        for (int k = first; k < 41; ++k) {
+          const Here a = field_at(ring, {i * h, 0, k * h}), b = field_at(other, {i * h, 0, k * h});
+          nodes.field.insert(nodes.field.end(), {a.field[0] + b.field[0], a.field[2] + b.field[2]});
+        }
+      return nodes;
+    };
+    const FieldMap whole(rings(-40), {}, "whole"),
+        half(rings(0),
+             {MapSymmetry::none, MapSymmetry::none,
+              sense > 0 ? MapSymmetry::same_currents : MapSymmetry::opposite_currents},
+             "half");
+    ASSERT_EQ(half.axes(), whole.axes());
+    const ShapedTerm a(whole.round_shape(1, MapOutside::zero)), b(half.round_shape(1, MapOutside::zero));
+    for (const Vector3& r : {Vector3{0.003, 0.001, 0.011}, {0.003, 0.001, -0.011}, {0.001, 0, -0.0003}})
+      for (int i = 0; i < 3; ++i)
+        EXPECT_NEAR(field_at(a, r).field[i], field_at(b, r).field[i], 1e-14) << sense << i;
+  }
+}
+
+TEST(FieldMap, OfChargesGoesOnBehindItsPlanes) {
+  // E_z of a plate's image in the plane z = 0 is even where charges change sign, and odd where they do not.
+  MapNodes nodes{{{4, 0, 1e-3}, {4, 0, 1e-3}, {4, 0, 1e-3}}, {}, true};
+  for (int n = 0; n < 64; ++n) nodes.field.insert(nodes.field.end(), {0, 0, 5});
+  const auto behind = [&](MapSymmetry z) {
+    const FieldMap map(nodes, {MapSymmetry::none, MapSymmetry::none, z}, "plate");
+    return field_at(ShapedTerm(map.shape(1, MapOutside::zero)), {1e-3, 1e-3, -2e-3}).field[2];
+  };
+  EXPECT_NEAR(behind(MapSymmetry::opposite_charges), 5, 1e-12);
+  EXPECT_NEAR(behind(MapSymmetry::same_charges), -5, 1e-12);
+}
+
 TEST(FieldMap, AboutAnAxisIsTheFieldOfItsLoop) {
   const ShapedTerm loop(LoopShape{0.05, 1e-3});
   MapNodes nodes;

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double pi = 3.14159265358979, size = 1e-3, half_length = 0.1, fringe = 0.02;
 ShapedTerm fringed(bool along, FringeCurve edge) {
-  return ShapedTerm(FringeShape{along, edge, size, half_length, fringe, {0, 2, 0, 0, 0, 0}});
+  return ShapedTerm(FringeShape{
+      along ? FringeKind::along : FringeKind::across, edge, size, half_length, fringe, {0, 2, 0, 0, 0, 0}});
 }
 template <class Place>
 Place tanh_share(Place z) {

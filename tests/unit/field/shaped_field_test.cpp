@@ -20,11 +20,14 @@ struct Sample {
   bool has_curl = false;
 };
 std::vector<Sample> samples() {
-  FringeShape tanh{false, FringeCurve::enge, 1e-3, 0.1, 0.05, {0, 2, 0, 0, 0, 0}}, sine = tanh;
+  FringeShape tanh{FringeKind::across, FringeCurve::enge, 1e-3, 0.1, 0.05, {0, 2, 0, 0, 0, 0}}, sine = tanh;
   FringeShape half_sine = tanh, gaussian = tanh;
   sine.curve = FringeCurve::sine;
   half_sine.curve = FringeCurve::half_sine;
   gaussian.curve = FringeCurve::gaussian;
+  FringeShape growing = tanh, turning = tanh;
+  growing.even = 0.5, growing.growth = 3;
+  turning.turn = 7, turning.phase = 0.4;
   LinearShape linear{{1e-3, 0, 2e-3}, {1e-2, 2e-2, 0, 2e-2, -3e-2, 5e-3, 0, 5e-3, 2e-2}};
   return {{"linear", ShapedTerm(linear)},
           {"loop", ShapedTerm(LoopShape{0.05, 1e-3})},
@@ -36,7 +39,16 @@ std::vector<Sample> samples() {
           {"tanh", ShapedTerm(tanh)},
           {"sine", ShapedTerm(sine)},
           {"half sine", ShapedTerm(half_sine)},
-          {"gaussian", ShapedTerm(gaussian)}};
+          {"gaussian", ShapedTerm(gaussian)},
+          {"growing", ShapedTerm(growing)},
+          {"turning", ShapedTerm(turning)}};
+}
+/// A sextupole with a fringe, of places that are none in particular.
+Sample soft_poles() {
+  FringeShape poles{FringeKind::poles, FringeCurve::enge, 10, 0.1, 0.05, {0, 2, 0, 0, 0, 0}};
+  poles.power = 2;
+  for (int i = 0; i < 4; ++i) poles.place[i] = 0.2 + 0.2 * i, poles.share[i] = 0.25;
+  return {"soft poles", ShapedTerm(poles)};
 }
 const std::vector<Vector3> places = {
     {0.003, 0.001, 0.02}, {0, 0.02, -0.01}, {-0.02, 0.03, 0.13}, {0.03, -0.02, -0.0604}, {0.045, 0.03, 0.09}};
@@ -56,7 +68,9 @@ TEST(ShapedField, HasNeitherDivergenceNorCurlAndTheSlopesOfItsField) {
 
 TEST(ShapedField, IsTheSameToTheBitInLanes) {
   using namespace isa_baseline;
-  for (const Sample& s : samples()) {
+  std::vector<Sample> all = samples();
+  all.push_back(soft_poles());
+  for (const Sample& s : all) {
     const ShapedTerm term = turned_elsewhere(s.term);
     for (const Vector3& place : places) {
       const Vector3 r = in_laboratory(term, place);

@@ -169,10 +169,11 @@ std::vector<Beamline> flipper(int points) {
     b.law = QuantumLaw{Outcomes::split};
     b.source.speed = GaussianSpeed{1000, 60};
     b.parts.erase(b.parts.begin());
-    b.parts.insert(b.parts.begin(), place("polariser", 0.1, SpinFilter{{0, 0, 1}, 0.98, 0.02, {}}));
+    b.parts.insert(b.parts.begin(), place("polariser", 0.1, SpinFilter{UnitVector{0, 0, 1}, 0.98, 0.02, {}}));
     std::get<UniformField>(b.parts[1].part).field = 1e-3;
     std::get<Detector>(b.parts.back().part).bins = {3, 4};
-    b.parts.insert(b.parts.end() - 1, place("analyser", 0.8, SpinFilter{{0, 0, 1}, 0.98, 0.02, {}}));
+    b.parts.insert(b.parts.end() - 1,
+                   place("analyser", 0.8, SpinFilter{UnitVector{0, 0, 1}, 0.98, 0.02, {}}));
     scan.push_back(b);
   }
   return scan;

@@ -159,7 +159,7 @@ TEST(Finish, StatesErrorsBehindFiltersThatTheScatterOverSeedsBearsOut) {
       b.law = twice_spin == 1 ? Law{QuantumLaw{}} : Law{ClassicalLaw{}};
       b.species[0].species.spin = {twice_spin};
       b.source = {SingleSpeed{1000}, Rectangle{2e-3, 2e-3}, ParallelDirection{}};
-      b.parts = {test::place("F", 0.1, SpinFilter{{0, 0, 1}, 0.9, 0.1, {}}),
+      b.parts = {test::place("F", 0.1, SpinFilter{UnitVector{0, 0, 1}, 0.9, 0.1, {}}),
                  test::place("screen", 0.5, Detector{Rectangle{1e-3, 5e-3}, {1, 1}, {}})};
       b.particles = 1000;
       b.seed = seed;
@@ -203,7 +203,7 @@ TEST(Finish, StatesErrorsOfAimedSourcesThatTheScatterOverSeedsBearsOut) {
     b.source.direction = AimedDirection{"S"};
     b.source.rate = 1e6;
     b.parts = {test::place("S", 0.1, Slit{Rectangle{0.3, 0.3}, {}}),
-               test::place("F", 0.12, SpinFilter{{0, 0, 1}, 0.5, 0.5, {}}),
+               test::place("F", 0.12, SpinFilter{UnitVector{0, 0, 1}, 0.5, 0.5, {}}),
                test::place("screen", 0.2, Detector{Rectangle{0.3, 0.3}, {1, 1}, {}})};
     b.chamber.reset();
     b.law = QuantumLaw{};

@@ -82,8 +82,8 @@ std::vector<StageSample> samples_of<Bounds>() {
 
 template <>
 std::vector<StageSample> samples_of<Alignment>() {
-  return {{"levels", Alignment{0.7, -1, {0, 0.6, 0.8}, 3, part, start}, 3},
-          {"vectors", Alignment{0.7, 1, {0.6, 0, 0.8}, 0, part, start}}};
+  return {{"levels", Alignment{0.7, -1, {0, 0.6, 0.8}, 3, 0, 2, part, start}, 3},
+          {"vectors", Alignment{0.7, 1, {0.6, 0, 0.8}, 0, 0, 0, part, start}}};
 }
 
 template <>
@@ -102,6 +102,11 @@ std::vector<StageSample> samples_of<Filter>() {
 template <>
 std::vector<StageSample> samples_of<FilterStop>() {
   return {{"outcome", FilterStop{part, start, 1}, 3}};
+}
+
+template <>
+std::vector<StageSample> samples_of<LevelFilter>() {
+  return {{"levels", LevelFilter{{0.9, 0, 0.3}, 2, part, start}, 3}};
 }
 
 template <>
@@ -227,7 +232,7 @@ std::vector<StageSample> samples_of<TurningRegion>() {
     second.field.end = 0.3;
     second.wall_radius = std::numeric_limits<double>::infinity();
     r.zones = {first, second};
-    RegionEdge edge{edge_kind, disc(2e-3), poor_screen(), {0.7, 1, {0, 0, 1}, 0, part, 0.2}, part};
+    RegionEdge edge{edge_kind, disc(2e-3), poor_screen(), {0.7, 1, {0, 0, 1}, 0, 0, 0, part, 0.2}, part};
     edge.plate.y = edge.screen.y = 0.2;
     r.edges = {edge};
     Census census{disc(4e-3), part, 0};
