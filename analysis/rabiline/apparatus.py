@@ -7,7 +7,7 @@ from argparse import ArgumentParser
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Sequence
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -38,7 +38,9 @@ DRIVES = {"rotating_field", "oscillating_field", "coil"}
 PLATES = {"slit", "collimator", "chopper", "velocity_selector", "gas_cell"}
 COUNTERS = {"detector", "monitor"}
 FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
+WIDTH = 9.0  # inches
 NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
+SMALL_NAME = 0.7  # its share where room is scarce
 THIN = 0.006  # of the length of the beam, drawn of what has none
 
 
@@ -92,14 +94,15 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     fields = fields_along(experiment, pieces, end, tracks)
     drawn = [draw for draw, there in ((_draw_fields, fields and fields.is_magnetic), (_draw_electric, fields and fields.electric.any()))
              if there]
-    figure, panels = plt.subplots(3 + len(drawn), 1, figsize=(9.0, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained",
-                                  height_ratios=(1.1, *(1.3 for _ in drawn), 2, 2))
+    room = style.room()
+    figure, panels = plt.subplots(3 + len(drawn), 1, figsize=room or (WIDTH, 6.4 + 1.4 * len(drawn)), sharex=True, layout="constrained")
     names, side, top = panels[0], panels[-2], panels[-1]
     if fields:
         pieces = [_where_it_acts(piece, fields) for piece in pieces]
-    rows = _write_names(names, pieces, end)
-    names.get_gridspec().set_height_ratios((NAME * rows, *(1.3 for _ in drawn), 2, 2))
-    figure.set_figheight(figure.get_figheight() - NAMES * (MOST_ROWS - rows) if rows < MOST_ROWS else figure.get_figheight())
+    rows = _write_names(names, [replace(piece, words="") for piece in pieces] if room else pieces, end)
+    names.get_gridspec().set_height_ratios(((SMALL_NAME if room else NAME) * rows, *(1.3 for _ in drawn), 2, 2))
+    if room is None and rows < MOST_ROWS:
+        figure.set_figheight(figure.get_figheight() - NAMES * (MOST_ROWS - rows))
     for draw_field, panel in zip(drawn, panels[1:]):
         draw_field(panel, fields)
     for axes, across in ((side, "z"), (top, "x")):
@@ -112,13 +115,30 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     top.set_xlabel("y, along the beam (m)")
     top.set_xlim(-0.01 * end, end)
     figure.align_ylabels(panels[1:])
-    if tracks is not None:
+    if room:
+        for axes in panels[1:]:
+            axes.yaxis.label.set_size(style.scaled(8))
+        _name_at_foot(figure, panels[1:-1])
+    elif tracks is not None:
         handles, labels = side.get_legend_handles_labels()
         legend = top.legend(handles, labels, loc="upper center", bbox_to_anchor=(0.5, -0.3), ncol=min(len(labels), 3))
         for line in legend.get_lines():
             line.set(linewidth=2, alpha=1)
     style.write_title(figure, title)
     return figure
+
+
+def _name_at_foot(figure: Figure, panels: Sequence[Axes]) -> None:
+    """One legend for all panels where room is scarce."""
+    named = {}
+    for axes in panels:
+        named |= {label.replace("\n", " "): handle for handle, label in zip(*axes.get_legend_handles_labels())}
+        if axes.get_legend():
+            axes.get_legend().remove()
+    if named:
+        style.legend_at_foot(figure, list(named.values()), list(named))
+        for line in figure.legends[0].get_lines():
+            line.set(linewidth=2, alpha=1)
 
 
 def _traced(experiment: Experiment, paths: int | None) -> Tracks | None:
@@ -205,19 +225,25 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
     far = sizes.max() > FAR * min(np.median(values) for values in plateaus) or \
         fields.static.any() and fields.static.max() > FAR * np.median(fields.static[fields.static > 0])
     scale = Scale("T") if far else fitting_scale(sizes, "T")
-    for values, colour, label in ((fields.static, INK, "|B|, as a path meets it" if fields.changes else "|B|, static"),
-                                  (fields.drives, LAWS["dorado"][0], "|B|, oscillating:\namplitude")):
+    for values, colour, line, label in ((fields.static, INK, "-", "|B|, as a path meets it" if fields.changes else "|B|, static"),
+                                        (fields.drives, LAWS["dorado"][0], _line(), "|B|, oscillating:\namplitude")):
         if values.any():
             shown = np.where(values > 0 if far else _near_any(values), scale.apply(values), np.nan)
-            axes.plot(fields.y, shown, color=colour, linewidth=1.2, label=label)
+            axes.plot(fields.y, shown, color=colour, linewidth=1.2, linestyle=line, label=label)
     if far:
         style.logarithmic(axes.yaxis)
         axes.yaxis.set_major_formatter(lambda value, _: format_value(float(f"{value:.3g}"), "T"))
     else:
         axes.set_ylim(bottom=0)
-    axes.set_ylabel("B on axis" if far else scale.label("B on axis"))
+    name = "B" if style.room() else "B on axis"
+    axes.set_ylabel(name if far else scale.label(name))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(axis="y")
+
+
+def _line() -> object:
+    """Of a field in the colour of some paths, from which one legend for both tells it by its dashes."""
+    return (0, (2.5, 1)) if style.room() else "-"
 
 
 def _near_any(values: np.ndarray) -> np.ndarray:
@@ -228,9 +254,9 @@ def _near_any(values: np.ndarray) -> np.ndarray:
 
 def _draw_electric(axes: Axes, fields: FieldsAlong) -> None:
     scale = fitting_scale(fields.electric, "V/m")
-    axes.plot(fields.y, scale.apply(fields.electric), color=LAWS["classical"][0], linewidth=1.2, label="|E|")
+    axes.plot(fields.y, scale.apply(fields.electric), color=LAWS["classical"][0], linewidth=1.2, linestyle=_line(), label="|E|")
     axes.set_ylim(bottom=0)
-    axes.set_ylabel(scale.label("E on axis"))
+    axes.set_ylabel(scale.label("E" if style.room() else "E on axis"))
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(axis="y")
 
@@ -320,7 +346,7 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
 def _write_names(axes: Axes, pieces: list[Piece], end: float) -> int:
     """Names above their parts in rows, so that none lies over another; as many as that are."""
     axes.set_axis_off()
-    letter = 0.0085 * end  # the width of one, near enough
+    letter = 0.0085 * WIDTH / axes.figure.get_figwidth() * end  # the width of one, near enough
     rows: list[float] = []
     placed = []
     for piece in pieces:

@@ -41,7 +41,7 @@ def draw_difference(one: Results, other: Results, detector: str, title: str | No
         below.set_xticks(axis.values, [style.beside_ticks(figure, label) for label in axis.labels])
     if is_logarithmic(axis.values):
         style.logarithmic(below.xaxis)
-    below.set_xlabel(scale.label(axis.parameter))
+    style.name_below(below, scale.label(axis.parameter))
     style.write_deviations(below, "difference", max((np.abs(row[np.isfinite(row)]).max(initial=0.0) for row in differences)))
     above.grid(axis="y")
     above.set_title(agreement.replace("chi²", "χ²"), fontsize=style.points("legend.fontsize"))

@@ -20,6 +20,7 @@ LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's 
 DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
 TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
 SEEN = 2.0  # times that noise: nothing that is degenerate comes so far
+LED = 4.0  # of Q, two standard deviations: what falls by less along a direction may be the noise of the slopes
 MOST_ITERATIONS = 25
 AVERAGES = 12  # each halves, at least, what an average is off
 REACH = 2.0  # steps
@@ -85,6 +86,14 @@ class Fisher:
         """[k, k] Without the directions that the data do not know."""
         values, vectors, known = self.directions
         return self.errors[:, None] * ((vectors[:, known] / values[known]) @ vectors[:, known].T) * self.errors
+
+    def way(self, score: np.ndarray) -> np.ndarray:
+        """[k] To the minimum from where Q has a gradient of -2 `score` [k]: along what is known, and along what the noise hides, where Q promises
+        to fall by more than `LED`. What is degenerate stays, and what only the noise of slopes would follow."""
+        values, vectors, known = self.directions
+        along = vectors.T @ (self.errors * score)
+        led = known | (values > DEGENERATE * values.max()) & (along**2 > LED * values)
+        return self.errors * (vectors[:, led] @ (along[led] / values[led]))
 
     @property
     def covariance(self) -> np.ndarray:
@@ -169,14 +178,14 @@ class Problem:
         return columns / mu[:, None] - modes / mu[:, None] @ np.linalg.solve(inner, modes.T @ (columns / mu[:, None]))
 
     def least(self, values: np.ndarray, fixed: Sequence[int] = ()) -> tuple[np.ndarray, float]:
-        """The minimum from `values` on, with some parameters held, and Q there. Directions that are not known stay."""
+        """The minimum from `values` on, with some parameters held, and Q there. What is degenerate stays."""
         mu, _, each = self.mean(values)
         modes = self.modes(mu, each)
         moving = [i for i in range(values.size) if i not in fixed]
         q, gradient = self.badness(values, modes)
         for _ in range(MOST_ITERATIONS if moving else 0):
             step = np.zeros(values.size)
-            step[moving] = self.fisher(values, modes).of(moving).inverse @ -gradient[moving] / 2
+            step[moving] = self.fisher(values, modes).of(moving).way(-gradient[moving] / 2)
             factor, better = 1.0, None
             while better is None and factor > 1e-3:
                 tried = values + factor * step

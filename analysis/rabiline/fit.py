@@ -1,19 +1,13 @@
 """The fit of dips or peaks with a model, and what its errors mean."""
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .agreement import with_model
 from .covariance import LEAST_P, ChiSquared, Weights
 from .curves import Curve, NoResonance, Resonance, Value, are_fringes, half_maxima
-
-if TYPE_CHECKING:
-    import lmfit
 
 MOST_POINTS = 8192  # of a curve: weights and covariances are squares of them
 SHARED, OWN = 1, 4  # parameters of all dips, and of each: in the order of `Fit.parameters`
@@ -70,14 +64,14 @@ def fit(curve: Curve) -> Fit:
         raise NoResonance(f"{curve.x.size} points are too many for one fit, which takes up to {MOST_POINTS}")
     unit, origin = float(np.ptp(curve.x)), float(curve.x[0])  # the fit sees numbers of order one
     x = (curve.x - origin) / unit
-    first = _least_squares(x, curve.y, np.eye(x.size), _start(starts, unit, origin))
-    expected = bells(x, _numbers(first))
-    agreement = with_model(curve, expected, _jacobian(x, _numbers(first)))
+    start, bounds = _start(starts, unit, origin)
+    first = _least_squares(x, curve.y, np.eye(x.size), start, bounds)
+    expected = bells(x, first)
+    agreement = with_model(curve, expected, _jacobian(x, first))
     weighted = agreement.p > LEAST_P  # not where there is no chi²
     spread = curve.spread.at(expected, curve.y) if weighted else curve.spread
     weights = Weights.of(spread) if weighted else Weights.equal(x.size)
-    best = _numbers(_least_squares(x, curve.y, weights.root, first)) if weighted else _numbers(first)
-
+    best = _least_squares(x, curve.y, weights.root, first, bounds) if weighted else first
     jacobian = _jacobian(x, best)
     residual = curve.y - bells(x, best)
     misfit = float(np.sqrt(np.mean(residual**2) / np.mean(spread.errors**2)))
@@ -91,41 +85,28 @@ def fit(curve: Curve) -> Fit:
     return Fit(resonances, tuple(own[OWN - 1::OWN]), misfit, agreement, weighted)
 
 
-def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: lmfit.Parameters) -> lmfit.Parameters:
-    """The parameters at which |root (model - y)|² is least."""
-    outcome = _lmfit().minimize(lambda p: root @ (bells(x, _numbers(p)) - y), start)
-    if not (outcome.success and np.isfinite(_numbers(outcome.params)).all()):
-        raise NoResonance("the fit does not converge")
-    return outcome.params
-
-
-def _lmfit() -> ModuleType:
-    """The module, which takes long to load; without pandas, which takes as long and would serve to write models as JSON."""
-    hidden = "pandas" not in sys.modules
-    if hidden:
-        sys.modules["pandas"] = None  # type: ignore[assignment]
+def _least_squares(x: np.ndarray, y: np.ndarray, root: np.ndarray, start: np.ndarray, bounds: np.ndarray) -> np.ndarray:
+    """[parameters] Those within `bounds` [2, parameters] at which |root (model - y)|² is least."""
+    from scipy import optimize  # when a line is fitted: it takes long to load
     try:
-        import lmfit
-        return lmfit
-    finally:
-        if hidden:
-            del sys.modules["pandas"]
+        found = optimize.least_squares(lambda values: root @ (bells(x, values) - y), start.clip(*bounds), lambda values: root @ _jacobian(x, values),
+                                       bounds, x_scale="jac", ftol=1e-10, xtol=1e-10)
+    except ValueError:  # of values that are infinite or no numbers
+        raise NoResonance("the fit does not converge") from None
+    if not (found.success and np.isfinite(found.x).all()):
+        raise NoResonance("the fit does not converge")
+    return found.x
 
 
-def _start(starts: list[Resonance], unit: float, origin: float) -> lmfit.Parameters:
-    parameters = _lmfit().Parameters()
-    parameters.add("baseline", starts[0].baseline.value)
-    for i, start in enumerate(starts):
+def _start(starts: list[Resonance], unit: float, origin: float) -> tuple[np.ndarray, np.ndarray]:
+    """Where a fit starts, and what its parameters [2, parameters] are between: centres stay in their dips or peaks."""
+    rows = [(starts[0].baseline.value, -np.inf, np.inf)]
+    for start in starts:
         low, high = ((start.centre.value - origin + side * start.width.value / 2) / unit for side in (-1, 1))
-        parameters.add(f"height_{i}", (1 if start.kind == "peak" else -1) * start.depth.value)
-        parameters.add(f"centre_{i}", (low + high) / 2, min=low, max=high)
-        parameters.add(f"width_{i}", high - low, min=(high - low) / 4, max=2.0)
-        parameters.add(f"steepness_{i}", 4.0, min=0.5, max=60.0)
-    return parameters
-
-
-def _numbers(parameters: lmfit.Parameters) -> np.ndarray:
-    return np.array([parameter.value for parameter in parameters.values()])
+        rows += [((1 if start.kind == "peak" else -1) * start.depth.value, -np.inf, np.inf), ((low + high) / 2, low, high),
+                 (high - low, (high - low) / 4, 2.0), (4.0, 0.5, 60.0)]  # height, centre, width, steepness
+    first, *bounds = np.array(rows).T
+    return first, np.array(bounds)
 
 
 def _resonance(start: Resonance, baseline: Value, height: Value, centre: Value, width: Value, *, unit: float,

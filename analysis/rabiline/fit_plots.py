@@ -29,13 +29,14 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     lines, verdict = _numbers(fit), _verdict(fit)
     figure, (above, below) = plt.subplots(2, 1, figsize=style.size(7.2, 5.2 + 0.08 * len(lines + verdict)), sharex=True, layout="constrained")
     low, high = (np.maximum(limit, 0) for limit in _poisson(counts))
+    curve_name, band_name = ("fitted", "its error") if figure.get_figwidth() < style.NARROW else ("simulated, fitted", "its standard error")
     for own, label, colour in _rows(fit, order):
         above.errorbar(x[own], counts[own], (counts[own] - low[own], high[own] - counts[own]), fmt="o", markersize=3,
                        color=colour if label else INK, elinewidth=0.8, linestyle="none", label=label or "counted")
-        above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else "simulated, fitted")
+        above.plot(x[own], expected[own], color=colour, linewidth=1.3, label=None if label else curve_name)
         if band.max() > 0.002 * np.ptp(expected):
             above.fill_between(x[own], (expected - band)[own], (expected + band)[own], color=colour, alpha=0.2, linewidth=0,
-                               label=None if label else "its standard error")
+                               label=None if label else band_name)
     above.set_ylabel("counts")
     above.grid(axis="y")
     residuals = (counts - expected) / np.sqrt(np.maximum(expected, 1e-9) + band**2)
@@ -43,7 +44,7 @@ def draw_fit(fit: CountsFit, title: str | None = None) -> Figure:
     for own, label, colour in _rows(fit, order):
         below.plot(x[own], residuals[own], "o", color=colour if label else INK, markersize=3)
     style.write_deviations(below, "residual", np.abs(residuals).max())
-    below.set_xlabel(scale.label(fit.counts.parameter))
+    style.name_below(below, scale.label(fit.counts.parameter))
     style.write_title(figure, title or fit.title)
     style.write_numbers(above, lines + verdict, verdict)
     about = "points: counted, lines: simulated and fitted" if fit.counts.across else ""

@@ -17,6 +17,7 @@ from .counts import Counts, read_counts
 from .counts_problem import Exposure, Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
 from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, Surface, check_columns
+from .errors import as_keywords
 from .experiment import Experiment
 from .held import Held, held
 from .profiles import Profiles, profiles
@@ -125,15 +126,19 @@ class CountsFit:
         from .fit_report import report
         return "\n".join(report(self))
 
-    def plot(self, output: Path | str | None = None) -> object:
-        """Counts, the fitted curve and the residuals; written to `output` where that is given. Raises OSError, and
-        errors.InputError for an ending that is no picture's."""
+    def plot(self, output: Path | str | None = None, *, size: str | tuple[float, float] | None = None, title: str | None = None,
+             dpi: float = 200) -> object:
+        """Counts, the fitted curve and the residuals; written to `output` where that is given. `size` in mm, "86x60" or a pair. Raises OSError,
+        TypeError, and errors.InputError for an ending that is no picture's or a size that has no room."""
         from . import style
         from .fit_plots import draw_fit
-        with style.here():
-            figure = draw_fit(self)
-        if output is not None:
-            style.save(figure, output)
+        from .picture_options import KeywordParser, asked_size, dots
+        with as_keywords():
+            KeywordParser.require("dpi", dots, str(dpi))
+            with style.here(asked_size(size)):
+                figure = draw_fit(self, title)
+            if output is not None:
+                style.save(figure, output, dpi)
         return figure
 
 

@@ -1,8 +1,9 @@
 """The images of detectors as pictures, with their projections."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, log10
+from typing import Sequence
 
 import numpy as np
 from matplotlib import pyplot as plt
@@ -21,6 +22,8 @@ from .units import SUPERSCRIPT, Scale, format_value, law_name
 
 MILLI = 1e3
 LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
+SMALL_PROJECTION, SMALLEST = 0.45, 0.5  # likewise, where room is scarce; and the least of an image's longer side
+BELOW, SMALL_BELOW = 1.2, 1.05  # inches: numbers and names of the axes, and the bar of colours
 BEAM = LAWS["quantum"][0]
 MANY = 1e4  # counts that are written with a power of ten
 PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
@@ -75,12 +78,9 @@ def off_and_on(results: Results, curves: list[Curve]) -> list[Shot]:
 def draw_images(results: Results, detector: Detector, shots: list[Shot], title: str | None = None) -> Figure:
     """Images side by side on one colour scale and in true proportion, each with its projections on x (above) and z
     (right)."""
-    size = _image_size(detector)
-    title = title or (f"{results.title}: {detector.label}" if results.title else detector.label)
-    title = in_lines(style.shortened(title), _width(size, len(shots)), TITLE)
-    headings = [in_lines(_heading(results, detector, shot), size[0] + PROJECTION + GAP + 0.5 * MARGIN, 10.5) for shot in shots]
-    room = 0.21 * (1 + title.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + 0.25
-    figure, rows = _lay_out(size, len(shots), room)
+    layout, title, headings = _laid_out(results, detector, shots, title or (f"{results.title}: {detector.label}" if results.title else detector.label))
+    figure, rows = layout.figure()
+    size = layout.image
     norm = Normalize(0, max(detector.counts[[shot.point for shot in shots]].max(), 1))
     for shot, heading, (image, above, beside) in zip(shots, headings, rows):
         point = shot.point
@@ -102,22 +102,65 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
         for row in rows:
             _write_counts((row[1].yaxis, row[2].xaxis)[i - 1], most)
     rows[0][0].set_ylabel("z (mm)")
-    colour_bar = figure.add_axes(_inches(figure, MARGIN, 0.55, _width(size, len(shots)) - MARGIN - 0.3, 0.12))
+    colour_bar = figure.add_axes(_inches(figure, MARGIN, layout.below - 0.65, layout.width - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal")
     _write_counts(colour_bar.xaxis, norm.vmax, " per bin")
     figure.suptitle(title.strip(), fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
     return figure
 
 
-def _image_size(detector: Detector) -> tuple[float, float]:
-    """[inches] Width and height of an image in true proportion, as far as a page allows that."""
+@dataclass(frozen=True)
+class Layout:
+    """Where images, side by side, have their places, in inches."""
+
+    image: tuple[float, float]  # width and height of each
+    projection: float  # what is left for each
+    below: float
+    shots: int
+    head: float = 0.0  # for the title and what stands above each image
+
+    @property
+    def width(self) -> float:
+        """Of the figure."""
+        return self.shots * (self.image[0] + self.projection + 2 * GAP + MARGIN) + 0.15
+
+    @property
+    def height(self) -> float:
+        """Of the figure."""
+        return self.below + self.image[1] + GAP + self.projection + self.head
+
+    def figure(self) -> tuple[Figure, list[tuple[Axes, Axes, Axes]]]:
+        """The figure, and for each shot the axes of its image and of the projections above and beside it."""
+        figure = plt.figure(figsize=(self.width, self.height))
+        rows: list[tuple[Axes, Axes, Axes]] = []
+        (wide, high), projection = self.image, self.projection
+        for i in range(self.shots):
+            left = MARGIN + i * (wide + projection + 2 * GAP + MARGIN)
+            shared = rows[0] if rows else (None, None, None)
+            image = figure.add_axes(_inches(figure, left, self.below, wide, high), sharex=shared[0], sharey=shared[0])
+            above = figure.add_axes(_inches(figure, left, self.below + high + GAP, wide, projection), sharex=image, sharey=shared[1], label=PROJECTED)
+            beside = figure.add_axes(_inches(figure, left + wide + GAP, self.below, projection, high), sharex=shared[2], sharey=image, label=PROJECTED)
+            rows.append((image, above, beside))
+        return figure, rows
+
+
+def _laid_out(results: Results, detector: Detector, shots: list[Shot], title: str) -> tuple[Layout, str, list[str]]:
+    """Places, and title and headings in lines that fit: of images in true proportion, as far as a page allows that, and no larger than there is
+    room for."""
     ratio = np.ptp(detector.z_edges) / np.ptp(detector.x_edges)
     ratio = min(max(ratio, 1 / 3), 3)
-    return LARGEST / max(ratio, 1), LARGEST * min(ratio, 1)
-
-
-def _width(size: tuple[float, float], shots: int) -> float:
-    return MARGIN + shots * (size[0] + PROJECTION + 2 * GAP + MARGIN) - MARGIN + 0.15
+    room, largest = style.room(), LARGEST
+    words = [_heading(results, detector, shot, shots if room else ()) for shot in shots]
+    while True:
+        places = (SMALL_PROJECTION, SMALL_BELOW) if room else (PROJECTION, BELOW)
+        layout = Layout((largest / max(ratio, 1), largest * min(ratio, 1)), *places, len(shots))
+        lines = in_lines(style.shortened(title), layout.width, TITLE)
+        headings = [in_lines(text, layout.image[0] + layout.projection + GAP + 0.5 * MARGIN, 10.5) for text in words]
+        head = 0.21 * (1 + lines.count("\n")) + 0.19 * (1 + max(heading.count("\n") for heading in headings)) + (0.15 if room else 0.25)
+        layout = replace(layout, head=head)
+        if room is None or layout.width <= room[0] and layout.height <= room[1] or largest <= SMALLEST:
+            return layout, lines, headings
+        largest = max(0.95 * largest, SMALLEST)
 
 
 def _inches(figure: Figure, left: float, bottom: float, width: float, height: float) -> tuple[float, ...]:
@@ -126,24 +169,9 @@ def _inches(figure: Figure, left: float, bottom: float, width: float, height: fl
     return left / across, bottom / up, width / across, height / up
 
 
-def _lay_out(size: tuple[float, float], shots: int, room: float) -> tuple[Figure, list[tuple[Axes, Axes, Axes]]]:
-    """The figure, and for each shot the axes of its image and of the projections above and beside it."""
-    figure = plt.figure(figsize=(_width(size, shots), 1.2 + size[1] + GAP + PROJECTION + room))
-    rows: list[tuple[Axes, Axes, Axes]] = []
-    for i in range(shots):
-        left, bottom = MARGIN + i * (size[0] + PROJECTION + 2 * GAP + MARGIN), 1.2
-        shared = rows[0] if rows else (None, None, None)
-        image = figure.add_axes(_inches(figure, left, bottom, *size), sharex=shared[0], sharey=shared[0])
-        above = figure.add_axes(_inches(figure, left, bottom + size[1] + GAP, size[0], PROJECTION),
-                                sharex=image, sharey=shared[1], label=PROJECTED)
-        beside = figure.add_axes(_inches(figure, left + size[0] + GAP, bottom, PROJECTION, size[1]),
-                                 sharex=shared[2], sharey=image, label=PROJECTED)
-        rows.append((image, above, beside))
-    return figure, rows
-
-
-def _heading(results: Results, detector: Detector, shot: Shot) -> str:
-    """What is seen, and the fraction of the emitted particles that it is."""
+def _heading(results: Results, detector: Detector, shot: Shot, among: Sequence[Shot]) -> str:
+    """What is seen, and the fraction of the emitted particles that it is; less of it where it is to be short `among` others, with the law where
+    that differs."""
     scan, point = results.scan, shot.point
     row = scan.detectors.index(detector.name)
     fraction, error = scan.detected[row, point], scan.errors[row, point]
@@ -151,6 +179,9 @@ def _heading(results: Results, detector: Detector, shot: Shot) -> str:
     of = "aimed at the target" if results.aimed_fraction is not None else "emitted"
     share = f"detected: {format_value(fraction, '', error)} of what was {of}" if 0 < fraction < 1 else \
         f"detected: {'none' if fraction == 0 else 'all'} of {results.emitted[point]:.6g} {of}"
+    if among:
+        law = law_name(results.laws[point]) if len({results.laws[other.point].partition(" ")[0] for other in among}) > 1 else ""
+        return "\n".join(filter(None, (shot.heading, law, share.partition(" of ")[0])))
     return "\n".join(filter(None, (shot.heading, about, share)))
 
 

@@ -25,7 +25,7 @@ PANEL = 2.6  # inches high, where there are several
 MOST_PANELS = 6
 BESIDE = 0.3  # of the step between two names, over which levels are spread
 LEGEND_LINE = 0.145  # inches
-LOWEST_PANEL = 0.9  # inches: below that ticks and titles meet
+LOWEST_PANEL, FOOT = 0.6, 0.9  # inches: below that ticks and titles meet; and what a title, the lowest numbers and a legend take
 
 
 class TooSmall(InputError):
@@ -50,11 +50,13 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
                                 figsize=style.size(7.2, 1.9 + max(PANEL, 3.2 / len(panels_of)) * len(panels_of)))
     panels = list(grid[:, -1])
     one_look = dict(zip(shown, LOOKS)) if len(shown) <= len(LOOKS) else None
-    least = sum(LOWEST_PANEL if one_look else max(LOWEST_PANEL, 0.35 + LEGEND_LINE * len(levels)) for *_, levels in panels_of)
-    if figure.get_figheight() < least:
+    by_m = one_look or _by_m(labels, shown)
+    beside = sum(max(LOWEST_PANEL, 0.35 + LEGEND_LINE * len(levels)) for *_, levels in panels_of)  # inches, with a legend for each
+    one_legend = one_look is not None or figure.get_figheight() < beside
+    least = LOWEST_PANEL * len(panels_of) + FOOT
+    if len(panels_of) > 1 and figure.get_figheight() < least:
         plt.close(figure)
         raise TooSmall(f"{len(panels_of)} panels need a height of {25.4 * least:.0f} mm at least (--size)")
-    by_m = one_look or _by_m(labels, shown)
     top = 0.0
     for number, (panel, (row, name, levels)) in enumerate(zip(panels, panels_of)):
         for part, piece in zip(grid[number], pieces):
@@ -64,7 +66,7 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
         above = draw_marks(panel, marks, scale, named=panel is panels[0])
         heading = style.in_lines(style.plain(", ".join(filter(None, (row.label, name)))), figure.get_figwidth() - 1.0, style.points("font.size"))
         grid[number, 0].set_title(heading, loc="left", fontsize="medium", pad=title_pad(above))
-        if one_look is None and panel.get_legend_handles_labels()[0]:
+        if not one_legend and panel.get_legend_handles_labels()[0]:
             panel.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), markerscale=1.5, handlelength=3, ncol=1 + (len(levels) - 1) // 14)
     top = 1.0 if top > 0.8 or top == 0 else top
     for panel in panels:
@@ -73,9 +75,9 @@ def draw_levels(rows: Sequence[Curve], detector: Detector, title: str, marks: di
         panels[-1].set_xticks(axis.values, [style.beside_ticks(figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
         style.logarithmic(panels[-1].xaxis)
-    grid[-1, len(pieces) // 2].set_xlabel(scale.label(axis.parameter))
+    style.name_below(grid[-1, len(pieces) // 2], scale.label(axis.parameter))
     style.write_title(figure, title)
-    foot = _legend_of_all(figure, panels) if one_look is not None else 0.0
+    foot = _legend_of_all(figure, panels, [name for _, name, _ in panels_of]) if one_legend else 0.0
     figure.supylabel(style.upright(figure, f"fraction of what {style.plain(detector.label)} detected\n(bars: 1 σ)", foot), fontsize="medium")
     return figure
 
@@ -86,9 +88,11 @@ def share_of(level: int, row: Curve, levels: Levels) -> Curve:
     return replace(row, label=label, y=levels.fractions[row.points, level], errors=levels.errors[row.points, level])
 
 
-def _legend_of_all(figure: Figure, panels: Sequence[Axes]) -> float:
-    """Below the last panel; gives back the height [inches] of the figure's foot, where it has one."""
-    named = {label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels())}
+def _legend_of_all(figure: Figure, panels: Sequence[Axes], families: Sequence[str]) -> float:
+    """Below the last panel, without the names of families, which stand above their panels; gives back the height [inches] of the figure's foot,
+    where it has one."""
+    named = {label.removeprefix(style.level(family)).strip(): handle for panel, family in zip(panels, families)
+             for handle, label in zip(*panel.get_legend_handles_labels())}
     if style.size(0, 0) != (0, 0) and named:
         return style.legend_at_foot(figure, list(named.values()), list(named), markerscale=1.5)
     below = -0.55 / panels[-1].get_position().height / figure.get_figheight()  # inches to axes, near enough
@@ -125,7 +129,8 @@ def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[
         if not known.any():
             continue
         top = max(top, float((y + errors)[known].max()))
-        symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else SYMBOL,
+        small = style.SMALLER**2 if axes.figure.get_figwidth() < style.NARROW else 1.0
+        symbols = {"color": look.colour, "marker": look.marker, "markersize": 2 * SYMBOL if row.axis.labels else small * SYMBOL,
                    "markerfacecolor": "white" if look.open else look.colour, "markeredgewidth": 0.8 if look.open else 0}
         label = style.level(levels.labels[i]).replace("S_z", "$S_z$")
         at = x + BESIDE * ((number + 0.5) / len(looks) - 0.5) if row.axis.labels else x

@@ -12,10 +12,11 @@ import numpy as np
 from . import results
 from .argument_types import count, heading
 from .counts import Counts, read_counts
-from .covariance import LEAST_P, freedom_in_words, p_in_words
+from .covariance import LEAST_P
 from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
+from .line_report import described, unit_of
 from .lines import FORMS, Form, LineFit, NoLine, fit_line, ramsey_over
 from .units import base_of, format_value, parse_quantity
 
@@ -25,13 +26,9 @@ if TYPE_CHECKING:
 PLANCK = 6.62607015e-34  # J s
 MAGNETONS = {"nuclear magnetons": 5.0507837393e-27, "Bohr magnetons": 9.2740100657e-24}  # J/T, CODATA 2022
 DEFAULT = "rabi"
-RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 FEWEST_CELLS, LEAST_SHARE = 12, 0.01  # of the slowness, with such a part of the beam, by which flight times are told apart
 BETTER = 3.0  # times smaller: a chi² that makes another form worth naming
-WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
-UNKNOWN = 10  # times itself: an error that leaves nothing
 NEEDED = {"frequency": "Hz", "field": "T", "amplitude": "T", "gradient": "T/m", "current": "A", "phase": "deg"}  # units that columns must have, by their ends
-UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 
 
 def arguments(parser: ArgumentParser) -> None:
@@ -125,21 +122,6 @@ def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarr
     return best if BETTER * best.chi_squared < fitted.chi_squared else None
 
 
-def unit_of(name: str, unit: str) -> str:
-    """That of a parameter of a form over an axis with this unit."""
-    power = UNITS.get(name.split("_")[0], 0)
-    inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
-    return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
-
-
-def _written_of(name: str, written: tuple[str, float] | None) -> tuple[str, float] | None:
-    """The unit of a parameter of a form over an axis that the user wrote in this one; None where that says nothing about it."""
-    power = UNITS.get(name.split("_")[0], 0)
-    if written is None or power == 0 or power == -1 and base_of(written[0])[0] == "Hz":
-        return None
-    return written if power == 1 else (f"1/{written[0]}", 1 / written[1])
-
-
 def derived(fitted: LineFit, unit: str, per_field: float | None, field: float | None, written: tuple[str, float] | None = None) -> list[str]:
     """What the centres mean, with the covariance of the fit: distances between them, fields by a frequency `per_field` [Hz/T], moments and
     g factors by the `field` [T]."""
@@ -181,22 +163,3 @@ def _quantity(option: str, text: str, unit: str) -> float:
     if value == 0:
         raise InputError(f"{option} must not be zero")
     return value
-
-
-def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None) -> list[str]:
-    """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI."""
-    lines = [f"form       {fitted.form}"]
-    for name, value, error in zip(fitted.names, fitted.values, fitted.errors):
-        is_known = error < UNKNOWN * abs(value) or name.startswith(("centre", "baseline"))
-        lines.append(f"{name:<10} {format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else 'not known'}")
-    if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
-        lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
-    if "spread" in fitted.names and fitted["spread"][0] > WIDE:
-        lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
-    lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
-              for centre, chi_squared in fitted.others]
-    if fitted.p < LEAST_P:
-        believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
-        lines.append(f"           the form does not describe the curve: believe {believed}")
-    return lines

@@ -27,7 +27,7 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     figure, axes = plt.subplots(figsize=style.size(7.2, 4.5 + 0.06 * len(words)), layout="constrained")
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
     axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3)
-    axes.set_xlabel(scale.label(name))
+    style.name_below(axes, scale.label(name))
     axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
     axes.grid(axis="y")
     style.write_title(figure, title)

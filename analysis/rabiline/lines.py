@@ -5,7 +5,7 @@ Ramsey's two.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Callable, Mapping, Sequence
 
 import numpy as np
@@ -116,7 +116,7 @@ FORMS = {form.name: form for form in (
 )}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LineFit:
     """What was fitted; the covariance is that of all parameters."""
 
@@ -129,8 +129,9 @@ class LineFit:
     constant: float  # chi² of the best constant
     freedom: int
     expected: np.ndarray  # [n]
-    curve: Callable[[np.ndarray], np.ndarray] = field(repr=False)  # the fitted y [m] at any x [m]
+    curve: Callable[[np.ndarray], np.ndarray]  # the fitted y [m] at any x [m]
     others: tuple[tuple[float, float], ...] = ()  # centres of other fringes, with a chi² that is less than `AS_GOOD` higher
+    unit: str = ""  # of x, as `fit_line` was told
 
     @property
     def p(self) -> float:
@@ -142,18 +143,29 @@ class LineFit:
         i = self.names.index(name)
         return float(self.values[i]), float(self.errors[i])
 
+    def __repr__(self) -> str:
+        from .line_report import told
+        return f"<fit of {self.form}: {', '.join(told(self))}>"
+
+    def __str__(self) -> str:
+        from .line_report import described
+        return "\n".join(described(self, self.unit))
+
 
 @np.errstate(all="ignore")  # of starts that lead nowhere
-def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
-             lines: int = 1, start: Mapping[str, float] | None = None) -> LineFit:
-    """Fits a form to y [n] with its covariance [n, n]; several `lines` have a centre and a contrast each, by rising centre, and share the rest.
-    A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of independent points with these
-    variances, and errors come from the whole covariance. Raises NoLine."""
+def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
+             lines: int = 1, start: Mapping[str, float] | None = None, unit: str = "") -> LineFit:
+    """Fits a form to y [n]; `errors` are one standard deviation of each point [n], or of all, or a covariance [n, n]. Several `lines` have a centre
+    and a contrast each, by rising centre, and share the rest. A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of
+    independent points with these variances, and errors come from the whole covariance. `unit` of x, such as "Hz", is that of the numbers as they are
+    printed. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
+    covariance = _covariance(x, y, errors)
     if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(covariance).all()):
         raise NoLine("the curve has values that are infinite or no numbers")
     if callable(form) and not isinstance(form, Form):
-        return _refined("callable", tuple(start), lambda values, at: form(at, *values), np.array(list(start.values())), x, y, covariance)
+        found = _refined("callable", tuple(start), lambda values, at: form(at, *values), np.array(list(start.values())), x, y, covariance)
+        return replace(found, unit=unit)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
     chosen = form if isinstance(form, Form) else FORMS[form]
@@ -164,7 +176,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
                      "the curve is flat, there is no line in it\n  help: a detector that catches all levels alike does not see what fields did; "
                      "put a magnet or a `spin_filter` in front of it, or look at `plot-levels`")
     order = np.argsort(x)
-    unit, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
+    extent, origin = float(np.ptp(x)), float(x[order[x.size // 2]])
     own = len(chosen.parameters)
     sigma = np.sqrt(np.diag(covariance))
     _check_start(chosen, lines, start, x)
@@ -174,7 +186,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
 
-    shape = _remembering(lambda at, centre, *shared: chosen.f(at - origin - centre * unit, *np.exp(shared)), lines * (own + 3))
+    shape = _remembering(lambda at, centre, *shared: chosen.f(at - origin - centre * extent, *np.exp(shared)), lines * (own + 3))
 
     def model(values: np.ndarray, at: np.ndarray) -> np.ndarray:
         parts = [values[own + lines + i] * shape(at, values[i], *values[lines:lines + own]) for i in range(lines)]
@@ -185,7 +197,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
         fitted = _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
-            [(np.array(centres) - origin) / unit, np.log(shared), first[1:], first[:1]]), x, y, covariance, min(reached))
+            [(np.array(centres) - origin) / extent, np.log(shared), first[1:], first[:1]]), x, y, covariance, min(reached))
         reached.append(fitted.chi_squared)
         return fitted
 
@@ -193,18 +205,29 @@ def fit_line(x: np.ndarray, y: np.ndarray, covariance: np.ndarray, form: str | F
         shared = np.exp(fit.values[lines:lines + own])
         if chosen.period is None or lines > 1 or "centre" in start:
             return []
-        return [(fit.chi_squared, [origin + unit * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
+        return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
     found = _best(refined, guesses, beside)
     rising = np.argsort(found.values[:lines])
     sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
     values, scale = found.values[sorting], np.ones(found.values.size)
-    values[:lines], scale[:lines] = origin + unit * values[:lines], unit
+    values[:lines], scale[:lines] = origin + extent * values[:lines], extent
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
     covariance = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
-    others = tuple((origin + unit * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
+    others = tuple((origin + extent * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance).clip(0)), covariance, found.chi_squared, found.constant,
-                   found.freedom, found.expected, found.curve, others)
+                   found.freedom, found.expected, found.curve, others, unit)
+
+
+def _covariance(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float) -> np.ndarray:
+    """[n, n] Of y [n] at x [n]. Raises NoLine."""
+    given = np.asarray(errors, float)
+    if x.ndim != 1 or x.shape != y.shape or given.ndim > 2 or any(length != x.size for length in given.shape):
+        raise NoLine(f"x, y and errors do not belong together: they have the shapes {x.shape}, {y.shape} and {given.shape}")
+    variances = np.diag(given) if given.ndim == 2 else given**2
+    if (variances <= 0).any():
+        raise NoLine("all errors must be above 0" if given.ndim < 2 else "all variances, on the diagonal of the covariance, must be above 0")
+    return given if given.ndim == 2 else np.diag(np.broadcast_to(variances, x.shape))
 
 
 def _check_start(form: Form, lines: int, start: Mapping[str, float], x: np.ndarray) -> None:

@@ -51,6 +51,14 @@ def pair_of(key: str, value: object) -> tuple[float, float]:
     return first, second
 
 
+def asked_size(size: object) -> tuple[float, float] | None:
+    """[inches] "86x60", or a pair, in mm; None where no size is asked for. Raises InputError, and TypeError for what is neither."""
+    if size is None:
+        return None
+    text = size if isinstance(size, str) else "x".join(f"{each:.6g}" for each in pair_of("size", size))
+    return KeywordParser.require("size", size_of, text)
+
+
 def add_options(verb: str, parser: ArgumentParser) -> None:
     """Those of one command, `plot-scan` for one."""
     several = verb in ("plot-scan", "plot-profiles", "plot-tracks")

@@ -17,7 +17,7 @@ from .errors import InputError, as_keywords
 from .files import open as read_any
 from .hdf5 import IN_MEMORY, FileError
 from .measured import read_measured
-from .picture_options import OWN_OPTIONS, KeywordParser, add_options, dots, mark_of, pair_of, points_of, size_of, words_of
+from .picture_options import OWN_OPTIONS, KeywordParser, add_options, asked_size, dots, mark_of, points_of, words_of
 from .regions import read_region
 from .units import law_name, parse_quantity
 
@@ -82,9 +82,7 @@ def plot_of(opened: object, kind: str | None = None, options: dict[str, object] 
     chosen = parser.parse_args([*fixed, *(word for key, value in options.items() for word in words_of(key, value))])
     chosen.file, chosen.files = opened, [opened]
     chosen.data = getattr(chosen, "data", None) if frame is None else frame
-    if size is not None and not isinstance(size, str):
-        size = "x".join(f"{each:.6g}" for each in pair_of("size", size))
-    with style.here(size and KeywordParser.require("size", size_of, size)):
+    with style.here(asked_size(size)):
         return limited(chosen.command(chosen), chosen)
 
 
@@ -255,7 +253,7 @@ def plot_profiles(options: argparse.Namespace) -> Figure:
     if len(shots) > MOST_CURVES:
         raise InputError(f"{len(shots)} profiles are too many for one picture: choose some by --points, such as 0,{len(shots) // 2}")
     own = _differences(files)
-    heading, labels = style.what_differs([{**image_plots.about(file, point), **own[file.path]} for file, point in shots])
+    heading, labels = stated.what_differs([{**image_plots.about(file, point), **own[file.path]} for file, point in shots])
     if not any(labels):
         labels = [law_name(file.laws[point]) for file, point in shots]
     labels = _distinct(labels, [file.path.stem for file, _ in shots])

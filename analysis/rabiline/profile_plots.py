@@ -56,7 +56,7 @@ def draw_profiles(profiles: Sequence[Profile], along: str, title: str, heading: 
     if nothing:
         axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center", color=GREY)
     axes.set_ylim(0, 1 if nothing else None)
-    axes.set_xlabel(scale.label(along))
+    style.name_below(axes, scale.label(along))
     of = "aimed at the target" if profiles[0].aimed else "emitted"
     axes.grid(axis="y")
     style.write_title(figure, title)

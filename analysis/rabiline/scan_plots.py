@@ -28,7 +28,7 @@ TURNS = 5  # symbols of each curve, at least, where those that lie on each other
 MOST_COLUMNS = 3  # of maps
 BESIDE = 5.4  # inches of a file's panel beside others
 ROOM = 2.0  # inches of a piece, for a line's numbers above it
-LEGEND = 0.35  # of a small picture's height at most, with the numbers of all lines
+LEGEND = 0.25  # of a small picture's height at most, with the numbers of all lines
 LETTER, ROW = 0.09, 12.0  # inches of a panel for each letter of a mark's name, points from row to row
 PANEL = 3.2  # inches, about, from the bottom to the top of a curve's axes
 WIDE = 0.85  # of a picture's width, about, that of its axes
@@ -169,7 +169,7 @@ def _draw_panel(axes: Axes, curves: Sequence[Curve], labels: Sequence[str], mark
         axes.set_xticks(axis.values, [style.beside_ticks(axes.figure, law_name(label)) for label in axis.labels])
     if is_logarithmic(axis.values):
         style.logarithmic(axes.xaxis)
-    axes.set_xlabel(scale.label(axis.parameter))
+    style.name_below(axes, scale.label(axis.parameter))
     axes.margins(x=0.1 if axis.labels else 0.02)
     axes.grid(axis="y")
     return draw_marks(axes, marks, scale)
@@ -356,15 +356,15 @@ def _draw_legend(figure: Figure, axes: Axes, order: Sequence[str], width: int | 
         return next(i for i, label in enumerate(map(style.plain, order)) if item[1] == label or item[1].startswith(f"{label}\n"))
 
     longest, width = width or style.letters(figure) - 12, width or style.letters(figure)
-    items, labels = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
-    labels = [style.wrapped(label, longest) for label in labels]
+    items, whole = zip(*sorted(zip(*axes.get_legend_handles_labels()), key=place))
+    labels = [style.wrapped(label, longest) for label in whole]
     widths = [10 + max(map(len, label.splitlines())) for label in labels]  # in letters
     columns = len(labels) if sum(widths) < width else max(1, width // max(widths))
     lines = -(-len(labels) // columns) * (1 + max(label.count("\n") for label in labels))
     if style.size(0, 0) != (0, 0):  # the figure cannot grow: the legend has its place at the foot
         labels = [label.replace(", FWHM", "\nFWHM") if max(widths) > width else label for label in labels]
         if 0.019 * style.points("legend.fontsize") * sum(1 + label.count("\n") for label in labels) > LEGEND * figure.get_figheight():
-            labels = [_without_numbers(label) for label in labels]  # `summary` has the numbers
+            labels = [_without_numbers(label) for label in whole]  # `summary` has the numbers
         return style.legend_at_foot(figure, items, labels)
     figure.set_figheight(max(figure.get_figheight(), 4.3 + 0.19 * lines))
     below = -0.62 / (figure.get_figheight() - 1)  # inches to axes, near enough

@@ -1,4 +1,4 @@
-"""In which parameters files of results or paths differ."""
+"""In what files of results or paths differ, and their scan points."""
 from __future__ import annotations
 
 from math import isnan
@@ -9,6 +9,7 @@ from .hdf5 import open_entry
 from .units import format_value
 
 MOST = 2  # that tell files apart in few words
+WORDS = ("law", "species")  # whose values say by themselves what they are
 OF_THE_RUN = {"title", "seed", "particles"}
 
 
@@ -23,6 +24,16 @@ def differing(paths: Sequence[Path]) -> list[dict[str, str]]:
 def said(label: str, own: dict[str, str]) -> str:
     """The label of a file with what tells it from others."""
     return ", ".join(filter(None, [label, *(f"{name} = {value}" for name, value in own.items())]))
+
+
+def what_differs(rows: Sequence[dict[str, str]]) -> tuple[str, list[str]]:
+    """A heading for a legend of `rows`, each of which says what it is by names and values, and a label for each: what is the same
+    for all is left out, and one name of a number stands above. Empty labels where nothing differs."""
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    differing = [name for name in names if len({row.get(name) for row in rows}) > 1]
+    if len(differing) == 1 and differing[0]:
+        return "" if differing[0] in WORDS else differing[0], [row.get(differing[0], "") for row in rows]
+    return "", [", ".join(row[name] if name in WORDS else f"{name} = {row[name]}" for name in differing if name in row) for row in rows]
 
 
 def _stated(path: Path) -> dict[str, str]:

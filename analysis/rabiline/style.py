@@ -11,6 +11,7 @@ from math import floor, log10
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
+import numpy as np
 from matplotlib import pyplot as plt
 from matplotlib import rcParamsDefault
 from matplotlib.axes import Axes
@@ -79,19 +80,23 @@ def pad_in_space(axes: Axes, labels: dict[str, float], numbers: dict[str, float]
 
 def in_proportion(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     """For pictures with a shape of their own: where a size is asked for they fill it one way, everything, letters too, smaller or larger
-    by one factor. Raises InputError where letters would become too small."""
+    by one factor. Where letters would become too small, the picture is drawn once more with less `room`; raises InputError where that does
+    not suffice."""
     @wraps(draw)
     def fitted(*arguments: object, **options: object) -> Figure:
-        global _asked
+        global _asked, _room
         asked, _asked = _asked, None
         try:
             if asked is None:
                 return draw(*arguments, **options)
-            with letters_by(1.0):
-                natural = draw(*arguments, **options)
-            factor = min(wanted / own for wanted, own in zip(asked, natural.get_size_inches()))
-            plt.close(natural)
-            if factor < LEAST:
+            for _room in (None, tuple(length / LEAST for length in asked)):
+                with letters_by(1.0):
+                    natural = draw(*arguments, **options)
+                factor = min(wanted / own for wanted, own in zip(asked, natural.get_size_inches()))
+                plt.close(natural)
+                if factor > NEARLY * LEAST:
+                    break
+            else:
                 least = "x".join(f"{25.4 * LEAST / factor * length:.0f}" for length in asked)
                 raise InputError(f"--size: letters would become too small; {least} is the least of this shape")
             with letters_by(factor):
@@ -101,8 +106,13 @@ def in_proportion(draw: Callable[..., Figure]) -> Callable[..., Figure]:
                 line.set(linewidth=factor * line.get_linewidth(), markersize=factor * line.get_markersize())
             return figure
         finally:
-            _asked = asked
+            _asked, _room = asked, None
     return fitted
+
+
+def room() -> tuple[float, float] | None:
+    """[inches] Width and height that a picture with a shape of its own should not exceed, at the usual size of letters; None where it need not care."""
+    return _room
 
 
 def size(width: float, height: float) -> tuple[float, float]:
@@ -145,10 +155,10 @@ def legend_at_foot(figure: Figure, items: Sequence[object], labels: Sequence[str
     [inches]."""
     labels = [wrapped(label, letters(figure) - 8) for label in labels]
     columns = max(1, min(len(labels), letters(figure) // (8 + widest(labels))))
-    rows, deep = -(-len(labels) // columns), 1 + max(label.count("\n") for label in labels)
-    height = 1.7 if any("$" in label for label in labels) else 1.5 if deep == 1 else 1.35  # of a line; formulas are taller
-    foot = height / 72 * (rows * deep + (1 + title.count("\n") if title else 0)) * points("legend.fontsize") + 0.06
-    room = foot / figure.get_figheight()
+    tall = 1.7 if any("$" in label for label in labels) else 1.5  # formulas are taller
+    high = max(sum(tall + LINE * label.count("\n") for label in column) for column in np.array_split(labels, columns))  # as legends fill their columns
+    foot = (high + (tall + LINE * title.count("\n") if title else 0)) * points("legend.fontsize") / 72 + 0.06
+    room = foot / (_factor * figure.get_figheight())  # what is drawn in proportion has yet to become as small as its letters
     figure.get_layout_engine().set(rect=(0, room, 1, 1 - room))
     figure.legend(items, labels, loc="lower center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2, title=title or None,
                   title_fontsize=points("legend.fontsize"), **looks)
@@ -206,19 +216,15 @@ def widest(labels: Sequence[str]) -> int:
     return max(len(line) for label in labels for line in label.splitlines() or [""])
 
 
-def what_differs(rows: Sequence[dict[str, str]]) -> tuple[str, list[str]]:
-    """A heading for a legend of `rows`, each of which says what it is by names and values, and a label for each: what is the same
-    for all is left out, and one name of a number stands above. Empty labels where nothing differs."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    differing = [name for name in names if len({row.get(name) for row in rows}) > 1]
-    if len(differing) == 1 and differing[0]:
-        return "" if differing[0] in WORDS else differing[0], [row.get(differing[0], "") for row in rows]
-    return "", [", ".join(row[name] if name in WORDS else f"{name} = {row[name]}" for name in differing if name in row) for row in rows]
-
-
 def wrapped(text: str, most: int) -> str:
     """In lines of so many letters at most."""
     return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, most) or [""])
+
+
+def name_below(axes: Axes, text: str) -> None:
+    """Of an axis along x, in lines that fit: of a slender picture they end where the axis ends, to have its whole width."""
+    wide = axes.figure.get_figwidth() / axes.get_subplotspec().get_gridspec().ncols
+    axes.set_xlabel(in_lines(text, wide - 0.15, points("axes.labelsize")), loc="right" if wide < SLENDER else "center")
 
 
 def beside_ticks(figure: Figure, name: str) -> str:
@@ -241,7 +247,7 @@ def write_numbers(axes: Axes, words: Sequence[str], least: Sequence[str]) -> Non
 def write_deviations(axes: Axes, name: str, largest: float) -> None:
     """For a low panel of what is `name`d, in standard deviations, below another: limits, few numbers, and a short name where it is narrow."""
     figure, most = axes.figure, max(2.5, 1.1 * largest)
-    axes.get_gridspec().set_height_ratios((3, 1 if figure.get_figwidth() > NARROW else 2))
+    axes.get_gridspec().set_height_ratios((3, 1 if figure.get_figwidth() > NARROW else 1.5))
     axes.set_ylim(-most, most)
     power = 10 ** floor(log10(most))
     marked = max(digit for digit in (1, 2, 5) if digit * power <= most) * power
@@ -326,11 +332,12 @@ PLAIN = 5e-5, 2e5  # a logarithmic axis between these has its numbers written ou
 LONGEST = 300  # letters of a title
 LETTER, LINE = 0.58, 1.25  # width and height of a letter over its size
 BELOW = 0.045  # inches per point of size: numbers and name of an axis below a panel
-WORDS = ("law", "species")  # whose values say by themselves what they are
 NARROW, SMALLER = 5.0, 0.8  # inches of a figure whose letters are smaller, and by how much
+SLENDER = 2.4  # inches
 MOST_NUMBERS = 0.25  # of a figure's height
-LEAST = 0.6  # times the usual size of letters
+LEAST, NEARLY = 0.6, 0.99  # times the usual size of letters; and times that, which is the same but for rounding
 _asked: tuple[float, float] | None = None
+_room: tuple[float, float] | None = None
 _factor = 1.0  # of letters
 
 

@@ -9,7 +9,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from . import style
+from . import stated, style
 from .image_plots import about, scanned_at, shot_of
 from .results import Results, Tally, TallyAxis
 from .style import COUNTS, GREY, LAWS, OTHERS
@@ -53,7 +53,7 @@ def draw_over_scan(results: Results, tally: Tally, number: int, along: int, titl
         panel.set_xticks(scanned.values, [law_name(label).replace(", ", "\n") for label in scanned.labels])
     elif scanned.values.size <= FEW:  # whose cells reach far beyond them
         panel.set_xticks(across.apply(scanned.values))
-    panel.set_xlabel(across.label(scanned.parameter))
+    style.name_below(panel, across.label(scanned.parameter))
     if axis.labels:
         panel.set_yticks((axis.edges[:-1] + axis.edges[1:]) / 2, [style.level(label) for label in axis.labels])
     panel.set_ylabel(_label(axis, up))
@@ -92,7 +92,7 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
     """Steps with error bars, one colour for each scan point."""
     figure, panel = plt.subplots(figsize=style.size(7.2, 4.4), layout="constrained")
     _write_title(figure, results, tally, [axis], title)
-    heading, labels = style.what_differs([about(results, point) for point in points]) if len(points) > 1 else \
+    heading, labels = stated.what_differs([about(results, point) for point in points]) if len(points) > 1 else \
         ("", [_heading(results, points[0])])
     scale = axis.scale
     edges = np.asarray(scale.apply(axis.edges))
@@ -115,7 +115,7 @@ def _draw_curves(results: Results, tally: Tally, axis: TallyAxis, counts: np.nda
     if not counts[list(points)].any():
         panel.text(0.5, 0.5, "nothing counted", transform=panel.transAxes, ha="center", color=GREY)
     panel.set_ylim(0, 1 if not counts[list(points)].any() else None)
-    panel.set_xlabel(_label(axis, scale))
+    style.name_below(panel, _label(axis, scale))
     panel.grid(axis="y")
     foot = style.legend_below(figure, panel, 3, heading)
     panel.set_ylabel(style.upright(figure, "particles per bin\n(bars: 1 σ)", foot + hanging))

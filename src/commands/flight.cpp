@@ -1,6 +1,7 @@
 #include "commands/flight.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <span>
 
 #include "commands/progress_line.hpp"
@@ -46,10 +47,19 @@ Path keep(const Snapshot& snapshot, const Path& output) {
   throw *first;
 }
 
+/// One that takes longer than a moment to write is told with its size.
 int keep_stopped(const Snapshot& snapshot, const Path& output) {
+  constexpr double large = 64, mebibyte = 1048576;
+  const auto begin = std::chrono::steady_clock::now();
   const Path kept = keep(snapshot, output);
-  say(stderr, "stopped; what is finished is in {}\n  help: continue with: rabiline resume {}\n",
-      checkpoint_of(kept).string(), quoted(kept));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::error_code unknown;
+  const double size =
+      static_cast<double>(std::filesystem::file_size(checkpoint_of(kept), unknown)) / mebibyte;
+  say(stderr, "stopped; what is finished is in {}{}\n  help: continue with: rabiline resume {}\n",
+      checkpoint_of(kept).string(),
+      !unknown && size > large ? fmt::format(", {:.0f} MiB written in {:.1f} s", size, took.count()) : "",
+      quoted(kept));
   return exit_code::stopped;
 }
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "scan/resolved.hpp"
+
 namespace rabiline {
 namespace {
 
@@ -45,6 +47,7 @@ std::string explain(const LoadedModel& loaded) {
 SolvedModel solve_all(const LoadedModel& loaded, const std::function<void()>& between) {
   SolvedModel solved{loaded.points.front().title, std::string(kind_of(loaded.points.front().model))};
   if (!loaded.axes.empty()) solved.axis = loaded.axes.front();
+  solved.parameters = resolved_parameters(loaded.points);
   for (const ModelFile& point : loaded.points) {
     between();
     solved.points.push_back(solve_point(solved, point.model));

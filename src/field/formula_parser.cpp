@@ -215,4 +215,6 @@ double FormulaComponent::at(const std::array<double, 3>& place, double t) {
   return value;
 }
 
+std::string formula_parser_version() { return "muParser " + mu::Parser().GetVersion(mu::pviBRIEF); }
+
 }  // namespace rabiline

@@ -2,6 +2,7 @@
 // The formulas of a field's components, read and worked out; for those who sample them.
 #include <array>
 #include <memory>
+#include <string>
 
 #include "field/field_formula.hpp"
 
@@ -25,6 +26,9 @@ class FormulaComponent {
   struct Parser;
   std::unique_ptr<Parser> parser_;
 };
+
+/// "muParser 2.3.3": of what reads them.
+std::string formula_parser_version();
 
 /// A node of a grid [m].
 inline std::array<double, 3> place_of(const std::array<MapAxis, 3>& axes, std::size_t i, std::size_t j,

@@ -14,6 +14,7 @@ struct SolvedModel {
   std::string title, kind;
   std::optional<ScanAxis> axis{};
   std::vector<ModelResult> points{};
+  std::vector<ResolvedParameter> parameters{};
   Provenance provenance{};
 };
 

@@ -16,13 +16,16 @@ struct Effects {
   bool spins = false, paths = false;
 };
 
-/// Whether B differs from place to place in it; of what follows another part's clock it does not.
-bool has_gradient(const PlacedPart& part) {
-  if (clock_of(part.part)) return false;
+/// The sections of its own field; none of what follows another part's clock, which is the same everywhere.
+std::vector<Section> sections_of(const PlacedPart& part) {
+  if (clock_of(part.part)) return {};
   SectionBuilder builder(Wall{});
   std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
-  return std::ranges::any_of(builder.build().sections,
-                             [](const Section& section) { return section.has_shaped_fields(); });
+  return builder.build().sections;
+}
+/// Whether B differs from place to place in it.
+bool has_gradient(const PlacedPart& part) {
+  return std::ranges::any_of(sections_of(part), &Section::has_shaped_fields);
 }
 
 bool is_map(const ShapedTerm& term) {
@@ -30,9 +33,7 @@ bool is_map(const ShapedTerm& term) {
 }
 /// Whether its field is interpolated at every step.
 bool is_mapped(const PlacedPart& part) {
-  SectionBuilder builder(Wall{});
-  std::visit([&](const auto& any) { contribute(any, part.placement, builder); }, part.part);
-  return std::ranges::any_of(builder.build().sections, [](const Section& section) {
+  return std::ranges::any_of(sections_of(part), [](const Section& section) {
     return std::ranges::any_of(section.shaped, is_map) ||
            std::ranges::any_of(section.swinging, is_map, &SwingingTerm::field) ||
            std::ranges::any_of(section.electric, is_map);

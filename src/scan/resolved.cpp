@@ -107,15 +107,16 @@ class Leaves {
   }
 };
 
-std::vector<Leaf> leaves_of(const Beamline& beamline) {
+template <class File>
+std::vector<Leaf> leaves_of(const File& file) {
   Leaves leaves;
-  leaves.add("", beamline);
+  leaves.add("", file);
   return std::move(leaves.list);
 }
 
-}  // namespace
-
-std::vector<ResolvedParameter> resolved_parameters(const ScanPoints& points) {
+/// Of a beamline or a model at each point.
+template <class Points>
+std::vector<ResolvedParameter> resolved(const Points& points) {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   std::vector<ResolvedParameter> out;
   std::map<std::string, std::size_t> columns;  // where a name is not where it was at the first point
@@ -152,6 +153,13 @@ std::vector<ResolvedParameter> resolved_parameters(const ScanPoints& points) {
       if (!seen[at]) put(out[at], point, {{}, Dimension::number, none, {}});
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<ResolvedParameter> resolved_parameters(const ScanPoints& points) { return resolved(points); }
+std::vector<ResolvedParameter> resolved_parameters(const std::vector<ModelFile>& points) {
+  return resolved(points);
 }
 
 }  // namespace rabiline

@@ -6,6 +6,7 @@
 
 #include "core/units.hpp"
 #include "storage/nexus.hpp"
+#include "storage/parameters_group.hpp"
 #include "storage/provenance.hpp"
 
 namespace rabiline {
@@ -162,6 +163,7 @@ hdf5::FileWriter file_of(const SolvedModel& solved, const std::filesystem::path&
   {
     const GroupWriter entry = entry_of(file, solved, path);
     write_content(entry, solved);
+    nexus::write_parameters(entry, solved.parameters);
     nexus::write_provenance(entry, solved.provenance);
   }
   return file;

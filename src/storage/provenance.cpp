@@ -5,6 +5,10 @@
 #include <gsl/gsl_version.h>
 #include <openssl/crypto.h>
 
+#include <Eigen/Core>
+
+#include "field/formula_parser.hpp"
+
 namespace rabiline::nexus {
 
 hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provenance& provenance) {
@@ -15,6 +19,8 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});
   const std::vector<std::string> libraries{
       fmt::format("glibc {}", gnu_get_libc_version()), "GSL " GSL_VERSION,
+      fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
+      formula_parser_version(),
       fmt::format("HDF5 {}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),
       OpenSSL_version(OPENSSL_VERSION)};
   simulation.dataset("libraries", {libraries.size()}, libraries,

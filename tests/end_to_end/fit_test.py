@@ -332,6 +332,14 @@ def test_the_legend_of_a_fit_is_not_among_its_counts(fitted: CountsFit) -> None:
     assert below.get_legend().get_window_extent().y1 < below.get_window_extent().y0
 
 
+def test_the_picture_of_a_fit_has_the_size_and_the_title_that_are_asked_for(fitted: CountsFit, tmp_path: Path) -> None:
+    for size in ("86x60", (86, 60)):
+        figure = fitted.plot(tmp_path / "fit.pdf", size=size, title="Fringes")
+        assert figure.get_size_inches() * 25.4 == pytest.approx([86, 60]) and figure._suptitle.get_text() == "Fringes"
+    with pytest.raises(InputError, match="`size`: `86` is no size"):
+        fitted.plot(size="86")
+
+
 def test_a_fit_is_printed_in_a_line(fitted: CountsFit) -> None:
     assert repr(fitted).startswith(f"<fit of {fitted.title}: guide.field = 1.000") and "\n" not in repr(fitted) and len(repr(fitted)) < 200
 

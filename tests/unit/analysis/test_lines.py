@@ -1,6 +1,7 @@
 """Closed forms: each finds itself again, with errors that bear out, and lines are told apart."""
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import replace
 from pathlib import Path
@@ -39,6 +40,24 @@ def test_errors_of_the_centre_are_its_scatter() -> None:
                      start={"strength": 12, "time": 0.03}) for _ in range(60)]
     centres = np.array([found["centre"] for found in fits])
     assert np.std(centres[:, 0]) == pytest.approx(centres[:, 1].mean(), rel=0.3)
+
+
+def test_errors_of_points_serve_as_well_as_their_covariance() -> None:
+    y = 0.1 + 0.8 * lorentz(X - 29000.0, 40.0)
+    whole, each, one = (fit_line(X, y, errors, "lorentz") for errors in (np.eye(X.size) * 1e-4, np.full(X.size, 0.01), 0.01))
+    assert whole.values.tolist() == each.values.tolist() == one.values.tolist() and whole.errors.tolist() == each.errors.tolist() == one.errors.tolist()
+    with pytest.raises(NoLine, match="x, y and errors do not belong together"):
+        fit_line(X, y, np.ones(3), "lorentz")
+    with pytest.raises(NoLine, match="all errors must be above 0"):
+        fit_line(X, y, np.zeros(X.size), "lorentz")
+
+
+def test_a_fitted_form_is_printed_with_its_errors_and_units() -> None:
+    y = 0.1 + 0.8 * lorentz(X - 29003.0, 40.0) + np.random.default_rng(1).normal(0, 0.01, X.size)
+    found = fit_line(X, y, 0.01, "lorentz", unit="Hz")
+    assert re.fullmatch(r"<fit of lorentz: centre = 29\.00\d+ ± 0\.\d+ kHz, width = \d+\.\d+ ± 0\.\d+ Hz, contrast = 0\.\d+ ± 0\.\d+, "
+                        r"baseline = 0\.\d+ ± 0\.\d+, chi² \d+\.\d for 117 degrees of freedom, p = \S+>", repr(found)), repr(found)
+    assert str(found).splitlines() == described(found, "Hz")
 
 
 def test_points_that_err_together_do_not_move_the_centre() -> None:

@@ -154,6 +154,22 @@ TEST(Fringe, OfPolesIsTheGradientOfTheirPotential) {
   }
 }
 
+TEST(Fringe, OfPolesObeysMaxwellsEquationsUnderEveryCurve) {
+  MultipoleField part{0.012, 6, 0.1, 0.005};  // so short that both edges are felt everywhere
+  const auto breach = [&] { return breach_of_maxwell(part, {0.0011, begin + 0.004, 0.0007}, 0.1 / soft); };
+  for (const Fringe& fringe :
+       std::vector<Fringe>{TanhFringe{soft}, EngeFringe{.length = soft}, SineFringe{0.01}}) {
+    part.fringe = fringe;
+    EXPECT_LT(breach(), 2e-7);
+  }
+  part.fringe = HardFringe{};
+  for (const AmplitudeProfile& profile :
+       std::vector<AmplitudeProfile>{HalfSineProfile{}, GaussianProfile{soft}}) {
+    part.profile = profile;
+    EXPECT_LT(breach(), 2e-7);
+  }
+}
+
 TEST(Fringe, OfPolesMaySwing) {
   MultipoleField part{length, 4, 0.1, 0.005};
   part.fringe = TanhFringe{soft};

@@ -14,10 +14,10 @@ using test::suggested;
 
 /// How many stages of each sort a chain has, as letters: D drift, P passage, A alignment, R region, S score,
 /// E exit, L spins on levels, W steps in a magnet, M a monitor's count, H a tally, G gas, O a chopper, U a
-/// velocity selector, X what a filter stops.
+/// velocity selector, X what a filter stops, N levels that a filter lets through.
 std::string letters(const std::vector<Stage>& chain) {
   std::string text;
-  for (const Stage& stage : chain) text += "DPACFXVBWRSELMHGOU"[stage.index()];
+  for (const Stage& stage : chain) text += "DPACFXNVBWRSELMHGOU"[stage.index()];
   return text;
 }
 std::vector<Stage> chain_of(const Beamline& b) {

@@ -1,0 +1,60 @@
+"""A closed form that was fitted, in words."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .covariance import LEAST_P, freedom_in_words, p_in_words
+from .units import base_of, format_value
+
+if TYPE_CHECKING:
+    from .lines import LineFit
+
+RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
+WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
+UNKNOWN = 10  # times itself: an error that leaves nothing
+UNDETERMINED = "not known"
+UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
+
+
+def unit_of(name: str, unit: str) -> str:
+    """That of a parameter of a form over an axis with this unit."""
+    power = UNITS.get(name.split("_")[0], 0)
+    inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
+    return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
+
+
+def _written_of(name: str, written: tuple[str, float] | None) -> tuple[str, float] | None:
+    """The unit of a parameter of a form over an axis that the user wrote in this one; None where that says nothing about it."""
+    power = UNITS.get(name.split("_")[0], 0)
+    if written is None or power == 0 or power == -1 and base_of(written[0])[0] == "Hz":
+        return None
+    return written if power == 1 else (f"1/{written[0]}", 1 / written[1])
+
+
+def told(fitted: LineFit) -> list[str]:
+    """Each parameter with its error, in the unit that the fit was told; and how well all of them describe the curve."""
+    values = (_value(fitted, i, fitted.unit, None) for i in range(len(fitted.names)))
+    return [*(f"{name} {value}" if value == UNDETERMINED else f"{name} = {value}" for name, value in zip(fitted.names, values)),
+            f"chi² {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}", p_in_words(fitted.p)]
+
+
+def _value(fitted: LineFit, number: int, unit: str, written: tuple[str, float] | None) -> str:
+    name, value, error = fitted.names[number], fitted.values[number], fitted.errors[number]
+    is_known = error < UNKNOWN * abs(value) or name.startswith(("centre", "baseline"))
+    return format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else "not known"
+
+
+def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None) -> list[str]:
+    """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI."""
+    lines = [f"form       {fitted.form}", *(f"{name:<10} {_value(fitted, i, unit, written)}" for i, name in enumerate(fitted.names))]
+    if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
+        lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
+    if "spread" in fitted.names and fitted["spread"][0] > WIDE:
+        lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
+    lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
+              for centre, chi_squared in fitted.others]
+    if fitted.p < LEAST_P:
+        believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
+        lines.append(f"           the form does not describe the curve: believe {believed}")
+    return lines
