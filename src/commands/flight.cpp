@@ -152,7 +152,6 @@ void require_no_checkpoint(const Path& output) {
 int fly(const Setup& setup, const Path& output, const FlightOptions& options, RunSettings settings,
         std::optional<Snapshot> start) {
   const Lock lock(output);
-  end_at_signals();
   if (!start) {
     start = checkpoint_beside(output, setup, settings);
     if (start)

@@ -1,5 +1,6 @@
 // rabiline resume and merge: a result from sums that have been flown before.
 #include "commands/flight.hpp"
+#include "commands/stop.hpp"
 
 namespace rabiline {
 namespace {
@@ -42,6 +43,7 @@ void add_resume(CLI::App& app, Ranks* ranks, int& exit) {
   verb->callback([output, options, ranks, &exit] {
     const std::filesystem::path checkpoint = checkpoint_of(*output);
     if (!std::filesystem::exists(checkpoint)) refuse_to_resume(*output, checkpoint);
+    end_at_signals();
     exit = finish(read_snapshot(checkpoint), *output, *options, ranks);
   });
 }

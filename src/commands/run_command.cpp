@@ -1,5 +1,6 @@
 // rabiline run: flies the experiment, or solves the model, and writes one HDF5 file.
 #include "commands/flight.hpp"
+#include "commands/stop.hpp"
 #include "scan/settings.hpp"
 
 namespace rabiline {
@@ -51,6 +52,7 @@ RunSettings settings_of(const RunArguments& a) {
 
 int run_command(RunArguments& a, const CLI::App& verb, const std::vector<std::string>& arguments,
                 Ranks* ranks) {
+  end_at_signals();
   a.flight.strict = a.experiment.strict;
   const bool again = a.experiment.file.extension() == ".h5";  // the experiment of a result
   const std::filesystem::path output =

@@ -40,7 +40,7 @@ extern "C" void on_signal(int signal) {
 
 /// Nothing but what is safe within a signal.
 extern "C" void on_early_signal(int) {
-  constexpr std::string_view told = "\nstopped while planning, before anything flew\n";
+  constexpr std::string_view told = "\nstopped before the flight began\n";
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, told.data(), told.size());
   _exit(exit_code::stopped);
 }

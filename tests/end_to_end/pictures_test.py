@@ -107,7 +107,7 @@ def faults_as_it_stands(figure: Figure) -> list[str]:
 
 
 def drawn(opened: object, name: str) -> dict[str, Figure]:
-    """All pictures that there are of what is open."""
+    """All pictures that there are of what is open; small ones of every other kind, the others of the next file."""
     if isinstance(opened, motions.Motions):
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
@@ -118,7 +118,8 @@ def drawn(opened: object, name: str) -> dict[str, Figure]:
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
     kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
               for size in ({}, {"size": MM["small"]})]
-    tries = [[each] for each in kinds] + [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small]
+    tries = [[each] for each in kinds]
+    tries += [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small[NAMES.index(name) % 2::2]]
     figures = {}
     for sizes in tries:
         for kind, options in sizes:
@@ -145,10 +146,8 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM["page"]})
             figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
-            with style.here(PAGE):
+            with style.here((PAGE, SMALL)[NAMES.index(name) % 2]):
                 figures["draw, small"] = draw_apparatus(experiment.scan(), 2, LONG)
-            with style.here(SMALL):
-                figures["draw, column"] = draw_apparatus(experiment.scan(), 2, LONG)
         wrong = [f"{kind}: {fault}" for kind, figure in figures.items() for fault in faults(figure)]
     for figure in figures.values():
         plt.close(figure)

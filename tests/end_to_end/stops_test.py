@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
-from runs import DONE, EDGES, EXPERIMENT, PROGRAM, STOPPED, assert_same_bits, folder, rabiline, reference, run  # noqa: F401 (fixtures)
+from runs import BEAM_OF_POINTS, DONE, EDGES, EXPERIMENT, PROGRAM, STOPPED, assert_same_bits, folder, rabiline, reference, run  # noqa: F401 (fixtures)
 
 LONG = ("--particles", 2_400_001, *EDGES)
 
@@ -78,3 +79,21 @@ def test_resume_works_from_another_folder(tmp_path: Path, long_reference: Path) 
     assert resumed.returncode == DONE, resumed.stderr
     assert sorted(path.name for path in work.iterdir()) == ["mine.yaml", "out.h5"]
     assert_same_bits(long_reference, work / "out.h5")
+
+
+MANY_POINTS = BEAM_OF_POINTS + """parts:
+  - {name: RF, kind: rotating_field, at: 0.30 m, length: 0.05 m, amplitude: 1 uT, frequency: 9.3265 MHz, sense: co, phase: random}
+  - {name: C, kind: uniform_field, at: 0.25 m, length: 0.20 m, field: 1 mT}
+  - {name: screen, kind: detector, at: 0.8 m, width: 10 mm, height: 10 mm, bins: [1, 1]}
+particles: 300
+seed: 1938
+scan: {parameter: RF.frequency, from: 9 MHz, to: 10 MHz, points: 200000}
+"""
+
+
+def test_a_signal_before_the_flight_ends_it_at_once(tmp_path: Path) -> None:
+    (tmp_path / "in.yaml").write_text(MANY_POINTS)
+    process = subprocess.Popen([PROGRAM, "run", tmp_path / "in.yaml", "-o", tmp_path / "out.h5"], text=True, stderr=subprocess.PIPE)
+    time.sleep(0.3)
+    assert "stopped before the flight began" in stop(process, signal.SIGTERM)
+    assert {path.name for path in tmp_path.iterdir()} <= {"in.yaml", ".out.h5.lock"}
