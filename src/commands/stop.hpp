@@ -8,8 +8,8 @@ namespace rabiline {
 /// the write, and so is one to a stream that was closed, whose number no file gets.
 void ignore_failed_writes();
 
-/// From here on, while nothing flies yet, these signals end the program at once, with the exit code of what was
-/// stopped.
+/// From here on, while nothing flies yet, these signals end the program at once, with the exit code of what
+/// was stopped.
 void end_at_signals();
 /// From here on TERM, INT, HUP, XCPU, USR1, USR2 and ALRM only ask to stop. Where somebody insists, by the
 /// third TERM or INT, or one 5 s after the first, it ends the program at once. A HUP that was ignored (nohup)

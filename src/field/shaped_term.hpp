@@ -44,7 +44,7 @@ struct ShapedTerm {
   int drive = -1;  // of its zone, with whose angle it swings; -1: of none
   bool moves() const { return drive >= 0 || course.nodes > 0; }
 
-  ShapedTerm() = default;
+  ShapedTerm() : linear{} {}
   explicit ShapedTerm(const LinearShape& f) : kind(ShapedKind::linear), linear(f) {}
   explicit ShapedTerm(const LoopShape& f) : kind(ShapedKind::loop), loop(f) {}
   explicit ShapedTerm(const SheetShape& f) : kind(ShapedKind::sheet), sheet(f) {}

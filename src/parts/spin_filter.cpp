@@ -16,6 +16,10 @@ std::vector<Fault> faults_of(const SpinFilter& part, const Placement& place) {
     return {{place.name, "levels",
              fmt::format("`{}` filters either spins along an axis or levels, not both", place.name),
              "omit `axis` for an atom with levels, else `levels`"}};
+  if (!part.levels.empty() && part.tilt != Tilt{})
+    return {{place.name, "tilt",
+             fmt::format("`{}` filters levels, which are those of the field where it stands", place.name),
+             "omit `tilt`, or turn the field"}};
   if (!part.axis && part.levels.empty())
     return {{place.name, "kind", fmt::format("the spin_filter `{}` needs `axis` or `levels`", place.name),
              "add `axis: z`, or for an atom `levels` and the names of those that pass"}};

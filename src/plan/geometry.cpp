@@ -120,4 +120,12 @@ Screen screen_of(double y, int part, const ScreenTerm& term, const ScreenGrid& g
   return s;
 }
 
+HalfSizes halves_of(const SourceOpening& opening) {
+  if (const auto* spot = std::get_if<GaussianSpot>(&opening)) return {spot->sigma_x, spot->sigma_z};
+  if (const auto* disc = std::get_if<Disc>(&opening)) return {disc->radius, disc->radius};
+  if (const auto* ring = std::get_if<Ring>(&opening)) return {ring->outer_radius, ring->outer_radius};
+  const auto& hole = std::get<Rectangle>(opening);
+  return {hole.width / 2, hole.height / 2};
+}
+
 }  // namespace rabiline

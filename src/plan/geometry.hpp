@@ -35,4 +35,10 @@ ScreenGrids screen_grids(const ScanPoints& points);
 
 Screen screen_of(double y, int part, const ScreenTerm&, const ScreenGrid&);
 
+/// [m] Half of the beam at a place, along x and z.
+struct HalfSizes {
+  double x, z;
+};
+HalfSizes halves_of(const SourceOpening&);
+
 }  // namespace rabiline

@@ -8,6 +8,7 @@
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/geometry.hpp"
 #include "plan/level_history.hpp"
 #include "plan/level_waves.hpp"
 #include "plan/zones.hpp"
@@ -77,12 +78,22 @@ double largest_of(const TimeCourse& course) {
   return most;
 }
 
-/// What a particle passes on the axis at one place.
+/// [m] Where particles start, across the beam: on the axis, and at the corners of the source's opening.
+std::vector<Offset> starts_of(const Source& source) {
+  const HalfSizes half = halves_of(source.opening);
+  std::vector<Offset> out{{0, 0}};
+  for (const double x : {-half.x, half.x})
+    for (const double z : {-half.z, half.z}) out.push_back({source.offset.x + x, source.offset.z + z});
+  return out;
+}
+
+/// What a particle passes at one place; of a static field on the axis.
 struct Passing {
   double rate = 0;                            // [T/s] of the static field
   double peak = 0, growth = 0, swinging = 0;  // [T] of what moves, [T/s] along the way and in time
 };
-Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed) {
+Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed,
+                   const std::vector<Offset>& starts) {
   Passing out;
   const auto growth_of = [&](const FieldHere<double>& field) {
     return speed * portable::hypot(field.slope[1], field.slope[4], field.slope[7]);
@@ -90,18 +101,25 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   FieldHere<double> still{};
   for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
     const ShapedTerm& term = fields.shaped[static_cast<std::size_t>(i)];
-    FieldHere<double> peak{};
-    add_field<HostMaths>(term, 0.0, y, 0.0, peak);
-    const double size = portable::hypot(peak.field[0], peak.field[1], peak.field[2]);
-    if (term.drive < 0) {
+    if (!term.moves()) {
       add_field<HostMaths>(term, 0.0, y, 0.0, still);
+      continue;
+    }
+    double size = 0, growth = 0;
+    for (const Offset& start : starts) {
+      FieldHere<double> peak{};
+      add_field<HostMaths>(term, start.x, y, start.z, peak);
+      size = std::max(size, portable::hypot(peak.field[0], peak.field[1], peak.field[2]));
+      growth = std::max(growth, growth_of(peak));
+    }
+    if (term.drive < 0) {
       out.rate += size * fastest_rate(term.course);
       out.peak += size * largest_of(term.course);
-      out.growth += growth_of(peak) * largest_of(term.course);
+      out.growth += growth * largest_of(term.course);
       continue;
     }
     out.peak += size;
-    out.growth += growth_of(peak);
+    out.growth += growth;
     out.swinging += size * section.field.drive[term.drive].omega;
   }
   out.rate += growth_of(still);
@@ -172,7 +190,8 @@ bool is_felt(const std::vector<Section>& sections, double place, double side, co
 
 /// By which energies F must differ to exchange nothing (level_fields), where static fields turn at once by
 /// `turned` [T] at most.
-double far_apart(const Species& species, const LevelFields& fields, double speed, double turned) {
+double far_apart(const Species& species, const LevelFields& fields, double speed, double turned,
+                 const std::vector<Offset>& starts) {
   constexpr int places = 256;
   double passing = 0, driving = 0, switching = turned, frequency = 0;  // [T/s], [T/s], [T], [Hz]
   for (const CourseSection& section : fields.sections) {
@@ -187,8 +206,9 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
     Passing last;
     for (int place = 0; place <= places; ++place) {
       const Passing here =
-          place < places ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed)
-                         : Passing{};
+          place < places
+              ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed, starts)
+              : Passing{};
       passing = std::max(passing, here.rate);
       swings = std::max(swings, here.swinging + here.growth);
       // More than it grows by, at its ends or the faces of a map.
@@ -274,7 +294,8 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.longest = (end - begin) / (is_uniform ? 1 : 8);
     out.sections.push_back(part);
   }
-  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind));
+  out.apart =
+      far_apart(species, out, speed, largest_turn(sections, from, to, behind), starts_of(beamline.source));
   const CoupledSpins spins = coupled_spins(*species.structure);
   const std::vector<int> manifolds = manifolds_of(spins, out.apart);
   for (const Section& section : driven) {

@@ -118,17 +118,6 @@ double spot_of(const SourceOpening& opening) {
   const auto& hole = std::get<Rectangle>(opening);
   return smaller(hole.width, hole.height);
 }
-/// [m] Half of the beam at a place, along x and z.
-struct HalfSizes {
-  double x, z;
-};
-HalfSizes halves_of(const SourceOpening& opening) {
-  if (const auto* spot = std::get_if<GaussianSpot>(&opening)) return {spot->sigma_x, spot->sigma_z};
-  if (const auto* disc = std::get_if<Disc>(&opening)) return {disc->radius, disc->radius};
-  if (const auto* ring = std::get_if<Ring>(&opening)) return {ring->outer_radius, ring->outer_radius};
-  const auto& hole = std::get<Rectangle>(opening);
-  return {hole.width / 2, hole.height / 2};
-}
 HalfSizes halves_of(const Aperture& a) {
   return a.radius >= 0 ? HalfSizes{a.radius, a.radius} : HalfSizes{a.half_x, a.half_z};
 }

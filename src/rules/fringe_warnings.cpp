@@ -6,6 +6,7 @@
 
 #include "core/portable_math.hpp"
 #include "field/fringe_limit.hpp"
+#include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "rules/warning_room.hpp"
 #include "transport/stage.hpp"
@@ -150,6 +151,29 @@ Fault warning_of(const Fringed& field, const Placement& part) {
       "make it longer, or stop in front of it what comes so far");
 }
 
+/// A fringe that leaves nothing of its field whole, or reaches the source.
+void check_length(const Fringe& fringe, const Placement& part, double length, Faults& out) {
+  constexpr double whole = 0.99, nothing = 1e-3;
+  if (std::holds_alternative<HardFringe>(fringe)) return;
+  FringeShape shape = shape_of(fringe, RectangularProfile{});
+  shape.half_length = length / 2;
+  const auto share = [&](double y) {
+    return edges_at<HostMaths>(shape, ComplexNumber<double>{y - part.at - length / 2, 0}).value.re;
+  };
+  if (const double most = share(part.at + length / 2); most < whole)
+    out.push_back(
+        warning(part.name, "fringe",
+                fmt::format("the fringe of `{}` is so long that its field comes to {:.3g} of the whole",
+                            part.name, most),
+                "make the fringe shorter, or the field longer"));
+  if (const double there = share(0); there > nothing)
+    out.push_back(
+        warning(part.name, "at",
+                fmt::format("the fringe of `{}` reaches the source, where its field is {:.3g} of the whole",
+                            part.name, there),
+                "move it away from the source, or make the fringe shorter"));
+}
+
 }  // namespace
 
 std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan& plan) {
@@ -166,12 +190,13 @@ std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan& plan) 
   return out;
 }
 
-std::vector<Fault> rising_fringes_of(const Beamline& beamline) {
+std::vector<Fault> odd_fringes_of(const Beamline& beamline) {
   Faults out;
   for (const PlacedPart& part : beamline.parts)
     std::visit(
         [&](const auto& any) {
           if constexpr (requires { any.fringe; }) {
+            check_length(any.fringe, part.placement, any.length, out);
             const auto rise = rise_of(any.fringe);
             if (!rise) return;
             const std::string& name = part.placement.name;

@@ -13,7 +13,8 @@ namespace rabiline {
 /// of straight flights, and at every step of those through fields.
 std::vector<Fault> warnings_of_fringes(const Beamline& first, const Plan&);
 
-/// Of curves by Enge that do not fall all the way outwards.
-std::vector<Fault> rising_fringes_of(const Beamline&);
+/// Of curves by Enge that do not fall all the way outwards, and of fringes that leave nothing whole or reach
+/// the source.
+std::vector<Fault> odd_fringes_of(const Beamline&);
 
 }  // namespace rabiline

@@ -70,7 +70,7 @@ std::vector<Fault> warnings_of(const Experiment& experiment, const Plan& plan) {
   add_once(at_any_point(experiment.points, &turned_magnets_of), out);
   add_once(at_any_point(experiment.points, &jumps_of_sorting_fields_of), out);
   add_once(warnings_of_stages(experiment, plan), out);
-  add_once(at_any_point(experiment.points, &rising_fringes_of), out);
+  add_once(at_any_point(experiment.points, &odd_fringes_of), out);
   add_once(at_any_point(experiment.points, &approximations_of), out);
   add_once(untold_falls_of(experiment.points.front()), out);
   add_once(line_warnings_of(experiment, plan), out);

@@ -18,7 +18,8 @@ hdf5::GroupWriter write_provenance(const hdf5::GroupWriter& entry, const Provena
   simulation.text("compiler", provenance.compiler);
   simulation.text("commit", provenance.commit, {{"long_name", "of the program's source"}});
   const std::vector<std::string> libraries{
-      fmt::format("glibc {}", gnu_get_libc_version()), "GSL " GSL_VERSION,
+      fmt::format("glibc {}", gnu_get_libc_version()),
+      fmt::format("GSL {}", GSL_VERSION),
       fmt::format("Eigen {}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION),
       formula_parser_version(),
       fmt::format("HDF5 {}.{}.{}", H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE),

@@ -161,3 +161,23 @@ def test_a_field_that_is_nothing_at_one_place_of_the_way_is_followed_on_both_sid
              for shape in ("A*((y-L)/L)^2", "A*((y-L-1e-5*L)/L)^2")]
     assert 0.1 < found[0][0] < 0.5
     assert np.abs(found[0] - found[1]).max() < 1e-6
+
+
+def test_a_field_that_swings_beside_the_axis_alone_takes_the_other_f_along(tmp_path: Path) -> None:
+    """A quadrupole about atoms that fly 2.5 mm from its axis, where its field is nothing; numbers of an integration of both spins (DOP853)."""
+    (tmp_path / "in.yaml").write_text("""rabiline: 1
+title: beside the axis
+species: H(2S) atom
+law: quantum
+source: {speed: {kind: single, value: 2000 m/s}, opening: {radius: 0 m}, direction: parallel, offset: {x: 2 mm, z: -1.5 mm}, spin: {kind: levels, levels: [F=1 m=0]}}
+parts:
+  - {name: H, kind: uniform_field, at: 0.02 m, length: 0.3 m, field: 0.2 mT}
+  - {name: B, kind: multipole_field, at: 0.1 m, length: 0.1 m, field: 1 mT, poles: 4, radius: 10 mm, profile: half_sine, oscillates: {frequency: 2.8 MHz, phase: 30 deg}}
+  - {name: D, kind: detector, at: 0.25 m, width: 200 mm, height: 200 mm, bins: [1, 1]}
+particles: 1
+seed: 1
+""")
+    done = rabiline("run", tmp_path / "in.yaml", "-o", tmp_path / "out.h5", "--threads", "1")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "out.h5") as file:
+        assert file["entry/D_levels/levels"][:] == pytest.approx([0.30937717, 0.43920113, 0.25142168, 1.8e-8], abs=1e-6)

@@ -107,3 +107,5 @@ def test_what_filters_and_coils_cannot_mean_is_told(tmp_path: Path) -> None:
     assert "has one moment and no levels" in refused(tmp_path, neutron + PASS % "F=1 m=0" + SCREEN)
     coil = "  - {name: C, kind: coil, at: 0.1 m, length: 0.1 m, axis: x, angle: 90 deg, speed: 1000 m/s}\n"
     assert "has two, I and J" in refused(tmp_path, head + coil + SCREEN)
+    tilted = PASS.replace("levels:", "tilt: {x: 90 deg}, levels:") % "F=1 m=0"
+    assert "omit `tilt`" in refused(tmp_path, head + tilted + SCREEN)

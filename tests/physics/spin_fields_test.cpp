@@ -275,8 +275,9 @@ TEST(GuideField, ThatTurnsSlowlyTakesTheSpinAlong) {
   const GuideField guide{length, 2e-3, {0, 0, 1}, {1, 0, 0}, {}};
   const double turning = pi / 2 / stay, precession = -gamma_n * 2e-3;
   const double lost =
-      1 - detected(line({place("G", begin, guide), place("F", 0.8, SpinFilter{UnitVector{-1, 0, 0}, 1, 0, {}})},
-                        QuantumLaw{}));
+      1 -
+      detected(line({place("G", begin, guide), place("F", 0.8, SpinFilter{UnitVector{-1, 0, 0}, 1, 0, {}})},
+                    QuantumLaw{}));
   EXPECT_LT(lost, std::pow(turning / precession, 2));
 }
 
@@ -297,10 +298,10 @@ TEST(SpinFilter, PassesHalfOfAnUnpolarisedBeamAndMalusLawOfTheRest) {
 
 TEST(SpinFilter, OfPartialTransmissionKeepsTheRootOfTheProductOfCoherence) {
   // S along x: w = (up + down)/2 passes, and S_x = sqrt(up down)/w is left: an analyser along x tells.
-  const Beamline b = line(
-      {place("F", 0.2, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}}), place("G", 0.4, SpinFilter{UnitVector{0, 0, 1}, 0.8, 0.2, {}}),
-       place("H", 0.6, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}})},
-      QuantumLaw{});
+  const Beamline b = line({place("F", 0.2, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}}),
+                           place("G", 0.4, SpinFilter{UnitVector{0, 0, 1}, 0.8, 0.2, {}}),
+                           place("H", 0.6, SpinFilter{UnitVector{1, 0, 0}, 1, 0, {}})},
+                          QuantumLaw{});
   expect_agreement(
       detected(b), [](double s) { return 0.5 * (0.5 * (0.8 + 0.2) + std::sqrt(0.8 * 0.2 * s)) / 2; }, 1e-11,
       "coherence");
@@ -308,7 +309,8 @@ TEST(SpinFilter, OfPartialTransmissionKeepsTheRootOfTheProductOfCoherence) {
 
 TEST(SpinFilter, OfNoTransmissionStopsEverythingAndOfFullTransmissionNothing) {
   EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{UnitVector{0, 0, 1}, 0, 0, {}})}, QuantumLaw{})), 0);
-  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{UnitVector{0.6, 0, 0.8}, 1, 1, {}})}, QuantumLaw{})), 1);
+  EXPECT_EQ(detected(line({place("F", 0.2, SpinFilter{UnitVector{0.6, 0, 0.8}, 1, 1, {}})}, QuantumLaw{})),
+            1);
 }
 
 TEST(SpinFilter, GivesTheSameForAVectorOfEverySpinLaw) {

@@ -240,6 +240,17 @@ TEST(Warnings, TellThatAFringeGrowsOutwards) {
   EXPECT_NE(faults[0].message.find("does not fall all the way: outwards its field grows from"),
             std::string::npos);
 }
+TEST(Warnings, TellThatAFringeLeavesNothingWholeAndThatItReachesTheSource) {
+  const auto tells = [](double length, const char* what) {
+    return std::ranges::any_of(warned_of_fringe(TanhFringe{length}, 1e-3), [&](const Fault& fault) {
+      return fault.message.find(what) != std::string::npos;
+    });
+  };
+  for (const char* what : {"so long that its field comes to", "reaches the source, where its field is"}) {
+    EXPECT_FALSE(tells(0.02, what));
+    EXPECT_TRUE(tells(0.5, what));
+  }
+}
 TEST(Warnings, TellThatParticlesRiseInsideOfAFieldToWhereItsFringeDoesNotTellIt) {
   for (const bool wide : {false, true}) {
     Beamline b = test::suggested(0);
