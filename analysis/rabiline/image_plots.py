@@ -24,6 +24,7 @@ MILLI = 1e3
 LARGEST, PROJECTION, GAP, MARGIN = 3.0, 0.8, 0.15, 0.75  # inches: an image's longer side, and what surrounds it
 SMALL_PROJECTION, SMALLEST = 0.45, 0.5  # likewise, where room is scarce; and the least of an image's longer side
 BELOW, SMALL_BELOW = 1.2, 1.05  # inches: numbers and names of the axes, and the bar of colours
+BAR, SMALL_BAR = 0.55, 0.48  # inches: from the foot of the figure to that bar
 BEAM = LAWS["quantum"][0]
 MANY = 1e4  # counts that are written with a power of ten
 PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
@@ -102,7 +103,7 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
         for row in rows:
             _write_counts((row[1].yaxis, row[2].xaxis)[i - 1], most)
     rows[0][0].set_ylabel("z (mm)")
-    colour_bar = figure.add_axes(_inches(figure, MARGIN, layout.below - 0.65, layout.width - MARGIN - 0.3, 0.12))
+    colour_bar = figure.add_axes(_inches(figure, MARGIN, layout.bar, layout.width - MARGIN - 0.3, 0.12))
     figure.colorbar(mesh, cax=colour_bar, orientation="horizontal")
     _write_counts(colour_bar.xaxis, norm.vmax, " per bin")
     figure.suptitle(title.strip(), fontsize=style.scaled(TITLE), y=1 - 0.12 / figure.get_figheight(), va="top", parse_math=False)
@@ -116,6 +117,7 @@ class Layout:
     image: tuple[float, float]  # width and height of each
     projection: float  # what is left for each
     below: float
+    bar: float  # from the foot of the figure
     shots: int
     head: float = 0.0  # for the title and what stands above each image
 
@@ -152,7 +154,7 @@ def _laid_out(results: Results, detector: Detector, shots: list[Shot], title: st
     room, largest = style.room(), LARGEST
     words = [_heading(results, detector, shot, shots if room else ()) for shot in shots]
     while True:
-        places = (SMALL_PROJECTION, SMALL_BELOW) if room else (PROJECTION, BELOW)
+        places = (SMALL_PROJECTION, SMALL_BELOW, SMALL_BAR) if room else (PROJECTION, BELOW, BAR)
         layout = Layout((largest / max(ratio, 1), largest * min(ratio, 1)), *places, len(shots))
         lines = in_lines(style.shortened(title), layout.width, TITLE)
         headings = [in_lines(text, layout.image[0] + layout.projection + GAP + 0.5 * MARGIN, 10.5) for text in words]
