@@ -1,6 +1,6 @@
 """Checks that viewers plot a file of rabiline by default: nexus_test.py RESULTS.h5 | --tracks TRACKS.h5
 
-Run with Debian's /usr/bin/python3, which has h5py and silx.
+Run with Debian's /usr/bin/python3, which has h5py; tools/install-packages --tests says where silx is.
 """
 
 import sys

@@ -341,7 +341,7 @@ def test_a_result_given_as_input_flies_its_own_experiment(ramsey: rabiline.Exper
 
 
 def test_a_notebook_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    display = pytest.importorskip("IPython.display")
+    from IPython import display
     shown = []
     monkeypatch.setitem(sys.modules, "ipykernel", sys)
     monkeypatch.setattr(display.ProgressBar, "display", lambda bar: shown.append(bar))
