@@ -28,9 +28,8 @@ function(rabiline_add_kernels target)
     # Sources with a UNITY_GROUP are compiled together: what they include takes longer than the little that they hold.
     set_target_properties(${objects} PROPERTIES RABILINE_UNWATCHED ON UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
     if(RABILINE_SANITIZE STREQUAL address AND NOT isa STREQUAL avx2)
-      # Addresses alone, and by calls: that compiles in 70 % of the time. The widest and the narrowest lanes have the source of all.
-      target_compile_options(${objects} PRIVATE -fsanitize=address
-        $<IF:$<CXX_COMPILER_ID:Clang>,SHELL:-mllvm -asan-instrumentation-with-call-threshold=0,--param=asan-instrumentation-with-call-threshold=0>)
+      # Addresses alone. The widest and the narrowest lanes have the source of all.
+      target_compile_options(${objects} PRIVATE -fsanitize=address ${by_calls})
     endif()
   endforeach()
 endfunction()

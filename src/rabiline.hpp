@@ -77,10 +77,16 @@ std::optional<ParameterValue> value_of(const Setup&, const std::string& name);
 /// The parts of an experiment by their place, without its scan; none of a model.
 std::vector<PartName> parts_of(const Setup&);
 
+/// About what a run takes here.
+struct Cost {
+  double seconds = 0;  // [s] on one core
+  double memory = 0;   // [bytes] for each thread
+};
 /// What is known before anything is flown or solved.
 struct Report {
   std::string text;  // the plan with its derived numbers, or the numbers of a model, to be read by people
   std::vector<Diagnostic> warnings;  // what deserves a word although nothing is wrong, with its place
+  std::optional<Cost> cost{};        // none of a model
 };
 /// `max_memory`: as in RunSettings.
 Report check(const Setup&, std::uint64_t max_memory = 0);

@@ -41,10 +41,13 @@ class ExperimentWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Report:
-    """What is known before a run; prints as `rabiline check` does."""
+    """What is known before a run; prints as `rabiline check` does. Of an experiment also about what a run takes here: the time
+    on one core [s], and the memory for each thread [bytes]."""
 
     plan: str
     warnings: tuple[str, ...]
+    seconds: float | None = None
+    memory: float | None = None
 
     def __str__(self) -> str:
         return self.plan + "".join(self.warnings)
@@ -148,7 +151,7 @@ class Experiment:
 
     def check(self) -> Report:
         """The plan with its derived numbers, and what deserves a word."""
-        return Report(*(part if isinstance(part, str) else tuple(part) for part in _core.check(self._setup)))
+        return Report(*(tuple(part) if isinstance(part, list) else part for part in _core.check(self._setup)))
 
     def run(self, *, threads: int | None = None, isa: str = "", transit: str = "auto", max_memory: str = "",
             progress: Callable[[float, float], None] | bool | None = None) -> Results | Motions:

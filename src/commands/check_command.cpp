@@ -31,8 +31,12 @@ std::string in_json(const std::vector<Diagnostic>& diagnostics) {
 }
 
 void print_json(const std::vector<Diagnostic>& errors, const Report& report, std::size_t points) {
-  fmt::print("{{\"errors\": {}, \"warnings\": {}, \"points\": {}, \"plan\": {}}}\n", in_json(errors),
-             in_json(report.warnings), points, in_json(report.text));
+  const std::string cost = report.cost ? fmt::format(R"({{"seconds": {:.3g}, "bytes": {:.0f}}})",
+                                                     report.cost->seconds, report.cost->memory)
+                                       : "null";
+  fmt::print(R"({{"errors": {}, "warnings": {}, "points": {}, "cost": {}, "plan": {}}})"
+             "\n",
+             in_json(errors), in_json(report.warnings), points, cost, in_json(report.text));
 }
 
 /// The exit code.

@@ -58,6 +58,7 @@ double time_to_fly(const Plan& plan) {
 double time_of_flight(const Plan& plan) {
   constexpr std::size_t many_trees = 64;  // each of which few particles fly through
   const double all = estimate_of(plan);
+  const double clearing = static_cast<double>(plan.sums * sizeof(Sum)) / 2e9;  // [s], once more or less
   if (plan.sums > most_sums) return all;
   if (plan.trees.size() > many_trees && all < plenty) return time_to_fly(plan);
   const std::size_t last = plan.trees.size() - 1;
@@ -68,14 +69,21 @@ double time_of_flight(const Plan& plan) {
     const Plan sample = sample_of(plan, particles, *trees);
     flown = estimate_of(sample);
     seconds = time_to_fly(sample);
-    if (seconds > plenty) return seconds * all / flown;
+    if (seconds <= plenty) continue;
+    // Either each particle takes that long, or what is done once for all of them.
+    const double twice =
+        flown > 0.1 * seconds ? 2 * seconds : time_to_fly(sample_of(plan, 2 * particles, *trees));
+    if (twice > 1.5 * seconds) return seconds + (twice - seconds) * (all - flown) / flown;
+    break;
   }
   for (;;) {
-    const Plan sample = sample_of(plan, particles *= 4, three);
+    const double unsure = std::max({enough, 0.5 * seconds, clearing});
+    const double further = std::clamp(2 * unsure / flown, 4.0, unsure > enough ? 64.0 : 4.0);
+    const Plan sample = sample_of(plan, particles *= static_cast<std::uint64_t>(further), three);
     const double more = estimate_of(sample);
     if (more == flown) return seconds * std::max(1.0, all / flown);
     const double longer = time_to_fly(sample);
-    if (longer - seconds > enough || more == all)
+    if (longer - seconds > unsure || more == all)
       return longer + std::max(0.0, longer - seconds) * (all - more) / (more - flown);
     flown = more;
     seconds = longer;
@@ -90,7 +98,7 @@ double processor_time() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-std::string told_cost(const Experiment& experiment, const Form& form, double planning) {
+Cost cost_of(const Experiment& experiment, const Form& form, double planning) {
   const Plan& plan = form.plan;
   constexpr double of_field_check = 0.3;  // [s] about the most that it takes: what is longer hides it
   // Points that follow are planned once more. Of slabs that fly four parts as long as one have been planned,
@@ -101,16 +109,20 @@ std::string told_cost(const Experiment& experiment, const Form& form, double pla
   double seconds =
       start_up + plans * planning + flights * time_of_flight(plan) + each_bin * bins_of(experiment);
   if (seconds < of_field_check) seconds += time_of([&] { check_fields(plan, best_isa()); });
+  return {seconds, static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan))};
+}
+
+std::string told(const Cost& cost, const Experiment& experiment, const Form& form) {
   const std::size_t points = experiment.points.size();
-  return fmt::format("\ncost       about {:.2g} s on one core{}; {:.0f} MiB of memory for each thread\n{}",
-                     seconds,
-                     points > 1 ? fmt::format(", {:.2g} s for each of {} scan points",
-                                              seconds / static_cast<double>(points), points)
-                                : "",
-                     static_cast<double>(plan.sums * sizeof(Sum) + bytes_of_stages(plan)) / 1048576.0,
-                     in_slabs ? fmt::format("           scan points {} in {} slabs, one behind the other\n",
-                                            fly ? "fly" : "follow from one flight", form.slabs)
-                              : "");
+  return fmt::format(
+      "\ncost       about {:.2g} s on one core{}; {:.0f} MiB of memory for each thread\n{}", cost.seconds,
+      points > 1 ? fmt::format(", {:.2g} s for each of {} scan points",
+                               cost.seconds / static_cast<double>(points), points)
+                 : "",
+      cost.memory / 1048576,
+      form.slabs > 1 ? fmt::format("           scan points {} in {} slabs, one behind the other\n",
+                                   form.flies_in_slabs() ? "fly" : "follow from one flight", form.slabs)
+                     : "");
 }
 
 }  // namespace rabiline

@@ -174,12 +174,12 @@ Report check(const Setup& setup, std::uint64_t max_memory) {
   const LoadedExperiment& loaded = experiment_of(setup);
   const double begin = processor_time();
   const Form form = form_of(loaded.experiment, max_memory, false, 0);
-  const double planning = processor_time() - begin;
-  return {explain(loaded.experiment, form.plan) + told_cost(loaded.experiment, form, planning) +
+  const Cost cost = cost_of(loaded.experiment, form, processor_time() - begin);
+  return {explain(loaded.experiment, form.plan) + told(cost, loaded.experiment, form) +
               told_refusal(loaded.experiment, form, processors(), max_memory) +
               note_on_blind_screens(loaded.experiment) + report_of_parts(loaded.base) +
               report_of_fields(loaded.base),
-          warnings_before(loaded, loaded.experiment, form.plan)};
+          warnings_before(loaded, loaded.experiment, form.plan), cost};
 }
 
 std::string note_of(const Setup& setup) {

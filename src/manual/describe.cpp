@@ -191,9 +191,11 @@ void add_members(std::vector<Topic>& out) {
   std::set<std::pair<std::string, std::type_index>> added;
   const auto add = [&]<class M>(std::type_identity<M>, const Row& row) {
     if constexpr (has_table<M> || (is_variant<M> && !tag_key<M>.empty()))
-      if (!known.contains(std::string(row.key)) && added.emplace(row.key, typeid(M)).second)
+      if (!known.contains(std::string(row.key)) && added.emplace(row.key, typeid(M)).second) {
         out.push_back({std::string(row.key), std::string(row.meaning),
                        [key = row.key, meaning = row.meaning] { return describe_member<M>(key, meaning); }});
+        if constexpr (is_variant<M>) add_alternatives<M>(out, row.key);
+      }
   };
   for_each_alternative<Part>([&]<class A>(std::type_identity<A>) {
     for_each_row<A>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
@@ -233,6 +235,7 @@ const std::vector<Topic>& topics() {
                      return describe_variant<DriveProfile>(
                          "profile", "how the size of an alternating field runs along it");
                    }});
+    add_alternatives<DriveProfile>(out, "profile");
     out.push_back({"chamber", "round wall along the whole beam", describe_chamber});
     out.push_back({"gravity", "free fall", describe_gravity});
     out.push_back({"until", "when fewer particles are enough", describe_until});

@@ -48,7 +48,8 @@ void add_setups(py::module_& module) {
     const Report report = check(setup);
     std::vector<std::string> warnings;
     for (const Diagnostic& warning : report.warnings) warnings.push_back(render(warning));
-    return py::make_tuple(report.text, warnings);
+    return report.cost ? py::make_tuple(report.text, warnings, report.cost->seconds, report.cost->memory)
+                       : py::make_tuple(report.text, warnings);
   });
 }
 

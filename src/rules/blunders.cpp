@@ -306,6 +306,30 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   }
 }
 
+/// A filter that passes all alike, or nothing.
+void find_idle_filters(const Beamline& beamline, Faults& out) {
+  for (const PlacedPart& part : beamline.parts) {
+    const auto* filter = std::get_if<SpinFilter>(&part.part);
+    if (!filter) continue;
+    const std::string& name = part.placement.name;
+    const bool names_all = std::ranges::any_of(beamline.species, [&](const Component& component) {
+      return component.species.structure &&
+             filter->levels.size() == static_cast<std::size_t>(component.species.levels());
+    });
+    if (filter->up == 0 && (filter->down == 0 || names_all))
+      out.push_back(
+          warning(name, "up", fmt::format("`{}` lets nothing pass", name), "make `up` larger than 0"));
+    else if (filter->up == filter->down)
+      out.push_back(warning(
+          name, "down",
+          fmt::format("`{}` passes all {} alike: it sorts nothing", name, filter->axis ? "spins" : "levels"),
+          "let `up` and `down` differ"));
+    else if (names_all)
+      out.push_back(warning(name, "levels", fmt::format("`{}` names all levels: it sorts nothing", name),
+                            "name those that pass alone"));
+  }
+}
+
 /// Unpolarised spins look the same however they are turned.
 void find_unpolarised_spins(const Beamline& beamline, Faults& out) {
   const bool one_moment = !law_traits(beamline.law).has_levels || !has_levels(beamline);
@@ -354,6 +378,7 @@ Faults blunders_of(const Beamline& beamline) {
   find_screens_in_fields(beamline, out);
   find_overlaps(beamline, out);
   find_single_turns(beamline, out);
+  find_idle_filters(beamline, out);
   if (out.empty()) find_unpolarised_spins(beamline, out);
   return out;
 }

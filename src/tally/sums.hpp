@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/zeroed_memory.hpp"
+
 namespace rabiline {
 
 /// 128 bits: a sum of squares of weights (2^80 each) over more particles than a computer can fly.
@@ -12,7 +14,7 @@ __extension__ typedef unsigned __int128 Sum;
 __extension__ typedef __int128 SignedSum;
 
 /// All sums of a plan in one array; each stage knows where its own begin.
-using Sums = std::vector<Sum>;
+using Sums = std::vector<Sum, ZeroedMemory<Sum>>;
 
 inline void add(Sums& to, const Sums& from) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += from[i];

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/zeroed_memory.hpp"
 #include "transport/paths.hpp"
 #include "transport/transit.hpp"
 
@@ -10,7 +11,7 @@ namespace rabiline {
 
 /// Moments since they were last added to the sums, which comes before they can overflow.
 struct MomentBuffer {
-  std::vector<CellMoments> cells;
+  std::vector<CellMoments, ZeroedMemory<CellMoments>> cells;
   std::vector<std::uint64_t> touched;  // which of them may hold anything
 };
 

@@ -330,7 +330,7 @@ def test_check_speaks_json_too(tmp_path: Path) -> None:
     assert done.returncode == 2 and told["errors"][0]["line"] > 0 and "magnetic field" in told["errors"][0]["message"]
     told = json.loads(subprocess.run([PROGRAM, "check", "--json", BEAMLINES / "ramsey.yaml"], capture_output=True,
                                      text=True).stdout)
-    assert told["errors"] == [] and told["points"] == 401
+    assert told["errors"] == [] and told["points"] == 401 and 0 < told["cost"]["seconds"] < 60 and told["cost"]["bytes"] > 0
 
 
 def test_a_result_given_as_input_flies_its_own_experiment(ramsey: rabiline.Experiment, tmp_path: Path) -> None:

@@ -139,14 +139,17 @@ void SpinStretch::pass(StageContext& context) const {
 }
 
 void SpinStretch::explain(PlanReport& report) const {
+  const bool of_levels = law_traits(report.beamline.law).has_levels;
   report.line(
-      "            spins at {}: {} levels, {}{}", report.name_of(part), spins.levels,
+      "            spins at {}: {}, {}{}", report.name_of(part),
+      of_levels ? fmt::format("{} levels", spins.levels) : "a vector",
       spins.way != nullptr           ? describe(*spins.way)
       : spins.transitions != nullptr ? "coherent through the fields below, which drive them"
       : spins.zones.empty()          ? "as they arrive"
       : spins.from_level() && spins.zones.size() == 1 && spins.zones.front().kind == ZoneKind::rotating
           ? "closed form"
-          : "coherent through the zones below",
+      : of_levels ? "coherent through the zones below"
+                  : "turned by the zones below",
       report.reuse);
   if (report.slowness_cells > 0)
     report.line("{:>16}{} scan points follow from moments of the slowness in {} cells", "",

@@ -59,6 +59,10 @@ const std::vector<Blunder> blunders{
      [](Beamline& b) {
        b.parts.push_back(place("S", 5, Slit{Rectangle{1e-3, 1e-3}, {}}));
      }},
+    {"AFilterOfAllSpinsAlike", "F", "down",
+     [](Beamline& b) {
+       b.parts.push_back(place("F", 0.7, SpinFilter{UnitVector{1, 0, 0}, 0.5, 0.5, {}}));
+     }},
     {"AFieldThatTurnsAgainstThePrecession", "H0", "sense",
      [](Beamline& b) { std::get<RotatingField>(b.parts[2].part).sense = Sense::counter; }},
 };
