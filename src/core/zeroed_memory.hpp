@@ -6,14 +6,15 @@
 
 namespace rabiline {
 
-/// Memory of zeros, in large pages where there is much of it; what nobody touches takes none of the
-/// machine's. Throws std::bad_alloc.
+/// Memory of zeros from a multiple of 64 on, in large pages where there is much of it; what nobody touches
+/// takes none of the machine's. Throws std::bad_alloc.
 void* zeroed_memory(std::size_t bytes);
 void free_zeroed_memory(void*, std::size_t bytes) noexcept;
 
 /// For vectors that are never made shorter: elements that are added begin as the zeros that the memory holds.
 template <class T>
 struct ZeroedMemory {
+  static_assert(alignof(T) <= 64);
   using value_type = T;
   ZeroedMemory() = default;
   template <class U>
