@@ -270,3 +270,14 @@ def test_a_file_whose_name_is_nearly_written_is_offered(tmp_path: Path, written:
     refused = rabiline("check", tmp_path / written)
     assert refused.returncode == NOT_WRITTEN and f"help: did you mean `{tmp_path / 'mine.yaml'}`?" in refused.stderr, refused.stderr
     assert "did you mean" not in rabiline("check", tmp_path / "another.yaml").stderr
+
+
+@pytest.mark.parametrize(("topic", "says"), [("tanh", "tanh (fringe): (1 - tanh(s))/2"), ("enge", "enge (fringe): "), ("sine", "sine (fringe): "),
+                                             ("half_sine", "half_sine (profile): "), ("standing_wave", "standing_wave (profile): ")])
+def test_kinds_of_fringes_and_profiles_are_described(topic: str, says: str) -> None:
+    assert says in rabiline("describe", topic).stdout
+
+
+def test_check_speaks_of_levels_where_there_are_any() -> None:
+    for law, told in (("quantum", "2 levels, "), ("classical", "a vector, turned by the zones below")):
+        assert f"spins at screen: {told}" in rabiline("check", EXPERIMENT, "--set", f"law={law}").stdout
