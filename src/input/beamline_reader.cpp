@@ -127,7 +127,7 @@ bool read_part(const Node& node, Reading& reading, PlacedPart& out) {
   const bool part_read = read_tagged(keys, row, out.part, kind_known);
   const bool good = read_rows(keys, out.placement) && part_read;
   if (kind_known)
-    keys.finish(&owner_of_key<Part>);
+    keys.finish(&owners_of_key<Part>);
   else
     keys.finish_unknown();
   return good;
@@ -191,9 +191,9 @@ bool read_value(const Node& node, const Place&, const Row& row, Reading& reading
 namespace {
 
 /// What has such a key below the first level.
-std::string owner_below(std::string_view key) {
-  if (has_key<Source>(key)) return "source";
-  return has_key<Chamber>(key) ? "chamber" : owner_of_key<Part>(key);
+std::vector<std::string> owners_below(std::string_view key) {
+  if (has_key<Source>(key)) return {"source"};
+  return has_key<Chamber>(key) ? std::vector<std::string>{"chamber"} : owners_of_key<Part>(key);
 }
 
 /// Whether all of it could be read.
@@ -208,7 +208,7 @@ bool read_by_tables(const Node& root, Reading& reading, Beamline& out) {
   check_version(root, keys);
   const bool all_read = read_rows(keys, out);
   for (const std::string_view key : {"geometry", "variables", "scan"}) keys.take(key);
-  keys.finish(&owner_below);
+  keys.finish(&owners_below);
   return all_read;
 }
 

@@ -37,6 +37,16 @@ bool is_group_of_thousands(std::string_view text) {
          (text.size() == 3 || !is_digit(text[3]));
 }
 
+/// " (a has)", " (a, b and c have)"; of more than six the first four.
+std::string as_having(const std::vector<std::string>& owners) {
+  if (owners.empty()) return "";
+  if (owners.size() == 1) return fmt::format(" ({} has)", owners.front());
+  const std::size_t named = owners.size() > 6 ? 4 : owners.size() - 1;
+  return fmt::format(" ({} and {} have)",
+                     fmt::join(owners.begin(), owners.begin() + std::ptrdiff_t(named), ", "),
+                     owners.size() > 6 ? "others" : owners.back());
+}
+
 }  // namespace
 
 Keys::Keys(const Node& mapping, std::string what, Place blame, Reading& reading)
@@ -91,7 +101,7 @@ void Keys::indent_below(const Entry& open, std::string_view key) {
                                  open.key, key);
 }
 
-void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) {
+void Keys::finish(const std::function<std::vector<std::string>(std::string_view)>& owners_of) {
   const Entry *before = nullptr, *open = nullptr;  // the latter: a key without a value
   bool in_bracket = false;                         // that a comma has cut
   for (const Entry& entry : node_->entries) {
@@ -126,13 +136,12 @@ void Keys::finish(const std::function<std::string(std::string_view)>& owner_of) 
               : fmt::format("numbers have a decimal point: write `{}.{}`", last->value.scalar, entry.key));
       continue;
     }
-    const std::string owner = owner_of ? owner_of(entry.key) : std::string{};
-    std::string message = fmt::format("{} has no key `{}`", what_, entry.key);
-    if (!owner.empty()) message += fmt::format(" ({} has)", owner);
+    const std::vector<std::string> owners = owners_of ? owners_of(entry.key) : std::vector<std::string>{};
+    std::string message = fmt::format("{} has no key `{}`{}", what_, entry.key, as_having(owners));
     std::string near = key_meant_by(entry.key, known_);
     const bool is_misspelt = near.empty() || node_->find(near);
     if (is_misspelt)
-      near = owner.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
+      near = owners.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
     const auto instead_of = std::ranges::find(missing_, near, &Missing::key);
     std::string help;
     if (!near.empty() && !is_misspelt && instead_of != missing_.end())

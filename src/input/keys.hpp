@@ -28,8 +28,8 @@ class Keys {
   /// `kind: coil`.
   void missing_word(std::string_view key, std::span<const Word> words);
   /// Reports every key that nobody asked for, and those that are missing: a misspelt one once only.
-  /// `owner_of` names what has such a key instead, or is empty.
-  void finish(const std::function<std::string(std::string_view key)>& owner_of = {});
+  /// `owners_of` names what has such a key instead.
+  void finish(const std::function<std::vector<std::string>(std::string_view key)>& owners_of = {});
   /// As finish, where nobody knows which keys belong here.
   void finish_unknown();
 

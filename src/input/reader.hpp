@@ -47,27 +47,26 @@ bool read_alternative(Keys& keys, std::size_t index, V& out) {
   return good;
 }
 
-/// Which alternative has that key, for "(rotating_field has)".
+/// Which alternatives have that key, for "(rotating_field has)".
 template <class V>
-std::string owner_of_key(std::string_view key) {
-  std::string owner;
+std::vector<std::string> owners_of_key(std::string_view key) {
+  std::vector<std::string> owners;
   for_each_alternative<V>([&]<class A>(std::type_identity<A>) {
-    if (owner.empty() && has_key<A>(key)) owner = A::kind;
+    if (has_key<A>(key)) owners.emplace_back(A::kind);
   });
-  return owner;
+  return owners;
 }
 
-/// Below which key of T that key stands, for "(`speed` has)".
+/// Below which keys of T that key stands, for "(`speed` has)".
 template <class T>
-std::string owner_among_rows(std::string_view key) {
-  std::string owner;
+std::vector<std::string> owners_among_rows(std::string_view key) {
+  std::vector<std::string> owners;
   for_each_row<T>([&]<class S, class M, class D>(const Param<S, M, D>& p) {
     if constexpr (is_variant<M>)
       if constexpr (!tag_key<M>.empty())
-        if (owner.empty() && !p.key.empty() && !owner_of_key<M>(key).empty())
-          owner = fmt::format("`{}`", p.key);
+        if (!p.key.empty() && !owners_of_key<M>(key).empty()) owners.push_back(fmt::format("`{}`", p.key));
   });
-  return owner;
+  return owners;
 }
 
 /// A variant told apart by which keys are there. Its keys may stand among others.
@@ -159,7 +158,7 @@ bool read_variant(const Node& node, const Place& named_at, const Row& row, Readi
     bool tagged = false;
     const bool good = read_tagged(keys, row, out, tagged);
     if (tagged)
-      keys.finish(&owner_of_key<V>);
+      keys.finish(&owners_of_key<V>);
     else
       keys.finish_unknown();
     return good;
@@ -184,7 +183,7 @@ bool read_struct(const Node& node, const Place& named_at, const Row& row, Readin
   }
   Keys keys(node, fmt::format("`{}`", row.key), named_at, reading);
   const bool good = read_rows(keys, out);
-  keys.finish(&owner_among_rows<T>);
+  keys.finish(&owners_among_rows<T>);
   return good;
 }
 

@@ -1,10 +1,10 @@
 #include "parts/fringe.hpp"
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/eigensystem.hpp"
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "parts/own_frame.hpp"
@@ -134,11 +134,11 @@ void FringedField::add_poles(int power, double size, const OwnFrame& frame) {
   Eigen::MatrixXd recurrence = Eigen::MatrixXd::Zero(places, places);
   for (int k = 1; k < places; ++k)
     recurrence(k, k - 1) = std::sqrt(k * (k + 2 * n - 1) / (4 * (k + n) * (k + n - 1)));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(recurrence);
+  const auto own = eigensystem_of(recurrence);
   for (int i = 0; i < places / 2; ++i) {
     const Eigen::Index positive = places - 1 - i;
-    shape.place[i] = solver.eigenvalues()(positive);
-    shape.share[i] = 2 * solver.eigenvectors()(0, positive) * solver.eigenvectors()(0, positive);
+    shape.place[i] = own.values(positive);
+    shape.share[i] = 2 * own.vectors(0, positive) * own.vectors(0, positive);
   }
   terms_.push_back(placed(ShapedTerm(shape), middle_, frame));
 }

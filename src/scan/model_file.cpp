@@ -25,7 +25,8 @@ ModelFile read_model_values(const Node& root, Reading& reading) {
   read_rows(keys, out);
   for (const std::string_view key : {"variables", "scan"}) keys.take(key);
   keys.finish([](std::string_view key) {
-    return has_key<Beamline>(key) || key == "geometry" ? std::string("a beamline") : std::string{};
+    const bool is_of_a_beamline = has_key<Beamline>(key) || key == "geometry";
+    return std::vector<std::string>(is_of_a_beamline ? 1 : 0, "a beamline");
   });
   return out;
 }

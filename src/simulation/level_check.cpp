@@ -1,12 +1,13 @@
 #include "simulation/level_check.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
 
 #include "core/constants.hpp"
+#include "core/eigensystem.hpp"
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
@@ -75,12 +76,11 @@ class Spins {
 
  private:
   Eigen::MatrixXcd turn(std::size_t axis, double angle) const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> own(total_[axis]);
+    const auto own = eigensystem_of(total_[axis]);
     State phases(levels());
     for (Eigen::Index k = 0; k < phases.size(); ++k)
-      phases(k) =
-          Complex(portable::cos(angle * own.eigenvalues()(k)), -portable::sin(angle * own.eigenvalues()(k)));
-    return own.eigenvectors() * phases.asDiagonal() * own.eigenvectors().adjoint();
+      phases(k) = Complex(portable::cos(angle * own.values(k)), -portable::sin(angle * own.values(k)));
+    return own.vectors * phases.asDiagonal() * own.vectors.adjoint();
   }
 
   const CoupledSpins& spins_;
@@ -248,13 +248,13 @@ class FollowedAtom {
   /// After a time in no field.
   State rested(const State& state, double stay) const {
     if (stay == 0) return state;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> own(spins_.zero());
-    State along = own.eigenvectors().adjoint() * state;
+    const auto own = eigensystem_of(spins_.zero());
+    State along = own.vectors.adjoint() * state;
     for (Eigen::Index k = 0; k < along.size(); ++k) {
-      const double angle = own.eigenvalues()(k) * stay;
+      const double angle = own.values(k) * stay;
       along(k) *= Complex(portable::cos(angle), -portable::sin(angle));
     }
-    return own.eigenvectors() * along;
+    return own.vectors * along;
   }
   /// One step from s: with H h = K_0 + K_1 u + ..., u from 0 to 1, the series' terms follow from one another.
   void advance(const CourseSection& section, double s, double h, State& state) const {

@@ -1,6 +1,5 @@
 #include "spin/driven_levels.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "core/constants.hpp"
+#include "core/eigensystem.hpp"
 #include "spin/evolution.hpp"
 #include "spin/levels.hpp"
 #include "spin/rotating_frame.hpp"
@@ -211,10 +211,10 @@ class BlockBuilder {
   void pass(Evolution& out, const Eigen::MatrixXd& h, double length) const {
     const Eigen::VectorXd no_angle = Eigen::VectorXd::Zero(size());
     if (h.isDiagonal(0)) return out.turn(no_angle, h.diagonal() * length);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(h);
-    out.mix(own.eigenvectors().transpose());
-    out.turn(no_angle, own.eigenvalues() * length);
-    out.mix(own.eigenvectors());
+    const auto own = eigensystem_of(h);
+    out.mix(own.vectors.transpose());
+    out.turn(no_angle, own.values * length);
+    out.mix(own.vectors);
   }
 
   /// Each step's two exponentials are of the mean Hamiltonian of half a step: with H_1, H_2 at Gauss's

@@ -1,12 +1,12 @@
 #include "spin/level_table.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
 
+#include "core/eigensystem.hpp"
 #include "core/portable_math.hpp"
 #include "spin/angular_momentum.hpp"
 #include "spin/hamiltonian.hpp"
@@ -72,14 +72,14 @@ class StatesAlong {
       return;
     }
     for (const Block& block : blocks_) {
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(h(block.products, block.products));
+      const auto own = eigensystem_of<Eigen::MatrixXd>(h(block.products, block.products));
       for (std::size_t k = 0; k < block.levels.size(); ++k) {
-        Eigen::VectorXd state = solver.eigenvectors().col(static_cast<Eigen::Index>(k));
+        Eigen::VectorXd state = own.vectors.col(static_cast<Eigen::Index>(k));
         const auto before = states(block.products, block.levels[k]);
         const double along = before.dot(state);
         if (along < 0 || (along == 0 && state(0) < 0)) state = -state;
         states(block.products, block.levels[k]) = state;
-        energy(block.levels[k]) = solver.eigenvalues()(static_cast<Eigen::Index>(k));
+        energy(block.levels[k]) = own.values(static_cast<Eigen::Index>(k));
       }
     }
   }

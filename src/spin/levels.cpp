@@ -1,11 +1,11 @@
 #include "spin/levels.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 #include "core/constants.hpp"
+#include "core/eigensystem.hpp"
 #include "spin/hamiltonian.hpp"
 
 namespace rabiline {
@@ -93,19 +93,19 @@ Levels levels_at(const CoupledSpins& spins, double field) {
   Levels out{field, labels_of(spins, blocks), std::vector<double>(count), std::vector<double>(count),
              Eigen::MatrixXd::Zero(spins.levels(), spins.levels())};
   for (const Block& block : blocks) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(h(block.products, block.products));
+    const auto own = eigensystem_of<Eigen::MatrixXd>(h(block.products, block.products));
     for (std::size_t k = 0; k < block.levels.size(); ++k) {
       const int n = block.levels[k];
       double slope = 0;  // [Hz/T] <dH/dB>/h, diagonal in the basis
       for (std::size_t p = 0; p < block.products.size(); ++p) {
         const int product = block.products[p];
-        const double amplitude = solver.eigenvectors()(p, k);
+        const double amplitude = own.vectors(p, k);
         out.states(product, n) = amplitude;
         slope += amplitude * amplitude *
                  (spins.zeeman_i * spins.twice_m_i(product) + spins.zeeman_j * spins.twice_m_j(product)) / 2;
       }
       fix_sign(out.states.col(n));
-      out.energy[n] = planck * solver.eigenvalues()(k);
+      out.energy[n] = planck * own.values(k);
       out.moment[n] = -planck * slope;
     }
   }

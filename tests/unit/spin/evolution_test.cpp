@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <random>
 
 #include "core/constants.hpp"
+#include "core/eigensystem.hpp"
 #include "drives.hpp"
 #include "spin/atoms.hpp"
 #include "spin/driven_levels.hpp"
@@ -68,9 +68,9 @@ Eigen::MatrixXd of_the_whole_state(const CoupledSpins& spins, const std::vector<
       Eigen::MatrixXd h = standing.at(share_of(zone.drive->envelope, zone.begin + (k + 0.5) * step));
       for (int i = 0; i < spins.levels(); ++i)
         h(i, i) += states.energy(i) - frame.photons[i] * frame.frequency;
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> own(h);
-      const Eigen::Vector<Cycles, Eigen::Dynamic> cycles = own.eigenvalues().cast<Cycles>() * (step * s);
-      u = (own.eigenvectors() * turning(cycles) * own.eigenvectors().transpose() * u).eval();
+      const auto own = eigensystem_of(h);
+      const Eigen::Vector<Cycles, Eigen::Dynamic> cycles = own.values.cast<Cycles>() * (step * s);
+      u = (own.vectors * turning(cycles) * own.vectors.transpose() * u).eval();
     }
     u = (into_frame(zone.end).adjoint() * u).eval();
   }

@@ -5,7 +5,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -14,6 +14,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/eigensystem.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
 #include "particle/species.hpp"
@@ -205,9 +206,9 @@ class Laboratory {
   Eigen::MatrixXcd turn(int axis, double angle) const {
     const Eigen::MatrixXcd f =
         in_product_basis(f_.spins, true, axis) + in_product_basis(f_.spins, false, axis);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> solver(f);
-    const Eigen::VectorXcd phases = (solver.eigenvalues().cast<Complex>() * Complex(0, -angle)).array().exp();
-    return solver.eigenvectors() * phases.asDiagonal() * solver.eigenvectors().adjoint();
+    const auto own = eigensystem_of(f);
+    const Eigen::VectorXcd phases = (own.values.cast<Complex>() * Complex(0, -angle)).array().exp();
+    return own.vectors * phases.asDiagonal() * own.vectors.adjoint();
   }
   static int derivative(double t, const double y[], double f[], void* of) {
     const auto& lab = *static_cast<const Laboratory*>(of);
