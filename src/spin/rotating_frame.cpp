@@ -36,6 +36,49 @@ std::vector<Pair> coupled_pairs(const DrivenStates& states) {
   return pairs;
 }
 
+/// Below this, what two photons do is left out: it changes a probability by its square.
+constexpr double least_of_two = 1e-3;
+
+/// Levels that two photons of half an oscillating field each couple by way of any level, themselves included:
+/// Lowdin's second order, as in standing_coupling(). The same order shifts the line: it is as far away as it
+/// comes on its way from no amplitude to the full one.
+std::vector<Pair> pairs_of_two_photons(const DrivenStates& states, double frequency) {
+  const Eigen::MatrixXd half = states.coupling / 2;
+  const double nearest = half.cwiseAbs().maxCoeff();
+  if (nearest == 0) return {};
+  const auto inverse = [&](double apart) { return apart / (apart * apart + nearest * nearest); };
+  const auto shift_of = [&](int i) {
+    double sum = 0;
+    for (int l = 0; l < half.cols(); ++l)
+      for (const int photon : {-1, 1})
+        sum += half(i, l) * half(i, l) * inverse(states.energy(i) - states.energy(l) + photon * frequency);
+    return sum;
+  };
+  std::vector<double> shift(static_cast<std::size_t>(half.rows()));
+  for (int i = 0; i < half.rows(); ++i) shift[static_cast<std::size_t>(i)] = shift_of(i);
+  std::vector<Pair> pairs;
+  for (int upper = 0; upper < half.rows(); ++upper)
+    for (int lower = 0; lower < half.rows(); ++lower) {
+      const double bare = states.energy(upper) - states.energy(lower) - 2 * frequency;
+      if (upper == lower || bare + 2 * frequency < 0) continue;
+      double coupling = 0, terms = 0;
+      for (int l = 0; l < half.cols(); ++l) {
+        const double term = half(upper, l) * half(l, lower) *
+                            (inverse(states.energy(upper) - frequency - states.energy(l)) +
+                             inverse(states.energy(lower) + frequency - states.energy(l))) /
+                            2;
+        coupling += term;
+        terms += std::abs(term);
+      }
+      if (std::abs(coupling) <= 1e-12 * terms) continue;  // zero by symmetry
+      const double full =
+          bare + shift[static_cast<std::size_t>(upper)] - shift[static_cast<std::size_t>(lower)];
+      const double off = bare * full <= 0 ? 0 : std::min(std::abs(bare), std::abs(full));
+      pairs.push_back({upper, lower, coupling, 2 * frequency + off});
+    }
+  return pairs;
+}
+
 /// A level and so many photons that the field has more: a state of both.
 struct Dressed {
   int level = 0, photons = 0;
@@ -125,9 +168,13 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
     return frame;
   }
   std::vector<FrameEdge> edges;
-  for (const DrivenStates* zone : zones)
+  for (const DrivenStates* zone : zones) {
     for (const Pair& pair : coupled_pairs(*zone))
       edges.push_back({pair.upper, pair.lower, 1, pair.strength(frame.frequency)});
+    for (const Pair& pair : pairs_of_two_photons(*zone, frame.frequency))
+      if (const double strength = pair.strength(2 * frame.frequency); strength > least_of_two)
+        edges.push_back({pair.upper, pair.lower, 2, strength});
+  }
   join_levels(std::move(edges), frame);
   return frame;
 }
@@ -179,6 +226,10 @@ double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& state
         states.coupling(pair.upper, pair.upper) - states.coupling(pair.lower, pair.lower);
     largest = std::max(largest, Pair::ratio(modulation / 2, frame.frequency));
   }
+  for (const Pair& pair : pairs_of_two_photons(states, frame.frequency))
+    if (frame.set[pair.upper] != frame.set[pair.lower] ||
+        frame.photons[pair.upper] - frame.photons[pair.lower] != 2)
+      largest = std::max(largest, pair.strength(2 * frame.frequency));
   return largest;
 }
 

@@ -44,7 +44,8 @@ struct FrameEdge {
 void join_levels(std::vector<FrameEdge> edges, RotatingFrame& frame);
 
 /// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, by
-/// the strengths |V_ij| / | |E_i - E_j|/h - f |: those far from resonance all stand still, or none does.
+/// the strengths |V_ij| / | |E_i - E_j|/h - f |: those far from resonance all stand still, or none does. What
+/// two photons couple joins them by |S_ij| / | |E_i - E_j|/h - 2 f |.
 RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingTerm& drive,
                              std::span<const DrivenStates* const> zones);
 
@@ -67,8 +68,9 @@ struct StandingCoupling {
 };
 StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenStates& states);
 
-/// Largest amplitude |V_ij| / |detuning| of what does not stand still in the frame; a modulation of the
-/// difference of two coupled levels counts with the detuning f. Infinite where something of it is resonant.
+/// Largest amplitude |V_ij| / |detuning| of what does not stand still in the frame, that of two photons
+/// included; a modulation of the difference of two coupled levels counts with the detuning f. Infinite where
+/// something of it is resonant.
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states);
 
 }  // namespace rabiline

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <numeric>
 
 #include "drives.hpp"
 #include "laboratory.hpp"
@@ -124,6 +124,36 @@ TEST(StandingCoupling, OfPotassiumAgreesWithTheWholeField) {
         EXPECT_GT(difference(found(1.01 * amplitude), expected), most);
       }
     }
+}
+
+/// Between the hyperfine levels of potassium, by half of their distance: one photon across the field, one
+/// along.
+TEST(StandingCoupling, OfTwoPhotonsOnTheirLineAgreesWithTheWholeField) {
+  const CoupledSpins spins = coupled_spins(*find_atom("K-39"));
+  const double field = 3e-3, time = 40e-6;
+  for (const double frequency : {233.7502e6, 244.5939e6}) {
+    RotatingTerm whole = drive(oscillating, 0.3e-3, frequency);
+    whole.first = {std::sqrt(0.5), 0, std::sqrt(0.5)};
+    const int periods = static_cast<int>(time * frequency);
+    const Eigen::MatrixXd expected = under_the_whole_field(spins, field, whole, periods);
+    const auto found = [&](double size) {
+      whole.amplitude = size;
+      return test::probabilities(DrivenLevels(spins, {{0, periods / frequency, field, whole}}, 1), 1);
+    };
+    EXPECT_LT(difference(found(0.3e-3), expected), 5e-3) << frequency << " Hz";
+    EXPECT_GT(difference(found(1.01 * 0.3e-3), expected), 5e-3);
+    EXPECT_GT(1 - expected.diagonal().minCoeff(), 0.3) << "that levels change";
+  }
+}
+
+TEST(RotatingFrame, TellsWhatItLeavesOutWhereTwoPhotonsMeetALineThatItDoesNotKeep) {
+  const CoupledSpins spins = coupled_spins(*find_atom("K-39"));
+  RotatingTerm term = drive(oscillating, 0.3e-3, 233.7502e6);
+  term.first = {std::sqrt(0.5), 0, std::sqrt(0.5)};
+  Frame frame(spins, 3e-3, term);
+  EXPECT_LT(neglected_amplitude(frame.frame, frame.states), 0.02);
+  std::iota(frame.frame.set.begin(), frame.frame.set.end(), 0);  // each level alone
+  EXPECT_GT(neglected_amplitude(frame.frame, frame.states), 0.2);
 }
 
 }  // namespace
