@@ -42,6 +42,9 @@ int explained(const std::function<int()>& call) {
   } catch (const StorageError& error) {
     say(stderr, "error: {}\n", error.what());
     return exit_code::not_written;
+  } catch (const std::filesystem::filesystem_error& error) {
+    say(stderr, "error: {}: {}\n", error.path1().string(), error.code().message());
+    return exit_code::not_written;
   } catch (const RankFailure& error) {
     say(stderr, "error: {}\n  help: mend that, and start again: `rabiline run` goes on from its checkpoint\n",
         error.what());
@@ -59,8 +62,13 @@ int explained(const std::function<int()>& call) {
   }
 }
 
-/// HDF5 goes under no name that promises a table or a picture.
+/// HDF5 goes under no name that promises a table or a picture, and results not where checkpoints go.
 void require_name_of_hdf5(const std::filesystem::path& output) {
+  if (output.extension() == ".checkpoint")
+    throw ArgumentError(
+        fmt::format("{} is named like the checkpoint of a run, which would be lost\n  help: write results to "
+                    "another file, such as {}",
+                    output.string(), std::filesystem::path(output).replace_filename("results.h5").string()));
   static constexpr std::array<std::string_view, 5> endings{".csv", ".txt", ".png", ".pdf", ".svg"};
   const auto found = std::ranges::find(endings, output.extension().string());
   if (found == endings.end()) return;

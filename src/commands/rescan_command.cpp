@@ -1,5 +1,6 @@
 // rabiline rescan: other scan points of a result, without another flight.
 #include "commands/flight.hpp"
+#include "commands/stop.hpp"
 #include "storage/lock.hpp"
 #include "storage/results_file.hpp"
 
@@ -18,6 +19,7 @@ int rescan_command(const RescanArguments& a, const std::vector<std::string>& arg
   const std::filesystem::path output = a.output.empty()
                                            ? std::filesystem::path(a.flown.stem().string() + "-rescan.h5")
                                            : std::filesystem::path(a.output);
+  end_at_signals();
   require_place(output, {{a.flown.string(), {}}});
   const Lock lock(output);
   require_no_checkpoint(output);

@@ -58,6 +58,7 @@ void add_merge(CLI::App& app, Ranks* ranks, int& exit) {
   verb->add_option("PARTS.h5", *parts, "what `rabiline run --shard` wrote, in any order")->required();
   options->add_to(*verb);
   verb->callback([output, parts, options, ranks, &exit] {
+    end_at_signals();
     Merger merger;
     for (const std::string& part : *parts) {
       if (std::filesystem::path(part) == std::filesystem::path(*output))

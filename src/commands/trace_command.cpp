@@ -41,6 +41,7 @@ void trace_command(const TraceArguments& a) {
     watch_signals();
   };
   settings.stop = &stop_requested();
+  end_at_signals();
   const Setup setup = load_beamline(a.experiment.file, a.experiment.changes);
   require_place(a.output, with_file(setup.inputs(), a.experiment.file));
   const Lock lock(a.output);

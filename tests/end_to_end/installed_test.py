@@ -83,3 +83,10 @@ def test_the_shipped_files_are_read_where_they_are_installed(prefix: Path) -> No
 def test_the_analysis_reads_what_the_program_wrote(prefix: Path, output_of_the_program: Path) -> None:
     told = call(prefix / "bin/rabiline", "summary", output_of_the_program)
     assert "H0.frequency" in told
+
+
+def test_no_library_is_loaded_from_the_folder_one_works_in(prefix: Path, tmp_path: Path) -> None:
+    for name in ("libfmt.so.9", "libyaml-cpp.so.0.7", "libhdf5_serial.so.103", "libgsl.so.27"):
+        (tmp_path / name).write_text("of no use")
+    for program in (BUILD / "rabiline", prefix / "bin/rabiline"):
+        assert call(program, "--version", cwd=tmp_path).startswith("rabiline ")

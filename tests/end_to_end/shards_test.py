@@ -63,3 +63,15 @@ def test_a_checkpoint_of_another_run_is_not_lost_beside_what_writes_none(tmp_pat
         refused = rabiline(*command)
         assert refused.returncode == BAD_INPUT and "is a checkpoint of another run, which would be lost" in refused.stderr, refused.stderr
         assert Path(f"{output}.checkpoint").read_bytes() == checkpoint and not output.exists()
+        refused = rabiline(*(f"{word}.checkpoint" if word == output else word for word in command))
+        assert refused.returncode == BAD_INPUT and "is named like the checkpoint of a run, which would be lost" in refused.stderr, refused.stderr
+        assert Path(f"{output}.checkpoint").read_bytes() == checkpoint
+
+
+@pytest.mark.parametrize("letters", [242, 247, 252, 253, 8000])
+def test_a_name_that_is_too_long_for_its_checkpoint_is_told(tmp_path: Path, letters: int) -> None:
+    name = tmp_path / ("b" * letters + ".h5")
+    for command in (["run", EXPERIMENT, *FEW, "-o", name], ["resume", name]):
+        refused = rabiline(*command)
+        assert refused.returncode == NOT_WRITTEN and "File name too long" in refused.stderr, refused.stderr
+    assert list(tmp_path.iterdir()) == []
