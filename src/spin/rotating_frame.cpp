@@ -47,15 +47,12 @@ std::vector<Pair> pairs_of_two_photons(const DrivenStates& states, double freque
   const double nearest = half.cwiseAbs().maxCoeff();
   if (nearest == 0) return {};
   const auto inverse = [&](double apart) { return apart / (apart * apart + nearest * nearest); };
-  const auto shift_of = [&](int i) {
-    double sum = 0;
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(half.rows());
+  for (int i = 0; i < half.rows(); ++i)
     for (int l = 0; l < half.cols(); ++l)
       for (const int photon : {-1, 1})
-        sum += half(i, l) * half(i, l) * inverse(states.energy(i) - states.energy(l) + photon * frequency);
-    return sum;
-  };
-  std::vector<double> shift(static_cast<std::size_t>(half.rows()));
-  for (int i = 0; i < half.rows(); ++i) shift[static_cast<std::size_t>(i)] = shift_of(i);
+        shift(i) +=
+            half(i, l) * half(i, l) * inverse(states.energy(i) - states.energy(l) + photon * frequency);
   std::vector<Pair> pairs;
   for (int upper = 0; upper < half.rows(); ++upper)
     for (int lower = 0; lower < half.rows(); ++lower) {
@@ -71,8 +68,7 @@ std::vector<Pair> pairs_of_two_photons(const DrivenStates& states, double freque
         terms += std::abs(term);
       }
       if (std::abs(coupling) <= 1e-12 * terms) continue;  // zero by symmetry
-      const double full =
-          bare + shift[static_cast<std::size_t>(upper)] - shift[static_cast<std::size_t>(lower)];
+      const double full = bare + shift(upper) - shift(lower);
       const double off = bare * full <= 0 ? 0 : std::min(std::abs(bare), std::abs(full));
       pairs.push_back({upper, lower, coupling, 2 * frequency + off});
     }
