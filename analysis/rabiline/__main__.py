@@ -1,7 +1,7 @@
 """The command line: `rabiline plot | summary | compare | export | fit ...`, or `python3 -m rabiline` with these.
 
-Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 a file could not be written, or a result not read; 1 a
-mistake of the program.
+Exit codes: 0 done; 2 bad input or arguments, with one line on stderr; 3 a file could not be written, or a result not read; 128 and a
+signal's number, as shells have it, where that stopped it; 1 a mistake of the program.
 """
 from __future__ import annotations
 
@@ -9,19 +9,30 @@ import os
 import signal
 import sys
 
-STOPPED = 130  # as shells have it
+STOPPING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU, signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM)
 UNMAPPED = "failed to map segment"  # of a library that memory has no room for
 
 
-def _leave(*_: object) -> None:
+class Stopped(KeyboardInterrupt):
+    """A signal that stops the program, by its number."""
+
+
+def _leave(number: int, _: object) -> None:
     os.write(2, b"rabiline: stopped\n")
-    os._exit(STOPPED)
+    os._exit(128 + number)
+
+
+def _stop(number: int, _: object) -> None:
+    raise Stopped(number)
 
 
 def _leave_at_once() -> None:
-    """At Ctrl-C, until modules are imported: these would make errors of their own of it."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _leave)
+    """At Ctrl-C and the like, until modules are imported: these would make errors of their own of it. The program holds signals back
+    that come while Python starts."""
+    for number in STOPPING:
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            signal.signal(number, _leave)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPPING)
 
 
 if __name__ == "__main__":
@@ -96,6 +107,18 @@ class Printable:
         return getattr(self._stream, name)
 
 
+class Messages(Printable):
+    """The same; where nobody can read them, the exit code is left to tell what they would."""
+
+    def write(self, text: str) -> int:
+        """As that of the stream, but without errors."""
+        try:
+            return super().write(text)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
+            return len(text)
+
+
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line; options are written out, and given once unless they say that they may be repeated. No name is empty."""
 
@@ -139,12 +162,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = _with_negative_values(list(sys.argv[1:] if arguments is None else arguments))
     os.environ.setdefault("MPLBACKEND", "Agg")
     _open_streams()
-    with redirect_stdout(Printable(sys.stdout)), redirect_stderr(Printable(sys.stderr)):
+    with redirect_stdout(Printable(sys.stdout)), redirect_stderr(Messages(sys.stderr)):
         try:
             return _explained(words)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             print("rabiline: stopped", file=sys.stderr)
-            return STOPPED
+            return 128 + (stop.args[0] if isinstance(stop, Stopped) else signal.SIGINT)
 
 
 def _explained(words: list[str]) -> int:
@@ -177,8 +200,9 @@ def _explained(words: list[str]) -> int:
 
 def _run(words: list[str]) -> None:
     verb, parser = _parser(words)
-    if signal.getsignal(signal.SIGINT) is _leave:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in STOPPING:
+        if signal.getsignal(number) is _leave:
+            signal.signal(number, _stop)
     options = parser.parse_args(words[1:] if verb else words)
     drawing = verb and VERBS[verb][0] in DRAWING and hasattr(options, "output")
     if drawing and options.output:

@@ -30,6 +30,8 @@ NOISE = 0.01  # relative variance of a slope, at most, where it is the same nois
 SPREAD = 10  # times as much may be noise that differs from point to point: it only weighs the counts a little wrongly
 SHAPE = 10  # likewise where a free factor takes up what is not of the shape
 HELPS = 1.5  # times less noise, for a wider step to be worth while
+NOISY = 0.05  # enough of it, where a wider step would go over an edge
+EDGE = 0.1  # of what a step changes: so little may be beyond an edge
 MOST_UNUSED = 4  # times as many places in a grid as a table has
 FLAT = 0.01  # of a curve: so little is no line
 LARGEST_STEP = 0.1  # of the parameter's value
@@ -228,7 +230,7 @@ class CurveModel:
         """A step of one parameter, `wanted` or more, over which its slope is known to `NOISE`: wider as long as that helps, up
         to `LARGEST_STEP` of the value, else with more particles. A parameter without any effect is refused."""
         largest = LARGEST_STEP * abs(values[number]) if values[number] != 0 else LARGEST_FROM_ZERO
-        step, before = min(max(wanted, self._widened.get(number, 0.0)), largest), np.inf
+        step, before, patient = min(max(wanted, self._widened.get(number, 0.0)), largest), np.inf, True
         while True:
             change = self.at(_moved(values, number, step)).groups - self.at(values).groups
             variance, ways = noise_of(change, self.at(values).y)
@@ -236,7 +238,12 @@ class CurveModel:
             noise = max(variance / SPREAD, variance / ways, of_shape / SHAPE)
             if noise <= NOISE:
                 break
-            if step < largest and (noise > 1 or noise < before / HELPS):
+            if step > wanted and variance < NOISY and self._meets_an_edge(values, number, step):
+                if not self.explore_more():
+                    break
+                step, before = wanted, np.inf
+            elif step < largest and (noise > 1 or noise < before / HELPS or patient):
+                patient = noise < before / HELPS or noise > 1
                 step, before = min(step * (10 if noise > 1 else 2), largest), noise
             elif not change.any():
                 y = self.at(values).y
@@ -248,6 +255,10 @@ class CurveModel:
             self._widened[number] = step
         return step
 
+    def _meets_an_edge(self, values: np.ndarray, number: int, step: float) -> bool:
+        up, here, down = (self.at(_moved(values, number, by)).y for by in (step, 0.0, -step))
+        return meets_an_edge(here, (up - down) / 2, (up + down) / 2 - here)
+
     def first_steps(self, values: np.ndarray) -> np.ndarray:
         """[k] One for each parameter, SI."""
         return np.array([self.step(values, i, 1e-3 * abs(value) if value != 0 else 1e-6) for i, value in enumerate(values)])
@@ -257,7 +268,14 @@ class CurveModel:
         if self.chosen or self.explored == self.particles:
             return False
         self.explored = min(MORE * self.explored, self.particles)
+        self._widened.clear()
         return True
+
+
+def meets_an_edge(y: np.ndarray, slope: np.ndarray, bend: np.ndarray) -> bool:
+    """Whether much of what a step changes of a curve y [n] is where next to nothing is counted: what begins or ends within the step."""
+    known = slope**2 / np.maximum(np.maximum(y, bend), 1e-300)
+    return bool(known[bend > y].sum() > EDGE * known.sum())
 
 
 def unknown(experiment: Experiment, name: str, value: str | float) -> list[str]:

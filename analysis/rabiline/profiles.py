@@ -12,7 +12,7 @@ import numpy as np
 from scipy import optimize
 
 from .counts_problem import Fisher, Problem
-from .curve_model import CurveModel, NoFit, Surface
+from .curve_model import CurveModel, NoFit, Surface, meets_an_edge
 
 FARTHEST = 4.0  # standard deviations, on a surface
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk
@@ -60,10 +60,11 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
 
 
 def _bent(problem: Problem, fisher: Fisher) -> np.ndarray:
-    """[any] Of which parameters much is known by bends alone, where the exposure's are free."""
-    k = problem.surface.centre.size
+    """[any] Of which parameters much is known by bends alone, where the exposure's are free, or an edge is within a step."""
+    surface, k = problem.surface, problem.surface.centre.size
+    edges = [meets_an_edge(np.maximum(surface.y, 0), surface.slopes[i], surface.bends[i, i]) for i in range(k)]
     matrix = fisher.matrix[:k, :k] - fisher.matrix[:k, k:] @ np.linalg.pinv(fisher.matrix[k:, k:], hermitian=True) @ fisher.matrix[k:, :k]
-    return np.flatnonzero(np.diag(fisher.bent)[:k] > BENT * np.diag(matrix))
+    return np.flatnonzero((np.diag(fisher.bent)[:k] > BENT * np.diag(matrix)) | np.array(edges, dtype=bool))
 
 
 def _on_surface(problem: Problem, values: np.ndarray, number: int, error: float, least: float) -> tuple[float, float]:

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "commands/common.hpp"
+#include "commands/stop.hpp"
 
 namespace rabiline {
 namespace {
@@ -73,6 +74,7 @@ void start_package(const std::vector<std::string>& arguments) {
   pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  hold_back_signals();  // until Python has started, which would tell of them in its own way
   execv(pointers.front(), pointers.data());
   throw ArgumentError(fmt::format("{}: {}", RABILINE_PYTHON, std::strerror(errno)));
 }

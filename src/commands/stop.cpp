@@ -4,6 +4,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <ctime>
@@ -45,8 +46,10 @@ extern "C" void on_early_signal(int) {
   _exit(exit_code::stopped);
 }
 
+constexpr std::array stopping{SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM};
+
 void handle_signals(void (*handler)(int)) {
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM})
+  for (const int signal : stopping)
     if (std::signal(signal, handler) == SIG_IGN && signal == SIGHUP) std::signal(signal, SIG_IGN);
 }
 
@@ -68,6 +71,13 @@ void stop_after(double seconds) {
   if (seconds < 1e-6) timer.it_value.tv_usec = 1;  // a timer of zero never rings
   std::signal(SIGALRM, on_signal);
   setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+void hold_back_signals() {
+  sigset_t held{};
+  sigemptyset(&held);
+  for (const int signal : stopping) sigaddset(&held, signal);
+  sigprocmask(SIG_BLOCK, &held, nullptr);
 }
 
 const std::atomic<bool>& stop_requested() { return stop; }

@@ -17,6 +17,8 @@ void end_at_signals();
 void watch_signals();
 /// The same when so much time has gone by [s].
 void stop_after(double seconds);
+/// From here on they wait, until what the program becomes is ready for them.
+void hold_back_signals();
 
 const std::atomic<bool>& stop_requested();
 

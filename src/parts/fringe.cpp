@@ -152,6 +152,12 @@ void FringedField::contribute_electric(SectionBuilder& builder) const {
   for (const double y : kinks_) builder.kink(y);
 }
 
+std::vector<PlacedTerm> FringedField::terms() const {
+  std::vector<PlacedTerm> out;
+  for (const ShapedTerm& term : terms_) out.push_back({begin_, end_, term});
+  return out;
+}
+
 std::vector<Fault> faults_of_fringe(const Fringe& fringe, const AmplitudeProfile& profile,
                                     const Placement& place) {
   const bool hard = std::holds_alternative<HardFringe>(fringe);

@@ -16,6 +16,7 @@ namespace rabiline {
 class SectionBuilder;
 struct Oscillator;
 struct OwnFrame;
+struct PlacedTerm;
 
 struct HardFringe {
   static constexpr std::string_view kind = "hard", meaning = "the field ends at once";
@@ -98,6 +99,8 @@ class FringedField {
 
   void contribute(SectionBuilder&, const std::optional<Oscillator>& clock = std::nullopt) const;
   void contribute_electric(SectionBuilder&) const;
+  /// The terms that it adds up to.
+  std::vector<PlacedTerm> terms() const;
 
  private:
   void add_term(FringeShape, double even, double growth, const Vector3& x);

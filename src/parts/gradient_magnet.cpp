@@ -29,15 +29,30 @@ void contribute(const GradientMagnet& part, const Placement& place, SectionBuild
     term.walls.half_x = part.gap->width / 2;
     term.walls.half_z = part.gap->height / 2;
   }
+  if (is_boxed(part.fringe, RectangularProfile{})) {
+    builder.uniform(place.at, term.end, {{0, 0, field_on_axis(part)}});
+  } else {
+    const FringeShape shape = shape_of(part.fringe, RectangularProfile{});
+    FringedField on_axis(shape, place.at, part.length, {}), whole(shape, place.at, part.length, part.offset);
+    on_axis.add({0, 0, field_on_axis(part)});
+    on_axis.contribute(builder);
+    FieldSlopes slopes{};
+    slopes[0] = -part.gradient * part.along.z;
+    slopes[8] = part.gradient * part.along.z;
+    slopes[2] = slopes[6] = part.gradient * part.along.x;
+    whole.add({0, 0, part.field}, slopes);
+    term.fringed = whole.terms();
+  }
   builder.plane(place.at, term);
-  builder.uniform(place.at, term.end, {{0, 0, field_on_axis(part)}});
 }
 
 std::vector<Fault> faults_of(const GradientMagnet& part, const Placement& place) {
-  if (std::abs(part.along.y) <= 1e-9) return {};
-  return {{place.name, "along",
-           fmt::format("the gradient of `{}` has a component along the beam", place.name),
-           "write `x` or `z`, or `[1, 0, 1]` for one between"}};
+  std::vector<Fault> out = faults_of_fringe(part.fringe, RectangularProfile{}, place);
+  if (std::abs(part.along.y) <= 1e-9) return out;
+  out.push_back({place.name, "along",
+                 fmt::format("the gradient of `{}` has a component along the beam", place.name),
+                 "write `x` or `z`, or `[1, 0, 1]` for one between"});
+  return out;
 }
 
 }  // namespace rabiline

@@ -1,4 +1,5 @@
 #pragma once
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -8,7 +9,8 @@ class SectionBuilder;
 /// A deflecting magnet with a constant gradient: B_z = field + gradient s along `along`, and F = mu_z dB_z/ds
 /// on the moment's part along z. Under `quantum` a particle is in one level all along, drawn where it enters;
 /// under `classical` its S_z stays what it is. A level of a species with structure feels mu(|B|) grad |B|.
-/// The hypothesis replaces this force, so there the field is uniform. Its gap is a wall.
+/// The hypothesis replaces this force, so there the field is uniform. Its gap is a wall. With a fringe it is
+/// followed as any field that differs from place to place.
 struct GradientMagnet {
   static constexpr std::string_view kind = "gradient_magnet",
                                     meaning =
@@ -21,6 +23,7 @@ struct GradientMagnet {
   UnitVector along{};   // across the beam
   std::optional<Rectangle> gap{};
   Offset offset{};
+  Fringe fringe{};
   bool operator==(const GradientMagnet&) const = default;
 };
 template <>
@@ -35,6 +38,9 @@ inline constexpr auto parameters<GradientMagnet> = std::tuple{
     param("gap", &GradientMagnet::gap, "width and height between the walls; none if omitted"),
     param("offset", &GradientMagnet::offset,
           "displacement of the magnet, its field and its gap, from the beam's axis", Offset{}),
+    param("fringe", &GradientMagnet::fringe,
+          "how the field ends at both ends, followed in steps; at once if omitted, in closed form",
+          Fringe{HardFringe{}}),
 };
 
 StaticField static_field(const GradientMagnet&);

@@ -27,7 +27,9 @@ template <class Magnet>
 std::vector<Fault> faults_of_axis(const Magnet& part, const Placement& place, std::string_view walls,
                                   std::string_view key) {
   SectionBuilder builder(Wall{});
-  contribute(part, place, builder);
+  Magnet bare = part;
+  if constexpr (requires { bare.fringe; }) bare.fringe = {};
+  contribute(bare, place, builder);
   const auto magnet = std::get<MagnetTerm>(builder.build().planes.front().term);
   const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
   const Offset o = magnet.offset;

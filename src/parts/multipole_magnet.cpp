@@ -1,6 +1,7 @@
 #include "parts/multipole_magnet.hpp"
 
 #include "parts/magnet_rules.hpp"
+#include "parts/own_frame.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -12,12 +13,21 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
   term.shape.power = static_cast<int>(part.poles) / 2 - 1;
   term.shape.radius = part.radius;
   term.walls.circles[0] = {0, 0, part.radius, -1};
+  if (!is_boxed(part.fringe, RectangularProfile{})) {
+    FringedField fringed(shape_of(part.fringe, RectangularProfile{}), place.at, part.length, part.offset);
+    double size = part.pole_field;
+    for (int i = 0; i < term.shape.power; ++i) size /= part.radius;
+    fringed.add_poles(term.shape.power, size, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
+    term.fringed = fringed.terms();
+  }
   builder.plane(place.at, term);
 }
 
 std::vector<Fault> faults_of(const MultipoleMagnet& part, const Placement& place) {
   std::vector<Fault> out = faults_of_poles(part.poles, place);
   for (Fault& fault : faults_of_axis(part, place, "wall", "radius")) out.push_back(std::move(fault));
+  for (Fault& fault : faults_of_fringe(part.fringe, RectangularProfile{}, place))
+    out.push_back(std::move(fault));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -14,7 +15,8 @@ inline constexpr Range poles{4, 20, true, true, "even and between 4 and 20"};
 /// Poles around the beam: |B| = B_0 (r/r_0)^(n/2 - 1) of n poles, which focuses levels whose energy grows
 /// with the field and drives the others out (quadrupole: H. Friedburg, W. Paul 1951; sextupole: n = 6). Its
 /// bore stops what touches it. F = mu(|B|) grad |B| as of TwoWireMagnet. The hypothesis replaces this force,
-/// so there the field is that on the beam's axis, zero, and the bore stops nothing.
+/// so there the field is that on the beam's axis, zero, and the bore stops nothing. With a fringe it is
+/// followed as any field that differs from place to place.
 struct MultipoleMagnet {
   static constexpr std::string_view kind = "multipole_magnet",
                                     meaning =
@@ -26,6 +28,7 @@ struct MultipoleMagnet {
   double pole_field = 0;    // [T] B_0
   double radius = 0;        // [m] r_0
   Offset offset{};
+  Fringe fringe{};
   bool operator==(const MultipoleMagnet&) const = default;
 };
 template <>
@@ -38,6 +41,9 @@ inline constexpr auto parameters<MultipoleMagnet> = std::tuple{
     param("radius", &MultipoleMagnet::radius, Dimension::length, range::positive,
           "of the bore: where the poles' tips are, and the wall"),
     param("offset", &MultipoleMagnet::offset, "displacement of its centre from the axis", Offset{}),
+    param("fringe", &MultipoleMagnet::fringe,
+          "how the field ends at both ends, followed in steps; at once if omitted, in closed form",
+          Fringe{HardFringe{}}),
 };
 
 void contribute(const MultipoleMagnet&, const Placement&, SectionBuilder&);

@@ -160,7 +160,7 @@ double largest_turn(const std::vector<Section>& sections, double from, double to
 bool is_felt(const std::vector<Section>& sections, double place, double side, const CoupledSpins& spins,
              double speed) {
   constexpr int places = 2000;
-  constexpr double hair = 1e-9, another = 0.01, felt = 0.01;  // [m], [rad], [rad]
+  constexpr double hair = 1e-9, another = 0.5, felt = 0.01;  // [m], [rad], [rad]
   const auto field_at = [&](double y) {
     for (const Section& section : sections)
       if (y >= section.begin && y < section.end) return still_field(section, y);
@@ -303,10 +303,12 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     alone.field = {};
     out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed));
   }
-  out.begins_in_field =
-      out.sections.front().field.begin <= from + no_length && is_felt(sections, from, 1, spins, speed);
-  out.ends_in_field =
-      out.sections.back().field.end >= to - no_length && is_felt(sections, to, -1, spins, speed);
+  const bool begins = out.sections.front().field.begin <= from + no_length,
+             ends = out.sections.back().field.end >= to - no_length;
+  out.begins_in_field = begins && is_felt(sections, from, 1, spins, speed);
+  out.ends_in_field = ends && is_felt(sections, to, -1, spins, speed);
+  out.begins_too_weak = begins && !out.begins_in_field;
+  out.ends_too_weak = ends && !out.ends_in_field;
   out.behind = behind;
   return out;
 }

@@ -311,8 +311,9 @@ bool needs_phase(const Part& part) {
 /// The gradient of a deflecting magnet acts on paths, not on the phases of spins that differ over the beam.
 void judge_gradients(const Beamline& beamline, Faults& out) {
   if (!law_traits(beamline.law).has_forces) return;
-  for (const PlacedPart& magnet : beamline.parts) {
-    if (!is_magnet(magnet.part)) continue;
+  for (const Plane& plane : sections_of(beamline).planes) {  // those that are not among other fields
+    if (!std::holds_alternative<MagnetTerm>(plane.term)) continue;
+    const PlacedPart& magnet = beamline.parts[static_cast<std::size_t>(plane.part)];
     const PlacedPart *before = nullptr, *behind = nullptr;
     for (const PlacedPart& part : beamline.parts) {
       if (end_of(part) <= magnet.placement.at + 1e-12 && tips(part.part)) before = &part;

@@ -104,13 +104,21 @@ struct FilterTerm {
   std::vector<LevelName> levels{};
   bool operator==(const FilterTerm&) const = default;
 };
-/// A deflecting magnet begins, and reaches to the place `end`.
+/// A term from place to place along the beam, [m].
+struct PlacedTerm {
+  double begin = 0, end = 0;
+  ShapedTerm term;
+  bool operator==(const PlacedTerm&) const = default;
+};
+/// A deflecting magnet begins, and reaches to the place `end`. One with a fringe is always a field among
+/// others.
 struct MagnetTerm {
   double end = 0;  // [m]
   MagnetShape shape{};
   MagnetWalls walls{};
-  Offset offset{};  // of the magnet's frame: of the point (0, shape.height) in it
-  Roll tilt{};      // of the magnet's frame, about that point
+  Offset offset{};                    // of the magnet's frame: of the point (0, shape.height) in it
+  Roll tilt{};                        // of the magnet's frame, about that point
+  std::vector<PlacedTerm> fringed{};  // its whole field, where it has a fringe
   bool operator==(const MagnetTerm&) const = default;
 };
 /// What hits the screen is caught and histogrammed.

@@ -80,9 +80,11 @@ std::vector<double> SectionBuilder::edges() const {
   return edges;
 }
 
-/// Whether another static field acts where a magnet does, or its wall stands there.
-bool SectionBuilder::is_overlapped(const Plane& plane) const {
-  const double begin = plane.y + same_place, end = std::get<MagnetTerm>(plane.term).end - same_place;
+/// Whether a magnet has a fringe, another static field acts where it does, or the wall of one stands there.
+bool SectionBuilder::is_among_fields(const Plane& plane) const {
+  const MagnetTerm& magnet = std::get<MagnetTerm>(plane.term);
+  if (!magnet.fringed.empty()) return true;
+  const double begin = plane.y + same_place, end = magnet.end - same_place;
   const auto overlaps = [&](const auto& contributions, auto acts) {
     return std::ranges::any_of(contributions, [&](const auto& c) {
       return c.first.part != plane.part && c.first.begin < end && c.first.end > begin && acts(c.second);
@@ -96,19 +98,28 @@ bool SectionBuilder::is_overlapped(const Plane& plane) const {
          overlaps(electric_, [](const ShapedTerm&) { return true; }) ||
          overlaps(bores_, [](const Wall&) { return true; }) ||
          std::ranges::any_of(planes_, [&](const Plane& other) {
-           const auto* magnet = std::get_if<MagnetTerm>(&other.term);
-           return magnet != nullptr && other.part != plane.part && other.y < end && magnet->end > begin;
+           const auto* next = std::get_if<MagnetTerm>(&other.term);
+           if (next == nullptr || other.part == plane.part) return false;
+           return (other.y < end && next->end > begin) ||
+                  std::ranges::any_of(next->fringed, [&](const PlacedTerm& term) {
+                    return term.begin < end && term.end > begin;
+                  });
          });
 }
 
 void SectionBuilder::make_field(const Plane& plane) {
   const MagnetTerm& magnet = std::get<MagnetTerm>(plane.term);
   const Extent extent{plane.y, magnet.end, plane.part};
-  std::erase_if(uniform_, [&](const auto& uniform) { return uniform.first.part == plane.part; });
-  for (ShapedTerm& term : field_terms_of(magnet, plane.y)) {
+  const auto is_its_own = [&](const auto& on_axis) { return on_axis.first.part == plane.part; };
+  std::erase_if(uniform_, is_its_own);
+  std::erase_if(shaped_, is_its_own);
+  const auto add = [&](const Extent& where, ShapedTerm term) {
     term.part = plane.part;
-    shaped_.push_back({extent, term});
-  }
+    shaped_.push_back({where, term});
+  };
+  for (const auto& [begin, end, term] : magnet.fringed) add({begin, end, plane.part}, term);
+  if (magnet.fringed.empty())
+    for (const ShapedTerm& term : field_terms_of(magnet, plane.y)) add(extent, term);
   gaps_.push_back({extent, {magnet.walls, magnet.offset, magnet.tilt, magnet.shape.height, plane.part}});
 }
 
@@ -116,11 +127,11 @@ Sections SectionBuilder::build(Magnets magnets) const {
   SectionBuilder all = *this;
   for (const Plane& plane : planes_)
     if (std::holds_alternative<MagnetTerm>(plane.term) &&
-        (magnets == Magnets::fields || (magnets == Magnets::deflect && is_overlapped(plane))))
+        (magnets == Magnets::fields || (magnets == Magnets::deflect && is_among_fields(plane))))
       all.make_field(plane);
   std::erase_if(all.planes_, [&](const Plane& plane) {
     return std::holds_alternative<MagnetTerm>(plane.term) &&
-           (magnets != Magnets::deflect || is_overlapped(plane));
+           (magnets != Magnets::deflect || is_among_fields(plane));
   });
   return all.cut();
 }

@@ -12,7 +12,8 @@ namespace rabiline {
 
 /// What becomes of deflecting magnets.
 enum class Magnets {
-  deflect,  // a plane, and the field on the axis; where other static fields overlap it, a field among them
+  deflect,  // a plane, and the field on the axis; with a fringe, or where other static fields overlap it, a
+            // field among others
   fields,   // fields among others
   uniform   // their fields on the axis alone
 };
@@ -69,7 +70,7 @@ class SectionBuilder {
   };
   RotatingTerm follow(const Zone&) const;
   Sections cut() const;
-  bool is_overlapped(const Plane& magnet) const;
+  bool is_among_fields(const Plane& magnet) const;
   void make_field(const Plane& magnet);
   std::vector<double> edges() const;
 

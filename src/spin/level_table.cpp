@@ -249,6 +249,9 @@ LevelTable::LevelTable(const CoupledSpins& spins, std::vector<int> manifold_of, 
       row(static_cast<Eigen::Index>(3 * levels + manifold.to.size() + p)) =
           (same_m ? driven_along : driven_down)(low, high) / moment;
     }
+    for (std::size_t k = 0; k < levels; ++k)
+      row(static_cast<Eigen::Index>(3 * levels + manifold.to.size() + manifold.low.size() + k)) =
+          driven_along(manifold.number[k], manifold.number[k]) / moment;
     return row;
   };
 

@@ -14,7 +14,8 @@ namespace rabiline {
 /// all in rad/s. A row of numbers has cos(theta) E_k in rad/s for each level, less the mean of the manifold;
 /// <to|F_-|from> of the ladder couplings; then <to|d/d theta from> of the others; then what the other
 /// manifolds shift each level by, over cos(theta) (W_1^2 + W_2^2), and over cos(theta) (d theta/dt)^2; last,
-/// for what drives, <low|D_-|high> and <low|D_3|high> of the pairs, H = D.B, over `moment`.
+/// for what drives, <low|D_-|high> and <low|D_3|high> of the pairs and <k|D_3|k> of the levels, H = D.B, over
+/// `moment`.
 struct LevelManifold {
   int levels = 0, ladders = 0, couplings = 0;  // the ladder couplings come first
   int width = 0;                               // of a row, a multiple of eight
@@ -66,7 +67,9 @@ class LevelTable {
     std::vector<double> m, taken_off, mirror_sign;
     std::vector<Eight> rows;
     int ladders = 0;
-    std::size_t numbers() const { return 3 * number.size() + to.size() + low.size(); }
+    std::size_t numbers() const {
+      return 3 * number.size() + to.size() + low.size() + (low.empty() ? 0 : number.size());
+    }
   };
   const CoupledSpins spins_;
   int cells_ = 0;

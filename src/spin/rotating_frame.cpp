@@ -13,20 +13,8 @@
 namespace rabiline {
 namespace {
 
-/// Levels that a field couples.
-struct Pair {
-  int upper = 0, lower = 0;
-  double coupling = 0, apart = 0;  // [Hz] of half the field; E_upper/h - E_lower/h
-  double strength(double frequency) const { return ratio(coupling, std::abs(apart - frequency)); }
-
-  static double ratio(double coupling, double detuning) {
-    if (coupling == 0) return 0;
-    return detuning > 0 ? std::abs(coupling) / detuning : std::numeric_limits<double>::infinity();
-  }
-};
-
-std::vector<Pair> coupled_pairs(const DrivenStates& states) {
-  std::vector<Pair> pairs;
+std::vector<CoupledPair> coupled_pairs(const DrivenStates& states) {
+  std::vector<CoupledPair> pairs;
   for (int i = 0; i < states.energy.size(); ++i)
     for (int j = i + 1; j < states.energy.size(); ++j) {
       if (states.coupling(i, j) == 0) continue;
@@ -35,44 +23,10 @@ std::vector<Pair> coupled_pairs(const DrivenStates& states) {
     }
   return pairs;
 }
-
-/// Below this, what two photons do is left out: it changes a probability by its square.
-constexpr double least_of_two = 1e-3;
-
-/// Levels that two photons of half an oscillating field each couple by way of any level, themselves included:
-/// Lowdin's second order, as in standing_coupling(). The same order shifts the line: it is as far away as it
-/// comes on its way from no amplitude to the full one.
-std::vector<Pair> pairs_of_two_photons(const DrivenStates& states, double frequency) {
+/// Of an oscillating field: each half of it takes photons up as it gives them off.
+std::vector<CoupledPair> two_photon_pairs(const DrivenStates& states, double frequency) {
   const Eigen::MatrixXd half = states.coupling / 2;
-  const double nearest = half.cwiseAbs().maxCoeff();
-  if (nearest == 0) return {};
-  const auto inverse = [&](double apart) { return apart / (apart * apart + nearest * nearest); };
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(half.rows());
-  for (int i = 0; i < half.rows(); ++i)
-    for (int l = 0; l < half.cols(); ++l)
-      for (const int photon : {-1, 1})
-        shift(i) +=
-            half(i, l) * half(i, l) * inverse(states.energy(i) - states.energy(l) + photon * frequency);
-  std::vector<Pair> pairs;
-  for (int upper = 0; upper < half.rows(); ++upper)
-    for (int lower = 0; lower < half.rows(); ++lower) {
-      const double bare = states.energy(upper) - states.energy(lower) - 2 * frequency;
-      if (upper == lower || bare + 2 * frequency < 0) continue;
-      double coupling = 0, terms = 0;
-      for (int l = 0; l < half.cols(); ++l) {
-        const double term = half(upper, l) * half(l, lower) *
-                            (inverse(states.energy(upper) - frequency - states.energy(l)) +
-                             inverse(states.energy(lower) + frequency - states.energy(l))) /
-                            2;
-        coupling += term;
-        terms += std::abs(term);
-      }
-      if (std::abs(coupling) <= 1e-12 * terms) continue;  // zero by symmetry
-      const double full = bare + shift(upper) - shift(lower);
-      const double off = bare * full <= 0 ? 0 : std::min(std::abs(bare), std::abs(full));
-      pairs.push_back({upper, lower, coupling, 2 * frequency + off});
-    }
-  return pairs;
+  return pairs_of_two_photons(states.energy, std::span(&half, 1), frequency);
 }
 
 /// A level and so many photons that the field has more: a state of both.
@@ -112,6 +66,67 @@ Eigen::MatrixXd between(const std::vector<Dressed>& rows, const std::vector<Dres
 }
 
 }  // namespace
+
+double mixing(double coupling, double detuning) {
+  if (coupling == 0) return 0;
+  return detuning != 0 ? std::abs(coupling / detuning) : std::numeric_limits<double>::infinity();
+}
+
+std::vector<CoupledPair> pairs_of_two_photons(const Eigen::VectorXd& energy,
+                                              std::span<const Eigen::MatrixXd> up, double frequency) {
+  const Eigen::Index levels = energy.size();
+  double nearest = 0;
+  for (const Eigen::MatrixXd& part : up) nearest = std::max(nearest, part.cwiseAbs().maxCoeff());
+  // No coupling is larger than half of levels x nearest, and no shift than levels x nearest.
+  const double near = (1 / least_of_two_photons + 2) * static_cast<double>(levels) * nearest;
+  const auto is_near = [&](int upper, int lower) {
+    return upper != lower && energy(upper) >= energy(lower) &&
+           std::abs(energy(upper) - energy(lower) - 2 * frequency) < near;
+  };
+  bool some_are = false;
+  for (int upper = 0; upper < levels; ++upper)
+    for (int lower = 0; lower < levels; ++lower) some_are = some_are || is_near(upper, lower);
+  if (!some_are) return {};
+  // By way of l: (i, l) from i one photon down, and one up, where what is nearer than the coupling is
+  // bounded.
+  Eigen::MatrixXd down(levels, levels), further(levels, levels);
+  for (Eigen::Index i = 0; i < levels; ++i)
+    for (Eigen::Index l = 0; l < levels; ++l) {
+      const auto inverse = [&](double apart) { return apart / (apart * apart + nearest * nearest); };
+      down(i, l) = inverse(energy(i) - energy(l) - frequency);
+      further(i, l) = inverse(energy(i) - energy(l) + frequency);
+    }
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(levels);
+  for (const Eigen::MatrixXd& part : up)
+    shift += (part.cwiseAbs2().cwiseProduct(down) + part.transpose().cwiseAbs2().cwiseProduct(further))
+                 .rowwise()
+                 .sum();
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(levels, levels), terms = coupling;
+  for (std::size_t one = 0; one < up.size(); ++one)
+    for (std::size_t other = one; other < up.size(); ++other) {
+      Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(levels, levels);
+      const auto add = [&](const Eigen::MatrixXd& first, const Eigen::MatrixXd& last) {
+        sum += (last.cwiseProduct(down) * first + last * first.cwiseProduct(further.transpose())) / 2;
+        terms += (last.cwiseProduct(down).cwiseAbs() * first.cwiseAbs() +
+                  last.cwiseAbs() * first.cwiseProduct(further.transpose()).cwiseAbs()) /
+                 2;
+      };
+      add(up[one], up[other]);
+      if (one != other) add(up[other], up[one]);
+      coupling += sum.cwiseAbs();
+    }
+  std::vector<CoupledPair> pairs;
+  for (int upper = 0; upper < levels; ++upper)
+    for (int lower = 0; lower < levels; ++lower) {
+      const bool vanishes = coupling(upper, lower) <= 1e-12 * terms(upper, lower);  // by symmetry
+      if (!is_near(upper, lower) || vanishes) continue;
+      const double bare = energy(upper) - energy(lower) - 2 * frequency;
+      const double full = bare + shift(upper) - shift(lower);
+      const double off = bare * full <= 0 ? 0 : std::min(std::abs(bare), std::abs(full));
+      pairs.push_back({upper, lower, coupling(upper, lower), 2 * frequency + off});
+    }
+  return pairs;
+}
 
 DrivenStates driven_states(const CoupledSpins& spins, const Levels& levels, const RotatingTerm& drive) {
   const auto mu = dipole_matrices(spins, levels);
@@ -165,10 +180,10 @@ RotatingFrame rotating_frame(std::span<const LevelLabel> labels, const RotatingT
   }
   std::vector<FrameEdge> edges;
   for (const DrivenStates* zone : zones) {
-    for (const Pair& pair : coupled_pairs(*zone))
+    for (const CoupledPair& pair : coupled_pairs(*zone))
       edges.push_back({pair.upper, pair.lower, 1, pair.strength(frame.frequency)});
-    for (const Pair& pair : pairs_of_two_photons(*zone, frame.frequency))
-      if (const double strength = pair.strength(2 * frame.frequency); strength > least_of_two)
+    for (const CoupledPair& pair : two_photon_pairs(*zone, frame.frequency))
+      if (const double strength = pair.strength(2 * frame.frequency); strength > least_of_two_photons)
         edges.push_back({pair.upper, pair.lower, 2, strength});
   }
   join_levels(std::move(edges), frame);
@@ -212,17 +227,17 @@ StandingCoupling standing_coupling(const RotatingFrame& frame, const DrivenState
 double neglected_amplitude(const RotatingFrame& frame, const DrivenStates& states) {
   if (frame.sense != 0) return 0;
   double largest = 0;
-  for (const Pair& pair : coupled_pairs(states)) {
+  for (const CoupledPair& pair : coupled_pairs(states)) {
     const bool kept = frame.set[pair.upper] == frame.set[pair.lower] &&
                       frame.photons[pair.upper] - frame.photons[pair.lower] == 1;
-    largest = std::max(largest, kept ? Pair::ratio(pair.coupling, pair.apart + frame.frequency)
-                                     : pair.strength(frame.frequency));
+    largest = std::max(
+        largest, kept ? mixing(pair.coupling, pair.apart + frame.frequency) : pair.strength(frame.frequency));
     if (!kept) continue;
     const double modulation =
         states.coupling(pair.upper, pair.upper) - states.coupling(pair.lower, pair.lower);
-    largest = std::max(largest, Pair::ratio(modulation / 2, frame.frequency));
+    largest = std::max(largest, mixing(modulation / 2, frame.frequency));
   }
-  for (const Pair& pair : pairs_of_two_photons(states, frame.frequency))
+  for (const CoupledPair& pair : two_photon_pairs(states, frame.frequency))
     if (frame.set[pair.upper] != frame.set[pair.lower] ||
         frame.photons[pair.upper] - frame.photons[pair.lower] != 2)
       largest = std::max(largest, pair.strength(2 * frame.frequency));

@@ -43,6 +43,24 @@ struct FrameEdge {
 /// where no other between them that is at least half as strong wants something else.
 void join_levels(std::vector<FrameEdge> edges, RotatingFrame& frame);
 
+/// The amplitude |V|/|detuning|; infinite on resonance.
+double mixing(double coupling, double detuning);
+/// Levels that a field couples, [Hz]: E_upper/h - E_lower/h is what they are apart.
+struct CoupledPair {
+  int upper = 0, lower = 0;
+  double coupling = 0, apart = 0;
+  double strength(double frequency) const { return mixing(coupling, apart - frequency); }
+};
+/// Below this, what two photons do is left out: it changes a probability by its square.
+inline constexpr double least_of_two_photons = 1e-3;
+/// What couples levels by two photons of a frequency [Hz], by way of any level, themselves included: Lowdin's
+/// second order, as in standing_coupling(). `up`(i, j) [Hz]: the amplitude with which i takes up a photon
+/// from j, of each part of the field whose phase against the others is not known; what two parts do adds up
+/// in size. The same order shifts the line: `apart` is as far from two photons as it comes between no
+/// amplitude and the full one. Pairs are left out whose strength is below least_of_two_photons anyhow.
+std::vector<CoupledPair> pairs_of_two_photons(const Eigen::VectorXd& energy,
+                                              std::span<const Eigen::MatrixXd> up, double frequency);
+
 /// n_i of all fields of one sense and one clock. For an oscillating field couplings join sets of levels, by
 /// the strengths |V_ij| / | |E_i - E_j|/h - f |: those far from resonance all stand still, or none does. What
 /// two photons couple joins them by |S_ij| / | |E_i - E_j|/h - 2 f |.

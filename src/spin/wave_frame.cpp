@@ -1,8 +1,9 @@
 #include "spin/wave_frame.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 #include "core/constants.hpp"
 #include "spin/levels.hpp"
@@ -18,41 +19,70 @@ constexpr double strength_of_motion = 0.01, least_motion = 1e-4;
 /// rate of its detuning.
 constexpr double least_strength = 1e-4;
 
-/// One coupling at one place: `upper` takes up a photon, [Hz].
+/// A coupling of half the field at one place [Hz]: that which a photon leads up by, and that which one leads
+/// down by.
 struct Coupling {
   int upper = 0, lower = 0;
-  double up = 0,
-         down = 0;   // of half the field, that which a photon leads up by, and that which one leads down by
+  double up = 0, down = 0;
   double apart = 0;  // E_upper - E_lower
 };
-double ratio(double coupling, double detuning) {
-  if (coupling == 0) return 0;
-  return detuning != 0 ? coupling / std::abs(detuning) : std::numeric_limits<double>::infinity();
-}
 
-std::vector<Coupling> couplings_at(const CoupledSpins& spins, const WavePlace& place) {
+/// Levels at a place, [Hz].
+struct LevelsThere {
+  Eigen::VectorXd energy{};
+  std::array<Eigen::MatrixXd, 3> up{};  // (i, j): i takes up a photon from j, with m - 1, m and m + 1
+  double turning = 0;                   // [rad/s]
+  std::vector<Coupling> couplings{};
+};
+
+LevelsThere levels_there(const CoupledSpins& spins, const WavePlace& place) {
   const Levels levels = levels_at(spins, place.field);
   const auto moment = dipole_matrices(spins, levels);
-  std::vector<Coupling> out;
-  for (int i = 0; i < spins.levels(); ++i)
-    for (int j = i + 1; j < spins.levels(); ++j) {
-      const auto energy = [&](int k) {
-        return levels.energy[static_cast<std::size_t>(k)] / constants::planck;
+  const Eigen::Index count = spins.levels();
+  LevelsThere out;
+  out.turning = place.turning;
+  out.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), count) / constants::planck;
+  out.up.fill(Eigen::MatrixXd::Zero(count, count));
+  const double size[3] = {place.lowering, place.along, place.raising};
+  const auto change = [&](int i, int j) {
+    return (levels.labels[static_cast<std::size_t>(i)].twice_m -
+            levels.labels[static_cast<std::size_t>(j)].twice_m) /
+           2;
+  };
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < count; ++j)
+      if (const int by = change(i, j); std::abs(by) <= 1)
+        // <m + 1|mu_x|m> is half of <m + 1|mu_+|m>.
+        out.up[static_cast<std::size_t>(by + 1)](i, j) =
+            (by == 0 ? moment[2] : moment[0])(i, j).real() / constants::planck / 2 * size[by + 1];
+  for (int i = 0; i < count; ++i)
+    for (int j = i + 1; j < count; ++j) {
+      if (std::abs(change(i, j)) > 1) continue;
+      const bool first_is_upper = out.energy(i) >= out.energy(j);
+      const int upper = first_is_upper ? i : j, lower = first_is_upper ? j : i;
+      const auto takes_up = [&](int to, int from) {
+        return std::abs(out.up[static_cast<std::size_t>(change(to, from) + 1)](to, from));
       };
-      const bool first_is_upper = energy(i) >= energy(j);
-      Coupling c{first_is_upper ? i : j, first_is_upper ? j : i};
-      c.apart = energy(c.upper) - energy(c.lower);
-      const int change = (levels.labels[static_cast<std::size_t>(c.upper)].twice_m -
-                          levels.labels[static_cast<std::size_t>(c.lower)].twice_m) /
-                         2;
-      if (std::abs(change) > 1) continue;
-      // <m + 1|mu_x|m> is half of <m + 1|mu_+|m>.
-      const double element =
-          std::abs(change == 0 ? moment[2](c.upper, c.lower) : moment[0](c.upper, c.lower)) /
-          constants::planck / 2;
-      c.up = element * (change == 0 ? place.along : change > 0 ? place.raising : place.lowering);
-      c.down = element * (change == 0 ? place.along : change > 0 ? place.lowering : place.raising);
-      out.push_back(c);
+      out.couplings.push_back({upper, lower, takes_up(upper, lower), takes_up(lower, upper),
+                               out.energy(upper) - out.energy(lower)});
+    }
+  return out;
+}
+
+/// Levels that a photon taken up and one given off couple, as strong as they are against what they are apart.
+std::vector<TwoPhotons> raman_pairs(const LevelsThere& there, double frequency, const WaveFrame& frame) {
+  const Eigen::MatrixXd up = there.up[0] + there.up[1] + there.up[2];
+  std::vector<TwoPhotons> out;
+  for (int i = 0; i < up.rows(); ++i)
+    for (int j = i + 1; j < up.rows(); ++j) {
+      if (!frame.stand_still(i, j, 0)) continue;
+      double bound = 0;
+      for (int l = 0; l < up.rows(); ++l) {
+        const double apart = there.energy(j) - there.energy(l);
+        if (!frame.stand_still(i, l, 1)) bound += mixing(up(i, l) * up(j, l), apart - frequency);
+        if (!frame.stand_still(l, i, 1)) bound += mixing(up(l, i) * up(l, j), apart + frequency);
+      }
+      if (mixing(bound, there.energy(i) - there.energy(j)) > least_of_two_photons) out.push_back({i, j, 0});
     }
   return out;
 }
@@ -63,51 +93,60 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
                      std::span<const WavePlace> places) {
   const auto count = static_cast<std::size_t>(spins.levels());
   std::vector<FrameEdge> edges;
-  std::vector<std::vector<Coupling>> couplings;
+  std::vector<LevelsThere> along;
+  std::vector<std::vector<CoupledPair>> by_two;
   for (const WavePlace& place : places) {
-    couplings.push_back(couplings_at(spins, place));
-    for (const Coupling& c : couplings.back())
-      if (const double strength = ratio(c.up, c.apart - frequency); strength > least_strength)
+    const LevelsThere& there = along.emplace_back(levels_there(spins, place));
+    for (const Coupling& c : there.couplings)
+      if (const double strength = mixing(c.up, c.apart - frequency); strength > least_strength)
         edges.push_back({c.upper, c.lower, 1, strength});
+    for (const CoupledPair& pair :
+         by_two.emplace_back(pairs_of_two_photons(there.energy, there.up, frequency)))
+      if (const double strength = pair.strength(2 * frequency); strength > least_of_two_photons)
+        edges.push_back({pair.upper, pair.lower, 2, strength});
   }
   const auto is_mixed = [&](const Coupling& c, double turning) {
     const auto upper = static_cast<std::size_t>(c.upper), lower = static_cast<std::size_t>(c.lower);
     return manifold_of[upper] == manifold_of[lower] &&
            turning > least_motion * constants::two_pi * std::abs(c.apart);
   };
-  for (std::size_t i = 0; i < places.size(); ++i)
-    for (const Coupling& c : couplings[i])
-      if (is_mixed(c, places[i].turning)) edges.push_back({c.upper, c.lower, 0, strength_of_motion});
+  for (const LevelsThere& there : along)
+    for (const Coupling& c : there.couplings)
+      if (is_mixed(c, there.turning)) edges.push_back({c.upper, c.lower, 0, strength_of_motion});
   RotatingFrame joined;
   joined.photons.resize(count);
   joined.set.resize(count);
   join_levels(std::move(edges), joined);
 
-  WaveFrame frame{joined.photons, joined.set, std::vector<double>(count), 0};
+  WaveFrame frame{joined.photons, joined.set, std::vector<double>(count), {}, 0};
   std::vector<double> sum(count);
   std::vector<int> terms(count);
-  for (const WavePlace& place : places) {
-    const Levels levels = levels_at(spins, place.field);
+  for (const LevelsThere& there : along)
     for (std::size_t k = 0; k < count; ++k) {
       const auto set = static_cast<std::size_t>(frame.set[k]);
-      sum[set] += levels.energy[k] / constants::planck - frame.photons[k] * frequency;
+      sum[set] += there.energy(static_cast<Eigen::Index>(k)) - frame.photons[k] * frequency;
       ++terms[set];
     }
-  }
   for (std::size_t k = 0; k < count; ++k) {
     const auto set = static_cast<std::size_t>(frame.set[k]);
     frame.rate[k] = constants::two_pi * (frame.photons[k] * frequency + sum[set] / terms[set]);
   }
-  for (const std::vector<Coupling>& at : couplings)
-    for (const Coupling& c : at) {
-      const auto upper = static_cast<std::size_t>(c.upper), lower = static_cast<std::size_t>(c.lower);
-      const bool one_set = frame.set[upper] == frame.set[lower];
-      const int ahead = frame.photons[upper] - frame.photons[lower];
-      if (!one_set || ahead != 1)
-        frame.neglected = std::max(frame.neglected, ratio(c.up, c.apart - frequency));
-      if (!one_set || ahead != -1)
-        frame.neglected = std::max(frame.neglected, ratio(c.down, c.apart + frequency));
+  const auto neglect = [&](double strength) { frame.neglected = std::max(frame.neglected, strength); };
+  const auto keep = [&](const TwoPhotons& pair) {
+    if (std::ranges::find(frame.two, pair) == frame.two.end()) frame.two.push_back(pair);
+  };
+  for (std::size_t place = 0; place < along.size(); ++place) {
+    for (const Coupling& c : along[place].couplings) {
+      if (!frame.stand_still(c.upper, c.lower, 1)) neglect(mixing(c.up, c.apart - frequency));
+      if (!frame.stand_still(c.upper, c.lower, -1)) neglect(mixing(c.down, c.apart + frequency));
     }
+    for (const CoupledPair& pair : by_two[place])
+      if (const double strength = pair.strength(2 * frequency); !frame.stand_still(pair.upper, pair.lower, 2))
+        neglect(strength);
+      else if (strength > least_of_two_photons)
+        keep({pair.upper, pair.lower, 2});
+    for (const TwoPhotons& pair : raman_pairs(along[place], frequency, frame)) keep(pair);
+  }
   return frame;
 }
 

@@ -15,14 +15,28 @@ struct WavePlace {
   double lowering = 0, raising = 0, along = 0;  // [T] what takes up a photon and m - 1, m + 1 or m
 };
 
+/// What two photons of the drive couple: `upper` has taken up both, or as many as it has given off.
+struct TwoPhotons {
+  int upper = 0, lower = 0, ahead = 2;
+  bool operator==(const TwoPhotons&) const = default;
+};
+
 /// Amplitudes c_k in the laboratory are a_k exp(-i rate_k t), rate_k = 2 pi (n_k f + e_set). A coupling by
 /// the drive stands still where n differs by one photon, and by the turning of the static field where it does
-/// not differ, within one set. What does neither acts to second order, as a shift.
+/// not differ, within one set. What does neither acts to second order: as a shift, and as what two photons
+/// couple.
 struct WaveFrame {
   std::vector<int> photons{}, set{};  // [level]
   std::vector<double> rate{};         // [rad/s]
+  std::vector<TwoPhotons> two{};      // of one set, that stand still and matter
   double neglected = 0;               // the largest amplitude |V|/|detuning| of what does not stand still
   bool operator==(const WaveFrame&) const = default;
+
+  /// Whether a coupling does by which `one` has taken up so many photons more than the other.
+  bool stand_still(int one, int other, int ahead) const {
+    const auto i = static_cast<std::size_t>(one), j = static_cast<std::size_t>(other);
+    return set[i] == set[j] && photons[i] - photons[j] == ahead;
+  }
 };
 
 /// For a frequency [Hz] > 0 along a way. Couplings near resonance anywhere on it come first, then levels of

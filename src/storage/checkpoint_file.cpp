@@ -49,6 +49,7 @@ void require_valid(const Snapshot& snapshot, const Path& path) {
     if (begin < free_from || end <= begin) refuse(path, "its particles are not in order");
     free_from = end;
   }
+  if (!(snapshot.seconds >= 0 && snapshot.seconds < 1e12)) refuse(path, "it has not flown for any time");
   if (free_from > snapshot.particles) refuse(path, "it has more particles than its run");
 }
 

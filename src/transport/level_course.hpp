@@ -26,6 +26,20 @@ struct CourseSection {
   double hair() const { return std::min(1e-12 * field.end, 1e-9 * (field.end - field.begin)); }
 };
 
+/// <low|H|high> of one of the manifold's pairs, or behind them a level's own element, where `low` takes a
+/// photon up (side 0) or gives one off (1); conjugate: <high|H|low>.
+struct PhotonLeg {
+  int pair = 0, side = 0;
+  bool conjugate = false;
+};
+/// Two of them, from level to level by way of one that does not stand still.
+struct TwoPhotonPath {
+  int coupling = 0;  // of LevelWave::standing
+  int by = 0;
+  PhotonLeg last{}, first{};                     // to `to` of the coupling, from its `from`
+  double last_taken_up = 0, first_taken_up = 0;  // photons, 1 or -1
+};
+
 /// What drives in a section, all near one frequency, and the frame of WaveFrame, as kernels see them: places
 /// of levels in the manifold.
 struct LevelWave {
@@ -33,9 +47,12 @@ struct LevelWave {
   int drives = 0;                    // their angles are less by omega t
   const DriveTerm* drive = nullptr;  // spin_rate is a field [T]
   LevelManifold standing{};          // levels and what couples them in the frame, without any numbers
+  int of_first = 0;                  // couplings that are not of two photons; those come behind
   // By coupling: 1 or -1 for the photons that `to` has taken up more, 0 for the motion of the static field;
   // then which of the pairs it is, or of the couplings.
   const int *photons = nullptr, *number = nullptr;
+  int paths = 0;
+  const TwoPhotonPath* path = nullptr;
   int moves = 0;  // couplings by the motion that do not stand still
   const int* move = nullptr;
   const int* left_out =

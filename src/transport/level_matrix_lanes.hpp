@@ -75,7 +75,7 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
   return f;
 }
 
-constexpr int most_row = (3 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;
+constexpr int most_row = (4 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;
 /// Rows and columns of lanes change places.
 RABILINE_LANES void transpose(real (&row)[lane_count]) {
   for (int step = 1; step < lane_count; step *= 2) {

@@ -43,7 +43,8 @@ RABILINE_LANES real shift_by(real square, real apart) {
   real values[most_row];
   const real ratio = at.signed_size * (1 / f.scale), over = 1.0 / fma(ratio, ratio, broadcast(1)),
              root = sqrt(fma(ratio, ratio, broadcast(1)));
-  look_up(f, f.width, atan(ratio), values);
+  const int first_own = 3 * f.levels + f.couplings + f.pairs;
+  look_up(f, wave.paths > 0 ? f.width : first_own, atan(ratio), values);
   const real theta_rate = at.size_rate * over * (1 / f.scale), cosine = root * over,
              turning = cosine * fma(at.turn_1, at.turn_1, at.turn_2 * at.turn_2),
              stretching = cosine * theta_rate * theta_rate;
@@ -86,18 +87,30 @@ RABILINE_LANES real shift_by(real square, real apart) {
               shift_by(square * fma(v[side].re, v[side].re, v[side].im * v[side].im),
                        apart - (side == 0 ? wave.omega : -wave.omega)));
   }
-  for (int j = 0; j < wave.standing.couplings; ++j) {
+  const auto side_of = [&](const PhotonLeg& leg) -> ComplexReal {
+    const bool own = leg.pair >= f.pairs;
+    const ComplexReal& side =
+        (own || f.m[f.low[leg.pair]] == f.m[f.high[leg.pair]] ? along : lowering)[leg.side];
+    return {pair[leg.pair] * side.re, (leg.conjugate ? -1.0 : 1.0) * pair[leg.pair] * side.im};
+  };
+  for (int j = 0; j < wave.of_first; ++j) {
     const int photons = wave.photons[j], number = wave.number[j];
-    ComplexReal v;
-    if (photons == 0) {
-      v = move(number);
-    } else {
-      const ComplexReal* sides = f.m[f.low[number]] == f.m[f.high[number]] ? along : lowering;
-      const ComplexReal& side = sides[photons > 0 ? 0 : 1];
-      v = {pair[number] * side.re, pair[number] * side.im};
-    }
+    const ComplexReal v = photons == 0 ? move(number) : side_of({number, photons > 0 ? 0 : 1});
     h.re[j] = v.re;
     h.im[j] = v.im;
+  }
+  for (int j = wave.of_first; j < wave.standing.couplings; ++j) h.re[j] = h.im[j] = broadcast(0);
+  for (int i = 0; i < wave.paths; ++i) {
+    const TwoPhotonPath& path = wave.path[i];
+    const int j = path.coupling;
+    const ComplexReal a = side_of(path.last), b = side_of(path.first);
+    const real nearest = 0.5 * (fma(a.re, a.re, a.im * a.im) + fma(b.re, b.re, b.im * b.im)),
+               to = energy[wave.standing.to[j]] - energy[path.by] - path.last_taken_up * wave.omega,
+               from = energy[wave.standing.from[j]] - energy[path.by] + path.first_taken_up * wave.omega;
+    const auto inverse = [&](real apart) { return apart / max(fma(apart, apart, nearest), broadcast(tiny)); };
+    const real by_both = 0.5 * (inverse(to) + inverse(from));
+    h.re[j] = fma(by_both, fma(a.re, b.re, -(a.im * b.im)), h.re[j]);
+    h.im[j] = fma(by_both, fma(a.re, b.im, a.im * b.re), h.im[j]);
   }
   for (int k = 0; k < f.levels; ++k) {
     const real own = fma(root, values[k], shift[k] + (f.taken_off[k] - wave.rate[k]));

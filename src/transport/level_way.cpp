@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <numbers>
 #include <optional>
 
@@ -25,6 +26,36 @@ DriveTerm against(DriveTerm drive, double omega) {
   return drive;
 }
 
+int place_of(const LevelManifold& all, int level) {
+  return static_cast<int>(std::find(all.number, all.number + all.levels, level) - all.number);
+}
+
+/// What couples `one` to another level as it takes up a photon, or gives one off; places in the manifold.
+std::optional<PhotonLeg> leg_between(const LevelManifold& all, int one, int other, int taken_up) {
+  const int side = taken_up > 0 ? 0 : 1;
+  if (one == other) return PhotonLeg{all.pairs + one, side};
+  for (int p = 0; p < all.pairs; ++p) {
+    if (all.low[p] == one && all.high[p] == other) return PhotonLeg{p, side};
+    if (all.low[p] == other && all.high[p] == one) return PhotonLeg{p, 1 - side, true};
+  }
+  return std::nullopt;
+}
+
+/// By way of all levels but those that stand still between the two.
+std::vector<TwoPhotonPath> paths_of(const TwoPhotons& pair, int coupling, const LevelManifold& all,
+                                    const WaveFrame& frame) {
+  const int upper = place_of(all, pair.upper), lower = place_of(all, pair.lower);
+  std::vector<TwoPhotonPath> out;
+  for (const int last : {-1, 1})
+    for (int by = 0; by < all.levels; ++by) {
+      const int first = pair.ahead - last;
+      if (std::abs(first) != 1 || frame.stand_still(pair.upper, all.number[by], last)) continue;
+      const auto to = leg_between(all, upper, by, last), from = leg_between(all, by, lower, first);
+      if (to && from) out.push_back({coupling, by, *to, *from, 1.0 * last, 1.0 * first});
+    }
+  return out;
+}
+
 }  // namespace
 
 LevelWave LevelWay::Wave::view() const {
@@ -38,12 +69,15 @@ LevelWave LevelWay::Wave::view() const {
   for (int k = 0; k < out.standing.levels; ++k)
     out.standing.most_of_one = std::max(
         out.standing.most_of_one, static_cast<int>(std::ranges::count(to, k) + std::ranges::count(from, k)));
+  out.of_first = static_cast<int>(photons.size());
   out.photons = photons.data();
   out.number = number.data();
   out.moves = static_cast<int>(move.size());
   out.move = move.data();
   out.left_out = left_out.data();
   out.rate = rate.data();
+  out.paths = static_cast<int>(paths.size());
+  out.path = paths.data();
   return out;
 }
 
@@ -75,6 +109,13 @@ LevelWay::LevelWay(LevelFields fields, std::shared_ptr<const LevelTable> table)
       const std::optional<int> photons = ahead(all.low[p], all.high[p]);
       wave.left_out.push_back(photons == 1 ? 2 : photons == -1 ? 1 : 3);
       if (wave.left_out.back() != 3) couple(all.low[p], all.high[p], *photons, p);
+    }
+    for (const TwoPhotons& pair : frame.two) {
+      const auto paths = paths_of(pair, static_cast<int>(wave.to.size()), all, frame);
+      if (paths.empty() || wave.to.size() == most_couplings) continue;
+      wave.to.push_back(place_of(all, pair.upper));
+      wave.from.push_back(place_of(all, pair.lower));
+      wave.paths.insert(wave.paths.end(), paths.begin(), paths.end());
     }
     for (int k = 0; k < all.levels; ++k)
       wave.rate.push_back(frame.rate[static_cast<std::size_t>(all.number[k])]);
@@ -131,11 +172,19 @@ std::string describe(const LevelWay& way) {
         "; {} in the rotating-wave approximation, whose rest shifts levels and would have amplitudes "
         "up to {:.2g}",
         waves, neglected);
+  std::string_view along_z;
+  if (fields.begins_too_weak)
+    along_z = fields.ends_too_weak ? "where it begins and where it ends" : "where it begins";
+  else if (fields.ends_too_weak)
+    along_z = "where it ends";
   return fmt::format(
       "coherent through {}fields of any direction from {:.4g} to {:.4g} m, by their amplitudes in "
-      "steps to {:.2g}{}{}",
+      "steps to {:.2g}{}{}{}",
       waves.empty() ? "whole " : "", fields.sections.front().field.begin, fields.sections.back().field.end,
-      fields.tolerance, way.table().are_parted() ? "; F far apart exchange nothing" : "", waves);
+      fields.tolerance, way.table().are_parted() ? "; F far apart exchange nothing" : "", waves,
+      along_z.empty()
+          ? ""
+          : fmt::format("; {} the field is too weak to turn spins, and levels are those along z", along_z));
 }
 
 }  // namespace rabiline

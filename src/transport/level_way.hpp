@@ -25,6 +25,7 @@ struct LevelFields {
   std::vector<ShapedTerm> shaped{};
   std::vector<WaveFields> waves{};
   bool begins_in_field = false, ends_in_field = false;
+  bool begins_too_weak = false, ends_too_weak = false;  // a field that gives levels no axis
   double behind = 0;  // [T] of a field along +z that begins where the last one ends
   double tolerance = 1e-6;
   double apart = 0;  // [Hz] F whose zero-field energies differ by more exchange nothing but by waves
@@ -52,6 +53,7 @@ class LevelWay {
   struct Wave {
     std::vector<DriveTerm> drives{};
     std::vector<int> to{}, from{}, photons{}, number{}, move{}, left_out{};
+    std::vector<TwoPhotonPath> paths{};
     std::vector<double> rate{};
     LevelWave view() const;
   };

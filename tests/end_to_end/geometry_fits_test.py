@@ -103,3 +103,33 @@ def test_a_profile_is_read_from_two_halves_of_parabolas() -> None:
     assert trembling == pytest.approx((low, high), abs=0.5)
     assert halves(at, np.where(at > 1, np.inf, q))[2][0] == pytest.approx(low, abs=0.1)  # values that cannot be
     assert halves(at, np.where(at < 0, 4 * at**2, 0))[2][1] == np.inf
+
+
+PROFILE = """rabiline: 1
+species: K-39 atom
+law: quantum
+source: {speed: {kind: effusive, temperature: 500 K}, opening: {width: 0.5 mm, height: 0.02 mm}, direction: {kind: box, x: 0.1 mrad, z: 0.1 mrad}}
+parts:
+  - {name: magnet, kind: gradient_magnet, at: 0.1 m, length: 0.1 m, field: 0.1 T, gradient: 80 T/m}
+  - {name: slit, kind: slit, at: 0.5 m, width: 4 mm, height: 1.2 mm}
+  - {name: wire, kind: detector, at: 1 m, width: 2 mm, height: 0.05 mm, bins: [1, 1]}
+particles: 20000
+seed: 3
+scan: {parameter: wire.offset.z, from: -2 mm, to: 2 mm, points: 41}
+"""
+
+
+@pytest.mark.parametrize(("free", "true", "at_best"), [("slit.height", 1.1e-3, 2.6e-6), ("magnet.length", 0.104, 4e-4)])
+def test_edges_that_come_in_within_a_step_do_not_make_errors_small(free: str, true: float, at_best: float) -> None:
+    """`at_best` is what the counts allow, as 10^6 particles tell."""
+    profile = rabiline.load(PROFILE)
+    z = np.linspace(-2e-3, 2e-3, 41)
+    y = np.ravel(profile.set({free: true}).set(seed=7, particles=1000000).fly().detected)
+    pulls = []
+    for seed in range(4):
+        counts = np.random.default_rng(seed).poisson(100000 * y).astype(float)
+        table = Counts("counts", "wire.offset.z", tuple(f"{one!r} m" for one in z.tolist()), z, "m", counts, None, np.full(41, 1e5), None)
+        value, error = fit_counts(profile.set(seed=1000 + seed).scan(), table, [free])[free]
+        assert at_best < error < 10 * at_best
+        pulls.append((value - true) / error)
+    assert np.abs(pulls).max() < 3.5 and np.mean(np.square(pulls)) < 4

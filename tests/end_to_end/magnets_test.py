@@ -57,6 +57,46 @@ def test_the_force_on_a_level_turns_over_where_the_field_of_its_magnet_vanishes(
     assert lands("30 mT") == pytest.approx(z - 0.3e-3 + v * behind, rel=3e-6, abs=1e-9)
 
 
+FRINGED = """rabiline: 1
+species: {{name: silver, mass: 107.87 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: -28 GHz/T}}
+law: {law}
+source: {{speed: {{kind: single, value: 600 m/s}}, opening: {{radius: 0.2 mm}}, direction: parallel, spin: {{kind: populations, values: [0.5, 0.5]}}}}
+parts:
+  - {{name: M, at: 0.1 m, length: 0.1 m, kind: {magnet}}}
+  - {{name: D, kind: detector, at: 0.6 m, width: 10 mm, height: 10 mm, bins: [5, 50]}}
+particles: 500
+seed: 1
+"""
+TANH = ", fringe: {kind: tanh, length: 4 mm}"
+
+
+def image(folder: Path, magnet: str, law: str = "quantum") -> np.ndarray:
+    """[x, z]"""
+    (folder / "a.yaml").write_text(FRINGED.format(magnet=magnet, law=law))
+    done = run("run", folder / "a.yaml", "-o", folder / "a.h5")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(folder / "a.h5") as file:
+        return file["entry/D/counts"][...]
+
+
+@pytest.mark.parametrize(("magnet", "field", "on_axis"), [
+    ("gradient_magnet, field: 0.5 T, gradient: 300 T/m", "uniform_field, field: 0.5 T, gradient: {quadrupole: 300 T/m}", f"uniform_field, field: 0.5 T{TANH}"),
+    ("multipole_magnet, poles: 6, radius: 2 mm, pole_field: 0.5 T", "multipole_field, poles: 6, radius: 2 mm, field: 0.5 T", "uniform_field, field: 0 T")])
+def test_a_magnet_with_a_fringe_is_the_field_that_it_is_made_of(tmp_path: Path, magnet: str, field: str, on_axis: str) -> None:
+    fringed = image(tmp_path, magnet + TANH)
+    assert np.array_equal(fringed, image(tmp_path, field + TANH))
+    hard = image(tmp_path, magnet)
+    assert "fields that are followed along each path" not in run("check", tmp_path / "a.yaml").stdout
+    assert abs(spread(fringed) - spread(hard)) < 0.01 * spread(hard)
+    assert np.array_equal(image(tmp_path, magnet + TANH, "dorado"), image(tmp_path, on_axis, "dorado"))
+
+
+def spread(counts: np.ndarray) -> float:
+    """[m] Root of the mean square of z."""
+    z = (np.arange(50) - 24.5) * 0.2e-3
+    return float(np.sqrt(np.sum(counts * z**2) / counts.sum()))
+
+
 CHECKED = """rabiline: 1
 species: Cs-133 atom
 law: {{name: quantum, tolerance: {tolerance}}}

@@ -97,3 +97,17 @@ def test_a_signal_before_the_flight_ends_it_at_once(tmp_path: Path) -> None:
     time.sleep(0.3)
     assert "stopped before the flight began" in stop(process, signal.SIGTERM)
     assert {path.name for path in tmp_path.iterdir()} <= {"in.yaml", ".out.h5.lock"}
+
+
+def test_a_signal_while_python_starts_ends_a_command_in_a_line(reference: Path) -> None:
+    ends = set()
+    for step in range(24):
+        how = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)[step % 3]
+        process = subprocess.Popen([PROGRAM, "summary", reference], text=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        time.sleep(0.005 * step)
+        process.send_signal(how)
+        _, errors = process.communicate(timeout=300)
+        told = {0: "", -how: "", 128 + how: "rabiline: stopped\n"}  # done already, or no program yet
+        assert errors == told.get(process.returncode), (step, process.returncode)
+        ends.add(process.returncode)
+    assert ends & {130, 143, 129}

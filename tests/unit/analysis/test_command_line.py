@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -368,16 +369,16 @@ def test_a_command_that_is_stopped_says_so(folder: Path, monkeypatch: pytest.Mon
     assert capsys.readouterr().err == "rabiline: stopped\n"
 
 
-@pytest.mark.parametrize("late", ["argparse", "h5py", "matplotlib.figure"])
-def test_ctrl_c_during_an_import_is_one_line(folder: Path, tmp_path: Path, late: str) -> None:
+@pytest.mark.parametrize("late, stop", [("argparse", signal.SIGINT), ("h5py", signal.SIGTERM), ("matplotlib.figure", signal.SIGXCPU)])
+def test_a_signal_during_an_import_is_one_line(folder: Path, tmp_path: Path, late: str, stop: int) -> None:
     module = tmp_path / Path(*late.split(".")).with_suffix(".py")
     module.parent.mkdir(exist_ok=True)
     (module.parent / "__init__.py").touch()
-    module.write_text("import os, signal\ntry:\n    os.kill(os.getpid(), signal.SIGINT)\n    sum(range(10**6))\nexcept BaseException:\n    raise ImportError")
+    module.write_text(f"import os\ntry:\n    os.kill(os.getpid(), {int(stop)})\n    sum(range(10**6))\nexcept BaseException:\n    raise ImportError")
     paths = os.pathsep.join([str(tmp_path), str(Path(results.__file__).parents[1])])
     done = subprocess.run([sys.executable, "-m", "rabiline", "plot", "dorado.h5"], cwd=folder, capture_output=True, text=True,
                           env={**os.environ, "PYTHONPATH": paths})
-    assert (done.returncode, done.stderr) == (130, "rabiline: stopped\n")
+    assert (done.returncode, done.stderr) == (128 + stop, "rabiline: stopped\n")
 
 
 @pytest.mark.parametrize("name", ["picture.doc", "picture", "picture.jpg", "picture.h5"])

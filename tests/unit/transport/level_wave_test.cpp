@@ -78,6 +78,20 @@ TEST(LevelWave, IsSchroedingersEquationOfLinesOfOneManifold) {
   }
 }
 
+/// Half of a line of F = 2 and 1, 40 MHz apart, under a field that is not along the axis.
+TEST(LevelWave, IsSchroedingersEquationOfALineOfTwoPhotons) {
+  Flight f = flight(structure(3, 1, 20e6, 0, 2.002, 2e-4), 1000, 0.3, linear(20e-6, 0, 80e-6, 0, 0, 0), 0);
+  const int from = 6, to = 2;
+  const double line = transition_frequency(levels_at(f.spins, std::hypot(20e-6, 80e-6)), from, to);
+  drive(f, 70e-6, line / 2 + 12.5e3, Eigen::Vector3d(0.6, 0, 0.8));
+  const std::vector<double> p = carried(f, from);
+  EXPECT_LT(worst_difference(p, Laboratory(f).carried(from)), 3e-2);  // third order
+  EXPECT_LT(p[static_cast<std::size_t>(from)], 0.8);
+  Flight without = f;
+  without.fields.waves[0].frame.two.clear();
+  EXPECT_GT(carried(without, from)[static_cast<std::size_t>(from)], 0.9);
+}
+
 TEST(LevelWave, NamesLevelsAnewWhereTheFieldHasBeenReversed) {
   // Past a zero of the field in front of the drive: those names are of the field against the axis.
   const Flight straight = within_a_manifold(0);
