@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .argument_types import SECONDS
 from .csv_table import Table, read_table
 from .hdf5 import FileError
 from .units import parse_quantity
@@ -56,7 +57,7 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
         written = [name for name in table.names if name.lower() in near]
         wrong = f"no column `counts`{f', but `{written[0]}`' if written else ''}" if "counts" not in table.names else \
             "no column of the scanned parameter" if not others else \
-            f"what is the column `{unknown[0]}`?" if unknown else \
+            f"what is the column `{unknown[0]}`?{' Leave it out: errors are those of the counts' if 'err' in unknown[0].lower() else ''}" if unknown else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
     for name, unit in table.columns:
@@ -84,7 +85,7 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     if x.size < 2:
         raise FileError(table.path, "a scan has two points or more")
     places = list(zip(*(column.tolist() for column in columns)))
-    _require(table, kept, np.array([places.index(place) == i for i, place in enumerate(places)]), "a point that has been counted before")
+    _require(table, kept, np.array([places.index(place) == i for i, place in enumerate(places)]), "a point that has been counted before\n  help: add up what was counted at it, and its `seconds` or `emitted`")
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
     across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
@@ -99,9 +100,9 @@ def _seconds(table: Table) -> float:
     """How much the times of the table are in."""
     unit = dict(table.columns)["seconds"] or "s"
     try:
-        return parse_quantity(f"1 {unit}", "s")
+        return SECONDS[unit] if unit in SECONDS else parse_quantity(f"1 {unit}", "s")
     except ValueError as problem:
-        raise FileError(table.path, f"line {table.header}: `seconds` has the unit `{unit}`: {problem}") from None
+        raise FileError(table.path, f"line {table.header}: `seconds` has the unit `{unit}`: {problem}\n  help: write `seconds [s]`") from None
 
 
 def _column(table: Table, name: str, kept: np.ndarray, least: float, help_of_range: str = "") -> np.ndarray:

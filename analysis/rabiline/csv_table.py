@@ -1,6 +1,6 @@
 """Tables of numbers, in the one dialect of the program: lines that begin with # are comments; the first other line has the
 names of the columns, with units in square brackets, `H0.frequency [kHz],counts`; commas between, points in numbers.
-Round brackets are read too."""
+Round brackets are read too, and `H0.frequency / kHz`."""
 from __future__ import annotations
 
 import csv
@@ -47,7 +47,7 @@ class Table:
             try:
                 found.append(float(cell))
             except ValueError:
-                raise FileError(self.path, f"line {line}: `{cell}` is no number ({name})") from None
+                raise FileError(self.path, f"line {line}: {f'`{cell}` is no number ({name})' if cell else f'a number of the column `{name}` is missing'}") from None
             if not abs(found[-1]) <= LARGEST_NUMBER:
                 raise FileError(self.path, f"line {line}: `{cell}` is out of range ({name})")
         return found
@@ -66,6 +66,10 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
         raise FileError(path, f"line {header}: a comma stands between columns, and a point in numbers, not `;` and `,`")
     if len(names) == 1 and "\t" in lines[header - 1].strip():
         raise FileError(path, f"line {header}: a comma stands between columns, not a tab")
+    if len(names) == 1 and len(names[0].split()) > 1 and all(len(cells) == 1 and len(cells[0].split()) > 1 for _, cells in rows):
+        raise FileError(path, f"line {header}: a comma stands between columns, not a blank")
+    if all(_is_number(name) for name in names):
+        raise FileError(path, f"line {header}: the names of the columns are missing\n  help: write a line above it such as `C.frequency [kHz],counts`")
     if not names[-1]:  # a comma at the end of the lines
         names = names[:-1]
     rows = [(line, cells[:-1] if len(cells) == len(names) + 1 and not cells[-1] else cells) for line, cells in rows]
@@ -75,7 +79,8 @@ def read_table(source: Path | str | pandas.DataFrame) -> Table:
         raise FileError(path, f"line {header}: the column `{twice[0]}` is there twice")
     for line, cells in rows[1:]:
         if len(cells) != len(columns):
-            raise FileError(path, f"line {line}: {_counted(len(cells), 'value')} in {_counted(len(columns), 'column')}")
+            raise FileError(path, f"line {line}: {_counted(len(cells), 'value')} in {_counted(len(columns), 'column')}"
+                            + ("\n  help: a comma stands between columns, and numbers have a point" if len(cells) > len(columns) > 1 else ""))
     return Table(path, header, columns, tuple(rows[1:]))
 
 
@@ -111,6 +116,13 @@ def _counted(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def _is_number(text: str) -> bool:
+    try:
+        return bool(float(text)) or True
+    except ValueError:
+        return False
+
+
 def _column(text: str) -> tuple[str, str]:
-    found = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", text)
+    found = re.fullmatch(r"(.*?)\s*[\[(](.*)[\])]", text) or re.fullmatch(r"(.*?)\s+/\s+(\S+)", text)
     return (found[1].strip(), found[2].strip()) if found else (text, "")

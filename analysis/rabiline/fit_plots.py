@@ -78,7 +78,7 @@ def _numbers(fit: CountsFit) -> list[str]:
 def _verdict(fit: CountsFit) -> list[str]:
     """On the fit as a whole."""
     return [*([f"χ² {fit.chi_squared:.1f} for {freedom_in_words(fit.freedom)}, {p_in_words(fit.p)}"] if fit.freedom > 0 else []),
-            *(f"the counts ask for a free {one.name}" for one in fit.held if one.is_wanted), *filter(None, [verdict_of(fit)])]
+            *(f"the counts ask for a free {one.name}" for one in fit.held if one.is_wanted and one.is_possible), *filter(None, [verdict_of(fit)])]
 
 
 def _poisson(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -107,6 +107,9 @@ def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
         yield (f"  `{one.name}` is not free, and the counts fit as well with {one.value:.3g} of it and {fit.names[i]} near {there}, {abs(one.moved[i]):.0f} "
                "of its errors from here: a search from where the fit started ends there")
         yield f"  help: fit with `{one.name}` in --free, or measure it"
+    elif one.is_wanted and not one.is_possible:
+        yield (f"  the counts lean towards a {one.name} of {one.value:.3g} by {np.sqrt(one.fall):.1f} standard deviations, which cannot be: something else that "
+               "is held, or the experiment itself, is not as in the measurement")
     elif one.is_wanted:
         yield (f"  `{one.name}` is not free, and the counts lean towards {one.value:.3g} by {np.sqrt(one.fall):.1f} standard "
                f"deviations, whatever chi² says: that moves {fit.names[i]} by {abs(one.moved[i]):.1f} of its errors, or more")

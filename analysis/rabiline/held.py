@@ -37,6 +37,11 @@ class Held:
         return self.searched or self.fall > ASKS or self.fall > LEANS and bool((np.abs(self.moved) > 1).any())
 
     @property
+    def is_possible(self) -> bool:
+        """Whether it may be so: no background takes counts away."""
+        return self.value >= 0
+
+    @property
     def matters(self) -> bool:
         """Whether the errors of the fit hang on its being known."""
         return bool((np.abs(self.by_part) > 1).any())

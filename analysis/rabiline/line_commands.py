@@ -17,7 +17,7 @@ from .curves import Curve, curves
 from .errors import InputError
 from .hdf5 import is_hdf5
 from .line_report import described, unit_of
-from .lines import FORMS, Form, LineFit, NoLine, fit_line, ramsey_over
+from .lines import FORMS, Form, LineFit, NoLine, Poisson, fit_line, ramsey_over
 from .units import base_of, format_value, parse_quantity
 
 if TYPE_CHECKING:
@@ -59,7 +59,8 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         if len(found) != 1:
             raise InputError(f"{options.file}: {len(found)} curves: choose one with --detector, or scan one parameter")
         curve: Curve = found[0]
-        x, y, covariance, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
+        x, y, errors, unit, name, title = curve.x, curve.y, curve.covariance, curve.axis.units, curve.axis.parameter, file.title
+        deviations, each = np.sqrt(np.diag(errors)), "detected / emitted"
         written = curve.axis.written
         transits = file.detectors[curve.detector].transits
         if transits:
@@ -74,21 +75,32 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         _require_unit(counts)
         unit, factor = base_of(counts.unit)
         written = (counts.unit, factor) if counts.unit else None
-        x, y, name, title = factor * counts.x, counts.counts, counts.parameter, options.file.name
-        covariance = np.diag(np.maximum(y, 1.0))
+        x, name, title = factor * counts.x, counts.parameter, options.file.name
+        exposure, each = _exposure(counts)
+        y, errors = counts.counts / exposure, Poisson(exposure)
+        deviations = np.sqrt(np.diag(errors.covariance(y, 1.0)))
     start = dict(_start(text, unit) for text in options.start)
-    fitted = fit_line(x, y, covariance, forms[options.form or DEFAULT], lines=options.lines, start=start)
-    words = [*described(fitted, unit, written), *derived(fitted, unit, per_field, field, written)]
+    fitted = fit_line(x, y, errors, forms[options.form or DEFAULT], lines=options.lines, start=start)
+    words = [*described(fitted, unit, written, each if each.startswith("counts /") else ""), *derived(fitted, unit, per_field, field, written)]
     print("\n".join(words))
     if options.form is None:
         others = {name: form for name, form in forms.items() if name != DEFAULT}
         print(f"           {DEFAULT} is the form by default: --form has {', '.join(others)} too")
-        if fitted.p < LEAST_P and (better := _better(fitted, others, x, y, covariance, options.lines)):
+        if fitted.p < LEAST_P and (better := _better(fitted, others, x, y, errors, options.lines)):
             print(f"  help: the form {better.form} describes the curve far better, with chi² {better.chi_squared:.1f}: --form {better.form}")
     if not options.output:
         return None
     from .line_plots import draw_line
-    return draw_line(x, y, np.sqrt(np.diag(covariance)), fitted, name, unit, options.title or title, words)
+    return draw_line(x, y, deviations, fitted, name, unit, options.title or title, words, each)
+
+
+def _exposure(counts: Counts) -> tuple[np.ndarray, str]:
+    """[n] What counts are divided by, and what that makes of them."""
+    if counts.emitted is not None:
+        return counts.emitted, "counts / emitted"
+    if counts.seconds is not None and np.ptp(counts.seconds) > 0:
+        return counts.seconds, "counts / s"
+    return np.ones(counts.counts.size), "counts"
 
 
 def _require_unit(counts: Counts) -> None:
@@ -110,12 +122,12 @@ def _start(text: str, unit: str) -> tuple[str, float]:
         raise InputError(f"--start {text}: it is NAME=VALUE, such as centre=29 kHz ({problem})") from None
 
 
-def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarray, covariance: np.ndarray, lines: int) -> LineFit | None:
+def _better(fitted: LineFit, others: dict[str, Form], x: np.ndarray, y: np.ndarray, errors: np.ndarray | Poisson, lines: int) -> LineFit | None:
     """The best fit with one of other forms, where it is better by far."""
     found = []
     for form in others.values():
         try:
-            found.append(fit_line(x, y, covariance, form, lines=lines))
+            found.append(fit_line(x, y, errors, form, lines=lines))
         except NoLine:
             pass
     best = min(found, key=lambda one: one.chi_squared, default=fitted)

@@ -18,8 +18,8 @@ PLACES = 1000  # of the form, at least
 
 
 def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit, name: str, unit: str, title: str,
-              words: Sequence[str]) -> Figure:
-    """The points with their errors, the form, and above it its numbers."""
+              words: Sequence[str], label: str) -> Figure:
+    """The points with their errors, the form, and above it its numbers; `label` says what the points are."""
     scale = fitting_scale(x, unit)
     order = np.argsort(x)
     at = np.asarray(scale.apply(x[order]))
@@ -28,7 +28,7 @@ def draw_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray, fitted: LineFit,
     axes.errorbar(at, y[order], errors[order], fmt="o", color=INK, markersize=3, elinewidth=0.8, linestyle="none")
     axes.plot(scale.apply(fine), fitted.curve(fine), color=MODEL, linewidth=1.3)
     style.name_below(axes, scale.label(name))
-    axes.set_ylabel("counts" if y.max() > 1 else "detected / emitted")
+    axes.set_ylabel(label)
     axes.grid(axis="y")
     style.write_title(figure, title)
     told = [re.sub(r" -(?=[ \d.])", " −", " ".join(line.split()).replace("chi²", "χ²")) for line in words]

@@ -44,14 +44,16 @@ def _value(fitted: LineFit, number: int, unit: str, written: tuple[str, float] |
     return format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else "not known"
 
 
-def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None) -> list[str]:
-    """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI."""
+def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None, each: str = "") -> list[str]:
+    """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI. `each`: what points,
+    contrasts and the baseline are."""
     lines = [f"form       {fitted.form}", *(f"{name:<10} {_value(fitted, i, unit, written)}" for i, name in enumerate(fitted.names))]
+    lines += [f"           contrast and baseline are in {each}"] if each else []
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}, without correlations")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.counted else ', without correlations'}")
     lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:

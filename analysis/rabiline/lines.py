@@ -24,6 +24,8 @@ REST = 0.05  # of chi²: what is nearer to the least than that is there, within 
 DEVIATIONS = 6.0  # on both sides of the mean flight time, and between the phases that the sum over these times repeats itself
 MOST_TIMES, SHORTEST = 400, 0.05  # of these times; of the mean one, which what is shorter takes
 TIPS = 0.25, 0.12  # turns in each field
+ROUNDS, SETTLED = 12, 0.01  # of fits to counts, with the errors of the last one; errors by which a parameter moves in the last of them
+LEAST_EXPECTED = 0.1  # counts
 RATIOS = 0.4, 0.15, 0.05, 0.01  # of the time in a field to that between the two, where a fit starts
 
 
@@ -105,6 +107,18 @@ def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndar
     return np.einsum("ij,j->i", (strength / total * amplitude)**2, weights)  # in one thread, as a line is a small matter
 
 
+@dataclass(frozen=True)
+class Poisson:
+    """Errors of counts, each divided by its exposure: those that the fitted curve has. Least squares with them are where Poisson's likelihood is
+    largest (A. Charnes, E. Frome and P. Yu, J. Am. Stat. Assoc. 71, 169, 1976)."""
+
+    exposure: np.ndarray | float = 1.0
+
+    def covariance(self, y: np.ndarray, least: float = LEAST_EXPECTED) -> np.ndarray:
+        """[n, n] Where y [n] is expected, of `least` counts at each point or more."""
+        return np.diag(np.maximum(y * self.exposure, least) / np.square(self.exposure))
+
+
 FORMS = {form.name: form for form in (
     Form("lorentz", ("width",), lorentz, lambda widths: [(w,) for w in widths]),
     Form("gauss", ("width",), gauss, lambda widths: [(w,) for w in widths]),
@@ -132,6 +146,7 @@ class LineFit:
     curve: Callable[[np.ndarray], np.ndarray]  # the fitted y [m] at any x [m]
     others: tuple[tuple[float, float], ...] = ()  # centres of other fringes, with a chi² that is less than `AS_GOOD` higher
     unit: str = ""  # of x, as `fit_line` was told
+    counted: bool = False  # points are counts, which have no correlations
 
     @property
     def p(self) -> float:
@@ -153,19 +168,21 @@ class LineFit:
 
 
 @np.errstate(all="ignore")  # of starts that lead nowhere
-def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
+def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson, form: str | Form | Callable[..., np.ndarray] = "rabi", *,
              lines: int = 1, start: Mapping[str, float] | None = None, unit: str = "") -> LineFit:
-    """Fits a form to y [n]; `errors` are one standard deviation of each point [n], or of all, or a covariance [n, n]. Several `lines` have a centre
+    """Fits a form to y [n]; `errors` are one standard deviation of each point [n], or of all, or a covariance [n, n], or those of counts. Several `lines` have a centre
     and a contrast each, by rising centre, and share the rest. A callable f(x, a, b, ...) is fitted as it stands, from `start`. Weights are those of
     independent points with these variances, and errors come from the whole covariance. `unit` of x, such as "Hz", is that of the numbers as they are
     printed. Raises NoLine."""
     x, y, start = np.asarray(x, float), np.asarray(y, float), dict(start or {})
-    covariance = _covariance(x, y, errors)
+    covariance = errors.covariance(y, 1.0) if isinstance(errors, Poisson) else _covariance(x, y, errors)
     if not (np.isfinite(x).all() and np.isfinite(y).all() and np.isfinite(covariance).all()):
         raise NoLine("the curve has values that are infinite or no numbers")
     if callable(form) and not isinstance(form, Form):
-        found = _refined("callable", tuple(start), lambda values, at: form(at, *values), np.array(list(start.values())), x, y, covariance)
-        return replace(found, unit=unit)
+        def of(first: np.ndarray, covariance: np.ndarray) -> LineFit:
+            return _refined("callable", tuple(start), lambda values, at: form(at, *values), first, x, y, covariance)
+
+        return replace(_likeliest(of(np.array(list(start.values())), covariance), errors, lambda fit, covariance: of(fit.values, covariance)), unit=unit)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
     chosen = form if isinstance(form, Form) else FORMS[form]
@@ -194,10 +211,12 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float, form: str
 
     reached = [np.inf]  # chi² of other starts
 
+    def refined_from(first: np.ndarray, covariance: np.ndarray, least: float = np.inf) -> LineFit:
+        return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, first, x, y, covariance, least)
+
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
-        fitted = _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, np.concatenate(
-            [(np.array(centres) - origin) / extent, np.log(shared), first[1:], first[:1]]), x, y, covariance, min(reached))
+        fitted = refined_from(np.concatenate([(np.array(centres) - origin) / extent, np.log(shared), first[1:], first[:1]]), covariance, min(reached))
         reached.append(fitted.chi_squared)
         return fitted
 
@@ -207,16 +226,26 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float, form: str
             return []
         return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
-    found = _best(refined, guesses, beside)
+    found = _likeliest(_best(refined, guesses, beside), errors, lambda fit, covariance: refined_from(fit.values, covariance))
     rising = np.argsort(found.values[:lines])
     sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
     values, scale = found.values[sorting], np.ones(found.values.size)
     values[:lines], scale[:lines] = origin + extent * values[:lines], extent
     values[lines:lines + own] = scale[lines:lines + own] = np.exp(values[lines:lines + own])
-    covariance = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
+    spread = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
     others = tuple((origin + extent * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
-    return LineFit(found.form, found.names, values, np.sqrt(np.diag(covariance).clip(0)), covariance, found.chi_squared, found.constant,
-                   found.freedom, found.expected, found.curve, others, unit)
+    return LineFit(found.form, found.names, values, np.sqrt(np.diag(spread).clip(0)), spread, found.chi_squared, found.constant,
+                   found.freedom, found.expected, found.curve, others, unit, found.counted)
+
+
+def _likeliest(found: LineFit, errors: object, again: Callable[[LineFit, np.ndarray], LineFit]) -> LineFit:
+    """Of counts the fit with the errors that it has itself, from one with others."""
+    for _ in range(ROUNDS if isinstance(errors, Poisson) else 0):
+        last, found = found, replace(again(found, errors.covariance(found.expected)), others=found.others, counted=True)
+        known = np.isfinite(found.errors)
+        if (np.abs(found.values - last.values)[known] <= SETTLED * found.errors[known]).all():
+            break
+    return found
 
 
 def _covariance(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float) -> np.ndarray:

@@ -48,8 +48,10 @@ def read_measured(source: Path | pandas.DataFrame, curve: Curve, detector: str |
     else:
         order = np.argsort(curve.x)
         expected = np.interp(x, curve.x[order], curve.y[order])
-        factor = float(expected @ counts.counts / max(counts.counts @ counts.counts, 1e-300))
-        each, label = np.full(x.size, 1 / max(factor, 1e-300)), f"counted, times {factor:.3g}"
+        time = np.ones(x.size) if counts.seconds is None else counts.seconds / counts.seconds.mean()
+        counted = counts.counts / time
+        factor = float(expected @ counted / max(counted @ counted, 1e-300))
+        each, label = time / max(factor, 1e-300), f"counted, times {factor:.3g}"
     return Measured(x, (counts.counts - background) / each, np.sqrt(np.maximum(counts.counts, 1.0)) / each, label)
 
 

@@ -24,7 +24,7 @@ from matplotlib.textpath import text_to_path
 
 from . import asked
 from .errors import InputError
-from .units import SUPERSCRIPT
+from .units import SUPERSCRIPT, unbroken
 from .writing import require_place, whole
 
 INK, GREY, PALE = "#222222", "#6b6b6b", "#e9e9e9"
@@ -217,8 +217,8 @@ def widest(labels: Sequence[str]) -> int:
 
 
 def wrapped(text: str, most: int) -> str:
-    """In lines of so many letters at most."""
-    return "\n".join(line for part in text.splitlines() for line in textwrap.wrap(part, most) or [""])
+    """In lines of so many letters at most; a number stays with its error and its unit."""
+    return "\n".join(line for part in unbroken(text).splitlines() for line in textwrap.wrap(part, most) or [""]).replace("\u00a0", " ")
 
 
 def name_below(axes: Axes, text: str) -> None:

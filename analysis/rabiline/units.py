@@ -125,6 +125,12 @@ def in_unit(value: float, unit: str, factor: float, digits: int = 10) -> str:
     return f"{_with_power(f'{value / factor:.{digits}g}')} {unit}"
 
 
+def unbroken(text: str) -> str:
+    """The same with blanks that no line ends at between numbers, errors and units."""
+    units = "|".join(sorted(map(re.escape, TAKE_PREFIXES), key=len, reverse=True))
+    return re.sub(rf" ?± ?|(?<=\d) (?=[{''.join(filter(None, PREFIXES.values()))}]?(?:{units})(?![a-z]))", lambda found: found[0].replace(" ", "\u00a0"), text)
+
+
 def _with_power(number: str) -> str:
     """2.5e-06 as 2.5×10⁻⁶."""
     digits, e, power = number.partition("e")

@@ -143,11 +143,16 @@ void Keys::finish(const std::function<std::vector<std::string>(std::string_view)
     if (is_misspelt)
       near = owners.empty() ? closest(entry.key, {known_.begin(), known_.end()}) : std::string{};
     const auto instead_of = std::ranges::find(missing_, near, &Missing::key);
+    const std::string_view conversion = is_misspelt ? "" : conversion_of(entry.key);
     std::string help;
-    if (!near.empty() && !is_misspelt && instead_of != missing_.end())
+    if (!near.empty() && !conversion.empty())
+      help = fmt::format("did you mean `{}`? {}", near, conversion);
+    else if (!near.empty() && !is_misspelt && instead_of != missing_.end())
       help = fmt::format("did you mean `{}` ({})?", near, instead_of->meaning);
     else if (!near.empty())
       help = fmt::format("did you mean `{}`?", near);
+    else if (const std::string_view origin = origin_of(entry.key); !origin.empty())
+      help = origin;
     else
       for (const std::string_view key : known_)
         help += fmt::format("{}`{}`", help.empty() ? "it has " : ", ", key);

@@ -184,6 +184,41 @@ constexpr std::array key_meanings{
     Meaning{"polarization", "spin degree"},
     Meaning{"gamma", "gyromagnetic_ratio"},
     Meaning{"pixels", "bins"},
+    Meaning{"omega", "frequency"},
+    Meaning{"angular_frequency", "frequency"},
+    Meaning{"fwhm", "sigma"},
+    Meaning{"hwhm", "sigma"},
+    Meaning{"step", "points"},
+};
+
+/// What such a key is of the quantity that was named.
+constexpr std::array conversions{
+    Meaning{"diameter", "It is half of the diameter"},
+    Meaning{"omega", "It is the angular frequency over 2 pi"},
+    Meaning{"angular_frequency", "It is the angular frequency over 2 pi"},
+    Meaning{"fwhm", "It is the full width at half maximum over 2.355"},
+    Meaning{"hwhm", "It is the half width at half maximum over 1.177"},
+    Meaning{"wavelength", "Its unit says that it is a wavelength"},
+    Meaning{"lambda", "Its unit says that it is a wavelength"},
+    Meaning{"energy", "Its unit says that it is an energy"},
+    Meaning{"step", "It is (to - from)/step + 1"},
+};
+
+/// What is no key anywhere.
+constexpr std::array no_keys{
+    Meaning{"larmor_frequency", "it follows from the field and the species: `rabiline check` tells it"},
+    Meaning{"resonance", "it follows from the field and the species: `rabiline check` tells it"},
+    Meaning{"resonance_frequency", "it follows from the field and the species: `rabiline check` tells it"},
+    Meaning{"rabi_frequency", "it follows from the `amplitude` and the species: `rabiline check` tells it"},
+    Meaning{"tip_angle", "it follows from `amplitude`, `length` and speed: `rabiline check` tells it"},
+    Meaning{"flip_angle", "it follows from `amplitude`, `length` and speed: `rabiline check` tells it"},
+    Meaning{"pulse_area", "it follows from `amplitude`, `length` and speed: `rabiline check` tells it"},
+    Meaning{"detected", "it is a result: `rabiline run` counts it"},
+    Meaning{"counts", "it is a result: `rabiline run` counts it"},
+    Meaning{"transmission", "it is a result: `rabiline run` counts it"},
+    Meaning{"populations", "they are a result: a tally with the axis `level` counts them"},
+    Meaning{"output", "the command line names the result: `rabiline run FILE -o out.h5`"},
+    Meaning{"threads", "the command line says how many: `rabiline run FILE --threads 2`"},
 };
 
 /// What is said of the beam and is no part of it, and where it belongs.
@@ -216,6 +251,11 @@ std::vector<std::string> meant_by(std::string_view said, std::span<const Meaning
   return out;
 }
 
+std::string_view told_of(std::string_view said, std::span<const Meaning> table) {
+  const auto found = std::ranges::find(table, said, &Meaning::said);
+  return found == table.end() ? std::string_view{} : found->meant;
+}
+
 }  // namespace
 
 std::string list_of(const std::vector<std::string>& words) {
@@ -239,13 +279,17 @@ std::string suggest(std::string_view word, std::span<const Word> words) {
   const auto is_word = [&](std::string_view meant) { return has(words, meant); };
   if (const std::vector<std::string> meant = meant_by(said, meanings, is_word); !meant.empty())
     return fmt::format("did you mean {}?", list_of(meant));
-  const auto elsewhere = std::ranges::find(no_parts, said, &Meaning::said);
-  if (has(words, of_parts) && elsewhere != no_parts.end()) return std::string(elsewhere->meant);
+  const std::string_view elsewhere = told_of(said, no_parts);
+  if (has(words, of_parts) && !elsewhere.empty()) return std::string(elsewhere);
   std::vector<std::string> known;
   for (const Word& w : words) known.emplace_back(w.word);
   const std::string near = closest(word, known);
   return near.empty() ? std::string{} : fmt::format("did you mean `{}`?", near);
 }
+
+std::string_view conversion_of(std::string_view said) { return told_of(lower(said), conversions); }
+
+std::string_view origin_of(std::string_view said) { return told_of(lower(said), no_keys); }
 
 std::string key_meant_by(std::string_view said, std::span<const std::string_view> keys) {
   const auto is_key = [&](std::string_view meant) { return std::ranges::find(keys, meant) != keys.end(); };

@@ -252,7 +252,7 @@ def test_forms_with_many_numbers_stay_inside(measured: tuple[rabiline.Experiment
     x, y = measured[1].x, measured[1].counts
     fitted = fit_line(x, y, np.diag(np.maximum(y, 1)), FORMS[form], lines=lines)
     words = [*described(fitted, "Hz"), *derived(fitted, "Hz", 29.1646935e6, None)]
-    assert not faults_at_sizes(lambda: draw_line(x, y, np.sqrt(np.maximum(y, 1)), fitted, "C1.frequency", "Hz", LONG, words))
+    assert not faults_at_sizes(lambda: draw_line(x, y, np.sqrt(np.maximum(y, 1)), fitted, "C1.frequency", "Hz", LONG, words, "counts"))
 
 
 @pytest.fixture(scope="module")

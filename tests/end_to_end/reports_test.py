@@ -65,7 +65,7 @@ def test_a_line_is_told_in_the_unit_of_its_scan(tmp_path: Path, licl: Path, caps
     (tmp_path / "a.csv").write_text(IN_KHZ)
     assert main(["fit-line", str(tmp_path / "a.csv"), "--form", "lorentz"]) == 0
     told = capsys.readouterr().out
-    assert "\ncentre     9192631.70" in told and "\nwidth      0.1" in told and told.count(" kHz\n") == 2
+    assert "\ncentre     9192631.71" in told and "\nwidth      0.1" in told and told.count(" kHz\n") == 2
     assert main(["fit-line", str(licl), "--form", "rabi"]) == 0
     told = capsys.readouterr().out
     assert "\ncentre     212.59" in told and "\ntime       0.6" in told and " mT\n" in told and " 1/mT\n" in told

@@ -156,7 +156,7 @@ def test_a_logarithmic_axis_has_plain_numbers_if_they_are_short(low: float, show
 def test_options_in_a_caption_keep_their_hyphens() -> None:
     x = np.linspace(-5.0, 5.0, 41)
     y = 0.5 * gauss(x, 2.0)
-    figure = draw_line(x, y, np.full(41, 1e-3), fit_line(x, y, np.diag(np.full(41, 1e-6)), "gauss"), "a", "Hz", "a title", ["see --form sinc2", "centre     -2.5 Hz"])
+    figure = draw_line(x, y, np.full(41, 1e-3), fit_line(x, y, np.diag(np.full(41, 1e-6)), "gauss"), "a", "Hz", "a title", ["see --form sinc2", "centre     -2.5 Hz"], "counts")
     assert figure.axes[0].get_title() == "see --form sinc2,   centre −2.5 Hz"
     plt.close(figure)
 

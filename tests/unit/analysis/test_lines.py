@@ -14,7 +14,7 @@ from rabiline.counts import read_counts
 from rabiline.hdf5 import FileError
 from rabiline.line_commands import derived, described
 from rabiline.line_plots import draw_line
-from rabiline.lines import FORMS, LineFit, NoLine, _best, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
+from rabiline.lines import FORMS, LineFit, NoLine, Poisson, _best, fit_line, lorentz, rabi, ramsey, ramsey_over, sinc2
 from synthetic import frequencies, write_results
 
 TRUE = {"lorentz": (40.0,), "gauss": (40.0,), "sinc2": (0.02,), "rabi": (12.0, 0.03), "ramsey": (120.0, 0.002, 0.02, 0.05)}
@@ -210,7 +210,7 @@ def test_starts_that_lead_nowhere_warn_of_nothing() -> None:
 def test_the_fitted_form_is_drawn_between_the_points_too() -> None:
     few = X[::6]
     fitted = fit_line(few, 0.1 + 0.8 * lorentz(few - 29003.0, 20.0), np.eye(few.size) * 1e-4, "lorentz")
-    drawn = draw_line(few, fitted.expected, np.full(few.size, 0.01), fitted, "f", "Hz", "", ["words"]).axes[0].get_lines()[-1]
+    drawn = draw_line(few, fitted.expected, np.full(few.size, 0.01), fitted, "f", "Hz", "", ["words"], "counts").axes[0].get_lines()[-1]
     top = drawn.get_ydata().max()
     assert drawn.get_xdata().size > 400 and top == pytest.approx(0.9, abs=1e-3) and top > fitted.expected.max() + 0.01
     assert fitted.curve(few) == pytest.approx(fitted.expected)
@@ -218,6 +218,11 @@ def test_the_fitted_form_is_drawn_between_the_points_too() -> None:
 
 
 @pytest.mark.parametrize(("table", "reason"), [
+    ("C.frequency [Hz] counts\n1 2\n2 3\n", "line 1: a comma stands between columns, not a blank"),
+    ("1,2\n2,3\n", "line 1: the names of the columns are missing\n  help: write a line above it such as `C.frequency [kHz],counts`"),
+    ("C.frequency [Hz],counts\n1,5,2\n", "line 2: 3 values in 2 columns\n  help: a comma stands between columns, and numbers have a point"),
+    ("C.frequency [Hz],counts\n1,\n2,3\n", "line 2: a number of the column `counts` is missing"),
+    ("C.frequency [Hz],counts,seconds [weeks]\n1,2,1\n2,3,1\n", "line 1: `seconds` has the unit `weeks`: unknown unit weeks\n  help: write `seconds [s]`"),
     ("f [kHz],counts,counts\n1,1,1\n2,4,4\n", "line 1: the column `counts` is there twice"),
     ("# mine\nf [kHz],counts\n", "line 2: nothing stands below the names of the columns"),
     ("f [kHz],counts,emitted\n1,1,5\n2,14,10\n", "line 3: more counts than particles were emitted"),
@@ -301,7 +306,7 @@ def test_a_start_has_a_unit_or_is_in_si(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_the_picture_names_the_form() -> None:
     found = fit_line(X, 1 - FORMS["gauss"].f(X - 29000, 40.0), np.eye(X.size) * 1e-6, "gauss")
-    figure = draw_line(X, found.expected, np.ones(X.size), found, "f", "Hz", "", described(found, "Hz"))
+    figure = draw_line(X, found.expected, np.ones(X.size), found, "f", "Hz", "", described(found, "Hz"), "counts")
     assert figure.axes[0].get_title().startswith("form gauss")
     plt.close("all")
 
@@ -331,3 +336,25 @@ def test_a_result_is_no_table_of_counts(tmp_path: Path) -> None:
 def test_a_curve_of_nothing_says_so() -> None:
     with pytest.raises(NoLine, match="nothing was detected"):
         fit_line(X, np.zeros(X.size), np.eye(X.size) * 1e-6, "gauss")
+
+
+def test_few_counts_are_fitted_as_poisson_has_them() -> None:
+    """With errors of root n a baseline of three counts comes out lower by three of its errors."""
+    generator, pulls = np.random.default_rng(9), []
+    for _ in range(30):
+        found = fit_line(X, generator.poisson(3 + 20 * lorentz(X - 29003.0, 40.0)).astype(float), Poisson(), "lorentz")
+        pulls.append([(found[name][0] - true) / found[name][1] for name, true in (("centre", 29003), ("width", 40), ("contrast", 20), ("baseline", 3))])
+    assert (np.abs(np.mean(pulls, axis=0)) < 3.5 / np.sqrt(30)).all() and (np.std(pulls, axis=0) < 1.5).all()
+    assert "without correlations" not in str(found)
+
+
+@pytest.mark.parametrize("column", ["seconds", "emitted"])
+def test_counts_are_divided_by_what_was_not_alike_at_all_points(tmp_path: Path, capsys: pytest.CaptureFixture, column: str) -> None:
+    each = np.where(X < 29000, 1e4, 4e4)
+    counts = np.rint(each * (0.02 + 0.3 * lorentz(X - 29003.0, 40.0)))
+    (tmp_path / "a.csv").write_text(f"C.frequency [Hz],counts,{column}\n" + "".join(f"{x},{n:.0f},{t}\n" for x, n, t in zip(X, counts, each)))
+    assert main(["fit-line", str(tmp_path / "a.csv"), "--form", "lorentz"]) == 0
+    said = capsys.readouterr().out
+    told = {line.split()[0]: line for line in said.splitlines() if not line.startswith(" ")}
+    assert re.search(r"2900[23]\.\d+ ± 0\.\d+ Hz", told["centre"]) and "0.30" in told["contrast"] and "0.020" in told["baseline"]
+    assert f"are in counts / {'s' if column == 'seconds' else 'emitted'}" in said
