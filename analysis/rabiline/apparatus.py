@@ -40,7 +40,7 @@ COUNTERS = {"detector", "monitor"}
 FIELD, DRIVE = "#d9e6f2", "#f5dcc8"
 WIDTH = 9.0  # inches
 NAME, NAMES, MOST_ROWS = 0.37, 0.3, 3  # of a row of names: its share of the height, inches that it takes, and how many a usual picture has
-SMALL_NAME = 0.7  # its share where room is scarce
+PANELS, LETTER = 0.6, 1.8  # of a picture where room is scarce: the share of its height that panels have, and lines of letters that a row takes
 THIN = 0.006  # of the length of the beam, drawn of what has none
 
 
@@ -100,7 +100,8 @@ def _draw(experiment: Experiment, pieces: list[Piece], tracks: Tracks | None, ti
     if fields:
         pieces = [_where_it_acts(piece, fields) for piece in pieces]
     rows = _write_names(names, [replace(piece, words="") for piece in pieces] if room else pieces, end)
-    names.get_gridspec().set_height_ratios(((SMALL_NAME if room else NAME) * rows, *(1.3 for _ in drawn), 2, 2))
+    others = [*(1.3 for _ in drawn), 2.0, 2.0]
+    names.get_gridspec().set_height_ratios((_share_of_names(rows, figure.get_figheight()) * sum(others) if room else NAME * rows, *others))
     if room is None and rows < MOST_ROWS:
         figure.set_figheight(figure.get_figheight() - NAMES * (MOST_ROWS - rows))
     for draw_field, panel in zip(drawn, panels[1:]):
@@ -341,6 +342,12 @@ def _draw_paths(axes: Axes, tracks: Tracks, across: str, half: float) -> None:
         few = np.unique(np.linspace(0, track.time.size - 1, min(track.time.size, MOST_RECORDS)).astype(int))
         axes.plot(track.position[few, 1], 1e3 * track.position[few, index].clip(-2 * half, 2 * half), color=colours[number],
                   linewidth=0.7, alpha=0.8, zorder=4, label=label)
+
+
+def _share_of_names(rows: int, height: float) -> float:
+    """What rows of names take of the height of a picture [inches], against what is below."""
+    taken = LETTER * style.scaled(8) / 72 * (rows + 0.6)
+    return taken / max(PANELS * style.scaled(height) - taken, taken)
 
 
 def _write_names(axes: Axes, pieces: list[Piece], end: float) -> int:

@@ -89,9 +89,10 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
         mesh = image.pcolormesh(x * MILLI, z * MILLI, detector.counts[point].T,
                                 cmap=COUNTS, norm=norm, rasterized=True)
         if not detector.counts[point].any():
-            image.text(0.5, 0.5, "nothing detected", transform=image.transAxes, ha="center", color=GREY)
+            said = "nothing detected" if size[0] > 3 * size[1] else "nothing\ndetected"
+            image.text(0.5, 0.5, said, transform=image.transAxes, ha="center", va="center", color=GREY)
         for axis, length in ((image.xaxis, size[0]), (image.yaxis, size[1])):
-            axis.set_major_locator(MaxNLocator(max(1, min(5, int(2 * length))), steps=[1, 2, 5, 10], prune="upper" if axis is image.xaxis else None))
+            axis.set_major_locator(MaxNLocator(max(1, min(5, int(2 * length))), steps=[1, 2, 5, 10], min_n_ticks=1, prune="upper" if axis is image.xaxis else None))
         image.set_xlabel("x (mm)")
         image.spines[["top", "right"]].set_visible(True)
         above.set_title(heading, loc="left")

@@ -5,8 +5,9 @@
 namespace rabiline {
 namespace {
 
-/// The arguments are those that the run began with.
-int finish(Snapshot flown, const std::filesystem::path& output, const FlightOptions& options, Ranks* ranks) {
+/// The arguments are those that the run began with. Sums that no flight can have are those of a damaged file.
+int finish(Snapshot flown, const std::string& files, const std::filesystem::path& output,
+           const FlightOptions& options, Ranks* ranks) try {
   const Setup setup = load(flown);
   RunSettings settings = options.settings();
   settings.transit = flown.transit;
@@ -16,6 +17,8 @@ int finish(Snapshot flown, const std::filesystem::path& output, const FlightOpti
   settings.ranks = ranks;
   require_place(output, {});
   return fly(setup, output, options, settings, std::move(flown));
+} catch (const std::logic_error& contradiction) {
+  throw StorageError(fmt::format("{} cannot be used: {}", files, contradiction.what()));
 }
 
 /// Of a checkpoint, its result is named.
@@ -44,7 +47,7 @@ void add_resume(CLI::App& app, Ranks* ranks, int& exit) {
     const std::filesystem::path checkpoint = checkpoint_of(*output);
     if (!std::filesystem::exists(checkpoint)) refuse_to_resume(*output, checkpoint);
     end_at_signals();
-    exit = finish(read_snapshot(checkpoint), *output, *options, ranks);
+    exit = finish(read_snapshot(checkpoint), checkpoint.string(), *output, *options, ranks);
   });
 }
 
@@ -66,7 +69,7 @@ void add_merge(CLI::App& app, Ranks* ranks, int& exit) {
       merger.add(part, read_snapshot(part));
     }
     require_no_checkpoint(*output);
-    exit = finish(merger.finish(), *output, *options, ranks);
+    exit = finish(merger.finish(), "what is merged", *output, *options, ranks);
   });
 }
 

@@ -7,6 +7,7 @@
 #include "input/file.hpp"
 #include "input/map_rows.hpp"
 #include "input/reader.hpp"
+#include "input/text_file.hpp"
 #include "storage/map_file.hpp"
 
 namespace rabiline {
@@ -57,10 +58,10 @@ void put_planes_at_zero(MapNodes& nodes) {
 }
 
 MapText read_nodes(const fs::path& path) {
+  if (const auto problem = problem_of(path, true)) throw MapFault(problem->what, problem->help);
   if (path.extension() == ".csv" || path.extension() == ".txt") return read_map_rows(path);
   if (path.extension() != ".h5" && path.extension() != ".hdf5")
     throw MapFault("a map is a CSV file, `.csv`, or an HDF5 file, `.h5`", "rename or convert it");
-  if (!fs::is_regular_file(path)) throw MapFault("there is no such file", "");
   try {
     StoredMap stored = read_map_file(path);
     return {std::move(stored.nodes), stored.digest};

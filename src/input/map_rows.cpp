@@ -191,7 +191,7 @@ MapAxis axis_of(const Rows& rows, std::size_t axis) {
 MapText read_map_rows(const std::filesystem::path& path) {
   std::error_code problem;
   const std::uintmax_t bytes = std::filesystem::file_size(path, problem);
-  if (problem || !std::filesystem::is_regular_file(path)) throw MapFault("there is no such file", "");
+  if (problem) throw MapFault("its size is not known: " + problem.message(), "");
   if (bytes > most_map_text)
     throw MapFault(
         fmt::format("the file has {:.1f} GiB; maps are read as text up to {} GiB",

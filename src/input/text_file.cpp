@@ -40,15 +40,22 @@ std::string name_of_near_file(const std::filesystem::path& path) {
 
 }  // namespace
 
-TextFile read_text_file(const std::filesystem::path& path) {
-  constexpr int patience = 5000;  // [ms]
+std::optional<FileProblem> problem_of(const std::filesystem::path& path, bool on_a_disk) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::none)  // a folder that nobody may look into, a long name
-    return {"", "the file cannot be opened: " + error.message(), ""};
-  if (!std::filesystem::exists(status)) return {"", "there is no such file", name_of_near_file(path)};
+    return FileProblem{"the file cannot be opened: " + error.message(), ""};
+  if (!std::filesystem::exists(status)) return FileProblem{"there is no such file", name_of_near_file(path)};
   if (std::filesystem::is_directory(status))
-    return {"", "this is a folder, not a file", "name the file in it"};
+    return FileProblem{"this is a folder, not a file", "name the file in it"};
+  if (on_a_disk && !std::filesystem::is_regular_file(status))
+    return FileProblem{"this is a pipe or a device, not a file on a disk", "write it to a file"};
+  return std::nullopt;
+}
+
+TextFile read_text_file(const std::filesystem::path& path) {
+  constexpr int patience = 5000;  // [ms]
+  if (const auto problem = problem_of(path)) return {"", problem->what, problem->help};
   const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return {"", std::string("the file cannot be opened: ") + std::strerror(errno), ""};
   // One byte more than allowed, so that a longer file shows; never more, since a device has no end.
