@@ -24,6 +24,7 @@ FINE = 6  # its places for each sample
 MOST_WAVES = 12  # of a dashed curve: over more of them dashes beat with the waves
 ROUNDING = 1e-9  # a drift below is a proof, not a curve
 DECADES = 20.0  # a ratio of values from which an axis is logarithmic
+SHORT = 16  # letters of a line beside one of two panels where room is scarce
 LINES = ["-", "--", "-.", ":"]  # so that paths which lie upon each other are both seen
 BROADER = 1.4  # points, of the first motion, which is seen below others that lie upon it
 INPUTS = {"fast_top"}  # findings that follow from the input alone, shown where there is room
@@ -40,12 +41,15 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
     part = any((motion.position != motions[0].position).any() for motion in motions[1:])
     whole = part and not any(_is_long(motion.position) for motion in motions)
     beside = whole + (course is not None)
-    figure = plt.figure(figsize=(11.5 if beside else 6.5, 5.8), layout="constrained")
-    grid = figure.add_gridspec(max(beside, 1), 2 if beside else 1, width_ratios=[1.25, 1] if beside else None)
-    space = figure.add_subplot(grid[:, 0], projection="3d")
-    _draw_paths(space, styled)
+    room = style.room()
+    in_space = not (room and beside)
+    figure = plt.figure(figsize=room or (11.5 if beside else 6.5, 5.8), layout="constrained")
+    grid = figure.add_gridspec(max(beside, 1), in_space + bool(beside), width_ratios=[1.25, 1] if in_space and beside else None)
+    if in_space:
+        space = figure.add_subplot(grid[:, 0], projection="3d")
+        _draw_paths(space, styled)
     clock = fitting_scale(np.concatenate([motion.time for motion in motions]), "s")
-    panels = [figure.add_subplot(grid[row, 1]) for row in range(beside)]
+    panels = [figure.add_subplot(grid[row, -1]) for row in range(beside)]
     for panel in panels[:-1]:
         panel.sharex(panels[-1])
         panel.tick_params(labelbottom=False)
@@ -53,6 +57,8 @@ def draw_motions(motions: Sequence[Motion], title: str) -> Figure:
         _draw_distances(panels[0], styled, clock)
     if course is not None:
         _draw_course(panels[-1], course, styled, clock)
+    for panel in panels:
+        panel.set_ylabel(_wrapped(panel.get_ylabel(), SHORT if room and beside > 1 else 34))
     if panels:
         panels[-1].set_xlabel(clock.label("time"))
     keys = [Line2D([], [], color=look.colour, linestyle=line, label=motion.label) for motion, look, line in styled]
@@ -182,7 +188,7 @@ def _draw_course(axes: Axes, course: Course, styled: Styled, clock: Scale) -> No
                 drawn.add(own.values.tobytes())
                 axes.plot(clock.apply(motion.time), own.values, _line_of(own.values, line), color=look.colour,
                           linewidth=1.0 + (BROADER if number == 0 else 0), label=motion.label)
-    axes.set_ylabel(_wrapped(course.title, 34))
+    axes.set_ylabel(course.title)
     axes.grid(axis="y")
 
 

@@ -29,15 +29,16 @@ ENDS = {"detected": "o", "stopped": "X", "passed": ">"}  # any other fate: a sta
 @style.in_proportion
 def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regions: Sequence[Region]) -> Figure:
     """x, z and the tilt of the spin from the z axis, over y, with the parts of the file where no `regions` are named; and the
-    spins' paths in three dimensions. Spins are shown from their first alignment on: what they were before is chance."""
+    spins' paths in three dimensions where there is room for them. Spins are shown from their first alignment on: what they were before is chance."""
     styled = list(zip(files, labels, looks([file.law or label for file, label in zip(files, labels)])))
     spinning = [(track, look) for file, _, look in styled for track in file.tracks if track.has_spin]
     if not any(_tilt(track).max() > STILL for track, _ in spinning):
         spinning = []
     regions = regions or [Region(part.label, part.begin, part.end) for part in files[0].parts]
-    turning = [(track, look) for track, look in spinning if _while_turning(track)]
+    room = style.room()
+    turning = [(track, look) for track, look in spinning if _while_turning(track)] if room is None else []
     scales = [fitting_scale(np.concatenate([track.position[:, i] for file in files for track in file.tracks]), "m") for i in (0, 2)]
-    figure = plt.figure(figsize=(11.0 if turning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
+    figure = plt.figure(figsize=room or (11.0 if turning else 7.2, 6.2 if spinning else 5.0), layout="constrained")
     grid = figure.add_gridspec(3 if spinning else 2, 2 if turning else 1, width_ratios=[1.55, 1] if turning else None)
     panels = [figure.add_subplot(grid[0, 0])]
     panels += [figure.add_subplot(grid[row, 0], sharex=panels[0]) for row in range(1, grid.nrows)]
@@ -53,7 +54,7 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
                 panels[2].plot(track.position[part, 1], np.degrees(track.tilt[part]), color=look.colour, linewidth=1.2)
         top = np.degrees(max(_tilt(track).max() for track, _ in spinning)) or 1.0
         panels[2].set_ylim(-0.05 * top, 1.08 * top)
-        panels[2].set_ylabel("spin's tilt from z (°)")
+        panels[2].set_ylabel("spin's tilt\nfrom z (°)" if room else "spin's tilt from z (°)")
     if turning:
         by_angle = sorted(turning, key=lambda pair: _tilt(pair[0]).max())
         farthest = {look: track for track, look in by_angle}  # one per file, the last
@@ -62,7 +63,8 @@ def draw_tracks(files: Sequence[Tracks], labels: Sequence[str], title: str, regi
     panels[0].set_xlim(*_extent(files))
     regions = [region for region in regions if region.begin <= _extent(files)[1]]
     rows = [shade(panel, regions, named=panel is panels[0]) for panel in panels][0]
-    figure.set_figheight(figure.get_figheight() + HIGHER * max(0, rows - USUAL_ROWS))
+    if room is None:
+        figure.set_figheight(figure.get_figheight() + HIGHER * max(0, rows - USUAL_ROWS))
     for panel in panels:
         panel.label_outer()
     panels[-1].set_xlabel("y, along the beam (m)")

@@ -17,7 +17,7 @@ namespace {
 
 struct ProbeArguments {
   ExperimentOptions experiment;
-  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points, picture;
+  std::string at = "0 m,0 m,0 m", time = "0 s", along, from, to, points, picture, title, size, dpi;
 };
 
 /// "1 mm,0.4 m,0": a bare zero is a length too.
@@ -146,10 +146,16 @@ void draw_line(const Setup& setup, const ProbeArguments& a, const std::array<dou
   print_line(table, setup, a, place, time);
   std::rewind(table);
   dup2(fileno(table), STDIN_FILENO);
-  std::vector<std::string> words{
-      "plot-field", "/dev/stdin",
-      "-o",         a.picture,
-      "--title",    setup.title().empty() ? a.experiment.file.filename().string() : setup.title()};
+  std::vector<std::string> words{"plot-field",
+                                 "/dev/stdin",
+                                 "-o",
+                                 a.picture,
+                                 "--title",
+                                 !a.title.empty()        ? a.title
+                                 : setup.title().empty() ? a.experiment.file.filename().string()
+                                                         : setup.title()};
+  for (const auto& [option, value] : {std::pair{"--size", a.size}, std::pair{"--dpi", a.dpi}})
+    if (!value.empty()) words.insert(words.end(), {option, value});
   if (a.along == "y")
     for (const PartName& part : parts_of(setup))
       if ((part.field || part.drives) && part.begin < part.end)
@@ -186,9 +192,15 @@ void add_probe(CLI::App& app) {
   verb->add_option("--points", a->points, "how many places on the line; 101 if omitted, 1001 for a picture")
       ->type_name("N")
       ->needs(along);
-  verb->add_option("-o,--output", a->picture, "draws the line instead: PNG, PDF or SVG")
-      ->type_name("PICTURE")
-      ->needs(along);
+  CLI::Option* picture =
+      verb->add_option("-o,--output", a->picture, "draws the line instead: PNG, PDF or SVG")
+          ->type_name("PICTURE")
+          ->needs(along);
+  verb->add_option("--title", a->title, "of the picture")->type_name("TEXT")->needs(picture);
+  verb->add_option("--size", a->size, "of the picture in mm, such as 86x60")
+      ->type_name("WxH")
+      ->needs(picture);
+  verb->add_option("--dpi", a->dpi, "dots per inch of a PNG; 200 if omitted")->type_name("N")->needs(picture);
   verb->callback([a] { probe_command(*a); });
 }
 

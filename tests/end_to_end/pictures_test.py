@@ -143,7 +143,7 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             tracks = experiment.trace(3)
             assert all((np.diff(one.time) >= 0).all() for one in tracks.tracks), "a path goes back in time"
             figures["tracks"] = pictures.plot_of(tracks, "tracks", {"title": LONG})
-            figures["tracks, small"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM["page"]})
+            figures |= {f"tracks, {size}": pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM[size]}) for size in ("page", "small")}
             figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
             with style.here((PAGE, SMALL)[NAMES.index(name) % 2]):
