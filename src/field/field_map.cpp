@@ -139,6 +139,21 @@ SpreadSum difference(const FieldMap& map, const FieldMap& half) {
   return sum;
 }
 
+/// Which of the steps is the odd one.
+std::string different_steps(const std::vector<double>& places, std::string_view name) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < places.size(); ++i) steps.push_back(places[i] - places[i - 1]);
+  std::vector<double> sorted = steps;
+  std::ranges::sort(sorted);
+  const double usual = sorted[sorted.size() / 2];
+  const auto odd = static_cast<std::size_t>(
+      std::ranges::max_element(steps, {}, [&](double step) { return std::abs(step - usual); }) -
+      steps.begin());
+  const auto metres = [](double x) { return fmt::format("{:.9g} mm", 1e3 * x); };
+  return fmt::format("the steps along {} differ: from {} to {} it is {}, elsewhere {}", name,
+                     metres(places[odd]), metres(places[odd + 1]), metres(steps[odd]), metres(usual));
+}
+
 }  // namespace
 
 std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_view name, std::string& why) {
@@ -158,9 +173,7 @@ std::optional<MapAxis> even_axis(const std::vector<double>& places, std::string_
                      (places.back() - places.front()) / static_cast<double>(places.size() - 1)};
   for (std::size_t i = 1; i < places.size(); ++i)
     if (std::abs(places[i] - axis.begin - axis.step * static_cast<double>(i)) > 1e-6 * axis.step)
-      return why = fmt::format("the steps along {} differ: {} to {} is not {}", name, metres(places[i - 1]),
-                               metres(places[i]), metres(axis.step)),
-             std::nullopt;
+      return why = different_steps(places, name), std::nullopt;
   return axis;
 }
 

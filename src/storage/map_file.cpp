@@ -74,9 +74,18 @@ class MapReader {
     for (std::size_t i = 0; i < values.size(); ++i) {
       values[i] *= one.value;
       if (!std::isfinite(values[i]))
-        throw StorageError(fmt::format("{}: /{}: number {} is not finite", path_, name, i));
+        throw StorageError(fmt::format("{}: /{}[{}] is not finite", path_, name, place_of(i, sizes)));
     }
     return values;
+  }
+  /// "3, 0, 14", as h5py counts them; of a single axis the number itself.
+  static std::string place_of(std::size_t number, const std::vector<std::size_t>& sizes) {
+    std::string out = std::to_string(sizes.empty() ? number : number % sizes.back());
+    for (std::size_t a = sizes.size(); a-- > 1;) {
+      number /= sizes[a];
+      out = fmt::format("{}, {}", number % sizes[a - 1], out);
+    }
+    return out;
   }
 
   hdf5::FileReader file_;
