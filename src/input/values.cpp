@@ -106,8 +106,9 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
   const std::string help = fmt::format("write {} such as `{}`", wanted, example_for(row));
   if (!node.is_scalar()) {
     reading.error(node.place, fmt::format("`{}` is {}, but {} stands here", row.key, wanted, quote(node)),
-                  row.key == "field" ? help + ", its size: where it points is another key, `direction` or `tilt`"
-                                     : help);
+                  row.key == "field"
+                      ? help + ", its size: where it points is another key, `direction` or `tilt`"
+                      : help);
     return false;
   }
   const ParsedQuantity parsed = parse_quantity(node.scalar, row.dimension);

@@ -44,14 +44,14 @@ LevelsThere levels_there(const CoupledSpins& spins, const WavePlace& place) {
   out.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), count) / constants::planck;
   out.up.fill(Eigen::MatrixXd::Zero(count, count));
   const double size[3] = {place.lowering, place.along, place.raising};
-  const auto change = [&](int i, int j) {
+  const auto change = [&](int i, int j) -> Eigen::Index {
     return (levels.labels[static_cast<std::size_t>(i)].twice_m -
             levels.labels[static_cast<std::size_t>(j)].twice_m) /
            2;
   };
   for (int i = 0; i < count; ++i)
     for (int j = 0; j < count; ++j)
-      if (const int by = change(i, j); std::abs(by) <= 1)
+      if (const Eigen::Index by = change(i, j); std::abs(by) <= 1)
         // <m + 1|mu_x|m> is half of <m + 1|mu_+|m>.
         out.up[static_cast<std::size_t>(by + 1)](i, j) =
             (by == 0 ? moment[2] : moment[0])(i, j).real() / constants::planck / 2 * size[by + 1];
