@@ -181,3 +181,11 @@ seed: 1
     assert done.returncode == 0, done.stderr
     with h5py.File(tmp_path / "out.h5") as file:
         assert file["entry/D_levels/levels"][:] == pytest.approx([0.30937717, 0.43920113, 0.25142168, 1.8e-8], abs=1e-6)
+
+
+def test_a_drive_at_half_of_a_line_acts_by_two_photons_where_the_field_is_not_along_z(tmp_path: Path) -> None:
+    fields = ["name: C, kind: uniform_field, at: 0 m, length: 0.3 m, field: 3 mT", "name: S, kind: uniform_field, at: 0 m, length: 0.3 m, field: 1 uT, direction: x"]
+    drive_at_half = ("name: R, kind: oscillating_field, at: 0.1 m, length: 4 cm, amplitude: 0.3 mT, frequency: 233.7502 MHz, direction: [1, 0, 1], phase: 0.7 rad, "
+                     "approximation: ")
+    turning, whole = (levels(tmp_path, [*fields, drive_at_half + how], "F=2 m=+1", species="K-39 atom", speed=1000) for how in ("rotating_wave", "none"))
+    assert whole.max() == pytest.approx(0.871, abs=1e-3) and np.abs(turning - whole).max() < 1e-3
