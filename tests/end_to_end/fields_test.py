@@ -194,7 +194,7 @@ def spoil_type(file: h5py.File) -> None:
 @pytest.mark.parametrize("spoil, said", [
     (spoil_link, "/Bx: refused (it is a link to somewhere else)"), (spoil_virtual, "/Bx: refused (it is a virtual dataset)"),
     (spoil_size, "/Bx: refused (it claims more than it stores)"), (spoil_limit, "the map has 1e+09 nodes, which need 59.6 GiB"), (spoil_axis, "the places along y do not ascend"),
-    (spoil_unit, "`mm` is not a unit of a magnetic field"), (spoil_number, "/Bz: number"),
+    (spoil_unit, "`mm` is not a unit of a magnetic field"), (spoil_number, "/Bz[1, 2, 3] is not finite"),
     (spoil_shape, "/Bz: refused (it has 8 numbers where its axis has 9)"), (spoil_type, "/Bz: refused (it does not hold real numbers)"),
     (lambda file: file.pop("Bz"), "there is no dataset /Bz"), (lambda file: file["x"].attrs.pop("units"), "/x, attribute units")])
 def test_a_map_that_lies_is_refused_before_it_is_read(maps: Path, tmp_path: Path, spoil, said: str) -> None:
