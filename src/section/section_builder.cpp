@@ -72,6 +72,7 @@ std::vector<double> SectionBuilder::edges() const {
   add_edges(swinging_);
   add_edges(electric_);
   add_edges(bores_);
+  add_edges(gaps_);
   edges.insert(edges.end(), kinks_.begin(), kinks_.end());
   if (fall_end_ > 0) edges.insert(edges.end(), {0, fall_end_});
   std::sort(edges.begin(), edges.end());

@@ -91,6 +91,14 @@ def test_a_magnet_with_a_fringe_is_the_field_that_it_is_made_of(tmp_path: Path, 
     assert np.array_equal(image(tmp_path, magnet + TANH, "dorado"), image(tmp_path, on_axis, "dorado"))
 
 
+@pytest.mark.parametrize(("magnet", "wall"), [
+    ("gradient_magnet, field: 0.5 T, gradient: 300 T/m", ", gap: {width: 0.15 mm, height: 8 mm}"), ("multipole_magnet, poles: 6, pole_field: 0.5 T, radius: ", "")])
+def test_the_walls_of_a_magnet_with_a_fringe_stop_what_touches_them(tmp_path: Path, magnet: str, wall: str) -> None:
+    narrow = magnet + (wall or "0.1 mm")
+    fringed, hard = image(tmp_path, narrow + TANH).sum(), image(tmp_path, narrow).sum()
+    assert 0.5 * hard < fringed < 1.5 * hard < 300
+
+
 def spread(counts: np.ndarray) -> float:
     """[m] Root of the mean square of z."""
     z = (np.arange(50) - 24.5) * 0.2e-3
