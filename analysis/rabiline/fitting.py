@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
+EMPTY = 0.1  # counts: where less is expected, and none is counted, nothing is tested
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 MOST_MINIMA = 4  # that a walk along the profiles leads to
@@ -68,7 +69,7 @@ class CountsFit:
     covariance: np.ndarray  # [k, k]
     intervals: tuple[tuple[float, float], ...]  # where Q is one above its least value
     chi_squared: float  # Pearson's, with the covariance of the simulation
-    freedom: int
+    freedom: int  # of the points where anything arrives
     condition: float  # of the parameters' correlation
     degenerate: tuple[Direction, ...]
     combined: tuple[tuple[str, float, float], ...]  # what is known of what is degenerate: "a/b", value, error
@@ -312,7 +313,7 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
     units = (*model.units, *("" for _ in problem.extra))
     others = _held(model, counts, problem, first, values, errors) if all(direction.hidden for direction in degenerate) else ()
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
-                     counts.counts.size - values.size + len(degenerate), condition, degenerate, combined, counts, mu,
+                     max(int(np.sum((mu > EMPTY) | (counts.counts > 0))) - values.size + len(degenerate), 0), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
                      tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, model.start()[:k],

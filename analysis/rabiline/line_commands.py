@@ -15,9 +15,10 @@ from .counts import Counts, read_counts
 from .covariance import LEAST_P
 from .curves import Curve, curves
 from .errors import InputError
+from .forms import FORMS, Form, ramsey_over
 from .hdf5 import is_hdf5
 from .line_report import described, unit_of
-from .lines import FORMS, Form, LineFit, NoLine, Poisson, fit_line, ramsey_over
+from .lines import LineFit, NoLine, Poisson, fit_line
 from .units import base_of, format_value, parse_quantity
 
 if TYPE_CHECKING:

@@ -53,7 +53,7 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
-    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.counted else ', without correlations'}")
+    lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.deviance is not None else ', without correlations'}")
     lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:

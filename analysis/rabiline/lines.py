@@ -1,7 +1,6 @@
 """Closed forms of lines, fitted to a curve with its covariance: the quick way, where the experiment itself is not needed.
 
-Every form is baseline + contrast f(x), f between 0 and 1. Frequencies are in Hz; `time` is that in a field, or between
-Ramsey's two.
+Every curve is baseline + contrast f(x - centre), f one of the forms.
 """
 from __future__ import annotations
 
@@ -12,99 +11,25 @@ import numpy as np
 from scipy import optimize, special
 
 from .errors import InputError
+from .forms import FORMS, Form
 from .fringes import centres_of, periods_of
 
 STARTS, HOPS = 6, 5  # of a comb of fringes: centres to begin with, and how often those beside the best are tried
 BESIDE = -1.0, -0.5, 0.5, 1.0  # fringes: bright ones and dark ones
 AS_GOOD = 9.0  # of chi²: three standard deviations
+FINE = 20  # places between two points, where a line is looked for that no point sees
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
 LONG, HOPELESS = 50, 20.0  # steps of a fit after which it is given up, where its chi² is still so many times that of another start
 REST = 0.05  # of chi²: what is nearer to the least than that is there, within a quarter of the errors
-DEVIATIONS = 6.0  # on both sides of the mean flight time, and between the phases that the sum over these times repeats itself
-MOST_TIMES, SHORTEST = 400, 0.05  # of these times; of the mean one, which what is shorter takes
-TIPS = 0.25, 0.12  # turns in each field
 ROUNDS, SETTLED = 12, 0.01  # of fits to counts, with the errors of the last one; errors by which a parameter moves in the last of them
+FAINT = 100.0  # of chi², by which it is less than that of no line
+PROBED = 1.0, 2.0, 4.0, 8.0  # errors beside the centre of a faint line, where it could be as well
 LEAST_EXPECTED = 0.1  # counts
-RATIOS = 0.4, 0.15, 0.05, 0.01  # of the time in a field to that between the two, where a fit starts
 
 
 class NoLine(InputError):
     """Why a form cannot be fitted."""
-
-
-@dataclass(frozen=True)
-class Form:
-    """A closed form of one line or several."""
-
-    name: str
-    parameters: tuple[str, ...]  # of f, beside `centre`
-    f: Callable[..., np.ndarray]  # f(x - centre, *parameters)
-    starts: Callable[[Sequence[float]], Sequence[Sequence[float]]]  # from widths of the line, or periods of its fringes
-    period: Callable[[Sequence[float]], float] | None = None  # of the fringes that the parameters make; None: it has none
-
-
-def lorentz(d: np.ndarray, width: float) -> np.ndarray:
-    """[n] At distances d [n] from the centre; `width` is that at half height, in their unit."""
-    return 1 / (1 + (2 * d / width)**2)
-
-
-def gauss(d: np.ndarray, width: float) -> np.ndarray:
-    """[n] At distances d [n] from the centre; `width` is that at half height, in their unit."""
-    return np.exp2(-(2 * d / width)**2)
-
-
-def sinc2(d: np.ndarray, time: float) -> np.ndarray:
-    """[n] A weak field for a time in s, d [n] in Hz: (sin(pi d t)/(pi d t))²."""
-    return np.sinc(d * time)**2
-
-
-def rabi(d: np.ndarray, strength: float, time: float) -> np.ndarray:
-    """[n] Rabi's flip (Phys. Rev. 51, 652, 1937): d [n] and `strength`, the Rabi frequency, in Hz, `time` in s."""
-    total = np.hypot(d, strength)
-    return (strength / total)**2 * np.sin(np.pi * total * time)**2
-
-
-def ramsey(d: np.ndarray, strength: float, pulse: float, time: float, spread: float) -> np.ndarray:
-    """[n] Ramsey's two fields (Phys. Rev. 78, 695, 1950), d [n] and `strength` in Hz, each for the time `pulse`, averaged over flight times that are normal
-    with a relative deviation `spread`."""
-    turned = 2 * np.pi * spread * (np.abs(d).max(initial=0.0) * (time + 2 * pulse) + 2 * strength * pulse)  # the phase of one deviation
-    deviations = np.linspace(-DEVIATIONS, DEVIATIONS, int(min(DEVIATIONS * (turned + DEVIATIONS) / np.pi, MOST_TIMES)) + 2)
-    weights, times = np.exp(-deviations**2 / 2), 1 + spread * deviations
-    short = times < SHORTEST
-    weights, times = np.append(weights[short].sum(), weights[~short]), np.append(SHORTEST, times[~short])
-    return _two_fields(d, strength, pulse * times, time * times, weights / weights.sum())
-
-
-def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
-    """The same, averaged over the slowness [s/m] that a result has; the fields are described by their lengths."""
-    weights = weights / weights.sum()
-
-    def f(d: np.ndarray, strength: float, zone: float, distance: float) -> np.ndarray:
-        return _two_fields(d, strength, zone * slowness, distance * slowness, weights)
-
-    mean = float(slowness @ weights)
-    return Form("ramsey", ("strength", "zone", "distance"), f,
-                lambda periods: [(tip / tau, tau / mean, time / mean) for tau, time in _times(periods) for tip in TIPS],
-                lambda shared: _period(shared[1], shared[2]) / mean)
-
-
-def _times(periods: Sequence[float]) -> list[tuple[float, float]]:
-    """In a field and between the two, for fringes of these periods."""
-    return [(ratio * time, time) for period in periods for ratio in RATIOS for time in [_period(ratio, 1.0) / period]]
-
-
-def _period(pulse: float, time: float) -> float:
-    """Of the fringes near their centre: two pulses of a quarter turn add 4/pi of their time to that between."""
-    return 1 / (time + 4 / np.pi * pulse)
-
-
-def _two_fields(d: np.ndarray, strength: float, pulse: np.ndarray, time: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    total = np.maximum(np.hypot(d, strength), 1e-300)[:, None]
-    pulses, phase, d = 2 * np.pi * total * pulse, np.pi * d[:, None] * time, d[:, None]
-    part = d / total  # twice sin(pulse / 2) (cos(phase) cos(pulse / 2) - part sin(phase) sin(pulse / 2)), as a sum of sines
-    amplitude = (1 + part) / 2 * np.sin(phase + pulses) - (1 - part) / 2 * np.sin(phase - pulses) - part * np.sin(phase)
-    return np.einsum("ij,j->i", (strength / total * amplitude)**2, weights)  # in one thread, as a line is a small matter
 
 
 @dataclass(frozen=True)
@@ -118,16 +43,15 @@ class Poisson:
         """[n, n] Where y [n] is expected, of `least` counts at each point or more."""
         return np.diag(np.maximum(y * self.exposure, least) / np.square(self.exposure))
 
+    def of_constant(self, y: np.ndarray) -> float:
+        """Chi² of the likeliest constant, with the errors that this has."""
+        mean = np.average(y, weights=self.exposure * np.ones(y.size))
+        return float(np.sum((y - mean)**2 / np.diag(self.covariance(np.full(y.size, mean)))))
 
-FORMS = {form.name: form for form in (
-    Form("lorentz", ("width",), lorentz, lambda widths: [(w,) for w in widths]),
-    Form("gauss", ("width",), gauss, lambda widths: [(w,) for w in widths]),
-    Form("sinc2", ("time",), sinc2, lambda widths: [(0.886 / w,) for w in widths]),
-    Form("rabi", ("strength", "time"), rabi, lambda widths: [(0.6 * w, 0.8 / w) for w in widths]),
-    Form("ramsey", ("strength", "pulse", "time", "spread"), ramsey,
-         lambda periods: [(tip / tau, tau, time, spread) for tau, time in _times(periods) for tip in TIPS for spread in (0.02, 0.08, 0.2, 0.4)],
-         lambda shared: _period(shared[1], shared[2])),
-)}
+    def deviance(self, y: np.ndarray, expected: np.ndarray) -> float:
+        """-2 ln of the likelihood of y [n] where so much is expected [n], against that of y itself; what cannot be is as likely as a millionth of a count."""
+        n, mu = y * self.exposure, np.maximum(expected * self.exposure, 1e-6)
+        return float(2 * np.sum(mu - n + special.xlogy(n, n / mu)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -144,14 +68,19 @@ class LineFit:
     freedom: int
     expected: np.ndarray  # [n]
     curve: Callable[[np.ndarray], np.ndarray]  # the fitted y [m] at any x [m]
-    others: tuple[tuple[float, float], ...] = ()  # centres of other fringes, with a chi² that is less than `AS_GOOD` higher
+    others: tuple[tuple[float, float], ...] = ()  # centres of other fringes that are as good within `AS_GOOD`, and chi² of these
     unit: str = ""  # of x, as `fit_line` was told
-    counted: bool = False  # points are counts, which have no correlations
+    deviance: float | None = None  # of counts, which have no correlations: of their likelihood
 
     @property
     def p(self) -> float:
         """Of chi²."""
         return float(special.chdtrc(self.freedom, self.chi_squared)) if self.freedom > 0 else np.nan
+
+    @property
+    def badness(self) -> float:
+        """What is least where the fit is best."""
+        return self.chi_squared if self.deviance is None else self.deviance
 
     def __getitem__(self, name: str) -> tuple[float, float]:
         """Value and error."""
@@ -182,7 +111,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
         def of(first: np.ndarray, covariance: np.ndarray) -> LineFit:
             return _refined("callable", tuple(start), lambda values, at: form(at, *values), first, x, y, covariance)
 
-        return replace(_likeliest(of(np.array(list(start.values())), covariance), errors, lambda fit, covariance: of(fit.values, covariance)), unit=unit)
+        return replace(_likeliest(of(np.array(list(start.values())), covariance), y, errors, lambda fit, covariance: of(fit.values, covariance)), unit=unit)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
     chosen = form if isinstance(form, Form) else FORMS[form]
@@ -211,8 +140,16 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
 
     reached = [np.inf]  # chi² of other starts
 
+    names = (*numbered, *chosen.parameters, *contrasts, "baseline")
+
     def refined_from(first: np.ndarray, covariance: np.ndarray, least: float = np.inf) -> LineFit:
-        return _refined(chosen.name, (*numbered, *chosen.parameters, *contrasts, "baseline"), model, first, x, y, covariance, least)
+        return _refined(chosen.name, names, model, first, x, y, covariance, least)
+
+    def held(fit: LineFit, number: int, at: float) -> float:
+        def rest(values: np.ndarray, covariance: np.ndarray) -> LineFit:
+            return _refined(chosen.name, names, lambda values, x: model(np.insert(values, number, at), x), values, x, y, covariance)
+
+        return _likeliest(rest(np.delete(fit.values, number), errors.covariance(fit.expected) if isinstance(errors, Poisson) else covariance), y, errors, lambda fit, covariance: rest(fit.values, covariance)).badness
 
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
@@ -226,7 +163,11 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
             return []
         return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
-    found = _likeliest(_best(refined, guesses, beside), errors, lambda fit, covariance: refined_from(fit.values, covariance))
+    found = _best([_likeliest(fit, y, errors, lambda fit, covariance: refined_from(fit.values, covariance))
+                   for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x)
+    if found.constant - found.chi_squared < FAINT:
+        for i in range(lines):
+            found = _not_too_sure(found, i, lambda at: held(found, i, at))
     rising = np.argsort(found.values[:lines])
     sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
     values, scale = found.values[sorting], np.ones(found.values.size)
@@ -235,17 +176,32 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
     spread = found.covariance[np.ix_(sorting, sorting)] * scale[:, None] * scale
     others = tuple((origin + extent * centre, chi_squared) for centre, chi_squared in found.others) if lines == 1 else ()  # else in another order
     return LineFit(found.form, found.names, values, np.sqrt(np.diag(spread).clip(0)), spread, found.chi_squared, found.constant,
-                   found.freedom, found.expected, found.curve, others, unit, found.counted)
+                   found.freedom, found.expected, found.curve, others, unit, found.deviance)
 
 
-def _likeliest(found: LineFit, errors: object, again: Callable[[LineFit, np.ndarray], LineFit]) -> LineFit:
+def _likeliest(found: LineFit, y: np.ndarray, errors: object, again: Callable[[LineFit, np.ndarray], LineFit]) -> LineFit:
     """Of counts the fit with the errors that it has itself, from one with others."""
     for _ in range(ROUNDS if isinstance(errors, Poisson) else 0):
-        last, found = found, replace(again(found, errors.covariance(found.expected)), others=found.others, counted=True)
+        last, found = found, again(found, errors.covariance(found.expected))
+        found = replace(found, deviance=errors.deviance(y, found.expected), constant=errors.of_constant(y))
         known = np.isfinite(found.errors)
         if (np.abs(found.values - last.values)[known] <= SETTLED * found.errors[known]).all():
             break
     return found
+
+
+def _not_too_sure(fit: LineFit, number: int, held: Callable[[float], float]) -> LineFit:
+    """A faint line is where it is by a few points, from which its likelihood falls off slower than a parabola: with the error of one parameter as
+    large as the badness says that it is `held` elsewhere."""
+    error, wider = fit.errors[number], 1.0
+    for away in PROBED if np.isfinite(error) else ():
+        for side in (-1, 1):
+            try:
+                rise = max(held(fit.values[number] + side * away * error) - fit.badness, REST)
+            except NoLine:
+                continue
+            wider = max(wider, away / np.sqrt(rise))
+    return _widened(fit, number, wider)
 
 
 def _covariance(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float) -> np.ndarray:
@@ -278,10 +234,11 @@ def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres
     return float(np.sum(((columns @ found - y) / sigma)**2)), found
 
 
-def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]],
-          beside: Callable[[LineFit], list[tuple[float, list[float], Sequence[float]]]] = lambda fit: []) -> LineFit:
-    """The fit of least chi²: one fringe of many is as good a start as its neighbour, and no such fit leads from one to the other. What is `beside` the
-    best is tried with its other parameters, as long as that helps. Raises NoLine where all are worse than a start."""
+def _minima(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]],
+            beside: Callable[[LineFit], list[tuple[float, list[float], Sequence[float]]]], within: float) -> list[LineFit]:
+    """Fits of about the least chi², the best first, each with a centre of its own: one fringe of many is as good a start as its neighbour, and no such
+    fit leads from one to the other. What is `beside` the best is tried with its other parameters, as long as that helps. Raises NoLine where all are
+    worse than a start."""
     fits, problems = [], []
 
     def take(starts: Sequence[tuple[float, list[float], Sequence[float]]]) -> None:
@@ -290,22 +247,47 @@ def _best(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesse
                 fits.append(refined(centres, shared))
             except NoLine as problem:
                 problems.append(problem)
-        fits.sort(key=lambda fit: fit.chi_squared)
+        fits.sort(key=lambda fit: fit.badness)
 
     take(guesses)
-    if problems and (not fits or fits[0].chi_squared > guesses[0][0]):
+    if problems and (not fits or fits[0].badness > guesses[0][0]):
         raise problems[0]
     for _ in range(HOPS):
         best = fits[0]
         take(beside(best))
-        if best.chi_squared - fits[0].chi_squared < REST:
+        if best.badness - fits[0].badness < REST:
             break
-    centres = [fits[0].values[0]]
+    return _apart(fits, within)
+
+
+def _apart(fits: Sequence[LineFit], within: float) -> list[LineFit]:
+    """Of fits by rising badness those as good as the first, each with a centre of its own."""
+    kept = [fits[0]]
     for fit in fits[1:]:
-        if fit.chi_squared < fits[0].chi_squared + AS_GOOD and all(abs(fit.values[0] - centre) > SAME for centre in centres):
-            centres.append(fit.values[0])
-    chi_squared = {fit.values[0]: fit.chi_squared for fit in fits}
-    return replace(fits[0], others=tuple((float(centre), chi_squared[centre]) for centre in centres[1:]))
+        if fit.badness < fits[0].badness + within and all(abs(fit.values[0] - other.values[0]) > SAME for other in kept):
+            kept.append(fit)
+    return kept
+
+
+def _best(fits: Sequence[LineFit], x: np.ndarray) -> LineFit:
+    """The best of these, with the others. One that one point makes comes behind those as good as it, and is where this point is, within the step."""
+    fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
+    fits.sort(key=lambda fit: _between_points(fit, x))  # the order is otherwise kept
+    least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
+    return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((float(fit.values[0]), fit.chi_squared) for fit in fits[1:]))
+
+
+def _between_points(fit: LineFit, x: np.ndarray) -> bool:
+    """Whether most of the line is where no point sees it."""
+    at = np.sort(x)
+    fine = at[:-1, None] + np.diff(at)[:, None] * np.linspace(0, 1, FINE, endpoint=False)
+    return np.ptp(fit.curve(fine.ravel())) > 2 * np.ptp(fit.expected)
+
+
+def _widened(fit: LineFit, number: int, times: float) -> LineFit:
+    """With the error of one parameter so many times as large, where that is more than 1."""
+    scale = np.where(np.arange(fit.values.size) == number, max(times, 1.0), 1.0)
+    return replace(fit, errors=fit.errors * scale, covariance=fit.covariance * scale * scale[:, None])
 
 
 def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,

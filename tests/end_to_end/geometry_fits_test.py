@@ -50,7 +50,7 @@ def test_spins_and_geometry_are_fitted_together(expected: np.ndarray) -> None:
 
 
 def test_two_lengths_that_trade_against_each_other_hold_the_truth_within_their_errors(expected: np.ndarray) -> None:
-    fit = fit_counts(CLOCK.set(particles=100000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
+    fit = fit_counts(CLOCK.set(particles=50000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
     assert fit.p > 1e-3 and not fit.degenerate
     assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 7 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.03
 
@@ -129,7 +129,8 @@ def test_edges_that_come_in_within_a_step_do_not_make_errors_small(free: str, tr
     for seed in range(4):
         counts = np.random.default_rng(seed).poisson(100000 * y).astype(float)
         table = Counts("counts", "wire.offset.z", tuple(f"{one!r} m" for one in z.tolist()), z, "m", counts, None, np.full(41, 1e5), None)
-        value, error = fit_counts(profile.set(seed=1000 + seed).scan(), table, [free])[free]
-        assert at_best < error < 10 * at_best
+        fit = fit_counts(profile.set(seed=1000 + seed).scan(), table, [free])
+        value, error = fit[free]
+        assert at_best < error < 10 * at_best and fit.freedom < 35  # since nothing arrives at the ends
         pulls.append((value - true) / error)
     assert np.abs(pulls).max() < 3.5 and np.mean(np.square(pulls)) < 4

@@ -28,8 +28,9 @@ from rabiline.field_plots import COLUMNS, ELECTRIC  # noqa: E402
 from rabiline.fit_plots import draw_fit  # noqa: E402
 from rabiline.fit_report import COARSE  # noqa: E402
 from rabiline.line_commands import derived, described  # noqa: E402
+from rabiline.forms import FORMS  # noqa: E402
 from rabiline.line_plots import draw_line  # noqa: E402
-from rabiline.lines import FORMS, fit_line  # noqa: E402
+from rabiline.lines import fit_line  # noqa: E402
 from rabiline.picture_options import KeywordParser  # noqa: E402
 from rabiline.results import Transit, read as read_results  # noqa: E402
 
@@ -107,17 +108,17 @@ def faults_as_it_stands(figure: Figure) -> list[str]:
 
 
 def drawn(opened: object, name: str) -> dict[str, Figure]:
-    """All pictures that there are of what is open; small ones of every other kind, the others of the next file."""
+    """All pictures that there are of what is open; where there are two sizes one of them, and the other of the next file."""
     if isinstance(opened, motions.Motions):
         return {"motion": pictures.plot_of(opened, "motion", {"title": LONG})}
     kinds = [(kind, {}) for kind in ("scan", "levels", "image", "profiles", "angles", "transit")]
     eight, six = (",".join(map(str, np.unique(np.linspace(0, len(opened.laws) - 1, most).astype(int)))) for most in (8, 6))
     kinds += [("profiles", {"points": "0,1"})]
-    kinds += [("profiles", {"points": eight}), ("profiles", {"size": MM["small"], "points": eight})]
+    size = ({}, {"size": MM["small"]})[NAMES.index(name) % 2]
+    kinds += [("profiles", {"points": eight, **size})]
     small = [("profiles", {"points": "0"}), *((kind, {}) for kind in ("scan", "levels", "image", "transit"))]
     kinds += [("tally", {"name": tally, "points": points}) for tally in opened.tallies for points in ("0", "all")]
-    kinds += [("tally", {"name": name, "points": six, "axes": tally.axes[0].name, **size}) for name, tally in opened.tallies.items()
-              for size in ({}, {"size": MM["small"]})]
+    kinds += [("tally", {"name": tally, "points": six, "axes": own.axes[0].name, **size}) for tally, own in opened.tallies.items()]
     tries = [[each] for each in kinds]
     tries += [[(kind, {**options, "size": size}) for size in (MM["small"], MM["column"])] for kind, options in small[NAMES.index(name) % 2::2]]
     figures = {}
@@ -143,7 +144,8 @@ def test_ink_stays_inside_and_texts_apart(name: str) -> None:
             tracks = experiment.trace(3)
             assert all((np.diff(one.time) >= 0).all() for one in tracks.tracks), "a path goes back in time"
             figures["tracks"] = pictures.plot_of(tracks, "tracks", {"title": LONG})
-            figures |= {f"tracks, {size}": pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM[size]}) for size in ("page", "small")}
+            size = ("small", "page")[NAMES.index(name) % 2]
+            figures[f"tracks, {size}"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "size": MM[size]})
             figures["in space"] = pictures.plot_of(tracks, "tracks", {"title": LONG, "in_space": True})
             figures["draw"] = draw_apparatus(experiment.scan(), 3, LONG)
             with style.here((PAGE, SMALL)[NAMES.index(name) % 2]):

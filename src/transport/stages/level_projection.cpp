@@ -29,10 +29,12 @@ double LevelProjection::cost(double speed) const { return spins.cost(speed); }
 void LevelProjection::explain(PlanReport& report) const {
   const bool along_z = spins.axis == UnitVector{};
   if (spins.filters.empty())
-    report.line("            {}: each particle is in one level{} from here on, {}{}", report.name_of(part),
-                along_z ? "" : fmt::format(" along [{:.4g}, 0, {:.4g}]", spins.axis.x, spins.axis.z),
-                split ? "all are followed with their shares of its weight" : "drawn by its probability",
-                report.reuse);
+    report.line(
+        "            {}: each particle is in one level{} from here on, {}{}", report.name_of(part),
+        along_z ? ""
+                : fmt::format(" along [{:.4g}, {:.4g}, {:.4g}]", spins.axis.x, spins.axis.y, spins.axis.z),
+        split ? "all are followed with their shares of its weight" : "drawn by its probability",
+        report.reuse);
   for (const FilteredZones& next : spins.filters) {
     for (const SpinZone& zone : next.zones) explain_zone(zone, report);
     next.filter.explain(report);

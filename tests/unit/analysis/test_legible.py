@@ -11,8 +11,9 @@ from matplotlib import pyplot as plt
 from rabiline import results, style
 from rabiline.__main__ import main
 from rabiline.curves import curves
+from rabiline.forms import gauss
 from rabiline.line_plots import draw_line
-from rabiline.lines import fit_line, gauss
+from rabiline.lines import fit_line
 from rabiline.pictures import plot_of
 from rabiline.scan_plots import Measured, Panel, draw_beside, draw_scan
 from rabiline.transit_plots import draw_transit

@@ -15,7 +15,7 @@ from rabiline.curves import curves, half_maxima
 from rabiline.errors import InputError
 from rabiline.fit import fit
 from rabiline.level_plots import draw_levels
-from rabiline.lines import rabi
+from rabiline.forms import rabi
 from rabiline.pictures import plot_of
 from rabiline.profile_plots import draw_profiles, profile_of
 from rabiline.scan_plots import Panel, about_errors, draw_beside, draw_scan

@@ -9,7 +9,7 @@ import pytest
 from rabiline import results
 from rabiline.curves import Curve, curves, half_maxima
 from rabiline.fit import bell
-from rabiline.lines import rabi, ramsey
+from rabiline.forms import rabi, ramsey
 from rabiline.pictures import plot_of
 from rabiline.reading import LOBES, comb_of, reading_of, readings_of
 from rabiline.report import summary, summary_numbers

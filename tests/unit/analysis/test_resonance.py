@@ -10,7 +10,7 @@ from rabiline import results
 from rabiline.covariance import Spread
 from rabiline.curves import Curve, NoResonance, Resonance, curves, half_maxima
 from rabiline.fit import fit
-from rabiline.lines import rabi
+from rabiline.forms import rabi
 from synthetic import DORADO, Axis, binomial_errors, dip, frequencies, laws, write_results
 
 pytestmark = pytest.mark.slow
