@@ -132,6 +132,9 @@ class Parser(argparse.ArgumentParser):
         unknown = [word for word in words if word.startswith("--") and word != "--" and word.partition("=")[0] not in self._option_string_actions]
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        table = next((word for word in words if word.endswith(".csv")), None)
+        if table and "--data" in self._option_string_actions and not any(word.startswith("--data") or word in ("-o", "--output") for word in words):
+            self.error(f"{table} is a table of counts: write --data {table}")
         return super().parse_args(words)
 
     def error(self, message: str) -> NoReturn:

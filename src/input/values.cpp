@@ -136,7 +136,9 @@ bool read_quantity(const Node& node, const Row& row, Reading& reading, double& o
         fmt::format("`{}` must be {}, but is {}", row.key, row.range.wanted_of(parsed.value), quote(node)),
         percent           ? fmt::format("write `{:g}` if {:g} % is meant", parsed.value / 100, parsed.value)
         : row.key == "at" ? "places along the beam are counted from the source, which is at `0 m`"
-                          : std::string{});
+        : node.scalar.starts_with('-') && row.range.contains(-parsed.value)
+            ? fmt::format("write `{}`", node.scalar.substr(1))
+            : std::string{});
     return false;
   }
   // -0 and 0 are the same place, so they get the same bits.
@@ -162,7 +164,8 @@ bool read_count(const Node& node, const Row& row, Reading& reading, std::uint64_
     reading.error(
         node.place,
         fmt::format("`{}` is a whole number without a unit, but {} stands here", row.key, quote(node)),
-        node.is_scalar() && node.scalar.find(',') != std::string::npos
+        row.key == "seed" ? "write any, such as `1`: the same seed makes the same result again"
+        : node.is_scalar() && node.scalar.find(',') != std::string::npos
             ? "numbers have no commas between thousands: write it like `10000` or `1e4`"
             : "write it like `10000` or `1e4`");
     return false;

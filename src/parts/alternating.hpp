@@ -89,10 +89,11 @@ std::vector<Fault> faults_of_clock(const Part& part, const Placement& place) {
            fmt::format("add `{}: {}`, or `oscillator` and the name of a zone whose clock it follows", key,
                        example)});
     if (given && part.oscillator)
-      out.push_back({name, std::string(key),
-                     fmt::format("`{}` has a `{}` of its own, but it follows the clock of `{}`", name, key,
-                                 *part.oscillator),
-                     fmt::format("omit `{}`, or `oscillator`", key)});
+      out.push_back(
+          {name, std::string(key),
+           fmt::format("`{}` has a `{}` of its own, but it follows the clock of `{}`", name, key,
+                       *part.oscillator),
+           fmt::format("omit `{}`, or `oscillator`: `{}.{}` is that of both", key, *part.oscillator, key)});
   };
   if (part.oscillator == name)
     out.push_back(

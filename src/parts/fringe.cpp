@@ -108,7 +108,7 @@ void FringedField::add(const Vector3& field, const FieldSlopes& slopes) {
   if (quadrupole == 0) return;
   const double angle = portable::atan2(skew, even) / 2, cosine = portable::cos(angle),
                sine = portable::sin(angle);
-  add_poles(1, quadrupole, {{sine, 0, cosine}, {cosine, 0, -sine}, {0, 1, 0}});
+  add_poles({1, quadrupole, 1}, {{sine, 0, cosine}, {cosine, 0, -sine}, {0, 1, 0}});
 }
 
 void FringedField::add_turning(const Vector3& field, double turn, double phase) {
@@ -124,13 +124,14 @@ void FringedField::add_turning(const Vector3& field, double turn, double phase) 
 
 /// Gauss and Gegenbauer's places, by G. Golub and J. Welsch (Math. Comp. 23, 221, 1969): eigenvalues of the
 /// recurrence of polynomials that are orthogonal with the weight (1 - c^2)^(n - 1/2).
-void FringedField::add_poles(int power, double size, const OwnFrame& frame) {
+void FringedField::add_poles(const MultipoleShape& poles, const OwnFrame& frame) {
   constexpr int places = 8;
   FringeShape shape = shape_;
   shape.kind = FringeKind::poles;
-  shape.size = size;
-  shape.power = power;
-  const double n = power + 1;
+  shape.size = poles.field;
+  for (int i = 0; i < poles.power; ++i) shape.size /= poles.radius;
+  shape.power = poles.power;
+  const double n = poles.power + 1;
   Eigen::MatrixXd recurrence = Eigen::MatrixXd::Zero(places, places);
   for (int k = 1; k < places; ++k)
     recurrence(k, k - 1) = std::sqrt(k * (k + 2 * n - 1) / (4 * (k + n) * (k + n - 1)));

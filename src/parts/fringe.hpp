@@ -93,9 +93,9 @@ class FringedField {
   /// `field` turns along the beam by `turn` [rad/m]: this is its part that runs as cos(turn y + phase), y
   /// from the middle.
   void add_turning(const Vector3& field, double turn, double phase);
-  /// Poles about the beam: B_x - i B_y = size (x + i y)^power, in the x and y axis of a frame whose third one
+  /// Poles about the beam, B_x - i B_y = B_0 ((x + i y)/R)^p in the x and y axis of a frame whose third one
   /// is that of the poles.
-  void add_poles(int power, double size, const OwnFrame&);
+  void add_poles(const MultipoleShape&, const OwnFrame&);
 
   void contribute(SectionBuilder&, const std::optional<Oscillator>& clock = std::nullopt) const;
   void contribute_electric(SectionBuilder&) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <cmath>
 
+#include "section/magnet_field.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -36,11 +37,7 @@ void contribute(const GradientMagnet& part, const Placement& place, SectionBuild
     FringedField on_axis(shape, place.at, part.length, {}), whole(shape, place.at, part.length, part.offset);
     on_axis.add({0, 0, field_on_axis(part)});
     on_axis.contribute(builder);
-    FieldSlopes slopes{};
-    slopes[0] = -part.gradient * part.along.z;
-    slopes[8] = part.gradient * part.along.z;
-    slopes[2] = slopes[6] = part.gradient * part.along.x;
-    whole.add({0, 0, part.field}, slopes);
+    whole.add({0, 0, part.field}, slopes_of(term.shape));
     term.fringed = whole.terms();
   }
   builder.plane(place.at, term);

@@ -7,17 +7,14 @@
 namespace rabiline {
 
 void contribute(const MultipoleField& part, const Placement& place, SectionBuilder& builder) {
-  const int power = static_cast<int>(part.poles) / 2 - 1;
+  const MultipoleShape poles{static_cast<int>(part.poles) / 2 - 1, part.field, part.radius};
   const OwnFrame frame = turned_frame(part.tilt);
   if (is_boxed(part.fringe, part.profile))
     return add_shaped(clock_of(part.oscillates), place.at, place.at + part.length,
-                      placed(ShapedTerm(MultipoleShape{power, part.field, part.radius}),
-                             place_of(place.at + part.length / 2, part.offset), frame),
+                      placed(ShapedTerm(poles), place_of(place.at + part.length / 2, part.offset), frame),
                       builder);
   FringedField fringed(shape_of(part.fringe, part.profile), place.at, part.length, part.offset);
-  double size = part.field;
-  for (int i = 0; i < power; ++i) size /= part.radius;
-  fringed.add_poles(power, size, {frame.z, frame.x, frame.y});
+  fringed.add_poles(poles, {frame.z, frame.x, frame.y});
   fringed.contribute(builder, clock_of(part.oscillates));
 }
 

@@ -15,9 +15,7 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
   term.walls.circles[0] = {0, 0, part.radius, -1};
   if (!is_boxed(part.fringe, RectangularProfile{})) {
     FringedField fringed(shape_of(part.fringe, RectangularProfile{}), place.at, part.length, part.offset);
-    double size = part.pole_field;
-    for (int i = 0; i < term.shape.power; ++i) size /= part.radius;
-    fringed.add_poles(term.shape.power, size, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
+    fringed.add_poles({term.shape.power, part.pole_field, part.radius}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
     term.fringed = fringed.terms();
   }
   builder.plane(place.at, term);

@@ -88,12 +88,17 @@ bool is_reserved(std::string_view name) {
 
 std::vector<Fault> faults_of(const Placement& place) {
   const std::string& name = place.name;
-  if (!is_well_formed(name))
+  if (!is_well_formed(name)) {
+    std::string joined = name;
+    std::ranges::replace_if(
+        joined, [](char c) { return c == ' ' || c == '-' || c == '.'; }, '_');
     return {{name, "name",
              fmt::format(
                  "`{}` cannot be a part's name: a name is a letter, then letters, digits or `_`, at most 64",
                  name),
-             "`label` may hold any text for plots"}};
+             fmt::format("{}`label` may hold any text for plots",
+                         is_well_formed(joined) ? fmt::format("call it `{}`; ", joined) : "")}};
+  }
   if (is_reserved(name))
     return {{name, "name",
              fmt::format("a part cannot be called `{}`: the word means something else in files and results",

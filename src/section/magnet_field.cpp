@@ -1,5 +1,6 @@
 #include "section/magnet_field.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rabiline {
@@ -42,6 +43,14 @@ UnitVector field_at_beam(const MagnetTerm& magnet) {
 
 }  // namespace
 
+std::array<double, 9> slopes_of(const MagnetShape& shape) {
+  std::array<double, 9> slopes{};
+  slopes[0] = -shape.gradient * shape.along_z;
+  slopes[8] = shape.gradient * shape.along_z;
+  slopes[2] = slopes[6] = shape.gradient * shape.along_x;
+  return slopes;
+}
+
 std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
   const MagnetShape& shape = magnet.shape;
   if (shape.kind == MagnetKind::two_wire) {
@@ -56,9 +65,7 @@ std::vector<ShapedTerm> field_terms_of(const MagnetTerm& magnet, double begin) {
     return {in_frame(ShapedTerm(MultipoleShape{shape.power, shape.field, shape.radius}), magnet, begin, 0)};
   LinearShape linear{};
   linear.field[2] = shape.field;
-  linear.slope[0] = -shape.gradient * shape.along_z;
-  linear.slope[8] = shape.gradient * shape.along_z;
-  linear.slope[2] = linear.slope[6] = shape.gradient * shape.along_x;
+  std::ranges::copy(slopes_of(shape), linear.slope);
   return {in_frame(ShapedTerm(linear), magnet, begin, 0)};
 }
 

@@ -1,4 +1,5 @@
 """Deflecting magnets: where they stand, and forces that turn over."""
+import re
 from pathlib import Path
 
 import h5py
@@ -144,3 +145,17 @@ def test_probe_shows_the_field_of_a_magnet_that_flies(tmp_path: Path, part: str)
     path.write_text(path.read_text().replace("law: quantum", "law: dorado"))
     shown = {run("probe", path, "--at", at).stdout.split("B = ")[1].split("\n")[0] for at in ("1 mm,1.1 m,3 mm", "0 m,1.15 m,0 m")}
     assert len(shown) == 1 and with_gradient.count(shown.pop()) == 0
+
+
+def test_check_says_all_of_the_axis_of_levels_that_a_fringe_finds(tmp_path: Path) -> None:
+    """Beside the middle of a gradient, where the field of the fringe's tail has a part along the beam: B_x/B_z = G x/(B_0 - G z), and of a tail
+    exp(2 y/l) B_y = (2/l) times the potential."""
+    (tmp_path / "a.yaml").write_text(CROSSING.format(speed=500, field="0.5 T, offset: {x: 0.5 mm, z: 0.3 mm}, fringe: {kind: tanh, length: 8 mm}")
+                                     .replace("K-39 atom", "{name: bare, mass: 40 u, charge: 0 e, spin: 1/2, gyromagnetic_ratio: -28.02495 GHz/T}")
+                                     .replace('levels, levels: ["F=2 m=+2"]', "populations, axis: z, values: [1, 0]"))
+    told = re.search(r"in one level along \[(.*)\]", run("check", tmp_path / "a.yaml").stdout)
+    assert told is not None
+    axis = np.array([float(one) for one in told[1].split(",")])
+    x, z, b, g, rate = -0.5e-3, -0.3e-3, 0.5, 100.0, 2 / 8e-3
+    field = np.array([-g * x, rate * (b * z + g * (z**2 - x**2) / 2), b + g * z])
+    assert axis == pytest.approx(field / np.linalg.norm(field), abs=2e-3)
