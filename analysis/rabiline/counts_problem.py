@@ -140,8 +140,10 @@ class Problem:
         surface, groups, k = self.surface, len(self.surface.noise), self.surface.centre.size
         by = np.append(surface.steps, np.ones(len(self.extra)))
         slopes = slopes * by[:, None]
-        # Where an edge is about to come in, or to go, the curve is known no better than as it is on both sides.
-        mu = np.maximum(mu, each * np.maximum(np.einsum("iin->in", surface.bends), 0).sum(axis=0))
+        # Where an edge is about to come in, or to go, the curve is known no better than as it is on both sides, where more particles make it.
+        beside = np.maximum(mu, each * np.maximum(np.einsum("iin->in", surface.bends), 0).sum(axis=0))
+        few = np.maximum(mu, np.sqrt(np.sum(modes**2, axis=1)))  # of one particle the error is all of it
+        mu, modes = beside, modes * np.sqrt(np.maximum(beside / few, 1))[:, None]
         bends = [each * own.reshape(k * k, mu.size) for own in (surface.bends, *surface.bend_noise)]
         rows = [slopes, *(each * surface.noise), *bends]
         weighed = np.split(self.weigh(np.concatenate(rows).T, mu, modes), np.cumsum([len(own) for own in rows])[:-1], axis=1)

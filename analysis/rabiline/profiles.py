@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize
 
-from .counts_problem import Fisher, Problem
+from .counts_problem import Fisher, Problem, shares_of_simulation
 from .curve_model import CurveModel, NoFit, Surface, meets_an_edge
 
 FARTHEST = 4.0  # standard deviations, on a surface
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk
 MOST_WALKING = 200000  # particles: what they change from place to place is known far better than what they count
+MOSTLY = 0.5  # of a variance: where so much is the simulation's, an interval shorter than the error by the curvature is a minimum that it has by chance
 BENT = 0.05  # of what is known of a parameter: so much by its bend
 SHORTER = 0.7  # than the error by the curvature where a parameter is: the interval has come to where the curve bends
 MIDDLES = 101  # places tried for the least of two halves of parabolas
@@ -43,6 +44,7 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
     errors, k = np.sqrt(np.diag(fisher.covariance)), len(model.names)
     _, least = problem.least(values)
     is_least, bent = problem.least(values, range(k))[1] < least + LOWER, _bent(problem, fisher)
+    by_counts = np.append(shares_of_simulation(problem, values) < MOSTLY, [True] * len(problem.extra))
     intervals, factors, lowest = [(-1.0, 1.0)] * values.size, np.ones(values.size), (-LOWER, None)
     for i in range(values.size):
         if i in bent or i < k and not is_least:
@@ -50,12 +52,14 @@ def profiles(model: CurveModel, problem: Problem, values: np.ndarray, everywhere
             lowest = min(lowest, lower, key=lambda one: one[0])
         if i in bent:
             half = np.ptp(flown) / 2 if np.isfinite(flown).all() else 1.0
-            factors[i] = half if bent.size == 1 else max(half, 1.0)  # of two that bend the walk may miss the best of the other
+            # Of two that bend the walk may miss the best of the other.
+            factors[i] = half if bent.size == 1 and by_counts[i] else max(half, 1.0)
             intervals[i] = tuple(factors[i] / half * side for side in flown)
         elif everywhere and is_least:
-            intervals[i] = _on_surface(problem, values, i, errors[i], least)
-            half = np.ptp(intervals[i]) / 2
-            factors[i] = half if half < SHORTER else 1.0
+            found = _on_surface(problem, values, i, errors[i], least)
+            half = np.ptp(found) / 2
+            factors[i] = half if half < SHORTER and by_counts[i] else 1.0
+            intervals[i] = found if by_counts[i] else tuple(max(1.0, 1.0 / half) * side for side in found)
     return Profiles(tuple(intervals), factors, lowest[1])
 
 

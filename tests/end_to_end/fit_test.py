@@ -320,7 +320,7 @@ def test_a_fit_that_leaves_the_range_of_a_parameter_says_which(text: str, name: 
 
 def test_no_help_is_left_empty() -> None:
     wire = rabiline.load(WIRE)
-    assert unknown(wire, "source.speed.temperature", "-5 K") == ["`temperature` must be greater than zero, but is `-5 K`"]
+    assert unknown(wire, "source.speed.temperature", "0 K") == ["`temperature` must be greater than zero, but is `0 K`"]
     assert "\n  help: write `0.015`" in unknown(rabiline.load(RAMSEY), "pol.up", 1.5)[0]
 
 

@@ -134,3 +134,29 @@ def test_edges_that_come_in_within_a_step_do_not_make_errors_small(free: str, tr
         assert at_best < error < 10 * at_best and fit.freedom < 35  # since nothing arrives at the ends
         pulls.append((value - true) / error)
     assert np.abs(pulls).max() < 3.5 and np.mean(np.square(pulls)) < 4
+
+
+BETWEEN = """rabiline: 1
+species: neutron
+law: quantum
+source: {speed: {kind: single, value: 500 m/s}, opening: {width: 0.3 mm, height: 1 mm}, direction: {kind: gaussian, x: 1 mrad, z: 1 mrad}}
+parts:
+  - {name: S, kind: slit, at: 0.5 m, width: 0.5 mm, height: 2 mm}
+  - {name: B, kind: beam_stop, at: 0.8 m, width: 1 mm, height: 10 mm, offset: {x: 0.9 mm}}
+  - {name: D, kind: detector, at: 1 m, width: 0.1 mm, height: 4 mm, bins: [1, 1]}
+particles: 20000
+seed: 1
+scan: {parameter: D.offset.x, from: -1.5 mm, to: 1.5 mm, points: 31}
+"""
+
+
+def test_a_place_that_few_simulated_particles_tell_is_no_better_known_than_they_tell_it() -> None:
+    """Where the slit's half shadow ends one particle arrives, or four: -2 ln L trembles, and its dips are narrower than the error."""
+    setup = rabiline.load(BETWEEN)
+    x = np.linspace(-1.5e-3, 1.5e-3, 31)
+    y = np.ravel(setup.set({"S.at": 0.44}).set(seed=99, particles=1000000).fly().detected)
+    for seed in range(3):
+        counts = np.random.default_rng(seed).poisson(200000 * y).astype(float)
+        fit = fit_counts(setup.scan(), Counts("counts", "D.offset.x", tuple(f"{one!r} m" for one in x.tolist()), x, "m", counts, None, None, None), ["S.at"])
+        value, error = fit["S.at"]
+        assert 0.002 < error < 0.005 and abs(value - 0.44) < 3 * error and np.ptp(fit.intervals[0]) > 1.5 * error
