@@ -283,7 +283,7 @@ void find_parts_behind_counters(const Beamline& beamline, Faults& out) {
           "place it in front of the detector"));
 }
 
-/// A polariser sets spins anew.
+/// A polariser sets spins anew, along its field.
 void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   std::vector<const PlacedPart*> order;
   for (const PlacedPart& part : beamline.parts) order.push_back(&part);
@@ -293,6 +293,10 @@ void find_useless_polarisers(const Beamline& beamline, Faults& out) {
   const PlacedPart* worked = nullptr;  // on spins that nobody has asked for since
   for (const PlacedPart* part : order) {
     const std::string& name = part->placement.name;
+    if (const auto* polarizer = std::get_if<Polarizer>(&part->part); polarizer && polarizer->field == 0)
+      out.push_back(warning(
+          name, "field", fmt::format("`{}` has no field: it aligns the moments along +z nevertheless", name),
+          "give it the field that aligns them"));
     if (aligns(part->part) && worked && !turns_paths(beamline))
       out.push_back(warning(name, "at",
                             fmt::format("`{}` aligns the moments anew behind `{}`: what that has done to "

@@ -1,4 +1,4 @@
-// Fields that drive spins, and do not do what they are there for.
+// Fields that drive or align spins, and do not do what they are there for.
 #include <gtest/gtest.h>
 
 #include "warned.hpp"
@@ -27,6 +27,15 @@ TEST(Warnings, TellThatNoPointOfAScanIsNearTheResonance) {
   EXPECT_NE(faults[0].message.find("is 11.65 kHz away from the 291.6 kHz"), std::string::npos)
       << faults[0].message;
   EXPECT_TRUE(scan(280e3, 280e3).empty());  // is no scan
+}
+
+TEST(Warnings, TellThatAPolarizerHasNoField) {
+  Beamline b = standard();
+  std::get<Polarizer>(b.parts[0].part).field = 0;
+  const std::vector<Fault> faults = warned({b});
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].subject, "B_prime");
+  EXPECT_EQ(faults[0].key, "field");
 }
 
 TEST(Warnings, TellThatADriveSwingsAlongTheStaticField) {
