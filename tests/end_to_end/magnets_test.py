@@ -158,4 +158,5 @@ def test_check_says_all_of_the_axis_of_levels_that_a_fringe_finds(tmp_path: Path
     axis = np.array([float(one) for one in told[1].split(",")])
     x, z, b, g, rate = -0.5e-3, -0.3e-3, 0.5, 100.0, 2 / 8e-3
     field = np.array([-g * x, rate * (b * z + g * (z**2 - x**2) / 2), b + g * z])
-    assert axis == pytest.approx(field / np.linalg.norm(field), abs=2e-3)
+    wanted = field / np.linalg.norm(field)
+    assert axis[[0, 2]] == pytest.approx(wanted[[0, 2]], abs=2e-4) and axis[1] == pytest.approx(wanted[1], rel=0.01)  # the tail is one nearly
