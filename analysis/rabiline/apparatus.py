@@ -236,8 +236,8 @@ def _draw_fields(axes: Axes, fields: FieldsAlong) -> None:
         axes.yaxis.set_major_formatter(lambda value, _: format_value(float(f"{value:.3g}"), "T"))
         low, high = np.log10(axes.get_ylim())
         powers = np.arange(np.ceil(low), np.floor(high) + 1)
-        if style.room() and powers.size > 1:  # as low as it is then, it would be given one
-            axes.set_yticks(10**powers[[0, -1]])
+        if powers.size > 1:  # as low as it is, it may be given one
+            axes.set_yticks(10**np.unique(np.round(np.linspace(powers[0], powers[-1], 2 if style.room() else 3))))
     else:
         axes.set_ylim(bottom=0)
     name = "B" if style.room() else "B on axis"

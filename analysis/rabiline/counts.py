@@ -16,6 +16,9 @@ from .units import parse_quantity
 if TYPE_CHECKING:
     import pandas
 
+ERRORS = " Leave it out: errors are those of the counts"
+MISNAMED = {"time": " Write `seconds`, with a unit if it is another one", "seconds": " Write `seconds`", "emitted": " Write `emitted`",
+            **dict.fromkeys(("err", "error", "errors", "sigma", "uncertainty"), ERRORS)}
 COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds` (time at each "
            "point), `emitted` (particles) and `detector`")
 
@@ -51,13 +54,15 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     for what is no table."""
     table = read_table(source)
     others = [(name, unit) for name, unit in table.columns if name not in ("counts", "seconds", "emitted", "detector")]
-    unknown = [name for name, _ in others if "." not in name and any("." in other for other, _ in others)]  # as a part has keys
+    # As a part has keys; and what another word of a table looks like.
+    unknown = [name for name, _ in others if "." not in name and
+               (any("." in other for other, _ in others) or len(others) > 1 and name.lower() in MISNAMED)]
     if "counts" not in table.names or len(others) not in (1, 2) or unknown:
         near = difflib.get_close_matches("counts", [name.lower() for name in table.names], 1, 0.4)
         written = [name for name in table.names if name.lower() in near]
         wrong = f"no column `counts`{f', but `{written[0]}`' if written else ''}" if "counts" not in table.names else \
             "no column of the scanned parameter" if not others else \
-            f"what is the column `{unknown[0]}`?{' Leave it out: errors are those of the counts' if 'err' in unknown[0].lower() else ''}" if unknown else \
+            f"what is the column `{unknown[0]}`?{next((told for word, told in MISNAMED.items() if word in unknown[0].lower()), '')}" if unknown else \
             f"two parameters are scanned at most, and there are {', '.join(name for name, _ in others)}"
         raise FileError(table.path, f"line {table.header}: {wrong} (columns: {COLUMNS})")
     for name, unit in table.columns:

@@ -232,8 +232,6 @@ def _inverse(matrix: np.ndarray) -> np.ndarray:
 
 def shares_of_simulation(problem: Problem, values: np.ndarray) -> np.ndarray:
     """[k] Which part of the variance of each parameter of the curve is the simulation's; its next flight may differ by that."""
-    mu, slopes, each = problem.mean(values)
-    fisher = problem.fisher(values, problem.modes(mu, each))
-    counted = slopes @ (slopes.T / mu[:, None])
-    whole, part = (np.diag(_inverse(matrix)) for matrix in (fisher.matrix, counted))
+    mu, _, each = problem.mean(values)
+    whole, part = (np.diag(_inverse(problem.fisher(values, modes).matrix)) for modes in (problem.modes(mu, each), np.zeros((mu.size, 0))))
     return np.clip(1 - part / np.maximum(whole, 1e-300), 0, 1)[:problem.surface.steps.size]

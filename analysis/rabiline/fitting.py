@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 MOST_ITERATIONS = 25
 SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
-EMPTY = 0.1  # counts: where less is expected, and none is counted, nothing is tested
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 MOST_MINIMA = 4  # that a walk along the profiles leads to
@@ -69,7 +68,7 @@ class CountsFit:
     covariance: np.ndarray  # [k, k]
     intervals: tuple[tuple[float, float], ...]  # where Q is one above its least value
     chi_squared: float  # Pearson's, with the covariance of the simulation
-    freedom: int  # of the points where anything arrives
+    freedom: int  # of the points, each as a part where less than one count is expected
     condition: float  # of the parameters' correlation
     degenerate: tuple[Direction, ...]
     combined: tuple[tuple[str, float, float], ...]  # what is known of what is degenerate: "a/b", value, error
@@ -249,7 +248,12 @@ def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndar
     way = way * min(1.0, far / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
     while way @ fisher.matrix @ way > REST**2 * way.size:
         there = values + way
-        flown = replace(problem, surface=Surface.level(model.at(there[:k], particles), there[:k]))
+        try:
+            changed = model.at(there[:k], particles)
+        except NoFit:  # no such value
+            way = way / 2
+            continue
+        flown = replace(problem, surface=Surface.level(changed, there[:k]))
         there, badness = flown.least(there, range(k))
         if badness < here:
             return there
@@ -308,12 +312,13 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
                       for value, error, (low, high) in zip(values, np.sqrt(np.diag(covariance)), profiled.intervals))
     covariance = profiled.errors[:, None] * covariance * profiled.errors
     residual = counts.counts - mu
-    chi_squared = float(residual @ problem.weigh(residual[:, None], mu, modes)[:, 0])
+    some = np.maximum(mu, 1.0)  # what little is expected tests nothing, and one count there is no miracle
+    chi_squared = float(residual @ problem.weigh(residual[:, None], some, modes)[:, 0])
     errors = np.sqrt(np.diag(covariance))
     units = (*model.units, *("" for _ in problem.extra))
     others = _held(model, counts, problem, first, values, errors) if all(direction.hidden for direction in degenerate) else ()
     return CountsFit((*model.names, *problem.extra), units, values, errors, covariance, intervals, chi_squared,
-                     max(int(np.sum((mu > EMPTY) | (counts.counts > 0))) - values.size + len(degenerate), 0), condition, degenerate, combined, counts, mu,
+                     max(round(float(np.sum(np.minimum(mu, 1.0)))) - values.size + len(degenerate), 0), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
                      tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, model.start()[:k],

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <span>
 
@@ -26,30 +27,29 @@ double place_in(double begin, double end, int number) {
   return begin + (number + 0.5) / places_of_frame * (end - begin);
 }
 
-/// What acts as a static field on the axis, and how it changes along the beam.
-struct FieldOnAxis {
+/// What acts as a static field beside the axis, and how it changes along the beam.
+struct FieldBeside {
   Vector3 here, slope;  // [T], [T/m]
 };
 /// Of a section's uniform field and its terms, at the time t [s] of those with a course.
-FieldOnAxis static_field_on_axis(const Vector3& uniform, std::span<const ShapedTerm> shaped, double y,
-                                 double t) {
+FieldBeside static_field(const Vector3& uniform, std::span<const ShapedTerm> shaped, const Offset& beside,
+                         double y, double t) {
   FieldHere<double> here{};
   for (const ShapedTerm& term : shaped)
-    if (term.drive < 0) add_field_at<HostMaths>(term, 0.0, y, 0.0, t, here);
+    if (term.drive < 0) add_field_at<HostMaths>(term, beside.x, y, beside.z, t, here);
   return {uniform + Vector3{here.field[0], here.field[1], here.field[2]},
           {here.slope[1], here.slope[4], here.slope[7]}};
 }
 
 /// What drives, in axes along a static field.
-WavePlace place_of(const SpinZone& drives, const FieldOnAxis& there, double speed) {
+WavePlace place_of(std::span<const DriveTerm> drives, const FieldBeside& there, double speed, double moving) {
   WavePlace out;
   const Vector3& field = there.here;
   out.field = length_of(field);
-  if (out.field > 0) out.turning = speed * length_of(there.slope) / out.field;
+  if (out.field > 0) out.turning = (speed * length_of(there.slope) + moving) / out.field;
   const Vector3 third = out.field > 0 ? (1 / out.field) * field : Vector3{0, 0, 1},
                 first = some_normal(third), second = cross(third, first);
-  for (int i = 0; i < drives.drives; ++i) {
-    const DriveTerm& drive = drives.drive[i];
+  for (const DriveTerm& drive : drives) {
     const double sense = drive.omega < 0 ? -1 : 1;
     const Vector3 a{drive.first[0], drive.first[1], drive.first[2]},
         b = sense * Vector3{drive.second[0], drive.second[1], drive.second[2]};
@@ -155,18 +155,32 @@ std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from,
 }
 
 WaveFields wave_fields(const SpinZone& drives, const Section& section, const Species& atom,
-                       const std::vector<int>& manifold_of, double speed) {
+                       const std::vector<int>& manifold_of, double speed, const Offset& beam,
+                       const std::function<double(double)>& moving, double fastest) {
   WaveFields out;
   out.drives.assign(drives.drive, drives.drive + drives.drives);
   out.frequency = std::abs(out.drives.front().omega) / two_pi;
-  std::vector<WavePlace> places;
-  for (int i = 0; i < places_of_frame; ++i) {
-    const double y = place_in(section.begin, section.end, i);
-    places.push_back(
-        place_of(drives, static_field_on_axis(section.field, section.shaped, y, y / speed), speed));
-    if (section.shaped.empty()) break;
+  std::map<double, std::vector<DriveTerm>> alike;
+  std::vector<double> frequencies;
+  for (const DriveTerm& drive : out.drives) {
+    const double frequency = std::abs(drive.omega) / two_pi;
+    if (!alike.contains(frequency)) frequencies.push_back(frequency);
+    alike[frequency].push_back(drive);
   }
-  out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, out.frequency, places);
+  std::vector<WaveAlong> waves;
+  for (const double frequency : frequencies) {
+    WaveAlong wave{frequency};
+    for (int i = 0; i < places_of_frame; ++i) {
+      const double y = place_in(section.begin, section.end, i);
+      wave.places.push_back(place_of(alike[frequency],
+                                     static_field(section.field, section.shaped, beam, y, y / speed), speed,
+                                     moving(y)));
+      wave.places.back().fastest = fastest;
+      if (section.shaped.empty() && section.swinging.empty()) break;
+    }
+    waves.push_back(std::move(wave));
+  }
+  out.frame = wave_frame(coupled_spins(*atom.structure), manifold_of, waves);
   return out;
 }
 
@@ -192,7 +206,7 @@ std::vector<LevelZone> zones_near_lines(const LevelFields& fields, const Structu
       double nearest = std::numeric_limits<double>::infinity();
       for (int i = 0; i < (shaped.empty() ? 1 : places_of_frame); ++i) {
         const double y = place_in(zone.begin, zone.end, i);
-        const Vector3 b = static_field_on_axis(uniform, shaped, y, y / speed).here;
+        const Vector3 b = static_field(uniform, shaped, {}, y, y / speed).here;
         FieldHere<double> peak{};
         for (const ShapedTerm& term : shaped)
           if (swings(term)) add_field<HostMaths>(term, 0.0, y, 0.0, peak);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <span>
 
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
@@ -89,7 +90,7 @@ std::vector<Offset> starts_of(const Source& source) {
 
 /// What a particle passes at one place; of a static field on the axis.
 struct Passing {
-  double rate = 0;                            // [T/s] of the static field
+  double rate = 0, courses = 0;               // [T/s] of the static field, and of what goes through a course
   double peak = 0, growth = 0, swinging = 0;  // [T] of what moves, [T/s] along the way and in time
 };
 Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed,
@@ -113,7 +114,7 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
       growth = std::max(growth, growth_of(peak));
     }
     if (term.drive < 0) {
-      out.rate += size * fastest_rate(term.course);
+      out.courses += size * fastest_rate(term.course);
       out.peak += size * largest_of(term.course);
       out.growth += growth * largest_of(term.course);
       continue;
@@ -209,7 +210,7 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
           place < places
               ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed, starts)
               : Passing{};
-      passing = std::max(passing, here.rate);
+      passing = std::max(passing, here.rate + here.courses);
       swings = std::max(swings, here.swinging + here.growth);
       // More than it grows by, at its ends or the faces of a map.
       leaps = std::max(leaps,
@@ -294,14 +295,25 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.longest = (end - begin) / (is_uniform ? 1 : 8);
     out.sections.push_back(part);
   }
-  out.apart =
-      far_apart(species, out, speed, largest_turn(sections, from, to, behind), starts_of(beamline.source));
+  const std::vector<Offset> starts = starts_of(beamline.source);
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind), starts);
   const CoupledSpins spins = coupled_spins(*species.structure);
   const std::vector<int> manifolds = manifolds_of(spins, out.apart);
-  for (const Section& section : driven) {
+  for (const CourseSection& part : out.sections) {
+    if (part.wave < 0) continue;
+    const Section& section = driven[static_cast<std::size_t>(part.wave)];
+    double swinging = 0;
+    for (const DriveTerm& drive : std::span(part.field.drive, static_cast<std::size_t>(part.field.drives)))
+      swinging += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
     Section alone = section;
     alone.field = {};
-    out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed));
+    out.waves.push_back(wave_fields(
+        zones.zone_of(alone), section, species, manifolds, speed, beamline.source.offset,
+        [&](double y) {
+          const Passing passing = passing_at(out, part, y, speed, starts);
+          return swinging + passing.courses + passing.growth + passing.swinging;
+        },
+        part.fastest / (2 * std::numbers::pi)));
   }
   const bool begins = out.sections.front().field.begin <= from + no_length,
              ends = out.sections.back().field.end >= to - no_length;

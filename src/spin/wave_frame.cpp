@@ -31,7 +31,7 @@ struct Coupling {
 struct LevelsThere {
   Eigen::VectorXd energy{};
   std::array<Eigen::MatrixXd, 3> up{};  // (i, j): i takes up a photon from j, with m - 1, m and m + 1
-  double turning = 0;                   // [rad/s]
+  double turning = 0, fastest = 0;      // [rad/s], [Hz]
   std::vector<Coupling> couplings{};
 };
 
@@ -41,6 +41,7 @@ LevelsThere levels_there(const CoupledSpins& spins, const WavePlace& place) {
   const Eigen::Index count = spins.levels();
   LevelsThere out;
   out.turning = place.turning;
+  out.fastest = place.fastest;
   out.energy = Eigen::Map<const Eigen::VectorXd>(levels.energy.data(), count) / constants::planck;
   out.up.fill(Eigen::MatrixXd::Zero(count, count));
   const double size[3] = {place.lowering, place.along, place.raising};
@@ -89,30 +90,44 @@ std::vector<TwoPhotons> raman_pairs(const LevelsThere& there, double frequency, 
 
 }  // namespace
 
-WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of, double frequency,
-                     std::span<const WavePlace> places) {
+WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of,
+                     std::span<const WaveAlong> waves) {
   const auto count = static_cast<std::size_t>(spins.levels());
+  const double frequency = waves.front().frequency;
   std::vector<FrameEdge> edges;
-  std::vector<LevelsThere> along;
-  std::vector<std::vector<CoupledPair>> by_two;
-  for (const WavePlace& place : places) {
-    const LevelsThere& there = along.emplace_back(levels_there(spins, place));
-    for (const Coupling& c : there.couplings)
-      if (const double strength = mixing(c.up, c.apart - frequency); strength > least_strength)
-        edges.push_back({c.upper, c.lower, 1, strength});
-    for (const CoupledPair& pair :
-         by_two.emplace_back(pairs_of_two_photons(there.energy, there.up, frequency)))
-      if (const double strength = pair.strength(2 * frequency); strength > least_of_two_photons)
-        edges.push_back({pair.upper, pair.lower, 2, strength});
-  }
-  const auto is_mixed = [&](const Coupling& c, double turning) {
-    const auto upper = static_cast<std::size_t>(c.upper), lower = static_cast<std::size_t>(c.lower);
-    return manifold_of[upper] == manifold_of[lower] &&
-           turning > least_motion * constants::two_pi * std::abs(c.apart);
+  struct Passed {
+    double frequency;
+    LevelsThere there;
+    std::vector<CoupledPair> by_two;
   };
-  for (const LevelsThere& there : along)
-    for (const Coupling& c : there.couplings)
-      if (is_mixed(c, there.turning)) edges.push_back({c.upper, c.lower, 0, strength_of_motion});
+  std::vector<Passed> along;
+  for (const WaveAlong& wave : waves)
+    for (const WavePlace& place : wave.places) {
+      along.push_back({wave.frequency, levels_there(spins, place), {}});
+      const auto& [own, there, by_two] = along.back();
+      for (const Coupling& c : there.couplings)
+        if (const double strength = mixing(c.up, c.apart - own); strength > least_strength)
+          edges.push_back({c.upper, c.lower, 1, strength});
+      along.back().by_two = pairs_of_two_photons(there.energy, there.up, own);
+      if (own != frequency) continue;  // its photons are no others'
+      for (const CoupledPair& pair : along.back().by_two)
+        if (const double strength = pair.strength(2 * own); strength > least_of_two_photons)
+          edges.push_back({pair.upper, pair.lower, 2, strength});
+    }
+  const auto of_one_manifold = [&](const Coupling& c) {
+    return manifold_of[static_cast<std::size_t>(c.upper)] == manifold_of[static_cast<std::size_t>(c.lower)];
+  };
+  // Of two levels, say of one F and of two, those that are mixed more come first.
+  const auto mixed_by = [&](const Coupling& c, const LevelsThere& there) {
+    return of_one_manifold(c) ? there.turning / (there.turning + constants::two_pi * std::abs(c.apart)) : 0.0;
+  };
+  double most = 0;
+  for (const Passed& one : along)
+    for (const Coupling& c : one.there.couplings) most = std::max(most, mixed_by(c, one.there));
+  for (const Passed& one : along)
+    for (const Coupling& c : one.there.couplings)
+      if (const double share = mixed_by(c, one.there); share > least_motion)
+        edges.push_back({c.upper, c.lower, 0, strength_of_motion * std::sqrt(share / most)});
   RotatingFrame joined;
   joined.photons.resize(count);
   joined.set.resize(count);
@@ -121,10 +136,10 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
   WaveFrame frame{joined.photons, joined.set, std::vector<double>(count), {}, 0};
   std::vector<double> sum(count);
   std::vector<int> terms(count);
-  for (const LevelsThere& there : along)
+  for (const Passed& one : along)
     for (std::size_t k = 0; k < count; ++k) {
       const auto set = static_cast<std::size_t>(frame.set[k]);
-      sum[set] += there.energy(static_cast<Eigen::Index>(k)) - frame.photons[k] * frequency;
+      sum[set] += one.there.energy(static_cast<Eigen::Index>(k)) - frame.photons[k] * frequency;
       ++terms[set];
     }
   for (std::size_t k = 0; k < count; ++k) {
@@ -135,17 +150,20 @@ WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold
   const auto keep = [&](const TwoPhotons& pair) {
     if (std::ranges::find(frame.two, pair) == frame.two.end()) frame.two.push_back(pair);
   };
-  for (std::size_t place = 0; place < along.size(); ++place) {
-    for (const Coupling& c : along[place].couplings) {
-      if (!frame.stand_still(c.upper, c.lower, 1)) neglect(mixing(c.up, c.apart - frequency));
-      if (!frame.stand_still(c.upper, c.lower, -1)) neglect(mixing(c.down, c.apart + frequency));
+  for (const auto& [own, there, by_two] : along) {
+    for (const Coupling& c : there.couplings) {
+      if (!frame.stand_still(c.upper, c.lower, 1)) neglect(mixing(c.up, c.apart - own));
+      if (!frame.stand_still(c.upper, c.lower, -1)) neglect(mixing(c.down, c.apart + own));
+      if (there.fastest > 0 && of_one_manifold(c) && !frame.stand_still(c.upper, c.lower, 0))
+        neglect(mixing(there.turning / constants::two_pi, c.apart - there.fastest));
     }
-    for (const CoupledPair& pair : by_two[place])
-      if (const double strength = pair.strength(2 * frequency); !frame.stand_still(pair.upper, pair.lower, 2))
+    for (const CoupledPair& pair : by_two)
+      if (const double strength = pair.strength(2 * own); !frame.stand_still(pair.upper, pair.lower, 2))
         neglect(strength);
-      else if (strength > least_of_two_photons)
+      else if (own == frequency && strength > least_of_two_photons)
         keep({pair.upper, pair.lower, 2});
-    for (const TwoPhotons& pair : raman_pairs(along[place], frequency, frame)) keep(pair);
+    if (own == frequency)
+      for (const TwoPhotons& pair : raman_pairs(there, own, frame)) keep(pair);
   }
   return frame;
 }

@@ -7,18 +7,25 @@
 
 namespace rabiline {
 
-/// A static field at one place and the size there of what drives, Re(c exp(-i w t)) with a complex vector c,
-/// in axes whose third is along the static field: |c_1 + i c_2|, |c_1 - i c_2| and |c_3|.
+/// A static field at one place and the size there of what drives at one frequency, Re(c exp(-i w t)) with a
+/// complex vector c, in axes whose third is along the static field: |c_1 + i c_2|, |c_1 - i c_2| and |c_3|.
 struct WavePlace {
-  double field = 0;                             // [T]
-  double turning = 0;                           // [rad/s] about how fast a particle sees its direction change
+  double field = 0;    // [T]
+  double turning = 0;  // [rad/s] about how fast a particle sees its direction change, by whole fields too
   double lowering = 0, raising = 0, along = 0;  // [T] what takes up a photon and m - 1, m + 1 or m
+  double fastest = 0;                           // [Hz] of whole fields that drive there
 };
 
 /// What two photons of the drive couple: `upper` has taken up both, or as many as it has given off.
 struct TwoPhotons {
   int upper = 0, lower = 0, ahead = 2;
   bool operator==(const TwoPhotons&) const = default;
+};
+
+/// What one frequency [Hz] > 0 drives along a way.
+struct WaveAlong {
+  double frequency = 0;
+  std::vector<WavePlace> places{};
 };
 
 /// Amplitudes c_k in the laboratory are a_k exp(-i rate_k t), rate_k = 2 pi (n_k f + e_set). A coupling by
@@ -39,9 +46,10 @@ struct WaveFrame {
   }
 };
 
-/// For a frequency [Hz] > 0 along a way. Couplings near resonance anywhere on it come first, then levels of
+/// For frequencies that drive along one way; photons are of the first one, beside which another one's
+/// couplings still turn by the difference. Couplings near resonance anywhere on it come first, then levels of
 /// one manifold (LevelTable) that the turning of the static field mixes, then what is far from resonance.
-WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of, double frequency,
-                     std::span<const WavePlace> places);
+WaveFrame wave_frame(const CoupledSpins& spins, const std::vector<int>& manifold_of,
+                     std::span<const WaveAlong> waves);
 
 }  // namespace rabiline

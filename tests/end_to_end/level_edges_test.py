@@ -189,3 +189,25 @@ def test_a_drive_at_half_of_a_line_acts_by_two_photons_where_the_field_is_not_al
                      "approximation: ")
     turning, whole = (levels(tmp_path, [*fields, drive_at_half + how], "F=2 m=+1", species="K-39 atom", speed=1000) for how in ("rotating_wave", "none"))
     assert whole.max() == pytest.approx(0.871, abs=1e-3) and np.abs(turning - whole).max() < 1e-3
+
+
+NARROW = "{name: X, mass: 30 u, charge: 0 e, structure: {I: 3/2, J: 1/2, coupling: 2 MHz, g_J: 2.0, g_I: -0.001}}"  # few periods between its F
+BETWEEN_F = "name: R, kind: oscillating_field, at: 0.1 m, length: 0.1 m, amplitude: {} uT, frequency: {} MHz, phase: 10 deg, direction: z, approximation: {}"
+
+
+@pytest.mark.parametrize(("field", "within"), [
+    ("name: S, kind: oscillating_field, at: 0.1 m, length: 0.1 m, amplitude: 0.3 uT, frequency: 70 kHz, phase: 80 deg, direction: x, approximation: none", 1e-3),
+    ("name: S, kind: oscillating_field, at: 0.1 m, length: 0.1 m, amplitude: 0.3 uT, frequency: 70 kHz, phase: 70 deg, direction: x, approximation: rotating_wave", 0.02),
+    ("name: L, kind: current_loop, at: 0.15 m, radius: 3 mm, current: 20 mA, turns: 1, direction: x, reach: 50 mm, offset: {x: -0.5 mm, z: -0.3 mm}", 1e-3)])
+def test_what_acts_within_F_acts_where_a_drive_in_the_rotating_wave_joins_two(tmp_path: Path, field: str, within: float) -> None:
+    """All of it was left out without a word: the frame asked what static fields on the axis mix, and had the frequency of one drive."""
+    still = "name: C, kind: uniform_field, at: 0 m, length: 0.4 m, field: 10 uT"
+    turning, whole = (levels(tmp_path, [still, BETWEEN_F.format(0.1, 4.0098, how), field.replace("rotating_wave", how)], "F=1 m=0", 0.3, NARROW, 600)
+                      for how in ("rotating_wave", "none"))
+    assert 0.02 < whole[1] + whole[3] < 0.98 and np.abs(turning - whole).max() < within
+
+
+def test_a_whole_drive_between_the_F_of_a_frame_that_turns_is_told_to_be_left_out(tmp_path: Path) -> None:
+    drives = [BETWEEN_F.format(0.1, 4.0098, "rotating_wave"), BETWEEN_F.format(0.3, 4.075, "none").replace("name: R", "name: S").replace("direction: z", "direction: x")]
+    levels(tmp_path, ["name: C, kind: uniform_field, at: 0 m, length: 0.4 m, field: 10 uT", *drives], "F=1 m=0", 0.3, NARROW, 600)
+    assert "the rotating-wave approximation of `R` is poor" in rabiline("check", tmp_path / "levels.yaml").stdout

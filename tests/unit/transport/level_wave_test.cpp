@@ -38,7 +38,8 @@ void drive(Flight& f, double field, double frequency, const Eigen::Vector3d& axi
     const double turning = f.speed * std::hypot(here.slope[1], here.slope[4], here.slope[7]) / b.norm();
     places.push_back({b.norm(), turning, field * across, field * across, field * along});
   }
-  wave.frame = wave_frame(f.spins, manifolds_of(f.spins, f.apart), frequency, places);
+  wave.frame =
+      wave_frame(f.spins, manifolds_of(f.spins, f.apart), std::vector<WaveAlong>{{frequency, places}});
   f.fields.sections[0].wave = static_cast<int>(f.fields.waves.size());
   f.fields.waves.push_back(wave);
 }
