@@ -26,7 +26,7 @@ SMALL_PROJECTION, SMALLEST = 0.45, 0.5  # likewise, where room is scarce; and th
 BELOW, SMALL_BELOW = 1.2, 1.05  # inches: numbers and names of the axes, and the bar of colours
 BAR, SMALL_BAR = 0.55, 0.48  # inches: from the foot of the figure to that bar
 BEAM = LAWS["quantum"][0]
-TWO = 0.35  # inches of an axis that two numbers need
+TWO = 0.7  # inches of an axis from which on it has two numbers
 MANY = 1e4  # counts that are written with a power of ten
 PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
 
@@ -93,7 +93,9 @@ def draw_images(results: Results, detector: Detector, shots: list[Shot], title: 
             said = "nothing detected" if size[0] > 3 * size[1] else "nothing\ndetected"
             image.text(0.5, 0.5, said, transform=image.transAxes, ha="center", va="center", color=GREY)
         for axis, length in ((image.xaxis, size[0]), (image.yaxis, size[1])):
-            axis.set_major_locator(MaxNLocator(max(2 if axis is image.yaxis and length > TWO else 1, min(5, int(2 * length))), steps=[1, 2, 5, 10], min_n_ticks=1, prune="upper" if axis is image.xaxis else None))
+            along_x = axis is image.xaxis
+            axis.set_major_locator(MaxNLocator(max(1, min(5, int(2 * length))), steps=[1, 2, 5, 10], prune="upper" if along_x else None,
+                                               min_n_ticks=1 if along_x or length < TWO else 2))
         image.set_xlabel("x (mm)")
         image.spines[["top", "right"]].set_visible(True)
         above.set_title(heading, loc="left")

@@ -15,7 +15,7 @@ from runs import LAWS, ROOT, folder, rabiline, run  # noqa: F401
 
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline as package  # noqa: E402
-from rabiline import lines, results  # noqa: E402
+from rabiline import forms, lines, results  # noqa: E402
 from rabiline.__main__ import main  # noqa: E402
 from rabiline.curves import curves, deepest, half_maxima  # noqa: E402
 from rabiline.templates import _cut, templates  # noqa: E402
@@ -146,8 +146,8 @@ def test_screens_of_all_points_are_cut_in_few_calls(of_laws: Path) -> None:
 
 
 def test_a_start_of_fringes_that_leads_nowhere_is_given_up(licl: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (curve,), called, two_fields = curves(results.read(licl)), [], lines._two_fields
-    monkeypatch.setattr(lines, "_two_fields", lambda *values: called.append(1) or two_fields(*values))
+    (curve,), called, two_fields = curves(results.read(licl)), [], forms._two_fields
+    monkeypatch.setattr(forms, "_two_fields", lambda *values: called.append(1) or two_fields(*values))
     assert lines.fit_line(curve.x, curve.y, curve.covariance, "ramsey").chi_squared < 25000
     assert len(called) < 4000  # 8000 to its end
 
