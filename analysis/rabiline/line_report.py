@@ -54,7 +54,7 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.deviance is not None else ', without correlations'}")
-    lines += [f"           or another fringe: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
+    lines += [f"           or another {'fringe' if fitted.form == 'ramsey' else 'line'}: centre {format_value(centre, unit, None, written)} with chi² {chi_squared:.1f}"
               for centre, chi_squared in fitted.others]
     if fitted.p < LEAST_P:
         believed = "the centre of a symmetric line, and no errors" if fitted.chi_squared < RESEMBLES * fitted.constant else "none of these numbers"
