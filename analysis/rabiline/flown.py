@@ -24,6 +24,10 @@ class Flown(Results):
         vars(self).update(vars(read(self.core.image())))
         return getattr(self, name)
 
+    def __dir__(self) -> list[str]:
+        """What is read when it is asked for, too."""
+        return sorted({*super().__dir__(), *Results.__dataclass_fields__})
+
     def __reduce__(self) -> tuple[object, tuple[bytes]]:
         """Copies and other processes have what its file has."""
         return read, (self.core.image(),)

@@ -55,6 +55,7 @@ def test_fields_are_told_at_places_that_are_numbers(ramsey: rabiline.Experiment)
 
 def test_a_run_has_the_bits_of_the_command(ramsey: rabiline.Experiment, of_the_command: object) -> None:
     flown = ramsey.run()
+    assert {"scan", "detectors", "tallies", "to_xarray"} <= set(dir(flown)) and set(vars(flown)) == {"core"}
     assert (flown.detected == of_the_command.detected).all() and flown.detected.shape == (14,)
     assert (flown.scan.covariance == of_the_command.scan.covariance).all()
     assert (flown.detectors["screen"].counts == of_the_command.detectors["screen"].counts).all()
