@@ -67,7 +67,7 @@ class CountsFit:
     errors: np.ndarray  # [k] one standard deviation, by the curvature
     covariance: np.ndarray  # [k, k]
     intervals: tuple[tuple[float, float], ...]  # where Q is one above its least value
-    chi_squared: float  # Pearson's, with the covariance of the simulation
+    chi_squared: float  # Pearson's, with the covariance of the simulation, and of one count or more at each point
     freedom: int  # of the points, each as a part where less than one count is expected
     condition: float  # of the parameters' correlation
     degenerate: tuple[Direction, ...]

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <span>
 
@@ -156,26 +155,23 @@ std::set<int> clocks_of_waves(const std::vector<Section>& sections, double from,
 
 WaveFields wave_fields(const SpinZone& drives, const Section& section, const Species& atom,
                        const std::vector<int>& manifold_of, double speed, const Offset& beam,
-                       const std::function<double(double)>& moving, double fastest) {
+                       const MovingFields& moving) {
   WaveFields out;
   out.drives.assign(drives.drive, drives.drive + drives.drives);
-  out.frequency = std::abs(out.drives.front().omega) / two_pi;
-  std::map<double, std::vector<DriveTerm>> alike;
-  std::vector<double> frequencies;
-  for (const DriveTerm& drive : out.drives) {
-    const double frequency = std::abs(drive.omega) / two_pi;
-    if (!alike.contains(frequency)) frequencies.push_back(frequency);
-    alike[frequency].push_back(drive);
-  }
+  const auto frequency_of = [](const DriveTerm& drive) { return std::abs(drive.omega) / two_pi; };
+  out.frequency = frequency_of(out.drives.front());
   std::vector<WaveAlong> waves;
-  for (const double frequency : frequencies) {
-    WaveAlong wave{frequency};
+  for (const DriveTerm& drive : out.drives) {
+    WaveAlong wave{frequency_of(drive)};
+    if (std::ranges::find(waves, wave.frequency, &WaveAlong::frequency) != waves.end()) continue;
+    std::vector<DriveTerm> alike;
+    std::ranges::copy_if(out.drives, std::back_inserter(alike),
+                         [&](const DriveTerm& other) { return frequency_of(other) == wave.frequency; });
     for (int i = 0; i < places_of_frame; ++i) {
       const double y = place_in(section.begin, section.end, i);
-      wave.places.push_back(place_of(alike[frequency],
-                                     static_field(section.field, section.shaped, beam, y, y / speed), speed,
-                                     moving(y)));
-      wave.places.back().fastest = fastest;
+      wave.places.push_back(place_of(alike, static_field(section.field, section.shaped, beam, y, y / speed),
+                                     speed, moving.rate(y)));
+      wave.places.back().fastest = moving.fastest;
       if (section.shaped.empty() && section.swinging.empty()) break;
     }
     waves.push_back(std::move(wave));

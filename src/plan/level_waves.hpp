@@ -21,12 +21,16 @@ double angular_frequency(const DriveTerm&, double speed);
 std::set<int> clocks_of_waves(const std::vector<Section>&, double from, double to, const ZoneMaker&,
                               double periods);
 
-/// The drives of a zone with the frame in which they stand nearly still, by what acts where the beam
-/// passes a section; `moving` [T/s] is how fast whole fields change that move, at a place along the beam,
-/// and `fastest` [Hz] what drives as one.
+/// What whole fields that move do beside such drives.
+struct MovingFields {
+  std::function<double(double y)> rate;  // [T/s] how fast they change, at a place along the beam
+  double fastest = 0;                    // [Hz]
+};
+/// The drives of a zone with the frame in which they stand nearly still, by what acts where the beam passes a
+/// section.
 WaveFields wave_fields(const SpinZone& drives, const Section&, const Species& atom,
                        const std::vector<int>& manifold_of, double speed, const Offset& beam,
-                       const std::function<double(double)>& moving, double fastest);
+                       const MovingFields&);
 
 /// What drives on a way, in axes along the static field at the place of its section where a line is nearest,
 /// with that one of the frequencies that it sweeps through.

@@ -307,13 +307,12 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
       swinging += std::abs(drive.spin_rate) * angular_frequency(drive, speed);
     Section alone = section;
     alone.field = {};
-    out.waves.push_back(wave_fields(
-        zones.zone_of(alone), section, species, manifolds, speed, beamline.source.offset,
-        [&](double y) {
-          const Passing passing = passing_at(out, part, y, speed, starts);
-          return swinging + passing.courses + passing.growth + passing.swinging;
-        },
-        part.fastest / (2 * std::numbers::pi)));
+    const auto rate = [&](double y) {
+      const Passing passing = passing_at(out, part, y, speed, starts);
+      return swinging + passing.courses + passing.growth + passing.swinging;
+    };
+    out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed,
+                                    beamline.source.offset, {rate, part.fastest / (2 * std::numbers::pi)}));
   }
   const bool begins = out.sections.front().field.begin <= from + no_length,
              ends = out.sections.back().field.end >= to - no_length;
