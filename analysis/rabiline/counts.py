@@ -21,6 +21,7 @@ MISNAMED = {"time": " Write `seconds`, with a unit if it is another one", "secon
             **dict.fromkeys(("err", "error", "errors", "sigma", "uncertainty"), ERRORS)}
 COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and `counts`; if wanted `seconds` (time at each "
            "point), `emitted` (particles) and `detector`")
+SPARSE = 0.2  # a Gaussian of two points' width; fringes of six points each
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,21 @@ class Counts:
     emitted: np.ndarray | None  # [n] particles that left the source, or started towards its target
     detector: str | None
     across: Across | None = None  # a second scanned parameter
+
+    def are_sparse(self, curve: np.ndarray, covariance: np.ndarray) -> bool:
+        """Whether what a curve [n] with errors of its own [n, n] shows is narrower than about two points: it is then far off the
+        straight lines between neighbours."""
+        others = np.zeros(self.x.size) if self.across is None else np.unique(self.across.places, return_inverse=True)[1]
+        order = np.lexsort((self.x, others))
+        left, here, right = order[:-2], order[1:-1], order[2:]
+        alike = (others[left] == others[right]) & (self.x[left] < self.x[here]) & (self.x[here] < self.x[right])
+        left, here, right = left[alike], here[alike], right[alike]
+        part = (self.x[here] - self.x[left]) / (self.x[right] - self.x[left])
+        off = np.zeros((here.size, self.x.size))
+        rows = np.arange(here.size)
+        off[rows, here], off[rows, left], off[rows, right] = 1.0, part - 1, -part
+        noise = np.sum((off @ covariance) * off)
+        return bool(np.sum((off @ curve)**2) - noise > SPARSE * np.sum((curve - curve.mean())**2))
 
 
 def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = None) -> Counts:

@@ -60,6 +60,13 @@ def report(fit: CountsFit) -> Iterable[str]:
         name = fit.names[int(np.argmax(fit.shares_of_simulation))]
         yield (f"  {fit.share_of_simulation:.0%} of the variance of {name} comes from the simulation itself: {wanted:.2g} `particles` would make that "
                "a tenth")
+    if fit.searches > 1:
+        yield f"  the points are farther apart than what the curve shows is wide, so that other values may fit as well: this is the best of {fit.searches} searches"
+    for rival in fit.rivals:
+        moved = (rival.values - fit.values) / fit.errors
+        i = int(np.argmax(np.abs(moved)))
+        there = format_value(float(f"{rival.values[i]:.4g}"), fit.units[i], None, fit.written_unit(i))
+        yield (f"  nearly as good: {fit.names[i]} near {there}, {abs(moved[i]):.0f} of its errors from here, where −2 ln L is {max(rival.rise, 0.0):.1f} higher: measure more points")
     for one in fit.held:
         yield from _about_held(fit, one)
     if verdict := verdict_of(fit):

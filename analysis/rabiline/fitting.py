@@ -17,9 +17,10 @@ from .counts import Counts, read_counts
 from .counts_problem import Exposure, Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
 from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, Surface, check_columns
+from .directions import Direction, analysis
 from .errors import as_keywords
 from .experiment import Experiment
-from .held import Held, held
+from .held import ASKS, Held, held
 from .profiles import Profiles, profiles
 from .units import format_value
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     import pandas
 
 MOST_ITERATIONS = 25
-SLIGHT = 0.1  # a part of a direction, or what a power is away from one, that may be the noise of slopes or their bends
+SLIGHT = 0.1  # of what the counts change
 MANY = 20  # times those explored: so many particles fly once
 REST = 0.1  # standard deviations: nearer than that, the last step was the last
 MOST_MINIMA = 4  # that a walk along the profiles leads to
@@ -36,25 +37,11 @@ PARTS_OF_THE_WAY = 1.0, 0.5, 0.25  # to where a surface promises less, beyond it
 
 
 @dataclass(frozen=True)
-class Direction:
-    """A combination of parameters that the data do not know: all changed by these parts of themselves, nothing happens."""
+class Rival:
+    """Another minimum, that the counts hardly tell from the one of the fit."""
 
-    names: tuple[str, ...]
-    parts: np.ndarray  # relative changes, the largest 1
-    weights: np.ndarray  # changes in errors that are left where the others are known, the largest 1
-    hidden: bool = False  # they would know it, but for the noise of the simulation
-
-    @property
-    def involved(self) -> np.ndarray:
-        """[any] The numbers of the parameters that it does not know."""
-        return np.flatnonzero(np.abs(self.weights) > SLIGHT)
-
-    def __str__(self) -> str:
-        if self.hidden:
-            return f"too few particles: the simulation's own noise hides what {' and '.join(f'`{self.names[i]}`' for i in self.involved)} change"
-        changes = ", ".join(f"`{self.names[i]}` by {100 * self.parts[i]:+.3g} %" for i in self.involved)
-        change = "changes" if self.involved.size == 1 else "together change"
-        return f"degenerate: {changes} {change} next to nothing that this simulation could see"
+    values: np.ndarray  # [k]
+    rise: float  # of Q
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,6 +71,8 @@ class CountsFit:
     beyond: tuple[tuple[str, float], ...] = ()  # parameters that ended beyond what they may be, and their limit in SI
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
+    searches: int = 1  # from so many places, where the points are too sparse for one
+    rivals: tuple[Rival, ...] = ()
     written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
 
     @property
@@ -169,6 +158,9 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
                                       exposure.start(name) or 0.1 * counts.counts.min() for name in extra]])
     first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
+    others = _searched_beside(model, counts, problem, values) if counts.are_sparse(problem.surface.y, problem.surface.covariance) else []
+    if others and others[0][0] < _flown(model, problem, values):
+        values, problem = _settle(model, *others[0][1:])
     found = profiles(model, problem, values, intervals)
     for _ in range(MOST_MINIMA):
         if found.lower is None:
@@ -179,7 +171,36 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
             values, problem = found.lower, replace(problem, surface=Surface.about(model, found.lower[:len(names)], problem.surface.steps))
         values, problem = _settle(model, values, problem)
         found = profiles(model, problem, values, intervals)
-    return _conclude(model, counts, problem, first, values, found)
+    return replace(_conclude(model, counts, problem, first, values, found), searches=1 + len(others), rivals=_rivals(model, problem, values, found, others))
+
+
+def _searched_beside(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray) -> list[tuple[float, np.ndarray, Problem]]:
+    """Q, values and the problem where searches come to rest that begin on both sides of `values`, half of what the curve shows away: the best first.
+    A curve that is off its counts by that much between two points is as good as one that is not, so that one search may end anywhere."""
+    surface, found = problem.surface, []
+    weights = 1 / np.maximum(surface.y, 1e-3 * surface.y.max())
+    for i in range(len(model.names)):
+        half = np.sqrt(np.sum(weights * surface.slopes[i]**2) / max(np.sum(weights * surface.bends[i, i]**2), 1e-300)) / 2
+        for side in (1, -1):
+            beside = values.copy()
+            beside[i] += side * half * surface.steps[i]
+            try:
+                there, its = _search(model, counts, problem.exposure, problem.extra, beside)
+                found.append((_flown(model, its, there), there, its))
+            except NoFit:
+                continue
+    return sorted(found, key=lambda one: one[0])
+
+
+def _rivals(model: CurveModel, problem: Problem, values: np.ndarray, profiled: Profiles, others: list[tuple[float, np.ndarray, Problem]]) -> tuple[Rival, ...]:
+    """Of these, each once, that are as good but for three standard deviations, and far away."""
+    mu, _, each = problem.mean(values)
+    errors = profiled.errors * np.sqrt(np.diag(problem.fisher(values, problem.modes(mu, each)).covariance))
+    here, rivals = _flown(model, problem, values), []
+    for badness, there, _ in others:
+        if badness < here + ASKS and all((np.abs(there - one) > FAR * errors)[:len(model.names)].any() for one in (values, *(one.values for one in rivals))):
+            rivals.append(Rival(there, badness - here))
+    return tuple(rivals)
 
 
 def exposure_of(model: CurveModel, counts: Counts, values: np.ndarray) -> Exposure:
@@ -359,36 +380,3 @@ def _flown(model: CurveModel, problem: Problem, values: np.ndarray, particles: i
     """Q of the curve that is flown there, with what is free of the exposure as it fits best."""
     k = len(model.names)
     return replace(problem, surface=Surface.level(model.at(values[:k], particles), values[:k])).least(values, range(k))[1]
-
-
-def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
-             ) -> tuple[np.ndarray, float, tuple[Direction, ...], tuple[tuple[str, float, float], ...]]:
-    """Covariance, condition number, and what is degenerate."""
-    eigenvalues, vectors, known = fisher.directions
-    condition = float(eigenvalues.max() / max(eigenvalues.min(), 1e-16 * eigenvalues.max()))
-    covariance = fisher.covariance
-    directions, combined = [], []
-    for vector, hidden in zip(vectors[:, ~known].T, fisher.hidden[~known]):
-        relative = vector * fisher.errors / np.where(values == 0, 1.0, values)
-        directions.append(Direction(tuple(names), *(one / one[np.argmax(np.abs(one))] for one in (relative, vector)), bool(hidden)))
-        combined += _combination(directions[-1], values, covariance) if np.sum(~known) == 1 and not hidden else []
-    grown = np.zeros(values.size)  # what is not known has no error: as large as the parameter itself, at least
-    for direction in directions:
-        grown[direction.involved] = np.abs(values[direction.involved])
-    covariance = covariance + np.diag(grown**2)
-    return covariance, condition, tuple(directions), tuple(combined)
-
-
-def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarray) -> list[tuple[str, float, float]]:
-    """Of two degenerate parameters, the product of powers that the data do know."""
-    if direction.involved.size != 2 or (values[direction.involved] <= 0).any():
-        return []
-    first, second = direction.involved
-    power = -direction.parts[first] / direction.parts[second]
-    power = -1.0 if abs(power + 1) <= SLIGHT else power
-    names = direction.names[first], direction.names[second]
-    name = " / ".join(names) if power == -1 else f"{names[0]} × {names[1]}^{power:.2f}"
-    logarithm = np.zeros(values.size)
-    logarithm[first], logarithm[second] = 1 / values[first], power / values[second]
-    value = float(values[first] * values[second]**power)
-    return [(name, value, abs(value) * float(np.sqrt(logarithm @ covariance @ logarithm)))]

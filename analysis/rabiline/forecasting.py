@@ -13,7 +13,7 @@ from .counts_problem import REACH, Exposure, Problem
 from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit, Surface
 from .experiment import Experiment
 from .fit_report import few_particles
-from .fitting import Direction, analysis
+from .directions import Direction, analysis
 from .units import format_value
 
 TURNS = 3  # for steps of about one standard deviation

@@ -203,41 +203,45 @@ const UnitSymbol* find_unit(std::string_view symbol) {
 
 /// A prefix before a unit that does not take it is a power of ten: "1e-6 T/m" for 1 uT/m.
 std::string without_prefix(const Decimal& number, std::string_view symbol, std::optional<Dimension> wanted) {
-  static constexpr std::array<std::pair<std::string_view, int>, 10> prefixes{{{"p", -12},
-                                                                              {"n", -9},
-                                                                              {"u", -6},
-                                                                              {"\u00b5", -6},
-                                                                              {"m", -3},
-                                                                              {"c", -2},
-                                                                              {"k", 3},
-                                                                              {"M", 6},
-                                                                              {"G", 9},
-                                                                              {"T", 12}}};
-  for (const auto& [prefix, power] : prefixes) {
-    if (!symbol.starts_with(prefix)) continue;
-    const UnitSymbol* unit = find_unit(symbol.substr(prefix.size()));
-    if (unit && unit->symbol == row_of(unit->dimension).si_unit &&
-        unit->dimension == wanted.value_or(unit->dimension))
-      return fmt::format("`{}e{} {}`", number.mantissa, number.exponent + power, unit->symbol);
+  static constexpr std::string_view sign_micro = "\u00b5", prefixes = "pnumckMGT";
+  const bool has_sign = symbol.starts_with(sign_micro);
+  const char prefix = has_sign ? 'u' : symbol.front();
+  if (prefixes.find(prefix) == prefixes.npos) return {};
+  const UnitSymbol* unit = find_unit(symbol.substr(has_sign ? sign_micro.size() : 1));
+  if (!unit || unit->symbol != row_of(unit->dimension).si_unit ||
+      unit->dimension != wanted.value_or(unit->dimension))
+    return {};
+  return fmt::format("`{}e{} {}`", number.mantissa, number.exponent + power_of(prefix), unit->symbol);
+}
+
+/// Units, and prefixes, that people write out, and how they are written here; empty where it is none.
+std::string written_out(std::string_view symbol) {
+  static constexpr std::array<std::string_view, 14> names{"gauss",  "tesla",  "kelvin", "hertz",  "metre",
+                                                          "meter",  "second", "ampere", "degree", "radian",
+                                                          "micron", "amu",    "da",     "dalton"};
+  static constexpr std::array<std::string_view, 14> units{"G", "T",   "K",   "Hz", "m", "m", "s",
+                                                          "A", "deg", "rad", "um", "u", "u", "u"};
+  static constexpr std::array<std::string_view, 7> words{"nano",  "micro", "mu",  "milli",
+                                                         "centi", "kilo",  "mega"};
+  static constexpr std::string_view prefixes = "nuumckM";
+  const std::string word = lower(symbol);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (word == names[i] || word == fmt::format("{}s", names[i])) return std::string(units[i]);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (!word.starts_with(words[i]) || word.size() == words[i].size()) continue;
+    const std::string_view rest = symbol.substr(words[i].size());
+    const std::string unit = find_unit(rest) ? std::string(rest) : written_out(rest);
+    if (find_unit(prefixes[i] + unit)) return prefixes[i] + unit;
   }
   return {};
 }
 
-/// Units that people write out, and how they are written here; empty where it is none.
-std::string written_out(std::string_view symbol) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 10> names{{{"gauss", "G"},
-                                                                                        {"tesla", "T"},
-                                                                                        {"kelvin", "K"},
-                                                                                        {"hertz", "Hz"},
-                                                                                        {"metre", "m"},
-                                                                                        {"meter", "m"},
-                                                                                        {"second", "s"},
-                                                                                        {"ampere", "A"},
-                                                                                        {"degree", "deg"},
-                                                                                        {"radian", "rad"}}};
-  const std::string word = lower(symbol);
-  for (const auto& [name, unit] : names)
-    if (word == name || word == fmt::format("{}s", name)) return std::string(unit);
+/// "25.4 mm" for what is known under a name that has no place here; empty where it is none.
+std::string converted(double number, std::string_view symbol) {
+  if (symbol == "inch" || symbol == "inches" || symbol == "in")
+    return fmt::format("{:.9g} mm", 25.4 * number);
+  if (symbol == "Oe") return fmt::format("{:.9g} G", number);
+  if (symbol == "c") return fmt::format("{:.9g} m/s", constants::speed_of_light * number);
   return {};
 }
 
@@ -273,6 +277,10 @@ std::string suggest_unit(const Decimal& number, std::string_view symbol, std::op
     return fmt::format("temperatures are absolute: write `{:.6g} K`",
                        symbol.ends_with('C') ? degrees + zero : (degrees - 32) * 5 / 9 + zero);
   }
+  if (const std::string other = converted(evaluate(number, 1), symbol);
+      !other.empty() &&
+      (!dimension_known || find_unit(other.substr(other.find(' ') + 1))->dimension == *wanted))
+    return fmt::format("write `{}`", other);
   const UnitSymbol* whole = find_unit(written_out(symbol));
   if (whole && (!dimension_known || whole->dimension == *wanted))
     return fmt::format("write `{:.9g} {}`", evaluate(number, 1), whole->symbol);

@@ -143,6 +143,13 @@ TEST(Units, SuggestTheUnitThatWasMeant) {
   EXPECT_EQ(parse_quantity("1 metre", Dimension::length).suggestion, "write `1 m`");
   EXPECT_EQ(parse_quantity("1 Gauss", Dimension::magnetic_field).suggestion, "write `1 G`");
   EXPECT_EQ(parse_quantity("1 Gauss", Dimension::length).suggestion, "");
+  EXPECT_EQ(parse_quantity("10 muT", Dimension::magnetic_field).suggestion, "write `10 uT`");
+  EXPECT_EQ(parse_quantity("10 microtesla", Dimension::magnetic_field).suggestion, "write `10 uT`");
+  EXPECT_EQ(parse_quantity("3 milliGauss", Dimension::magnetic_field).suggestion, "write `3 mG`");
+  EXPECT_EQ(parse_quantity("7 amu", Dimension::mass).suggestion, "write `7 u`");
+  EXPECT_EQ(parse_quantity("2 inch", Dimension::length).suggestion, "write `50.8 mm`");
+  EXPECT_EQ(parse_quantity("2 inch", Dimension::magnetic_field).suggestion, "");
+  EXPECT_EQ(parse_quantity("0.001 c", Dimension::speed).suggestion, "write `299792.458 m/s`");
   EXPECT_EQ(parse_quantity("6 Gs", Dimension::magnetic_field).suggestion, "did you mean `G`?");  // no 6e9 s
   EXPECT_EQ(parse_quantity("1 uT/m", Dimension::field_gradient).value, 1e-6);
   EXPECT_EQ(parse_quantity("1 pT/m", Dimension::field_gradient).suggestion, "write `1e-12 T/m`");
