@@ -13,7 +13,8 @@ from typing import Sequence
 
 import numpy as np
 
-from .curve_model import BACKGROUND, SCALE, Surface
+from .curve_model import BACKGROUND, SCALE
+from .surface import Surface
 
 IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
 LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter

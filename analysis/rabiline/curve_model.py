@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from threading import Event
 from typing import Callable, Sequence
 
@@ -146,6 +146,16 @@ class CurveModel:
                 self._known[key] = self._continued(values, particles if whole else None, problem)
         return self._known[key]
 
+    def beside(self, values: np.ndarray, number: int, step: float) -> list[np.ndarray]:
+        """[2] Groups of curves with one parameter a step above and below; what cannot be on one side goes on straight from the other."""
+        here, sides = self.at(values).groups, []
+        for by in (step, -step):
+            try:
+                sides.append(self.at(moved(values, number, by)).groups)
+            except NoFit:
+                sides.append(2 * here - self.at(moved(values, number, -by)).groups)
+        return sides
+
     def _flown_at(self, values: Sequence[float], particles: int, whole: bool) -> Evaluated:
         self.flights += 1
         begun = time.monotonic()
@@ -165,7 +175,7 @@ class CurveModel:
         if not abs(away) <= (max(abs(limit), abs(limit - start)) or np.inf):  # too far, or nothing that is wrong by itself
             raise NoFit(self._out_of_range(values, problem)) from None
         within = np.copysign(min(abs(away), LARGEST_STEP * max(abs(limit), abs(start)) or abs(away)), away)
-        last, before = (self.at(_moved(values, number, to - values[number]), particles) for to in (limit, limit - within))
+        last, before = (self.at(moved(values, number, to - values[number]), particles) for to in (limit, limit - within))
         further = away / within
         return Evaluated(last.y + further * (last.y - before.y), last.covariance, last.groups + further * (last.groups - before.groups))
 
@@ -232,7 +242,7 @@ class CurveModel:
         largest = LARGEST_STEP * abs(values[number]) if values[number] != 0 else LARGEST_FROM_ZERO
         step, before, patient = min(max(wanted, self._widened.get(number, 0.0)), largest), np.inf, True
         while True:
-            change = self.at(_moved(values, number, step)).groups - self.at(values).groups
+            change = self.beside(values, number, step)[0] - self.at(values).groups
             variance, ways = noise_of(change, self.at(values).y)
             of_shape = noise_of(change, self.at(values).y, True)[0] if self.scaled else 0.0
             noise = max(variance / SPREAD, variance / ways, of_shape / SHAPE)
@@ -256,7 +266,8 @@ class CurveModel:
         return step
 
     def _meets_an_edge(self, values: np.ndarray, number: int, step: float) -> bool:
-        up, here, down = (self.at(_moved(values, number, by)).y for by in (step, 0.0, -step))
+        up, down = (groups.mean(axis=0) for groups in self.beside(values, number, step))
+        here = self.at(values).y
         return meets_an_edge(here, (up - down) / 2, (up + down) / 2 - here)
 
     def first_steps(self, values: np.ndarray) -> np.ndarray:
@@ -325,75 +336,7 @@ def noise_of(groups: np.ndarray, y: np.ndarray, scaled: bool = False) -> tuple[f
     return float(noise / common) if common > 0 else np.inf, 1 / max(alike, 1 / y.size)
 
 
-def _moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
+def moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
     out = np.array(values, dtype=float)
     out[number] += by
     return out
-
-
-def _mean_and_noise(groups: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The mean [n] of groups [groups, n], and what they differ in, such that the sum of squares is the variance of the mean."""
-    mean = groups.mean(axis=0)
-    return mean, (groups - mean) / np.sqrt(len(groups) * (len(groups) - 1))
-
-
-def _agreed(groups: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same, less where it is mostly noise."""
-    mean, noise = _mean_and_noise(groups)
-    less = 1 + noise_of(groups, y)[0]
-    return mean / less, noise / less
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The curve about a place as a polynomial of second order in the parameters, through flights one step away."""
-
-    centre: np.ndarray  # [k]
-    steps: np.ndarray  # [k]
-    y: np.ndarray  # [n]
-    slopes: np.ndarray  # [k, n] for one step
-    bends: np.ndarray  # [k, k, n] half of the second differences
-    covariance: np.ndarray  # [n, n]
-    noise: np.ndarray  # [groups, k, n] what the groups differ in, such that the sum of squares is the variance of the slopes
-    bend_noise: np.ndarray  # [groups, k, k, n] likewise of the bends
-
-    @classmethod
-    def level(cls, here: Evaluated, centre: np.ndarray) -> Surface:
-        """Of a curve of which nothing else is known."""
-        k, n = centre.size, here.y.size
-        return cls(centre, np.ones(k), here.y, np.zeros((k, n)), np.zeros((k, k, n)), here.covariance, np.zeros((0, k, n)), np.zeros((0, k, k, n)))
-
-    @classmethod
-    def about(cls, model: CurveModel, centre: np.ndarray, steps: np.ndarray, crossed: bool = True) -> Surface:
-        """`crossed`: with the mixed second differences."""
-        here = model.at(centre)
-        k, n = centre.size, here.y.size
-        slopes, bends = np.zeros((k, n)), np.zeros((k, k, n))
-        noise, bend_noise, above = np.zeros((len(SEEDS), k, n)), np.zeros((len(SEEDS), k, k, n)), []
-        for i in range(k):
-            up, down = (model.at(_moved(centre, i, side * steps[i])).groups for side in (1, -1))
-            above.append(up)
-            slopes[i], noise[:, i] = _mean_and_noise((up - down) / 2)
-            bends[i, i], bend_noise[:, i, i] = _agreed((up + down) / 2 - here.groups, here.y)
-        for i in range(k if crossed else 0):
-            for j in range(i):
-                both = model.at(_moved(_moved(centre, i, steps[i]), j, steps[j])).groups
-                bends[i, j], bend_noise[:, i, j] = _agreed((both - above[i] - above[j] + here.groups) / 2, here.y)
-                bends[j, i], bend_noise[:, j, i] = bends[i, j], bend_noise[:, i, j]
-        return cls(centre, steps, here.y, slopes, bends, here.covariance, noise, bend_noise)
-
-    def whole(self, model: CurveModel, particles: int) -> Surface:
-        """About the same place with so many particles in one flight; how it bends is that of those explored."""
-        here = model.at(self.centre, particles)
-        return replace(self, y=here.y, covariance=here.covariance)
-
-    def moved(self, centre: np.ndarray) -> Surface:
-        """The same polynomial about another place, less than a step away."""
-        d = (centre - self.centre) / self.steps
-        return replace(self, centre=centre, y=self.at(centre)[0], slopes=self.slopes + 2 * np.einsum("ijn,j->in", self.bends, d))
-
-    def at(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The curve [n] and its derivatives [k, n] by the parameters."""
-        d = (values - self.centre) / self.steps
-        bent = np.einsum("ijn,j->in", self.bends, d)
-        return self.y + d @ (self.slopes + bent), (self.slopes + 2 * bent) / self.steps[:, None]

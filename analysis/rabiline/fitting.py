@@ -16,12 +16,13 @@ from . import asked
 from .counts import Counts, read_counts
 from .counts_problem import Exposure, Fisher, Problem, shares_of_simulation
 from .covariance import LEAST_P
-from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, Surface, check_columns
+from .curve_model import BACKGROUND, LARGEST_STEP, SCALE, CurveModel, NoFit, check_columns
 from .directions import Direction, analysis
 from .errors import as_keywords
 from .experiment import Experiment
 from .held import ASKS, Held, held
 from .profiles import Profiles, profiles
+from .surface import Surface
 from .units import format_value
 
 if TYPE_CHECKING:
@@ -353,9 +354,13 @@ def _held(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray
 
     def confirmed(one: Held) -> Held:
         freed, here = replace(problem, extra=(*problem.extra, one.name)), _flown(model, problem, values, model.particles)
-        falls = [here - _flown(model, freed, np.append(values + share * one.moved * errors, one.value), model.particles)
-                 for share in PARTS_OF_THE_WAY]
-        return replace(one, fall=max(falls))
+        falls = []
+        for share in PARTS_OF_THE_WAY:
+            try:
+                falls.append(here - _flown(model, freed, np.append(values + share * one.moved * errors, one.value), model.particles))
+            except NoFit:  # no such values
+                continue
+        return replace(one, fall=max(falls, default=one.fall))
 
     local = [confirmed(one) if one.is_wanted and (np.abs(one.moved[:k]) > FAR).any() else one for one in held(problem, values, errors)]
     moves = np.abs(values - first)

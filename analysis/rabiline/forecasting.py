@@ -10,10 +10,11 @@ import numpy as np
 from . import asked
 from .argument_types import LARGEST
 from .counts_problem import REACH, Exposure, Problem
-from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit, Surface
+from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit
 from .experiment import Experiment
-from .fit_report import few_particles
 from .directions import Direction, analysis
+from .fit_report import few_particles
+from .surface import Surface
 from .units import format_value
 
 TURNS = 3  # for steps of about one standard deviation

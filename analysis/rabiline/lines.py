@@ -23,8 +23,10 @@ LEAST = 1e-6  # of the largest singular value: directions below it are not known
 LONG, HOPELESS = 50, 20.0  # steps of a fit after which it is given up, where its chi² is still so many times that of another start
 REST = 0.05  # of chi²: what is nearer to the least than that is there, within a quarter of the errors
 ROUNDS, SETTLED = 12, 0.01  # of fits to counts, with the errors of the last one; errors by which a parameter moves in the last of them
+BLENDED = 2, 4  # points between lines, where one starts in the middle of all
 FAINT = 100.0  # of chi², by which it is less than that of no line
 PROBED = 1.0, 2.0, 4.0, 8.0  # errors beside the centre of a faint line, where it could be as well
+ENTANGLED = 4.0  # times an error where all others are known
 LEAST_EXPECTED = 0.1  # counts
 
 
@@ -110,7 +112,6 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
     if callable(form) and not isinstance(form, Form):
         def of(first: np.ndarray, covariance: np.ndarray) -> LineFit:
             return _refined("callable", tuple(start), lambda values, at: form(at, *values), first, x, y, covariance)
-
         return replace(_likeliest(of(np.array(list(start.values())), covariance), y, errors, lambda fit, covariance: of(fit.values, covariance)), unit=unit)
     if not isinstance(form, Form) and form not in FORMS:
         raise NoLine(f"there is no form `{form}` (there is {', '.join(FORMS)})")
@@ -139,17 +140,19 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
         return values[-1] + np.sum(parts, axis=0)
 
     reached = [np.inf]  # chi² of other starts
-
     names = (*numbered, *chosen.parameters, *contrasts, "baseline")
 
     def refined_from(first: np.ndarray, covariance: np.ndarray, least: float = np.inf) -> LineFit:
         return _refined(chosen.name, names, model, first, x, y, covariance, least)
 
-    def held(fit: LineFit, number: int, at: float) -> float:
+    def held(fit: LineFit, number: int, at: float) -> LineFit:
         def rest(values: np.ndarray, covariance: np.ndarray) -> LineFit:
             return _refined(chosen.name, names, lambda values, x: model(np.insert(values, number, at), x), values, x, y, covariance)
 
-        return _likeliest(rest(np.delete(fit.values, number), errors.covariance(fit.expected) if isinstance(errors, Poisson) else covariance), y, errors, lambda fit, covariance: rest(fit.values, covariance)).badness
+        return _likeliest(rest(np.delete(fit.values, number), errors.covariance(fit.expected) if isinstance(errors, Poisson) else covariance), y, errors, lambda fit, covariance: rest(fit.values, covariance))
+
+    def least(fit: LineFit, covariance: np.ndarray = covariance) -> LineFit:
+        return _likeliest(fit, y, errors, lambda fit, covariance: refined_from(fit.values, covariance))
 
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
         first = _linear(chosen, x, y, sigma, centres, shared)[1]
@@ -163,11 +166,18 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
             return []
         return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
-    found = _best([_likeliest(fit, y, errors, lambda fit, covariance: refined_from(fit.values, covariance))
-                   for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x)
-    if found.constant - found.chi_squared < FAINT:
-        for i in range(lines):
-            found = _not_too_sure(found, i, lambda at: held(found, i, at))
+    found = _best([least(fit) for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x, lines)
+    for _ in range(HOPS):
+        faint = range(lines) if found.constant - found.chi_squared < FAINT else ()
+        probed = [_probed(found, i, lambda at: held(found, i, at)) for i in dict.fromkeys((*faint, *(() if chosen.period else _entangled(found))))]
+        better = min((lower for _, _, lower in probed if lower is not None), key=lambda one: one[0], default=None)
+        if better is None:
+            for i, wider, _ in probed:
+                found = _widened(found, i, wider)
+            break
+        found = replace(least(refined_from(better[1], covariance)), others=found.others)
+    if lines > 1 and (np.abs(found.values[:lines]) > 1).any():
+        raise NoLine(f"the curve does not show {lines} lines: one goes away beyond the scan\n  help: fit fewer, or name where each starts, such as --start centre_1=VALUE")
     rising = np.argsort(found.values[:lines])
     sorting = np.concatenate([rising, np.arange(lines, lines + own), lines + own + rising, [found.values.size - 1]])
     values, scale = found.values[sorting], np.ones(found.values.size)
@@ -190,18 +200,30 @@ def _likeliest(found: LineFit, y: np.ndarray, errors: object, again: Callable[[L
     return found
 
 
-def _not_too_sure(fit: LineFit, number: int, held: Callable[[float], float]) -> LineFit:
-    """A faint line is where it is by a few points, from which its likelihood falls off slower than a parabola: with the error of one parameter as
-    large as the badness says that it is `held` elsewhere."""
-    error, wider = fit.errors[number], 1.0
+def _entangled(fit: LineFit) -> np.ndarray:
+    """The numbers of parameters whose error is many times what it is where the others are known: valleys that long bend."""
+    known = np.flatnonzero(np.isfinite(fit.errors) & (fit.errors > 0))
+    correlation = (fit.covariance / fit.errors[:, None] / fit.errors)[np.ix_(known, known)]
+    return known[np.diag(np.linalg.pinv(correlation, hermitian=True)) > ENTANGLED**2]
+
+
+def _probed(fit: LineFit, number: int, held: Callable[[float], LineFit]) -> tuple[int, float, tuple[float, np.ndarray] | None]:
+    """A faint line is where it is by a few points, from which its likelihood falls off slower than a parabola, and so does that of parameters which
+    make up for each other: by how much the error of one parameter is larger for what the badness is where it is `held` elsewhere, and where that is
+    lower, it and all values there."""
+    error, wider, lower = fit.errors[number], 1.0, None
     for away in PROBED if np.isfinite(error) else ():
         for side in (-1, 1):
+            at = fit.values[number] + side * away * error
             try:
-                rise = max(held(fit.values[number] + side * away * error) - fit.badness, REST)
+                there = held(at)
             except NoLine:
                 continue
-            wider = max(wider, away / np.sqrt(rise))
-    return _widened(fit, number, wider)
+            rise = there.badness - fit.badness
+            if rise < -REST and (lower is None or there.badness < lower[0]):
+                lower = there.badness, np.insert(there.values, number, at)
+            wider = max(wider, away / np.sqrt(max(rise, REST)))
+    return number, wider, lower
 
 
 def _covariance(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float) -> np.ndarray:
@@ -269,10 +291,11 @@ def _apart(fits: Sequence[LineFit], within: float) -> list[LineFit]:
     return kept
 
 
-def _best(fits: Sequence[LineFit], x: np.ndarray) -> LineFit:
-    """The best of these, with the others. One that one point makes comes behind those as good as it, and is where this point is, within the step."""
+def _best(fits: Sequence[LineFit], x: np.ndarray, lines: int) -> LineFit:
+    """The best of these, with the others. One that one point makes, or that has one of its `lines` beyond the scan, comes behind those as good as it;
+    what one point makes is where this point is, within the step."""
     fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
-    fits.sort(key=lambda fit: _between_points(fit, x))  # the order is otherwise kept
+    fits.sort(key=lambda fit: _between_points(fit, x) or lines > 1 and bool((np.abs(fit.values[:lines]) > 1).any()))  # the order is otherwise kept
     least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
     return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((float(fit.values[0]), fit.chi_squared) for fit in fits[1:]))
 
@@ -308,6 +331,10 @@ def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, 
             tried = [given] if given is not None else candidates
             centres.append(min(tried, key=lambda c: _linear(form, x, y, sigma, [*centres, c], shared)[0]))
         found.append((_linear(form, x, y, sigma, centres, shared)[0], centres, shared))
+        if lines > 1 and not any(name.startswith("centre") for name in start):  # that blend into one
+            for steps in BLENDED:
+                split = (centres[0] + steps * step * (np.arange(lines) - (lines - 1) / 2)).tolist()
+                found.append((_linear(form, x, y, sigma, split, shared)[0], split, shared))
     of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
     for one in sorted(found, key=lambda row: row[0]):
         of.setdefault(one[1][0], one)

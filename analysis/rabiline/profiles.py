@@ -12,7 +12,7 @@ import numpy as np
 from scipy import optimize
 
 from .counts_problem import Fisher, Problem, shares_of_simulation
-from .curve_model import CurveModel, NoFit, Surface, meets_an_edge
+from .curve_model import CurveModel, NoFit, meets_an_edge
 
 FARTHEST = 4.0  # standard deviations, on a surface
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk

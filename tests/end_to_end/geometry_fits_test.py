@@ -11,7 +11,7 @@ pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
 from rabiline.counts_problem import Exposure, Problem
-from rabiline.curve_model import Surface
+from rabiline.surface import Surface
 from rabiline.fitting import fit_counts
 from rabiline.profiles import halves  # noqa: E402
 

@@ -79,3 +79,28 @@ def test_a_background_that_has_led_a_fit_far_away_is_told(monkeypatch: pytest.Mo
     away = fitted(5, 0, "0.38 uT")  # from far away, and rightly
     value, error = away["first.amplitude+second.amplitude"]
     assert value - 0.38e-6 > 4 * error and abs(value - 0.46e-6) < 3 * error and not away.held[0].is_wanted
+
+
+SELECTOR = """rabiline: 1
+species: Rb-85 atom
+gravity: 0 m/s^2
+law: quantum
+source: {speed: {kind: effusive, temperature: 450 K}, opening: {radius: 0.5 mm}, direction: {kind: aimed, target: s, emission: cosine}}
+parts:
+  - {name: s, kind: slit, at: 0.3 m, width: 1 mm, height: 5 mm}
+  - {name: sel, kind: velocity_selector, at: 0.5 m, speed: 300 m/s, resolution: 0.1, transmission: 0.8}
+  - {name: det, kind: detector, at: 1 m, width: 1 cm, height: 2 cm, bins: [1, 1]}
+particles: 100000
+seed: 5
+"""
+SELECTED = [10, 23, 18, 40, 79, 103, 137, 143, 191, 231, 261, 297, 318, 382, 343, 352, 397, 402, 383, 387, 353, 358, 342, 298, 240, 252, 197, 216, 143,
+            139, 122, 101, 89, 61, 49, 42]
+
+
+def test_a_background_that_leads_to_values_that_cannot_be_ends_no_fit() -> None:
+    """A part of the way to that background is a transmission above 1."""
+    speeds = np.linspace(100, 800, 36)
+    table = Counts("counts", "sel.speed", tuple(f"{v} m/s" for v in speeds), speeds, "m/s", np.array(SELECTED, float), None, np.full(36, 5000.0), None)
+    fit = fit_counts(rabiline.load(SELECTOR), table, ["source.speed.temperature", "sel.transmission"], intervals=False)
+    assert abs(fit["source.speed.temperature"][0] - 480) < 3 * fit["source.speed.temperature"][1] < 20
+    assert [one.name for one in fit.held if one.is_wanted] == ["background"]
