@@ -105,6 +105,12 @@ class LevelFlight {
     return until;
   }
 
+  /// Where nothing is felt any more up to the end, of what is met between `from` and `until`, where fields may
+  /// jump before the end.
+  inline real stop_of(const CourseSection& section, real from, real until, real end) const {
+    return select(until < end, end, end - path_.unfelt(section, end, -1, end - from));
+  }
+
   /// What exponentials and their bounds need of the manifold.
   inline const LevelManifold& coupled(const CourseSection& section) const {
     return section.wave < 0 ? f_ : course_.waves[section.wave].standing;
@@ -180,7 +186,7 @@ class LevelFlight {
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
     real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
-    const real stop = end - path_.unfelt(section, end, -1, end - begin);
+    real stop = stop_of(section, begin, until, end);
     const Vector still = path_.static_at(section, begin);
     const FollowedField entry = followed({still, {broadcast(0), broadcast(0), broadcast(0)}}, axes_);
     const bool touches = last != nullptr && last->field.end == section.field.begin;
@@ -290,7 +296,9 @@ class LevelFlight {
         s = select(switches, until, s);
         dress(section, s, near, from, until, -1, switches & dressed);
         dressed = dressed & ~switches;
-        until = select(switches, min(switch_fields(section, s, end, switches), stop), until);
+        const real next = switch_fields(section, s, end, switches);
+        stop = select(switches, stop_of(section, s, next, end), stop);
+        until = select(switches, min(next, stop), until);
         from = select(switches, s, from);
         arrives = arrives & ~switches;
       }
