@@ -35,7 +35,8 @@ EDGE = 0.1  # of what a step changes: so little may be beyond an edge
 MOST_UNUSED = 4  # times as many places in a grid as a table has
 FLAT = 0.01  # of a curve: so little is no line
 LARGEST_STEP = 0.1  # of the parameter's value
-LARGEST_FROM_ZERO = 1e3  # SI
+LARGEST_FROM_ZERO = 1e3  # SI, of one whose value says nothing about its size, such as an offset
+STRENGTHS = "field", "amplitude", "gradient", "frequency", "current", "pole_field"  # with the other sign, another apparatus
 EXPLORED, LEAST_EXPLORED = 5000, 500  # particles at first: a quarter of all, between these
 MORE = 4  # times as many, where they do not suffice
 SCALE, BACKGROUND = "scale", "background"  # of the exposure, and counts at each point (per mean time): the curve knows neither
@@ -100,7 +101,9 @@ class CurveModel:
         # Counts are of whole detectors; images would only cost time.
         self.scanned = scanned.set({f"{name}.bins": [1, 1] for name in detectors})
         self.units = [self._unit(name) for name in self.names]
-        self.limits = Limits(self._may_be, self.start())
+        start = self.start()
+        self.limits = Limits(self._may_be, start)
+        self._may_vanish = [not name.endswith(STRENGTHS) and self._may_be(moved(start, i, -2 * start[i])) for i, name in enumerate(self.names)]
         for name, text in self.changes(self.limits.start).items():
             for wrong in unknown(self.experiment, name, text):
                 raise NoFit(f"`{name}` cannot be changed by itself in this file: {wrong}")
@@ -239,7 +242,7 @@ class CurveModel:
     def step(self, values: np.ndarray, number: int, wanted: float) -> float:
         """A step of one parameter, `wanted` or more, over which its slope is known to `NOISE`: wider as long as that helps, up
         to `LARGEST_STEP` of the value, else with more particles. A parameter without any effect is refused."""
-        largest = LARGEST_STEP * abs(values[number]) if values[number] != 0 else LARGEST_FROM_ZERO
+        largest = LARGEST_FROM_ZERO if values[number] == 0 or self._may_vanish[number] else LARGEST_STEP * abs(values[number])
         step, before, patient = min(max(wanted, self._widened.get(number, 0.0)), largest), np.inf, True
         while True:
             change = self.beside(values, number, step)[0] - self.at(values).groups

@@ -16,6 +16,8 @@ LOST = 10  # times a parameter: an error that leaves nothing of it
 BORNE_OUT = 3  # a factor between an error by the curvature and one by the profile that leaves them one
 REJECTED = "the experiment does not describe these counts: errors mean little"
 COARSE = "the simulation has too few particles to tell more: what is not known, and chi², are no verdict on the counts"
+IMPOSSIBLE = 3  # errors beyond what a parameter may be
+ALIKE = 0.95  # a correlation
 LARGEST_SHARE = 0.5  # of a variance that may be the simulation's own, where it tells what is degenerate
 ROUGH = 0.2  # relative error of a curve that is beyond what chi² can judge: some 25 particles at a point
 
@@ -41,6 +43,10 @@ def report(fit: CountsFit) -> Iterable[str]:
         i = fit.names.index(name)
         yield (f"  `{name}` goes to {format_value(float(f'{limit:.4g}'), fit.units[i], None, fit.written_unit(i))} and no further: beyond, the simulated "
                "curve is taken to go on straight")
+        if abs(fit.values[i] - limit) > IMPOSSIBLE * fit.errors[i]:
+            correlation = fit.covariance[i] / fit.errors / fit.errors[i]
+            alike = [f"`{other}`" for j, other in enumerate(fit.names) if j != i and abs(correlation[j]) > ALIKE]
+            yield f"  help: a value that is {abs(fit.values[i] - limit) / fit.errors[i]:.0f} errors beyond cannot be: hold `{name}`{''.join(f', or {one}, which does nearly the same' for one in alike)}"
     yield from (f"  {direction}" for direction in dict.fromkeys(map(str, fit.degenerate)))
     if fit.wanted_particles > fit.particles:
         yield f"  help: {few_particles(fit.particles, fit.wanted_particles)}"
@@ -60,7 +66,7 @@ def report(fit: CountsFit) -> Iterable[str]:
         name = fit.names[int(np.argmax(fit.shares_of_simulation))]
         yield (f"  {fit.share_of_simulation:.0%} of the variance of {name} comes from the simulation itself: {wanted:.2g} `particles` would make that "
                "a tenth")
-    if fit.searches > 1:
+    if fit.sparse and fit.searches > 1:
         yield f"  the points are farther apart than what the curve shows is wide, so that other values may fit as well: this is the best of {fit.searches} searches"
     for rival in fit.rivals:
         moved = (rival.values - fit.values) / fit.errors
@@ -86,10 +92,11 @@ def few_particles(particles: int, wanted: float) -> str:
 
 def verdict_of(fit: CountsFit) -> str:
     """What is wrong with the whole of it; empty where nothing is."""
-    is_rejected, is_rough = fit.p < LEAST_P, np.median(fit.template_errors / fit.expected) > ROUGH
+    seen = fit.expected >= 1  # where the curve has nothing no simulation is rough
+    is_rejected, is_rough = fit.p < LEAST_P, seen.any() and np.median((fit.template_errors / fit.expected)[seen]) > ROUGH
     if (fit.degenerate and fit.share_of_simulation > LARGEST_SHARE) or is_rough:
         return COARSE
-    return REJECTED if is_rejected else ""
+    return f"{REJECTED}{f' (the best of {fit.searches} searches)' if fit.searches > 1 else ''}" if is_rejected else ""
 
 
 def is_undetermined(fit: CountsFit, number: int) -> bool:

@@ -72,7 +72,8 @@ class CountsFit:
     beyond: tuple[tuple[str, float], ...] = ()  # parameters that ended beyond what they may be, and their limit in SI
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
-    searches: int = 1  # from so many places, where the points are too sparse for one
+    searches: int = 1  # from so many places, where the points are too sparse for one, or the first came to rest at a curve that is none of the counts'
+    sparse: bool = False
     rivals: tuple[Rival, ...] = ()
     written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
 
@@ -159,7 +160,9 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
                                       exposure.start(name) or 0.1 * counts.counts.min() for name in extra]])
     first = values
     values, problem = _settle(model, *_search(model, counts, exposure, extra, values))
-    others = _searched_beside(model, counts, problem, values) if counts.are_sparse(problem.surface.y, problem.surface.covariance) else []
+    sparse = counts.are_sparse(problem.surface.y, problem.surface.covariance)
+    rejected = stats.chi2.sf(_flown(model, problem, values), counts.counts.size - values.size) < LEAST_P
+    others = _searched_beside(model, counts, problem, values) if sparse or rejected else []
     if others and others[0][0] < _flown(model, problem, values):
         values, problem = _settle(model, *others[0][1:])
     found = profiles(model, problem, values, intervals)
@@ -172,7 +175,7 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
             values, problem = found.lower, replace(problem, surface=Surface.about(model, found.lower[:len(names)], problem.surface.steps))
         values, problem = _settle(model, values, problem)
         found = profiles(model, problem, values, intervals)
-    return replace(_conclude(model, counts, problem, first, values, found), searches=1 + len(others), rivals=_rivals(model, problem, values, found, others))
+    return replace(_conclude(model, counts, problem, first, values, found), searches=1 + len(others), sparse=sparse, rivals=_rivals(model, problem, values, found, others))
 
 
 def _searched_beside(model: CurveModel, counts: Counts, problem: Problem, values: np.ndarray) -> list[tuple[float, np.ndarray, Problem]]:
@@ -266,21 +269,29 @@ def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndar
     at which the curve that is flown there fits better. None where nothing does but what is as good as here."""
     k = len(model.names)
     _, here = problem.least(values, range(k))
-    way = found - values
-    way = way * min(1.0, far / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
-    while way @ fisher.matrix @ way > REST**2 * way.size:
-        there = values + way
-        try:
-            changed = model.at(there[:k], particles)
-        except NoFit:  # no such value
+
+    def on(way: np.ndarray) -> np.ndarray | None:
+        way = way * min(1.0, far / max(np.abs(way[:k] / problem.surface.steps).max(initial=0.0), 1e-300))
+        while way @ fisher.matrix @ way > REST**2 * way.size:
+            there = values + way
+            try:
+                changed = model.at(there[:k], particles)
+            except NoFit:  # no such value
+                way = way / 2
+                continue
+            flown = replace(problem, surface=Surface.level(changed, there[:k]))
+            there, badness = flown.least(there, range(k))
+            if badness < here:
+                return there
             way = way / 2
-            continue
-        flown = replace(problem, surface=Surface.level(changed, there[:k]))
-        there, badness = flown.least(there, range(k))
-        if badness < here:
-            return there
-        way = way / 2
-    return None
+        return None
+
+    way = found - values
+    better = on(way)
+    if better is None and way @ fisher.matrix @ way > FAR**2 * way.size:  # what is hardly known leads astray what is
+        ways = sorted((way * one for one in np.eye(way.size)[:k]), key=lambda one: -(one @ fisher.matrix @ one))
+        better = next((there for there in map(on, ways) if there is not None), None)
+    return better
 
 
 def _settle(model: CurveModel, values: np.ndarray, problem: Problem) -> tuple[np.ndarray, Problem]:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import optimize
 
 from .counts_problem import Fisher, Problem, shares_of_simulation
-from .curve_model import CurveModel, NoFit, meets_an_edge
+from .curve_model import STRENGTHS, CurveModel, NoFit, meets_an_edge
 
 FARTHEST = 4.0  # standard deviations, on a surface
 STRIDES = 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0  # likewise, of a walk
@@ -23,7 +23,6 @@ SHORTER = 0.7  # than the error by the curvature where a parameter is: the inter
 MIDDLES = 101  # places tried for the least of two halves of parabolas
 ENOUGH = 9.0  # of Q, above the least: farther off nobody asks
 LOWER = 0.2  # of Q: less may be the noise of what is explored
-STRENGTHS = "field", "amplitude", "gradient", "frequency", "current", "pole_field"  # with the other sign, another apparatus
 
 
 @dataclass(frozen=True)
@@ -111,6 +110,8 @@ def _flown(model: CurveModel, problem: Problem, values: np.ndarray, number: int,
         return badness, place
 
     here = at(0.0)
+    if not np.isfinite(here[0]):  # beyond what the parameters may be, by far
+        return (-np.inf, np.inf), (0.0, values)
     walked = {0.0: here}
     for side in (-1.0, 1.0):
         for stride in STRIDES:

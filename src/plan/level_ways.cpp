@@ -9,6 +9,7 @@
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/beam.hpp"
 #include "plan/geometry.hpp"
 #include "plan/level_history.hpp"
 #include "plan/level_waves.hpp"
@@ -79,23 +80,25 @@ double largest_of(const TimeCourse& course) {
   return most;
 }
 
-/// [m] Where particles start, across the beam: on the axis, and at the corners of the source's opening.
-std::vector<Offset> starts_of(const Source& source) {
+/// [m] Where particles fly at y: the middle of those that go on as the source's axis does, and the corners.
+std::vector<Offset> flown_at(const Source& source, double y) {
   const HalfSizes half = halves_of(source.opening);
-  std::vector<Offset> out{{0, 0}};
+  const Offset middle = axis_of_beam(source, y);
+  std::vector<Offset> out{middle};
   for (const double x : {-half.x, half.x})
-    for (const double z : {-half.z, half.z}) out.push_back({source.offset.x + x, source.offset.z + z});
+    for (const double z : {-half.z, half.z}) out.push_back({middle.x + x, middle.z + z});
   return out;
 }
 
-/// What a particle passes at one place; of a static field on the axis.
+/// What a particle passes at one place; of a static field in the middle of the beam.
 struct Passing {
   double rate = 0, courses = 0;               // [T/s] of the static field, and of what goes through a course
   double peak = 0, growth = 0, swinging = 0;  // [T] of what moves, [T/s] along the way and in time
 };
 Passing passing_at(const LevelFields& fields, const CourseSection& section, double y, double speed,
-                   const std::vector<Offset>& starts) {
+                   const Source& source) {
   Passing out;
+  const std::vector<Offset> flown = flown_at(source, y);
   const auto growth_of = [&](const FieldHere<double>& field) {
     return speed * portable::hypot(field.slope[1], field.slope[4], field.slope[7]);
   };
@@ -103,13 +106,13 @@ Passing passing_at(const LevelFields& fields, const CourseSection& section, doub
   for (int i = section.shaped_begin; i < section.shaped_end; ++i) {
     const ShapedTerm& term = fields.shaped[static_cast<std::size_t>(i)];
     if (!term.moves()) {
-      add_field<HostMaths>(term, 0.0, y, 0.0, still);
+      add_field<HostMaths>(term, flown.front().x, y, flown.front().z, still);
       continue;
     }
     double size = 0, growth = 0;
-    for (const Offset& start : starts) {
+    for (const Offset& place : flown) {
       FieldHere<double> peak{};
-      add_field<HostMaths>(term, start.x, y, start.z, peak);
+      add_field<HostMaths>(term, place.x, y, place.z, peak);
       size = std::max(size, portable::hypot(peak.field[0], peak.field[1], peak.field[2]));
       growth = std::max(growth, growth_of(peak));
     }
@@ -192,7 +195,7 @@ bool is_felt(const std::vector<Section>& sections, double place, double side, co
 /// By which energies F must differ to exchange nothing (level_fields), where static fields turn at once by
 /// `turned` [T] at most.
 double far_apart(const Species& species, const LevelFields& fields, double speed, double turned,
-                 const std::vector<Offset>& starts) {
+                 const Source& source) {
   constexpr int places = 256;
   double passing = 0, driving = 0, switching = turned, frequency = 0;  // [T/s], [T/s], [T], [Hz]
   for (const CourseSection& section : fields.sections) {
@@ -208,7 +211,7 @@ double far_apart(const Species& species, const LevelFields& fields, double speed
     for (int place = 0; place <= places; ++place) {
       const Passing here =
           place < places
-              ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed, starts)
+              ? passing_at(fields, section, section.field.begin + (place + 0.5) * step, speed, source)
               : Passing{};
       passing = std::max(passing, here.rate + here.courses);
       swings = std::max(swings, here.swinging + here.growth);
@@ -295,8 +298,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     part.longest = (end - begin) / (is_uniform ? 1 : 8);
     out.sections.push_back(part);
   }
-  const std::vector<Offset> starts = starts_of(beamline.source);
-  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind), starts);
+  out.apart = far_apart(species, out, speed, largest_turn(sections, from, to, behind), beamline.source);
   const CoupledSpins spins = coupled_spins(*species.structure);
   const std::vector<int> manifolds = manifolds_of(spins, out.apart);
   for (const CourseSection& part : out.sections) {
@@ -308,7 +310,7 @@ LevelFields level_fields(const Beamline& beamline, const Species& species,
     Section alone = section;
     alone.field = {};
     const auto rate = [&](double y) {
-      const Passing passing = passing_at(out, part, y, speed, starts);
+      const Passing passing = passing_at(out, part, y, speed, beamline.source);
       return swinging + passing.courses + passing.growth + passing.swinging;
     };
     out.waves.push_back(wave_fields(zones.zone_of(alone), section, species, manifolds, speed,

@@ -9,6 +9,7 @@
 #include "core/portable_math.hpp"
 #include "field/host_maths.hpp"
 #include "field/shaped_field.hpp"
+#include "plan/beam.hpp"
 #include "plan/geometry.hpp"
 #include "plan/magnets.hpp"
 #include "plan/zones.hpp"
@@ -44,9 +45,9 @@ double integral_along(const Sections& sections, const Stretch& stretch, const De
 }
 /// Integral along the beam of the gradient of |B| across it, at a place across it [T]: what |B| changes by
 /// along the beam gives back behind it the speed that it took.
-double gradient_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+double gradient_along(const Sections& sections, const Stretch& stretch, const Offset& across) {
   return integral_along(sections, stretch, [&](const Section& section, double y) {
-    const FieldHere<double> here = field_beside(section, x, y, z);
+    const FieldHere<double> here = field_beside(section, across.x, y, across.z);
     const double *b = here.field, *g = here.slope, size = tesla_of(here);
     const auto grows = [&](int k) {
       return size > 0 ? (b[0] * g[k] + b[1] * g[3 + k] + b[2] * g[6 + k]) / size
@@ -55,10 +56,12 @@ double gradient_along(const Sections& sections, const Stretch& stretch, double x
     return portable::hypot(grows(0), grows(2), 0);
   });
 }
-/// Integral along the beam of how far |B| there is from that on its axis [T m].
-double spread_along(const Sections& sections, const Stretch& stretch, double x, double z) {
+/// Integral along the beam of how far |B| there is from that in its middle [T m].
+double spread_along(const Sections& sections, const Stretch& stretch, const Offset& there,
+                    const Offset& middle) {
   return integral_along(sections, stretch, [&](const Section& section, double y) {
-    return std::abs(tesla_of(field_beside(section, x, y, z)) - tesla_of(field_beside(section, 0, y, 0)));
+    return std::abs(tesla_of(field_beside(section, there.x, y, there.z)) -
+                    tesla_of(field_beside(section, middle.x, y, middle.z)));
   });
 }
 
@@ -118,42 +121,11 @@ double spot_of(const SourceOpening& opening) {
   const auto& hole = std::get<Rectangle>(opening);
   return smaller(hole.width, hole.height);
 }
-HalfSizes halves_of(const Aperture& a) {
-  return a.radius >= 0 ? HalfSizes{a.radius, a.radius} : HalfSizes{a.half_x, a.half_z};
-}
-/// The beam at a place: straight lines through the source's opening and, where they go apart, each of those
-/// behind it; a beam of parallel lines is as wide as the narrowest opening.
-HalfSizes beam_at(double y, const Beamline& beamline, const Sections& sections) {
-  const double angle =
-      std::visit([](const auto& law) { return law.widest_angle(1); }, beamline.source.direction);
-  const HalfSizes own = halves_of(beamline.source.opening);
-  HalfSizes size{own.x + angle * y, own.z + angle * y};
-  const auto passes = [&](double at, const HalfSizes& opening) {
-    const auto through = [&](double from, double to) {
-      return angle == 0 ? to : std::abs(1 - y / at) * from + y / at * to;
-    };
-    size = {std::min(size.x, through(own.x, opening.x)), std::min(size.z, through(own.z, opening.z))};
-  };
-  for (const Plane& plane : sections.planes) {
-    if (!(plane.y > 0)) continue;
-    if (const auto* plate = std::get_if<PlateTerm>(&plane.term)) {
-      const Aperture aperture = aperture_of(plane.y, *plate);
-      if (!aperture.stops_inside) passes(plane.y, halves_of(aperture));
-    }
-    const auto* screen = std::get_if<ScreenTerm>(&plane.term);
-    if (screen != nullptr && angle > 0) {  // else what is pushed there need not have started in front of it
-      const Rectangle extent = extent_of(screen->face);
-      passes(plane.y, {extent.width / 2, extent.height / 2});
-    }
-  }
-  return size;
-}
-
-/// [T] By how much |B| changes along the axis.
-double change_along(const Sections& sections, const Stretch& stretch) {
+/// [T] By how much |B| changes along the beam.
+double change_along(const Sections& sections, const Stretch& stretch, const Offset& across) {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   integral_along(sections, stretch, [&](const Section& section, double y) {
-    const double size = tesla_of(field_beside(section, 0, y, 0));
+    const double size = tesla_of(field_beside(section, across.x, y, across.z));
     least = std::min(least, size);
     most = std::max(most, size);
     return 0.0;
@@ -167,17 +139,17 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
   const LawTraits law = law_traits(beamline.law);
   if (!law.has_levels || species.charge != 0) return out;
   const double speed = mean_speed(beamline.source.speed, species.mass);
-  const HalfSizes half = beam_at((stretch.begin + stretch.end) / 2, beamline, sections);
-  const double integral = std::max({gradient_along(sections, stretch, 0, 0),
-                                    gradient_along(sections, stretch, half.x, 0),
-                                    gradient_along(sections, stretch, 0, half.z)}),
-               spread = std::max(spread_along(sections, stretch, half.x, 0),
-                                 spread_along(sections, stretch, 0, half.z));
+  const BeamSpan beam = beam_at((stretch.begin + stretch.end) / 2, beamline, sections);
+  double integral = gradient_along(sections, stretch, beam.centre()), spread = 0;
+  for (const Offset& side : beam.sides()) {
+    integral = std::max(integral, gradient_along(sections, stretch, side));
+    spread = std::max(spread, spread_along(sections, stretch, side, beam.centre()));
+  }
   const double moment = species.structure ? constants::bohr_magneton : std::abs(full_moment(species));
   const double lever = last_look(sections, stretch.end) - (stretch.begin + stretch.end) / 2;
   const double per_tesla = 2 * moment / (species.mass * speed * speed);  // of the two outer levels
-  const double slowed =
-      per_tesla * change_along(sections, stretch);  // their difference in speed, in parts of it
+  const double slowed = per_tesla * change_along(sections, stretch,
+                                                 beam.centre());  // their difference in speed, in parts of it
   out.splitting = std::max(per_tesla * integral, slowed > one_path ? slowed : 0.0) * lever;
   out.feature = std::min(smallest_feature(sections, stretch.begin, lever), spot_of(beamline.source.opening));
   out.turns = 2 * moment * spread / (constants::hbar * speed) / (2 * std::numbers::pi);

@@ -146,7 +146,10 @@ void write_out(Node& node, std::string_view key, const Place& place) {
   mapping.place = place;
   if (node.is_scalar()) {
     const bool named = key == "law" || key == "species";
-    mapping.entries.push_back({std::string(named ? tag_key<Law> : tag_key<SpeedLaw>), node.place, node});
+    const std::string_view given = key == "gravity" ? short_key<Gravity>
+                                   : named          ? tag_key<Law>
+                                                    : tag_key<SpeedLaw>;
+    mapping.entries.push_back({std::string(given), node.place, node});
   }
   node = std::move(mapping);
 }

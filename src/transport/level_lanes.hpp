@@ -105,8 +105,8 @@ class LevelFlight {
     return until;
   }
 
-  /// Where nothing is felt any more up to the end, of what is met between `from` and `until`, where fields may
-  /// jump before the end.
+  /// Where nothing is felt any more up to the end, of what is met between `from` and `until`, where fields
+  /// may jump before the end.
   inline real stop_of(const CourseSection& section, real from, real until, real end) const {
     return select(until < end, end, end - path_.unfelt(section, end, -1, end - from));
   }

@@ -211,3 +211,15 @@ def test_a_whole_drive_between_the_F_of_a_frame_that_turns_is_told_to_be_left_ou
     drives = [BETWEEN_F.format(0.1, 4.0098, "rotating_wave"), BETWEEN_F.format(0.3, 4.075, "none").replace("name: R", "name: S").replace("direction: z", "direction: x")]
     levels(tmp_path, ["name: C, kind: uniform_field, at: 0 m, length: 0.4 m, field: 10 uT", *drives], "F=1 m=0", 0.3, NARROW, 600)
     assert "the rotating-wave approximation of `R` is poor" in rabiline("check", tmp_path / "levels.yaml").stdout
+
+
+def test_a_box_of_field_turned_by_a_little_is_followed_to_its_end(tmp_path: Path) -> None:
+    """Its faces are met inside the piece of the beam that holds it: the field was followed to the middle of that alone. The values at no tilt are those of
+    the spin of one moment whose direction turns by DOP853, with the binomial shares of its angle."""
+    box = ("name: Q, kind: formula_field, at: 0.1 m, formula: {Bx: 'b*cos(k*y)', By: 'b*sin(k*y)*0.6', Bz: '0.8*b*sin(k*y)', constants: {b: 0.2 uT, "
+           "k: 25 rad/m}, width: 2 cm, height: 2 cm, length: 40 cm, step: 2 mm}, ")
+    for tilt in ("z: 0 rad", "z: 1e-5 rad", "x: -1e-5 rad"):
+        found = levels(tmp_path, [box + f"tilt: {{{tilt}}}"], "F=2 m=2", 0.44, "Rb-87 atom", 900)
+        assert found[:5] == pytest.approx([0.0286, 0.1637, 0.3517, 0.3358, 0.1202], abs=4e-4), tilt
+    behind = [levels(tmp_path, [box + f"tilt: {{z: {tilt} rad}}"], "F=2 m=2", 0.399, "Rb-87 atom", 900) for tilt in (0, 1e-5)]
+    assert behind[0] == pytest.approx(behind[1], abs=1e-4)

@@ -201,6 +201,7 @@ TEST(Settings, ChangeTheFileAndEveryPointOfItsScan) {
 TEST(Settings, WriteAShortFormOut) {
   const LoadedExperiment loaded = load({"law=dorado", "law.kappa=0.5", "law.closure=larmor"});
   EXPECT_EQ(std::get<DoradoLaw>(loaded.base.law), (DoradoLaw{Closure::larmor, 0.5}));
+  EXPECT_EQ(load({"gravity=9.81 m/s^2", "gravity.acceleration=5 m/s^2"}).base.gravity->acceleration, 5);
 }
 
 TEST(Settings, OfParticlesAndSeedHaveOptionsOfTheirOwn) {

@@ -143,5 +143,26 @@ TEST(Stretches, ThroughWhichAtomsFlyStraightAreToldAndMoveNothing) {
   EXPECT_NE(report_of_parts(neutrons()).find("turns spins and moves particles"), std::string::npos);
 }
 
+TEST(Stretches, AreWhereTheBeamIs) {
+  Beamline on_axis = with_tally(Quantity::z, 2e-3, 400);
+  std::get<UniformField>(on_axis.parts[0].part).field = 0;
+  std::get<UniformField>(on_axis.parts[0].part).gradient = {};
+  MultipoleField sextupole;
+  sextupole.poles = 6;
+  sextupole.length = 0.5;
+  sextupole.field = 0.05;
+  sextupole.radius = 6e-3;
+  on_axis.parts.push_back(place("S", 0.2, sextupole));
+  Beamline source_beside = on_axis, field_beside = on_axis, aslant = on_axis;
+  source_beside.source.offset = {1e-3, -2e-3};
+  std::get<MultipoleField>(field_beside.parts.back().part).offset = {-1e-3, 2e-3};
+  aslant.source.tilt.x = -std::atan(2e-3 / 0.45);  // in the middle of the field 2 mm below the axis
+  aslant.source.tilt.z = -std::atan(1e-3 / 0.45) * std::cos(aslant.source.tilt.x);
+  EXPECT_LT(outlook(on_axis).splitting, 1e-12);
+  EXPECT_GT(outlook(source_beside).splitting, 1e-6);
+  EXPECT_NEAR(outlook(source_beside).splitting / outlook(field_beside).splitting, 1, 1e-9);
+  EXPECT_NEAR(outlook(aslant).splitting / outlook(field_beside).splitting, 1, 1e-4);
+}
+
 }  // namespace
 }  // namespace rabiline::stretches_test
