@@ -340,6 +340,7 @@ def noise_of(groups: np.ndarray, y: np.ndarray, scaled: bool = False) -> tuple[f
 
 
 def moved(values: np.ndarray, number: int, by: float) -> np.ndarray:
+    """The same values [k], one of them by so much more."""
     out = np.array(values, dtype=float)
     out[number] += by
     return out

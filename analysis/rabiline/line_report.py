@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .covariance import LEAST_P, freedom_in_words, p_in_words
+from .lines import UNKNOWN
 from .units import base_of, format_value
 
 if TYPE_CHECKING:
@@ -11,7 +12,6 @@ if TYPE_CHECKING:
 
 RESEMBLES = 0.2  # of the chi² of a constant: a form that leaves no more than that has its line where the curve has it
 WIDE = 0.05  # relative: a spread of times of flight by which it matters how they are distributed
-UNKNOWN = 10  # times itself: an error that leaves nothing
 UNDETERMINED = "not known"
 UNITS = {"centre": 1, "width": 1, "strength": 1, "time": -1, "pulse": -1}  # powers of the axis' unit
 

@@ -12,18 +12,18 @@ from scipy import optimize, special
 
 from .errors import InputError
 from .forms import FORMS, Form
-from .fringes import centres_of, periods_of
+from .line_starts import first_guesses, linear
 
-STARTS, HOPS = 6, 5  # of a comb of fringes: centres to begin with, and how often those beside the best are tried
+HOPS = 5  # of a comb of fringes: how often those beside the best are tried
 BESIDE = -1.0, -0.5, 0.5, 1.0  # fringes: bright ones and dark ones
 AS_GOOD = 9.0  # of chi²: three standard deviations
+UNKNOWN = 10  # times itself: an error that leaves nothing
 FINE = 20  # places between two points, where a line is looked for that no point sees
 SAME = 0.02  # of the extent of a scan: centres that are one
 LEAST = 1e-6  # of the largest singular value: directions below it are not known
 LONG, HOPELESS = 50, 20.0  # steps of a fit after which it is given up, where its chi² is still so many times that of another start
 REST = 0.05  # of chi²: what is nearer to the least than that is there, within a quarter of the errors
 ROUNDS, SETTLED = 12, 0.01  # of fits to counts, with the errors of the last one; errors by which a parameter moves in the last of them
-BLENDED = 2, 4  # points between lines, where one starts in the middle of all
 FAINT = 100.0  # of chi², by which it is less than that of no line
 PROBED = 1.0, 2.0, 4.0, 8.0  # errors beside the centre of a faint line, where it could be as well
 ENTANGLED = 4.0  # times an error where all others are known
@@ -129,7 +129,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
     _check_start(chosen, lines, start, x)
     if _of_constant(y, sigma) < 1:
         raise NoLine("the curve is flat within its errors, there is no line in it")
-    guesses = _first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
+    guesses = first_guesses(chosen, x[order], y[order], sigma[order], lines, start)
     numbered = [f"centre_{i + 1}" for i in range(lines)] if lines > 1 else ["centre"]
     contrasts = [f"contrast_{i + 1}" for i in range(lines)] if lines > 1 else ["contrast"]
 
@@ -155,7 +155,7 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
         return _likeliest(fit, y, errors, lambda fit, covariance: refined_from(fit.values, covariance))
 
     def refined(centres: Sequence[float], shared: Sequence[float]) -> LineFit:
-        first = _linear(chosen, x, y, sigma, centres, shared)[1]
+        first = linear(chosen, x, y, sigma, centres, shared)[1]
         fitted = refined_from(np.concatenate([(np.array(centres) - origin) / extent, np.log(shared), first[1:], first[:1]]), covariance, min(reached))
         reached.append(fitted.chi_squared)
         return fitted
@@ -171,11 +171,12 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
         faint = range(lines) if found.constant - found.chi_squared < FAINT else ()
         probed = [_probed(found, i, lambda at: held(found, i, at)) for i in dict.fromkeys((*faint, *(() if chosen.period else _entangled(found))))]
         better = min((lower for _, _, lower in probed if lower is not None), key=lambda one: one[0], default=None)
-        if better is None:
+        moved = found if better is None else replace(least(refined_from(better[1], covariance)), others=found.others)
+        if better is None or _is_doubtful(moved, x, lines) > _is_doubtful(found, x, lines):
             for i, wider, _ in probed:
                 found = _widened(found, i, wider)
             break
-        found = replace(least(refined_from(better[1], covariance)), others=found.others)
+        found = moved
     if lines > 1 and (np.abs(found.values[:lines]) > 1).any():
         raise NoLine(f"the curve does not show {lines} lines: one goes away beyond the scan\n  help: fit fewer, or name where each starts, such as --start centre_1=VALUE")
     rising = np.argsort(found.values[:lines])
@@ -248,14 +249,6 @@ def _check_start(form: Form, lines: int, start: Mapping[str, float], x: np.ndarr
             raise NoLine(f"`{name}` starts at {value:g}, and must be above 0")
 
 
-def _linear(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, centres: Sequence[float],
-            shared: Sequence[float]) -> tuple[float, np.ndarray]:
-    """chi², and baseline and contrasts that make it least."""
-    columns = np.stack([np.ones(x.size), *(form.f(x - centre, *shared) for centre in centres)], axis=1)
-    found = np.linalg.lstsq(columns / sigma[:, None], y / sigma, rcond=1e-10)[0]
-    return float(np.sum(((columns @ found - y) / sigma)**2)), found
-
-
 def _minima(refined: Callable[[Sequence[float], Sequence[float]], LineFit], guesses: Sequence[tuple[float, list[float], Sequence[float]]],
             beside: Callable[[LineFit], list[tuple[float, list[float], Sequence[float]]]], within: float) -> list[LineFit]:
     """Fits of about the least chi², the best first, each with a centre of its own: one fringe of many is as good a start as its neighbour, and no such
@@ -292,12 +285,18 @@ def _apart(fits: Sequence[LineFit], within: float) -> list[LineFit]:
 
 
 def _best(fits: Sequence[LineFit], x: np.ndarray, lines: int) -> LineFit:
-    """The best of these, with the others. One that one point makes, or that has one of its `lines` beyond the scan, comes behind those as good as it;
-    what one point makes is where this point is, within the step."""
+    """The best of these, with the others, doubtful ones behind those as good as they; what one point makes is where this point is, within the step."""
     fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
-    fits.sort(key=lambda fit: _between_points(fit, x) or lines > 1 and bool((np.abs(fit.values[:lines]) > 1).any()))  # the order is otherwise kept
+    fits.sort(key=lambda fit: _is_doubtful(fit, x, lines))  # the order is otherwise kept
     least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
     return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((float(fit.values[0]), fit.chi_squared) for fit in fits[1:]))
+
+
+def _is_doubtful(fit: LineFit, x: np.ndarray, lines: int) -> bool:
+    """Whether one point makes it, one of its `lines` is beyond the scan, or a contrast is not known."""
+    contrasts = slice(-1 - lines, -1)
+    return _between_points(fit, x) or lines > 1 and bool((np.abs(fit.values[:lines]) > 1).any()) or \
+        bool((fit.errors[contrasts] > UNKNOWN * np.abs(fit.values[contrasts])).any())
 
 
 def _between_points(fit: LineFit, x: np.ndarray) -> bool:
@@ -311,34 +310,6 @@ def _widened(fit: LineFit, number: int, times: float) -> LineFit:
     """With the error of one parameter so many times as large, where that is more than 1."""
     scale = np.where(np.arange(fit.values.size) == number, max(times, 1.0), 1.0)
     return replace(fit, errors=fit.errors * scale, covariance=fit.covariance * scale * scale[:, None])
-
-
-def _first_guesses(form: Form, x: np.ndarray, y: np.ndarray, sigma: np.ndarray, lines: int,
-                   start: Mapping[str, float]) -> list[tuple[float, list[float], Sequence[float]]]:
-    """With the chi² of each, the best first: centres one after the other, each where it helps most, for the best of the form's starts; of
-    fringes each centre that stands out."""
-    step, extent = float(np.median(np.diff(x))), float(np.ptp(x))
-    trials = [[start.get(name, value) for name, value in zip(form.parameters, trial)]
-              for trial in form.starts(periods_of(x, y, sigma) if form.period else np.geomspace(2 * step, extent, 10))]
-    if form.period and lines == 1 and "centre" not in start:
-        return [(chi_squared, [centre], shared) for chi_squared, centre, shared in centres_of(form.f, trials, form.period, x, y, sigma)[:STARTS]]
-    candidates = x if x.size <= 201 else x[::x.size // 200]
-    found = []
-    for shared in trials:
-        centres: list[float] = []
-        for i in range(lines):
-            given = start.get("centre" if lines == 1 else f"centre_{i + 1}")
-            tried = [given] if given is not None else candidates
-            centres.append(min(tried, key=lambda c: _linear(form, x, y, sigma, [*centres, c], shared)[0]))
-        found.append((_linear(form, x, y, sigma, centres, shared)[0], centres, shared))
-        if lines > 1 and not any(name.startswith("centre") for name in start):  # that blend into one
-            for steps in BLENDED:
-                split = (centres[0] + steps * step * (np.arange(lines) - (lines - 1) / 2)).tolist()
-                found.append((_linear(form, x, y, sigma, split, shared)[0], split, shared))
-    of: dict[float, tuple[float, list[float], Sequence[float]]] = {}  # the best start by its first centre
-    for one in sorted(found, key=lambda row: row[0]):
-        of.setdefault(one[1][0], one)
-    return list(of.values())[:STARTS]
 
 
 def _refined(name: str, names: tuple[str, ...], model: Callable[[np.ndarray, np.ndarray], np.ndarray], first: np.ndarray, x: np.ndarray,

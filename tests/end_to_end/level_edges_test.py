@@ -216,10 +216,10 @@ def test_a_whole_drive_between_the_F_of_a_frame_that_turns_is_told_to_be_left_ou
 def test_a_box_of_field_turned_by_a_little_is_followed_to_its_end(tmp_path: Path) -> None:
     """Its faces are met inside the piece of the beam that holds it: the field was followed to the middle of that alone. The values at no tilt are those of
     the spin of one moment whose direction turns by DOP853, with the binomial shares of its angle."""
-    box = ("name: Q, kind: formula_field, at: 0.1 m, formula: {Bx: 'b*cos(k*y)', By: 'b*sin(k*y)*0.6', Bz: '0.8*b*sin(k*y)', constants: {b: 0.2 uT, "
+    box = ("name: Q, kind: formula_field, at: 0.05 m, formula: {Bx: 'b*cos(k*y)', By: 'b*sin(k*y)*0.6', Bz: '0.8*b*sin(k*y)', constants: {b: 0.2 uT, "
            "k: 25 rad/m}, width: 2 cm, height: 2 cm, length: 40 cm, step: 2 mm}, ")
     for tilt in ("z: 0 rad", "z: 1e-5 rad", "x: -1e-5 rad"):
-        found = levels(tmp_path, [box + f"tilt: {{{tilt}}}"], "F=2 m=2", 0.44, "Rb-87 atom", 900)
+        found = levels(tmp_path, [box + f"tilt: {{{tilt}}}"], "F=2 m=2", 0.39, "Rb-87 atom", 900)
         assert found[:5] == pytest.approx([0.0286, 0.1637, 0.3517, 0.3358, 0.1202], abs=4e-4), tilt
-    behind = [levels(tmp_path, [box + f"tilt: {{z: {tilt} rad}}"], "F=2 m=2", 0.399, "Rb-87 atom", 900) for tilt in (0, 1e-5)]
-    assert behind[0] == pytest.approx(behind[1], abs=1e-4)
+    behind = [levels(tmp_path, [box.replace("40 cm", "20 cm") + f"tilt: {{z: {tilt} rad}}"], "F=2 m=2", 0.39, "Rb-87 atom", 900) for tilt in (0, 1e-5)]
+    assert behind[0].max() < 0.9 and behind[0] == pytest.approx(behind[1], abs=1e-4)
