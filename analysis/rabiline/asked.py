@@ -1,6 +1,7 @@
 """What callers of the package give, held to its kind: errors of one line that say what belongs there."""
 from __future__ import annotations
 
+import difflib
 import operator
 import os
 from numbers import Real
@@ -101,3 +102,11 @@ def _numbers(name: str, value: object, shape: tuple[int | None, ...], wanted: st
 
 def _kind(value: object) -> str:
     return "a text" if isinstance(value, str) else type(value).__name__
+
+
+def place_of(name: object, names: tuple[str, ...]) -> int:
+    """The number of one of these names. Raises KeyError."""
+    if name not in names:
+        near = difflib.get_close_matches(str(name), names, 1)
+        raise KeyError(f"there is no {name!r}{f', but {near[0]!r}' if near else ''} (there is {', '.join(names)})")
+    return names.index(name)

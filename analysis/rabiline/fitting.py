@@ -52,7 +52,7 @@ class CountsFit:
     names: tuple[str, ...]  # the free parameters, then those of the exposure
     units: tuple[str, ...]
     values: np.ndarray  # [k] in `units`, which are SI
-    errors: np.ndarray  # [k] one standard deviation, by the curvature
+    errors: np.ndarray  # [k] one standard deviation, by the curvature; as large as the value where it is in what is `degenerate`
     covariance: np.ndarray  # [k, k]
     intervals: tuple[tuple[float, float], ...]  # where Q is one above its least value
     chi_squared: float  # Pearson's, with the covariance of the simulation, and of one count or more at each point
@@ -98,9 +98,9 @@ class CountsFit:
         return bool(stats.chi2.sf(changes[0], self.expected.size - 1) < LEAST_P and changes[1] < SLIGHT**2 * changes[0])
 
     def __getitem__(self, name: str) -> tuple[float, float]:
-        """Value and error of a parameter."""
-        i = self.names.index(name)
-        return float(self.values[i]), float(self.errors[i])
+        """Value and error of a parameter; the error is infinite where the counts do not know it."""
+        i = asked.place_of(name, self.names)
+        return float(self.values[i]), np.inf if any(i in direction.involved for direction in self.degenerate) else float(self.errors[i])
 
     def __repr__(self) -> str:
         return f"<fit of {self.title}: {', '.join(f'{name} = {self.told(i)}' for i, name in enumerate(self.names))}>"

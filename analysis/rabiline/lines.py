@@ -10,6 +10,7 @@ from typing import Callable, Mapping, Sequence
 import numpy as np
 from scipy import optimize, special
 
+from . import asked
 from .errors import InputError
 from .forms import FORMS, Form
 from .line_starts import first_guesses, linear
@@ -86,7 +87,7 @@ class LineFit:
 
     def __getitem__(self, name: str) -> tuple[float, float]:
         """Value and error."""
-        i = self.names.index(name)
+        i = asked.place_of(name, self.names)
         return float(self.values[i]), float(self.errors[i])
 
     def __repr__(self) -> str:
