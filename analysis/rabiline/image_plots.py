@@ -26,7 +26,7 @@ SMALL_PROJECTION, SMALLEST = 0.45, 0.5  # likewise, where room is scarce; and th
 BELOW, SMALL_BELOW = 1.2, 1.05  # inches: numbers and names of the axes, and the bar of colours
 BAR, SMALL_BAR = 0.55, 0.48  # inches: from the foot of the figure to that bar
 BEAM = LAWS["quantum"][0]
-TWO = 0.7  # inches of an axis from which on it has two numbers
+TWO = 0.25  # inches: so high an axis has room for two numbers
 MANY = 1e4  # counts that are written with a power of ten
 PROJECTED = "<projection>"  # the label of axes whose ranges follow from the image
 

@@ -246,7 +246,8 @@ def write_numbers(axes: Axes, words: Sequence[str], least: Sequence[str]) -> Non
 
 def write_deviations(axes: Axes, name: str, largest: float) -> None:
     """For a low panel of what is `name`d, in standard deviations, below another: limits, few numbers, and a short name where it is narrow."""
-    figure, most = axes.figure, max(2.5, 1.1 * largest)
+    figure = axes.figure
+    most = max(2.5, (1.1 if figure.get_figwidth() > NARROW else 1.3) * largest)
     axes.get_gridspec().set_height_ratios((3, 1 if figure.get_figwidth() > NARROW else 1.5))
     axes.set_ylim(-most, most)
     power = 10 ** floor(log10(most))

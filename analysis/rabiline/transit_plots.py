@@ -40,7 +40,7 @@ def draw_transit(transit: Transit, emitted: float, title: str) -> Figure:
     axes.grid(axis="y")
     speeds = axes.secondary_xaxis("top", functions=(lambda t: speed_at(t, transit, scale.factor),
                                                     lambda v: speed_at(v, transit, scale.factor)))
-    speeds.set_xticks(round_speeds(transit.distance / edges[-1], transit.distance / edges[0]))
+    speeds.set_xticks(round_speeds(transit.distance / edges[-1], transit.distance / edges[0], 7 if figure.get_figwidth() > style.NARROW else 5))
     speeds.xaxis.set_major_formatter("{x:g}")
     speeds.set_xlabel("speed along the beam (m/s)")
     style.write_title(figure, title)
@@ -72,9 +72,9 @@ def coarser(transit: Transit) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
             np.sqrt(np.add.reduceat(transit.errors[:, first:last]**2, begins, axis=1)))
 
 
-def round_speeds(low: float, high: float) -> np.ndarray:
-    """[any] m/s: speeds for an axis that is even in their inverse: round, and about evenly spread over it."""
-    wanted = 1 / np.linspace(1 / high, 1 / low, 7)
+def round_speeds(low: float, high: float, most: int = 7) -> np.ndarray:
+    """[any] m/s: speeds for an axis that is even in their inverse, `most` of them: round, and about evenly spread over it."""
+    wanted = 1 / np.linspace(1 / high, 1 / low, most)
     size = 10 ** (np.floor(np.log10(wanted)) - 1)
     return np.unique(np.round(wanted / size / 5) * size * 5)
 

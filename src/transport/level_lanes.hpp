@@ -105,10 +105,20 @@ class LevelFlight {
     return until;
   }
 
-  /// Where nothing is felt any more up to the end, of what is met between `from` and `until`, where fields
-  /// may jump before the end.
-  inline real stop_of(const CourseSection& section, real from, real until, real end) const {
-    return select(until < end, end, end - path_.unfelt(section, end, -1, end - from));
+  /// From s on, where fields begin, to where they are felt.
+  [[gnu::noinline]] inline real start_felt(const CourseSection& section, real s, real until, mask lanes) {
+    const real unfelt = select(lanes, path_.unfelt(section, s, 1, until - s), broadcast(0)),
+               felt = s + unfelt;
+    const mask waits = lanes & (felt > s);
+    if (!any(waits)) return s;
+    const Vector none{broadcast(0), broadcast(0), broadcast(0)};
+    turn_to(f_, followed({path_.static_at(section, felt), none}, axes_).n, broadcast(0), waits, axes_, a);
+    rest(f_, unfelt, a);
+    return felt;
+  }
+  /// From where they are not felt any more, until they jump or end.
+  inline real stop_felt(const CourseSection& section, real s, real until) const {
+    return max(s, until - path_.unfelt(section, until, -1, until - s));
   }
 
   /// What exponentials and their bounds need of the manifold.
@@ -186,7 +196,6 @@ class LevelFlight {
                longest = section.longest * over, stay = (section.field.end - section.field.begin) * over;
     path_.enter(section);
     real from = begin, until = path_.switch_fields(section, begin, end, ~mask{});
-    real stop = stop_of(section, begin, until, end);
     const Vector still = path_.static_at(section, begin);
     const FollowedField entry = followed({still, {broadcast(0), broadcast(0), broadcast(0)}}, axes_);
     const bool touches = last != nullptr && last->field.end == section.field.begin;
@@ -210,24 +219,15 @@ class LevelFlight {
     }
     const LevelManifold& f = coupled(section);
     real s = begin, h = longest, skip = longest;
-    if (last != nullptr || !course_.begins_in_field) {
-      s = s + path_.unfelt(section, begin, 1, until - begin);
-      const mask waits = counted & (s > begin);
-      if (any(waits)) {
-        turn_to(f_,
-                followed({path_.static_at(section, s), {broadcast(0), broadcast(0), broadcast(0)}}, axes_).n,
-                broadcast(0), waits, axes_, a);
-        rest(f_, s - begin, a);
-      }
-    }
-    until = min(until, stop);
+    if (last != nullptr || !course_.begins_in_field) s = start_felt(section, s, until, counted);
+    real stop = stop_felt(section, s, until);
     mask going = counted, dressed = mask{};
     const bool driven = section.fastest > 0 || section.wave >= 0;
     const bool pulses = section.is_pulsed && section.wave < 0;
     const double tolerance = course_.tolerance;
     real tries = broadcast(0);
     while (any(going)) {
-      const real left = until - s;
+      const real left = stop - s;
       LevelMatrix now;
       const FieldAtTime field = path_.field_at(section, s);
       FollowedField here = followed(field, axes_);
@@ -250,8 +250,8 @@ class LevelFlight {
       const mask skips = going & is_calm & (leap * spread > broadcast(10)) & adiabatic;
       const mask resolves = going & ~skips;
       const real near = min(longest, 0.01 / max(changes * calm.gap, broadcast(tiny)));
-      dress(section, s, near, from, until, 1, skips & ~dressed);
-      dress(section, s, near, from, until, -1, resolves & dressed);
+      dress(section, s, near, from, stop, 1, skips & ~dressed);
+      dress(section, s, near, from, stop, -1, resolves & dressed);
       dressed = (dressed & ~going) | skips;
       mask arrives{}, stuck = going & (tries >= broadcast(most_steps));
       const Amplitudes before = a;
@@ -291,15 +291,16 @@ class LevelFlight {
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
       }
-      const mask switches = arrives & (until < stop);
+      const mask switches = arrives & (until < end);
       if (any(switches)) {
-        s = select(switches, until, s);
-        dress(section, s, near, from, until, -1, switches & dressed);
+        dress(section, stop, near, from, stop, -1, switches & dressed);
         dressed = dressed & ~switches;
-        const real next = switch_fields(section, s, end, switches);
-        stop = select(switches, stop_of(section, s, next, end), stop);
-        until = select(switches, min(next, stop), until);
-        from = select(switches, s, from);
+        rest(f_, select(switches, until - stop, broadcast(0)), a);
+        from = select(switches, until, from);
+        s = select(switches, until, s);
+        until = select(switches, switch_fields(section, s, end, switches), until);
+        s = start_felt(section, s, until, switches);
+        stop = select(switches, stop_felt(section, s, until), stop);
         arrives = arrives & ~switches;
       }
       tries = tries + 1.0;
@@ -308,7 +309,7 @@ class LevelFlight {
     }
     const FieldAtTime field = path_.field_at(section, stop);
     dress(section, stop,
-          min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))), from, until,
+          min(longest, 0.01 * length_of(field.b) / max(length_of(field.rate), broadcast(tiny))), from, stop,
           -1, dressed & counted);
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(end), -1, a);
     if (any(counted & (stop < end))) rest(f_, end - stop, a);
