@@ -11,13 +11,12 @@
 // S_kl = V_kl/(E_k - E_l), and a step turns their phases alone, however many radians it is long.
 #include "transport/level_jump_lanes.hpp"
 #include "transport/level_path_lanes.hpp"
+#include "transport/level_phase_lanes.hpp"
 
 namespace rabiline::RABILINE_ISA {
 
 /// Particles on their way through a course, whose levels are of one manifold.
 class LevelFlight {
-  /// Of the tolerance, for one change between dressed and bare states: in many levels they add up.
-  static constexpr double calm_share = 0.01;
   /// Within a step levels that are coupled turn by less against one another, and all of them in an
   /// exponential.
   static constexpr double most_turning = 8, most_phase = 44;
@@ -119,6 +118,18 @@ class LevelFlight {
   /// From where they are not felt any more, until they jump or end.
   inline real stop_felt(const CourseSection& section, real s, real until) const {
     return max(s, until - path_.unfelt(section, until, -1, until - s));
+  }
+
+  /// Lanes in which a field is too weak to be felt over a step, however it turns there.
+  [[gnu::noinline]] inline mask pass_unfelt(const CourseSection& section, real s, real h, real size,
+                                            mask lanes) {
+    mask weak = lanes & path_.is_unfelt(size, h);
+    if (section.wave >= 0 || !any(weak)) return mask{};
+    const FollowedField there = followed(path_.field_at(section, s + h), axes_);
+    weak = weak & path_.is_unfelt(there.size, h);
+    turn_to(f_, there.n, broadcast(0), weak, axes_, a);
+    rest(f_, select(weak, h, broadcast(0)), a);
+    return weak;
   }
 
   /// What exponentials and their bounds need of the manifold.
@@ -260,7 +271,13 @@ class LevelFlight {
         real error;
         LevelAxes there;
         Amplitudes turned;
-        const mask good = try_skip(section, s, leap, axes, here.signed_size, before, turned, there, error);
+        const auto at = [&](real then, LevelMatrix* matrix) {
+          const FollowedField followed_there = followed(path_.field_at(section, then), axes);
+          if (matrix != nullptr) matrix_of(section, then, followed_there, *matrix);
+          return followed_there;
+        };
+        const mask good =
+            turn_phases(f_, tolerance, at, s, leap, here.signed_size, axes, before, turned, there, error);
         const real allowed = tolerance * (0.25 * (leap / stay) + 1e-2);
         const mask accepted = skips & good & (error <= allowed);
         choose(f_.levels, accepted, turned, a);
@@ -281,13 +298,15 @@ class LevelFlight {
         const mask accepted = resolves & good & (error <= broadcast(1));
         choose(f_.levels, accepted, there, a);
         axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};
-        s = select(accepted, s + trial, s);
-        arrives = arrives | (accepted & (trial >= left));
-        stuck = stuck | (resolves & ~accepted & ~(trial > 1e-15 * (abs(s) + stay)));
+        const mask unfelt = pass_unfelt(section, s, trial, here.size, resolves & ~accepted);
+        s = select(accepted | unfelt, s + trial, s);
+        arrives = arrives | ((accepted | unfelt) & (trial >= left));
+        stuck = stuck | (resolves & ~accepted & ~unfelt & ~(trial > 1e-15 * (abs(s) + stay)));
         const mask known = good & (error < broadcast(1e300));
         const real fourth = sqrt(sqrt(max(select(known, error, broadcast(1e4)), broadcast(1e-5)))),
                    root = select(fourth < broadcast(1), sqrt(fourth), fourth);
-        const real wanted = max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root));
+        const real wanted =
+            select(unfelt, 4.0 * trial, max(0.2 * trial, min(4.0 * trial, 0.9 * trial / root)));
         h = select(resolves, select(accepted & (trial < 0.5 * free), free, wanted), h);
         skip = select(resolves, min(longest, max(2.0 * skip, 2.0 * trial)), skip);
       }
@@ -317,75 +336,6 @@ class LevelFlight {
     if (section.moves())
       jump(field.b, {stays, {broadcast(0), broadcast(0), broadcast(0)}}, counted & differ(field.b, stays));
     size_ = dot(stays, axes_.third);
-  }
-
-  /// Phases over a long step, by Kronrod's seven points; the error is that of QUADPACK, by what Gauss' three
-  /// differ: 200^(3/2) times its power 3/2, over the root of the variation.
-  [[gnu::noinline]] inline mask try_skip(const CourseSection& section, real s, real h, const LevelAxes& axes,
-                                         real size, const Amplitudes& before, Amplitudes& turned,
-                                         LevelAxes& there, real& error) const {
-    constexpr double place[7] = {-0.9604912687080202, -0.7745966692414834, -0.4342437493468026, 0,
-                                 0.4342437493468026,  0.7745966692414834,  0.9604912687080202};
-    constexpr double kronrod[7] = {0.1046562260264673, 0.2684880898683334, 0.4013974147759622,
-                                   0.4509165386584741, 0.4013974147759622, 0.2684880898683334,
-                                   0.1046562260264673};
-    constexpr double gauss[7] = {0, 5.0 / 9, 0, 8.0 / 9, 0, 5.0 / 9, 0};
-    real angle[most_levels], off[most_levels], begun[most_levels], varies = broadcast(tiny);
-    for (int k = 0; k < f_.levels; ++k) angle[k] = off[k] = broadcast(0);
-    mask good = ~mask{};
-    real last_1{}, last_2{};
-    for (int i = 0; i < 7; ++i) {
-      LevelMatrix now;
-      FollowedField f;
-      matrix_at(section, s + (0.5 + 0.5 * place[i]) * h, axes, now, f);
-      const Calm calm = calm_of(f_, now);
-      const real turning2 = fma(f.turn_1, f.turn_1, f.turn_2 * f.turn_2),
-                 stretching = f.size_rate / max(f.size, broadcast(tiny));
-      const real swift = sqrt(fma(stretching, stretching, turning2)),
-                 changes = swift / max(calm.gap, broadcast(tiny));
-      const real ratio_1 = f.turn_1 / max(calm.gap, broadcast(tiny)),
-                 ratio_2 = f.turn_2 / max(calm.gap, broadcast(tiny));
-      real moves = broadcast(0);
-      if (i > 0) {
-        const real dt = (0.5 * (place[i] - place[i - 1])) * h, d1 = ratio_1 - last_1, d2 = ratio_2 - last_2;
-        moves = sqrt(fma(d1, d1, d2 * d2)) / (dt * max(calm.gap, broadcast(tiny)));
-      }
-      last_1 = ratio_1;
-      last_2 = ratio_2;
-      good = good & (f.cosine > broadcast(0.5)) & (f.signed_size * size > broadcast(0)) &
-             (swift * h < broadcast(1.5)) &
-             (max(calm.left_out(broadcast(0)), 3.0 * moves * changes) <
-              broadcast(2 * calm_share * course_.tolerance));
-      real energy[most_levels];
-      shifted_energies(f_, now, energy);
-      for (int k = 0; k < f_.levels; ++k) {
-        const real part = 0.5 * h * energy[k];
-        if (i == 0) begun[k] = part;
-        varies = max(varies, abs(part - begun[k]));
-        angle[k] = fma(part, broadcast(kronrod[i]), angle[k]);
-        off[k] = fma(part, broadcast(kronrod[i] - gauss[i]), off[k]);
-      }
-    }
-    const FollowedField end = followed(path_.field_at(section, s + h), axes);
-    good = good & (end.cosine > broadcast(0.5));
-    there = moved_to(end.n, axes);
-    // What is common to all levels that are there does not matter.
-    real mean = broadcast(0), square = broadcast(0);
-    for (int k = 0; k < f_.levels; ++k) {
-      const real share = fma(before.re[k], before.re[k], before.im[k] * before.im[k]);
-      mean = fma(share, off[k], mean);
-    }
-    for (int k = 0; k < f_.levels; ++k) {
-      const real share = fma(before.re[k], before.re[k], before.im[k] * before.im[k]), d = off[k] - mean;
-      square = fma(share * d, d, square);
-      real sine, cosine;
-      sincos(max(broadcast(-1e9), min(broadcast(1e9), angle[k])), sine, cosine);
-      turned.re[k] = fma(before.re[k], cosine, before.im[k] * sine);
-      turned.im[k] = fnma(before.re[k], sine, before.im[k] * cosine);
-    }
-    const real rms = sqrt(square);
-    error = 2828.0 * rms * sqrt(rms / max(varies, rms));
-    return good;
   }
 
   const LevelCourse& course_;

@@ -84,18 +84,23 @@ class LevelPath {
     return add(b, inside(section, s, beside_face) - known, along(field, velocity_at(s)));
   }
 
+  /// Whether a field of no more than this size turns levels by next to nothing in that time.
+  inline mask is_unfelt(real size, real time) const {
+    constexpr double per_tesla = 2e11;  // [rad/(s T)] of an electron, and more
+    return size * (per_tesla * time) < broadcast(1e-3 * course_.tolerance);
+  }
+
   /// How long a static field that rises from nothing, or falls to it, is too weak to be felt, `sign` of time
   /// from s on, for half of `rest` at the most: its direction may turn within nanometres there. Asked from s
   /// on, since it may be nothing farther on again; next to 0 where it is felt at once.
   [[gnu::noinline]] inline real unfelt(const CourseSection& section, real s, double sign, real rest) const {
-    constexpr double per_tesla = 2e11, least = 1e-12;  // [rad/(s T)] of an electron, and more; of `rest`
+    constexpr double least = 1e-12;  // of `rest`
     real found = broadcast(0);
     if (section.moves() || section.wave >= 0 || section.shaped_begin == section.shaped_end) return found;
-    const double angle = 1e-3 * course_.tolerance;
     mask weak = ~mask{};
     for (real time = least * rest; any(weak); time = 4.0 * time) {
       const real size = length_of(static_at(section, fma(time, broadcast(sign), s)));
-      weak = weak & (time < 0.5 * rest) & (size * (per_tesla * time) < broadcast(angle));
+      weak = weak & (time < 0.5 * rest) & is_unfelt(size, time);
       found = select(weak, time, found);
     }
     return found;

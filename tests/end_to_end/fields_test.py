@@ -245,9 +245,9 @@ def test_a_path_that_a_field_bends_over_its_side_face_ends_a_step_there():
 
 def test_random_atoms_through_random_fields_agree_with_their_whole_hamiltonian():
     script = Path(__file__).resolve().parents[2] / "tools" / "random-levels"
-    told = subprocess.run([script, PROGRAM, "--count", "8"], capture_output=True, text=True, check=False)
+    told = subprocess.run([script, PROGRAM, "--count", "7"], capture_output=True, text=True, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
-    assert int(told.stdout.split()[0]) > 6
+    assert int(told.stdout.split()[0]) > 5
 
 
 BOX = "width: 1 cm, height: 1 cm, length: 20 cm, step: 2.5 mm"

@@ -50,9 +50,9 @@ def test_spins_and_geometry_are_fitted_together(expected: np.ndarray) -> None:
 
 
 def test_two_lengths_that_trade_against_each_other_hold_the_truth_within_their_errors(expected: np.ndarray) -> None:
-    fit = fit_counts(CLOCK.set(particles=50000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
+    fit = fit_counts(CLOCK.set(particles=20000, seed=1003), counted(expected, 3), ["B.gradient", "wire.at"], intervals=False)
     assert fit.p > 1e-3 and not fit.degenerate
-    assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 7 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.03
+    assert abs(fit["B.gradient"][0] - 105) < 3.5 * fit["B.gradient"][1] < 9 and abs(fit["wire.at"][0] - 1.9) < 3.5 * fit["wire.at"][1] < 0.04
 
 
 def test_a_slit_and_a_free_scale_that_imitate_each_other_do_not_stop_a_fit_early() -> None:
@@ -126,7 +126,7 @@ def test_edges_that_come_in_within_a_step_do_not_make_errors_small(free: str, tr
     z = np.linspace(-2e-3, 2e-3, 41)
     y = np.ravel(profile.set({free: true}).set(seed=7, particles=1000000).fly().detected)
     pulls = []
-    for seed in range(4):
+    for seed in range(3):
         counts = np.random.default_rng(seed).poisson(100000 * y).astype(float)
         table = Counts("counts", "wire.offset.z", tuple(f"{one!r} m" for one in z.tolist()), z, "m", counts, None, np.full(41, 1e5), None)
         fit = fit_counts(profile.set(seed=1000 + seed).scan(), table, [free])
