@@ -22,6 +22,8 @@ class LevelFlight {
   static constexpr double most_turning = 8, most_phase = 44;
   /// A field that swings in this many times what coupled levels take to turn does not drive them.
   static constexpr double slow = 30;
+  /// Of a section: over less a field that is too weak to be felt is not followed.
+  static constexpr double shortest = 1e-7;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
   static constexpr double most_steps = 1e8;
 
@@ -125,8 +127,11 @@ class LevelFlight {
                                             mask lanes) {
     mask weak = lanes & path_.is_unfelt(size, h);
     if (section.wave >= 0 || !any(weak)) return mask{};
-    const FollowedField there = followed(path_.field_at(section, s + h), axes_);
-    weak = weak & path_.is_unfelt(there.size, h);
+    FollowedField there;
+    for (const double share : {0.25, 0.5, 0.75, 1.0}) {
+      there = followed(path_.field_at(section, fma(broadcast(share), h, s)), axes_);
+      weak = weak & path_.is_unfelt(there.size, h);
+    }
     turn_to(f_, there.n, broadcast(0), weak, axes_, a);
     rest(f_, select(weak, h, broadcast(0)), a);
     return weak;
@@ -298,7 +303,8 @@ class LevelFlight {
         const mask accepted = resolves & good & (error <= broadcast(1));
         choose(f_.levels, accepted, there, a);
         axes_ = {select(accepted, turned.third, axes_.third), select(accepted, turned.first, axes_.first)};
-        const mask unfelt = pass_unfelt(section, s, trial, here.size, resolves & ~accepted);
+        const mask hurries = ~good | ((error > broadcast(1)) & (trial < shortest * stay)),
+                   unfelt = pass_unfelt(section, s, trial, here.size, resolves & hurries);
         s = select(accepted | unfelt, s + trial, s);
         arrives = arrives | ((accepted | unfelt) & (trial >= left));
         stuck = stuck | (resolves & ~accepted & ~unfelt & ~(trial > 1e-15 * (abs(s) + stay)));
