@@ -109,8 +109,8 @@ class FollowedAtom {
     for (const CourseSection& section : fields.sections) {
       enter(section);
       const double begin = time_at(section.field.begin), end = time_at(section.field.end);
-      const std::vector<double> edges = edges_of(section, begin, end);
-      moment_ = flight_.t + (begin + edges.front()) / 2;
+      const std::vector<Edge> edges = edges_of(section, begin, end);
+      moment_ = flight_.t + (begin + edges.front().s) / 2;
       const Vector3 entry = static_at(section, begin);
       if (before == nullptr && fields.begins_in_field)
         state = spins_.states(axis_of(entry, direction), length_of(entry), length_of(entry)) * a;
@@ -119,12 +119,19 @@ class FollowedAtom {
                         before != nullptr ? begin - time_at(before->field.end) : 0,
                         before != nullptr && before->field.end == section.field.begin);
       double s = begin;
-      for (const double edge : edges) {
+      Vector3 along = axis_of(entry, direction);
+      for (const auto& [edge, is_face] : edges) {
         moment_ = flight_.t + (s + edge) / 2;
         const int steps = static_cast<int>(std::ceil((edge - s) / (share * longest(section))));
         for (int i = 0; i < steps; ++i)
           advance(section, s + i * ((edge - s) / steps), (edge - s) / steps, state);
         s = edge;
+        if (!is_face) continue;
+        const double hair = section.hair() / flight_.velocity.y;
+        const Vector3 left = static_at(section, s - hair), met = static_at(section, s + hair),
+                      old = axis_of(left, along);
+        along = axis_of(met, old);
+        state = renamed(state, left, old, met, along, 0, true);
       }
       last = static_at(section, end);
       direction = axis_of(last, direction);
@@ -156,9 +163,13 @@ class FollowedAtom {
     for (int i = 0; i < section.field.drives; ++i)
       phases_[i] = phase_of(section.field.drive[i], key_, flight_.particle);
   }
+  struct Edge {
+    double s;
+    bool is_face;  // where a static field may jump
+  };
   /// The moments within at which pulses are switched, a course bends or the field jumps, and the end.
-  std::vector<double> edges_of(const CourseSection& section, double begin, double end) const {
-    std::vector<double> out;
+  std::vector<Edge> edges_of(const CourseSection& section, double begin, double end) const {
+    std::vector<Edge> out;
     for (int i = 0; i < section.field.drives; ++i) {
       const Gate& gate = section.field.drive[i].gate;
       if (gate.begin == gate.end) continue;
@@ -167,26 +178,26 @@ class FollowedAtom {
         const double on = gate.begin + pulse * gate.period - flight_.t;
         if (on >= end) break;
         for (const double edge : {on, on + (gate.end - gate.begin)})
-          if (edge > begin && edge < end) out.push_back(edge);
+          if (edge > begin && edge < end) out.push_back({edge, false});
       }
     }
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
       if (const TimeCourse& course = way_.fields().shaped[static_cast<std::size_t>(i)].course;
           course.nodes > 0)
-        for (double s = begin; s < end; out.push_back(s))
+        for (double s = begin; s < end; out.push_back({s, false}))
           s = next_stop<HostMaths>(course, (flight_.t + s) * (1 + 1e-14), flight_.t + end) - flight_.t;
     const double soonest = 2 * section.hair() / flight_.velocity.y,
                  bend = portable::hypot(flight_.fall.x, flight_.fall.z, 0);
     for (int i = section.shaped_begin; i < section.shaped_end; ++i)
-      for (double s = begin; s < end; out.push_back(s)) {
+      for (double s = begin; s < end; out.push_back({s, true})) {
         const Vector3 r = place_at(s), v = flight_.velocity;
         s += time_to_face<HostMaths>(way_.fields().shaped[static_cast<std::size_t>(i)], {r.x, r.y, r.z},
                                      {v.x + flight_.fall.x * s, v.y, v.z + flight_.fall.z * s}, bend, soonest,
                                      end - s);
       }
-    std::erase_if(out, [&](double edge) { return edge > end - soonest; });
-    out.push_back(end);
-    std::ranges::sort(out);
+    std::erase_if(out, [&](const Edge& edge) { return edge.s > end - soonest; });
+    out.push_back({end, false});
+    std::ranges::sort(out, {}, &Edge::s);
     return out;
   }
   Vector3 place_at(double s) const {

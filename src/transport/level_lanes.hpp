@@ -89,16 +89,27 @@ class LevelFlight {
     turn_to(f_, behind.n, size, lanes, axes_, a);
     resize(f_, axes_, size, behind.signed_size, course_.tolerance, lanes, a);
   }
-  /// Fields are switched or jump at s, and the state stays; until when they do not again.
+  /// Drives are switched at s, and the state stays, or static fields are met; until when that is not so
+  /// again.
   [[gnu::noinline]] inline real switch_fields(const CourseSection& section, real s, real end, mask lanes) {
+    const Vector none{broadcast(0), broadcast(0), broadcast(0)};
     const FieldAtTime before = path_.field_at(section, s);
+    const Vector left = path_.static_at(section, s);
     const real until = path_.switch_fields(section, s, end, lanes);
     const FieldAtTime field = path_.field_at(section, s);
-    const mask jumps = lanes & differ(field.b, before.b);
+    const Vector met = path_.static_at(section, s);
+    const mask meets = lanes & differ(met, left), jumps = lanes & (meets | differ(field.b, before.b));
     if (!any(jumps)) return until;
     const Amplitudes in_wave = a;
     if (section.wave >= 0) change_frame(f_, course_.waves[section.wave], path_.clock(s), -1, a);
-    jump(before.b, field, jumps);
+    jump(before.b, field, jumps & ~meets);
+    if (any(meets)) {
+      jump(before.b, {left, none}, meets & differ(before.b, left));
+      size_ = select(meets, dot(left, axes_.third), size_);
+      const FollowedField next = followed({met, none}, axes_);
+      meet(next, min(abs(size_), next.size), meets);
+      jump(met, field, meets & differ(field.b, met));
+    }
     if (section.wave >= 0) {
       change_frame(f_, course_.waves[section.wave], path_.clock(s), 1, a);
       choose(f_.levels, ~jumps, in_wave, a);
