@@ -29,7 +29,7 @@ void contribute(const IronMagnet& part, const Placement& place, SectionBuilder& 
 }
 
 std::vector<Fault> faults_of(const IronMagnet& part, const Placement& place) {
-  if (part.convex < part.concave) return faults_of_axis(part, place, "poles", "beam_height");
+  if (part.convex < part.concave) return {};
   return {{place.name, "convex",
            fmt::format("`{}` has no gap: its convex pole reaches up to {}, its concave one down to {}",
                        place.name, pretty_quantity(part.convex, Dimension::length),

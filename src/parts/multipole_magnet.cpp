@@ -23,7 +23,6 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
 
 std::vector<Fault> faults_of(const MultipoleMagnet& part, const Placement& place) {
   std::vector<Fault> out = faults_of_poles(part.poles, place);
-  for (Fault& fault : faults_of_axis(part, place, "wall", "radius")) out.push_back(std::move(fault));
   for (Fault& fault : faults_of_fringe(part.fringe, RectangularProfile{}, place))
     out.push_back(std::move(fault));
   return out;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "plan/beam.hpp"
 #include "rules/room.hpp"
 #include "section/section_builder.hpp"
 #include "spin/level_names.hpp"
@@ -68,9 +69,13 @@ void check_parts(const Beamline& beamline, const Species& atom, Faults& out) {
 /// A magnet finds levels along +z and pushes them along its gradient.
 void check_magnets(const Beamline& beamline, const Species& atom, Faults& out) {
   for (const PlacedPart& part : beamline.parts) {
-    const std::optional<StaticField> own = static_field_of(part.part);
-    if (!own || !is_magnet(part.part) || (own->field.x == 0 && own->field.y == 0 && own->field.z >= 0))
-      continue;
+    std::optional<StaticField> own = static_field_of(part.part);
+    if (!own || !is_magnet(part.part)) continue;
+    if (const auto* magnet = std::get_if<GradientMagnet>(&part.part)) {
+      const Offset beam = axis_of_beam(beamline.source, part.placement.at + magnet->length / 2);
+      own->field.z += magnet->gradient * (magnet->along.x * beam.x + magnet->along.z * beam.z);
+    }
+    if (own->field.x == 0 && own->field.y == 0 && own->field.z >= 0) continue;
     out.push_back({part.placement.name, std::string(own->blame),
                    fmt::format("`{}` does not point along +z, where magnets find the levels of `{}`",
                                part.placement.name, atom.name),

@@ -1,9 +1,12 @@
 // Walls that cannot stand together, and what lies outside of them.
 #include <algorithm>
 #include <cmath>
-#include "core/portable_math.hpp"
+#include <optional>
 
+#include "core/portable_math.hpp"
+#include "plan/beam.hpp"
 #include "rules/room.hpp"
+#include "section/section_builder.hpp"
 
 namespace rabiline {
 namespace {
@@ -87,11 +90,50 @@ void check_chamber(const Beamline& beamline, Faults& out) {
   }
 }
 
+/// What of a magnet stands around its gap, and the key that moves it; nothing of other parts.
+struct PoleWalls {
+  std::string_view walls, key;
+};
+PoleWalls walls_of(const Part& part) {
+  if (std::holds_alternative<TwoWireMagnet>(part)) return {"wires", "beam_height"};
+  if (std::holds_alternative<IronMagnet>(part)) return {"poles", "beam_height"};
+  if (std::holds_alternative<MultipoleMagnet>(part)) return {"wall", "radius"};
+  return {};
+}
+
+/// A magnet whose walls stand where the source looks.
+void check_poles(const Beamline& beamline, Faults& out) {
+  for (const PlacedPart& part : beamline.parts) {
+    const PoleWalls own = walls_of(part.part);
+    if (own.walls.empty() || !faults_of(part).empty()) continue;
+    SectionBuilder builder(Wall{});
+    std::visit(
+        [&](auto any) {
+          if constexpr (requires { any.fringe; }) any.fringe = {};
+          contribute(any, part.placement, builder);
+        },
+        part.part);
+    const Sections sections = builder.build();
+    const auto magnet = std::get<MagnetTerm>(sections.planes.front().term);
+    const Offset beam = axis_of_beam(beamline.source, (part.placement.at + magnet.end) / 2);
+    const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
+    const double x = beam.x - magnet.offset.x, z = beam.z - magnet.offset.z;
+    if (is_free<bool>(magnet.walls, c * x - s * z, magnet.shape.height + s * x + c * z)) continue;
+    const bool centred = x == 0 && z == 0;
+    out.push_back({part.placement.name, centred ? std::string(own.key) : "offset",
+                   fmt::format("the beam's axis meets the {} of `{}`", own.walls, part.placement.name),
+                   centred            ? fmt::format("change `{}`, or make room for the beam", own.key)
+                   : beam == Offset{} ? "make its offset smaller"
+                                      : "bring it nearer to the beam by its offset"});
+  }
+}
+
 }  // namespace
 
 void check_walls(const Beamline& beamline, Faults& out) {
   check_bores(beamline, out);
   check_chamber(beamline, out);
+  check_poles(beamline, out);
 }
 
 }  // namespace rabiline

@@ -223,3 +223,13 @@ def test_a_box_of_field_turned_by_a_little_is_followed_to_its_end(tmp_path: Path
         assert found[:5] == pytest.approx([0.0286, 0.1637, 0.3517, 0.3358, 0.1202], abs=4e-4), tilt
     behind = [levels(tmp_path, [box.replace("40 cm", "20 cm") + f"tilt: {{z: {tilt} rad}}"], "F=2 m=2", 0.39, "Rb-87 atom", 900) for tilt in (0, 1e-5)]
     assert behind[0].max() < 0.9 and behind[0] == pytest.approx(behind[1], abs=1e-4)
+
+
+@pytest.mark.parametrize("tilt", ["z: 0 deg", "z: 2 deg", "z: -0.5 deg"])
+def test_levels_keep_their_names_at_faces_that_are_met_aslant(tmp_path: Path, tilt: str) -> None:
+    """As at all hard edges of static fields; the independent integration of the run does so too. The state alone would keep .53 of the first level."""
+    box = ("name: M, kind: formula_field, at: 0.1 m, formula: {Bz: B0 + G*x, Bx: G*z, constants: {B0: 6 mT, G: 2 T/m}, width: 3 cm, height: 3 cm, "
+           f"length: 10 cm, step: 2.5 mm}}, tilt: {{{tilt}}}")
+    for asked in (0.15, 0.3):
+        assert levels(tmp_path, [box], "F=1 m=0", asked, "H(2S) atom", 300000) == pytest.approx([0, 1, 0, 0], abs=1e-5)
+    assert "off by" not in rabiline("run", tmp_path / "levels.yaml", "-o", tmp_path / "again.h5").stderr

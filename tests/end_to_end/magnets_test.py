@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from fields_test import experiment, run
+from runs import rabiline
 
 CROSSING = """rabiline: 1
 species: K-39 atom
@@ -160,3 +161,27 @@ def test_check_says_all_of_the_axis_of_levels_that_a_fringe_finds(tmp_path: Path
     field = np.array([-g * x, rate * (b * z + g * (z**2 - x**2) / 2), b + g * z])
     wanted = field / np.linalg.norm(field)
     assert axis[[0, 2]] == pytest.approx(wanted[[0, 2]], abs=2e-4) and axis[1] == pytest.approx(wanted[1], rel=0.01)  # the tail is one nearly
+
+
+BESIDE = """rabiline: 1
+species: K-39 atom
+law: quantum
+source: {{speed: {{kind: single, value: 500 m/s}}, opening: {{width: 0.01 mm, height: 0.01 mm}}, direction: parallel, offset: {{{source}}}}}
+parts:
+  - {{name: G, at: 0.05 m, length: 0.1 m, offset: {{{magnet}}}, {kind}}}
+  - {{name: D, kind: detector, at: 0.8 m, width: 60 mm, height: 60 mm, bins: [1, 1]}}
+particles: 8
+seed: 1
+"""
+
+
+@pytest.mark.parametrize(("kind", "source", "magnet", "wrong"), [
+    ("kind: gradient_magnet, field: 10 mT, gradient: 5 T/m", "z: 3 mm", "z: 3 mm", ""),
+    ("kind: gradient_magnet, field: 10 mT, gradient: 5 T/m", "z: -3 mm", "z: 0 mm", "does not point along +z"),
+    ("kind: multipole_magnet, poles: 6, pole_field: 1 T, radius: 5 mm", "x: 8 mm", "x: 8 mm", ""),
+    ("kind: multipole_magnet, poles: 6, pole_field: 1 T, radius: 5 mm", "x: 8 mm", "x: 0 mm", "the beam's axis meets the wall of `G`"),
+    ("kind: iron_magnet, field: 0.5 T, half_distance: 4 mm, convex: 3 mm, concave: 7 mm, width: 6 mm", "x: 8 mm", "x: 8 mm", "")])
+def test_a_magnet_is_judged_where_the_source_looks(tmp_path: Path, kind: str, source: str, magnet: str, wrong: str) -> None:
+    (tmp_path / "beside.yaml").write_text(BESIDE.format(kind=kind, source=source, magnet=magnet))
+    done = rabiline("check", tmp_path / "beside.yaml")
+    assert done.returncode == (2 if wrong else 0) and wrong in done.stderr, done.stderr

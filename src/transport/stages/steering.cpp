@@ -71,7 +71,7 @@ void Steering::explain(PlanReport& report) const {
               PlanReport::metres(end), PlanReport::about_steps(outlook.steps), report.reuse);
   const bool multipole = shape.kind == MagnetKind::multipole;
   report.line("{:>16}{} |B| is {}, its gradient {}; the largest moment goes by {} in that", "",
-              multipole ? "halfway to the poles" : "at the beam",
+              multipole ? "halfway to the poles" : "on its axis",
               pretty_quantity(outlook.field, Dimension::magnetic_field),
               pretty_quantity(outlook.gradient, Dimension::field_gradient),
               pretty_quantity(outlook.acceleration * stay * stay / 2, Dimension::length));
