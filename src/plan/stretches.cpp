@@ -161,11 +161,12 @@ StretchOutlook outlook_of(const Beamline& beamline, const Species& species, cons
 }
 
 /// [T] All static fields on the beam's axis.
-Vector3 field_on_axis(const Sections& sections, double y) {
+Vector3 field_on_axis(const Sections& sections, const Source& source, double y) {
+  const Offset beam = axis_of_beam(source, y);
   for (const Section& section : sections.sections) {
     if (y < section.begin || y >= section.end) continue;
     FieldHere<double> here{};
-    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, 0.0, y, 0.0, 0.0, here);
+    for (const ShapedTerm& term : section.shaped) add_field_at<HostMaths>(term, beam.x, y, beam.z, 0.0, here);
     return section.field + Vector3{here.field[0], here.field[1], here.field[2]};
   }
   return {};
@@ -173,11 +174,11 @@ Vector3 field_on_axis(const Sections& sections, double y) {
 
 /// That of the levels at one end of a stretch: the direction of the field where it has grown, seen from there
 /// to the other end, and along z where it is hardly beside it.
-UnitVector axis_at(const Sections& sections, double end, double other, double largest) {
+UnitVector axis_at(const Sections& sections, const Source& source, double end, double other, double largest) {
   constexpr double beside = 0.01;  // [rad]
   constexpr int places = 1000;
   for (int i = 0; i <= places; ++i) {
-    const auto b = direction_on_axis(sections, end + (other - end) * i / places, largest);
+    const auto b = direction_on_axis(sections, source, end + (other - end) * i / places, largest);
     if (!b) continue;
     if (portable::hypot(b->x, b->y) < beside) return {0, 0, b->z < 0 ? -1.0 : 1.0};
     return {b->x, b->y, b->z};
@@ -246,19 +247,20 @@ FieldCoupling level_coupling_of(const Beamline& beamline, const Species& species
   return feels;
 }
 
-double largest_on_axis(const Sections& sections, const Stretch& stretch) {
+double largest_on_axis(const Sections& sections, const Source& source, const Stretch& stretch) {
   double largest = 0;
   for (const Section& section : sections.sections) {
     if (section.begin < stretch.begin || section.end > stretch.end) continue;
-    const Vector3 b = field_on_axis(sections, (section.begin + section.end) / 2);
+    const Vector3 b = field_on_axis(sections, source, (section.begin + section.end) / 2);
     largest = std::max(largest, portable::hypot(b.x, b.y, b.z));
   }
   return largest;
 }
 
-std::optional<Vector3> direction_on_axis(const Sections& sections, double y, double largest) {
+std::optional<Vector3> direction_on_axis(const Sections& sections, const Source& source, double y,
+                                         double largest) {
   constexpr double weak = 0.01;  // of the largest
-  const Vector3 b = field_on_axis(sections, y);
+  const Vector3 b = field_on_axis(sections, source, y);
   const double size = portable::hypot(b.x, b.y, b.z);
   if (!(size > weak * largest)) return std::nullopt;
   return Vector3{b.x / size, b.y / size, b.z / size};
@@ -282,10 +284,10 @@ std::vector<Stretch> stretches_of(const Beamline& beamline, const Species& speci
   for (Stretch& stretch : stretches) {
     stretch.outlook = outlook_of(beamline, species, sections, stretch);
     if (!stretch.outlook.sorts || species.structure) continue;
-    const double inside = 1e-9, largest = largest_on_axis(sections, stretch), begin = stretch.begin + inside,
-                 end = stretch.end - inside;
-    stretch.entrance = axis_at(sections, begin, end, largest);
-    stretch.exit = axis_at(sections, end, begin, largest);
+    const double inside = 1e-9, largest = largest_on_axis(sections, beamline.source, stretch),
+                 begin = stretch.begin + inside, end = stretch.end - inside;
+    stretch.entrance = axis_at(sections, beamline.source, begin, end, largest);
+    stretch.exit = axis_at(sections, beamline.source, end, begin, largest);
     if (!is_downwards(stretch.entrance)) continue;
     stretch.against_axis = true;
     stretch.entrance = -stretch.entrance;

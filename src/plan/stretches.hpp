@@ -21,9 +21,9 @@ struct Stretch {
   bool against_axis = false;
 };
 /// [T] The largest static field on the beam's axis, in the middles of a stretch's sections.
-double largest_on_axis(const Sections&, const Stretch&);
+double largest_on_axis(const Sections&, const Source&, const Stretch&);
 /// Of that field at y; none where it is below a hundredth of the largest, as at the end of a fringe.
-std::optional<Vector3> direction_on_axis(const Sections&, double y, double largest);
+std::optional<Vector3> direction_on_axis(const Sections&, const Source&, double y, double largest);
 /// Whether a tally has an axis of it.
 bool asks_for_adiabaticity(const Beamline&);
 /// Whatever flies.

@@ -32,10 +32,11 @@ double size_of(const Vector3& v) { return portable::hypot(v.x, v.y, v.z); }
 
 /// Where the direction of the field jumps inside of a stretch, or where it begins, from one section to the
 /// next: by more than a tenth of a radian, where neither is weak.
-std::optional<double> first_jump(const Sections& sections, const Stretch& stretch, bool where_it_begins) {
+std::optional<double> first_jump(const Sections& sections, const Source& source, const Stretch& stretch,
+                                 bool where_it_begins) {
   constexpr double beside = 1e-9, most = 0.1;  // [m], [rad]
-  const double largest = largest_on_axis(sections, stretch);
-  const auto direction_at = [&](double y) { return direction_on_axis(sections, y, largest); };
+  const double largest = largest_on_axis(sections, source, stretch);
+  const auto direction_at = [&](double y) { return direction_on_axis(sections, source, y, largest); };
   for (const Section& s : sections.sections) {
     if (s.end < stretch.begin || (s.end == stretch.begin && !where_it_begins) || s.end >= stretch.end)
       continue;
@@ -118,7 +119,8 @@ Faults jumps_of_sorting_fields_of(const Beamline& beamline) {
     const Species& species = component.species;
     for (const Stretch& stretch : stretches_of(beamline, species, sections)) {
       if (!stretch.outlook.sorts) continue;
-      const std::optional<double> jump = first_jump(sections, stretch, species.structure.has_value());
+      const std::optional<double> jump =
+          first_jump(sections, beamline.source, stretch, species.structure.has_value());
       if (!jump) continue;
       const Section& first = *std::ranges::find_if(
           sections.sections, [&](const Section& s) { return s.begin >= stretch.begin && !s.shaped.empty(); });
