@@ -194,8 +194,8 @@ def test_spins_are_sorted_along_the_field_where_the_beam_is(tmp_path: Path) -> N
         (tmp_path / "beside.yaml").write_text(BESIDE.format(source=source, magnet=part, kind="kind: multipole_field, poles: 4, field: 1 T, radius: 6 mm")
                                               .replace("K-39 atom", "neutron").replace("500 m/s", "300 m/s").replace("particles: 8", "particles: 200")
                                               .replace("direction: parallel,", "direction: parallel, spin: {kind: polarised, axis: z, degree: 1},")
-                                              .replace("bins: [1, 1]", "bins: [1, 1], tallies: [{name: x, axes: [{quantity: x, from: -30 mm, to: 30 mm, bins: 60}]}]"))
+                                              .replace("bins: [1, 1]", "bins: [1, 1], tallies: [{name: across, axes: [{quantity: x, from: -30 mm, to: 30 mm, bins: 60}]}]"))
         assert rabiline("run", tmp_path / "beside.yaml", "-o", tmp_path / "a.h5").returncode == 0
         with h5py.File(tmp_path / "a.h5") as file:
-            spread.append(float(file["entry/D_x/x_deviation"][0]))
+            spread.append(float(file["entry/D_across/x_deviation"][0]))
     assert spread[0] > 3e-4 and spread[0] == pytest.approx(spread[1], rel=1e-3)
