@@ -72,10 +72,10 @@ class CountsFit:
     beyond: tuple[tuple[str, float], ...] = ()  # parameters that ended beyond what they may be, and their limit in SI
     held: tuple[Held, ...] = ()  # what of the exposure was not free
     start: np.ndarray = field(repr=False, default_factory=lambda: np.zeros(0))  # [free parameters] SI
+    written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
     searches: int = 1  # from so many places, where the points are too sparse for one, or the first came to rest at a curve that is none of the counts'
     sparse: bool = False
     rivals: tuple[Rival, ...] = ()
-    written: tuple[tuple[str, float] | None, ...] = ()  # units of the free parameters in the file, and how much each is in SI
 
     @property
     def p(self) -> float:
@@ -354,8 +354,8 @@ def _conclude(model: CurveModel, counts: Counts, problem: Problem, first: np.nda
                      max(round(float(np.sum(np.minimum(mu, 1.0)))) - values.size + len(degenerate), 0), condition, degenerate, combined, counts, mu,
                      np.sqrt(np.sum(modes**2, axis=1)), str(model.detector), model.experiment.title, model.flights,
                      shares_of_simulation(problem, values), model.particles, model.particles * fisher.more_particles,
-                     tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, model.start()[:k],
-                     tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
+                     tuple((model.names[i], limit) for i, limit in model.limits.beyond(values).items()), others, start=model.start()[:k],
+                     written=tuple(model.experiment.written_unit(name.split("+")[0]) for name in model.names))
 
 
 def _held(model: CurveModel, counts: Counts, problem: Problem, first: np.ndarray, values: np.ndarray, errors: np.ndarray) -> tuple[Held, ...]:
