@@ -31,7 +31,7 @@ def counted(expected: np.ndarray, seed: int) -> Counts:
     return Counts("counts", "first.frequency", PLACES, X, "Hz", counts, None, None, None)
 
 
-@pytest.mark.parametrize(("free", "true", "seed"), [("B.gradient", 105.0, 2), ("B.gradient", 105.0, 4), ("wire.at", 1.9, 2)])
+@pytest.mark.parametrize(("free", "true", "seed"), [("B.gradient", 105.0, 4), ("wire.at", 1.9, 2)])
 def test_a_parameter_at_the_top_of_a_curve_is_found_there(expected: np.ndarray, free: str, true: float, seed: int) -> None:
     fit = fit_counts(CLOCK.set(particles=100000, seed=1000 + seed), counted(expected, seed), [free])
     value, error = fit[free]
@@ -160,3 +160,26 @@ def test_a_place_that_few_simulated_particles_tell_is_no_better_known_than_they_
         fit = fit_counts(setup.scan(), Counts("counts", "D.offset.x", tuple(f"{one!r} m" for one in x.tolist()), x, "m", counts, None, None, None), ["S.at"])
         value, error = fit["S.at"]
         assert 0.002 < error < 0.005 and abs(value - 0.44) < 3 * error and np.ptp(fit.intervals[0]) > 1.5 * error
+
+
+def test_an_offset_that_is_zero_has_an_error_and_leaves_others_theirs() -> None:
+    """Steps of a tenth of its value moved nothing over an edge: it was of no effect, or all was degenerate with it."""
+    x = np.linspace(-0.3e-3, 0.3e-3, 41)
+    silver = rabiline.load(Path(__file__).parents[2] / "beamline/stern-gerlach.yaml").scan().set({"plate.height": "20 um", "plate.bins": [1, 1], "slit.offset.z": "50 nm"})
+    places = tuple(f"{z!r} m" for z in x.tolist())
+    y = np.ravel(silver.set(seed=1003, particles=1000000).scan("plate.offset.z", places).fly().detected)
+    counts = Counts("counts", "plate.offset.z", places, x, "m", np.random.default_rng(3).poisson(20000 * y).astype(float), None, None, None)
+    fit = fit_counts(silver.set(particles=50000), counts, ["magnet.gradient", "slit.offset.z"], intervals=False)
+    assert not fit.degenerate and abs(fit["slit.offset.z"][0]) < 3.5 * fit["slit.offset.z"][1] < 3e-6
+    assert fit["magnet.gradient"][1] < 0.02 * fit["magnet.gradient"][0]
+
+
+def test_points_that_are_farther_apart_than_a_line_is_wide_are_searched_from_both_sides() -> None:
+    """One search from the file's 50 µT and 1.6 µT ends 60 errors off, with chi² 1850."""
+    potassium, x = rabiline.load(Path(__file__).parents[2] / "beamline/kusch-millman-rabi-potassium.yaml").scan().set({"wire.bins": [1, 1]}), np.linspace(460.42e6, 463.02e6, 105)
+    places, truth = tuple(f"{f!r} Hz" for f in x.tolist()), {"C.field": 52e-6, "RF.amplitude": 1.8e-6}
+    y = np.ravel(potassium.set(truth).set(seed=77, particles=100000).scan("RF.frequency", places).fly().detected)
+    counts = Counts("counts", "RF.frequency", places, x, "Hz", np.random.default_rng(1).poisson(20000 * y).astype(float), None, None, None)
+    fit = fit_counts(potassium.set(particles=4000), counts, list(truth), intervals=False)
+    assert fit.searches > 1 and fit.sparse and fit.p > 1e-3 and f"the best of {fit.searches} searches" in str(fit)
+    assert all(abs(fit[name][0] - true) < 3.5 * fit[name][1] < 0.1 * true for name, true in truth.items())
