@@ -40,9 +40,6 @@ Offset axis_of_beam(const Source& source, double y) {
 std::vector<Offset> BeamSpan::sides() const {
   return {{x.high, z.middle()}, {x.low, z.middle()}, {x.middle(), z.high}, {x.middle(), z.low}};
 }
-std::vector<Offset> BeamSpan::corners() const {
-  return {{x.low, z.low}, {x.low, z.high}, {x.high, z.low}, {x.high, z.high}};
-}
 
 BeamSpan beam_at(double y, const Beamline& beamline, const Sections& sections) {
   const Source& source = beamline.source;

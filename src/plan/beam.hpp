@@ -17,7 +17,6 @@ struct BeamSpan {
   Offset centre() const { return {x.middle(), z.middle()}; }
   /// In the middle of the four sides.
   std::vector<Offset> sides() const;
-  std::vector<Offset> corners() const;
 };
 
 /// [m] Where the middle of the source's opening looks.
