@@ -19,6 +19,7 @@ from .surface import Surface
 IMPOSSIBLE = 1e300  # Q of a factor that is not above 0
 LEAST_MODE = 1e-4  # of the Poisson variance: smaller modes of the simulation's covariance do not matter
 DEGENERATE = 1e-4  # ratio of the eigenvalues of the parameters' correlation, below which a direction is not known
+MUCH_THE_SAME = 4.0  # a factor between such eigenvalues
 TIMES_NOISE = 4.0  # likewise, times what the slopes' own noise makes of it
 SEEN = 2.0  # times that noise: nothing that is degenerate comes so far
 LED = 4.0  # of Q, two standard deviations: what falls by less along a direction may be the noise of the slopes
@@ -61,13 +62,31 @@ class Fisher:
 
     @cached_property
     def directions(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Eigenvalues of the parameters' correlation, its eigenvectors as columns, and which of them are known."""
-        values, vectors = np.linalg.eigh(self.errors[:, None] * self.matrix * self.errors)
+        """Directions as columns, along which the parameters' correlation has these values, and which of them are known: its eigenvectors, or where
+        it has much the same value along several, those of the noise."""
+        values, vectors = np.linalg.eigh(self._scaled(self.matrix))
+        noise, begin = self._scaled(self.noise + self.trembling), 0
+        for end in range(1, values.size + 1):
+            if end == values.size or values[end] > MUCH_THE_SAME * values[begin]:
+                alike = vectors[:, begin:end]
+                vectors[:, begin:end] = alike @ np.linalg.eigh(alike.T @ noise @ alike)[1]
+                begin = end
+        values = np.einsum("ij,ik,kj->j", vectors, self._scaled(self.matrix), vectors)
         return values, vectors, (values > DEGENERATE * values.max()) & (values > TIMES_NOISE * self._noise_along(vectors))
+
+    @property
+    def condition(self) -> float:
+        """Number of the parameters' correlation."""
+        values = np.linalg.eigvalsh(self._scaled(self.matrix))
+        return float(values.max() / max(values.min(), 1e-16 * values.max()))
 
     def _noise_along(self, vectors: np.ndarray) -> np.ndarray:
         """[k] The part of each eigenvalue that is noise."""
-        return np.einsum("ij,ik,kj->j", vectors, self.errors[:, None] * (self.noise + self.trembling) * self.errors, vectors)
+        return np.einsum("ij,ik,kj->j", vectors, self._scaled(self.noise + self.trembling), vectors)
+
+    def _scaled(self, matrix: np.ndarray) -> np.ndarray:
+        """[k, k] In units of the errors."""
+        return self.errors[:, None] * matrix * self.errors
 
     @property
     def hidden(self) -> np.ndarray:
@@ -85,8 +104,12 @@ class Fisher:
     @property
     def inverse(self) -> np.ndarray:
         """[k, k] Without the directions that the data do not know."""
-        values, vectors, known = self.directions
-        return self.errors[:, None] * ((vectors[:, known] / values[known]) @ vectors[:, known].T) * self.errors
+        _, vectors, known = self.directions
+        return self._scaled(vectors[:, known] @ self._inverse_in(vectors[:, known]) @ vectors[:, known].T)
+
+    def _inverse_in(self, vectors: np.ndarray) -> np.ndarray:
+        """[j, j] Of the correlation, along directions [k, j]."""
+        return np.linalg.inv(vectors.T @ self._scaled(self.matrix) @ vectors)
 
     def way(self, score: np.ndarray) -> np.ndarray:
         """[k] To the minimum from where Q has a gradient of -2 `score` [k]: along what is known, and along what the noise hides, where Q promises
@@ -94,16 +117,16 @@ class Fisher:
         values, vectors, known = self.directions
         along = vectors.T @ (self.errors * score)
         led = known | (values > DEGENERATE * values.max()) & (along**2 > LED * values)
-        return self.errors * (vectors[:, led] @ (along[led] / values[led]))
+        return self.errors * (vectors[:, led] @ (self._inverse_in(vectors[:, led]) @ along[led]))
 
     @property
     def covariance(self) -> np.ndarray:
         """[k, k] The same, but for slopes that weigh the counts a little wrongly by their noise, and promise more than they know, as bends do."""
         _, vectors, known = self.directions
         in_them = vectors[:, known]
-        scaled = [in_them.T @ (self.errors[:, None] * matrix * self.errors) @ in_them for matrix in (self.matrix - self.trembling, self.noise)]
+        scaled = [in_them.T @ self._scaled(matrix) @ in_them for matrix in (self.matrix - self.trembling, self.noise)]
         weighed = np.linalg.inv(scaled[0] - scaled[1])
-        return self.errors[:, None] * (in_them @ weighed @ scaled[0] @ weighed @ in_them.T) * self.errors
+        return self._scaled(in_them @ weighed @ scaled[0] @ weighed @ in_them.T)
 
 
 @dataclass(frozen=True)

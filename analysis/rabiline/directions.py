@@ -36,8 +36,7 @@ class Direction:
 def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
              ) -> tuple[np.ndarray, float, tuple[Direction, ...], tuple[tuple[str, float, float], ...]]:
     """Covariance, condition number, and what is degenerate."""
-    eigenvalues, vectors, known = fisher.directions
-    condition = float(eigenvalues.max() / max(eigenvalues.min(), 1e-16 * eigenvalues.max()))
+    _, vectors, known = fisher.directions
     covariance = fisher.covariance
     directions, combined = [], []
     for vector, hidden in zip(vectors[:, ~known].T, fisher.hidden[~known]):
@@ -48,7 +47,7 @@ def analysis(fisher: Fisher, values: np.ndarray, names: Sequence[str]
     for direction in directions:
         grown[direction.involved] = np.abs(values[direction.involved])
     covariance = covariance + np.diag(grown**2)
-    return covariance, condition, tuple(directions), tuple(combined)
+    return covariance, fisher.condition, tuple(directions), tuple(combined)
 
 
 def _combination(direction: Direction, values: np.ndarray, covariance: np.ndarray) -> list[tuple[str, float, float]]:

@@ -114,7 +114,7 @@ class Experiment:
 
     def written_unit(self, name: str) -> tuple[str, float] | None:
         """The unit in which the number called `name` is written, in the latest change of it or in the file, and how much that is in SI. None
-        where it is not found with an SI prefix or in degrees."""
+        where it is not found in a unit that is read with SI prefixes, such as mT, or in degrees."""
         from .units import QUANTITY, base_of
         value, unit = self._setup.value(name) or (0.0, "")
         changed = [change.partition("=")[2] for change in self.changes if change.startswith(f"{name}=")]
@@ -189,7 +189,7 @@ class Experiment:
 
     def trace(self, count: int = 5, first: int = 0) -> Tracks:
         """The paths of `count` particles from number `first` on, without the scan: positions [n, 3] in m, velocities in m/s, times
-        in s. Raises InputError for a model, TypeError, and ValueError for a negative number and for none or too many particles."""
+        in s. Raises TypeError, and ValueError for a model, a negative number and for none or too many particles."""
         from . import tracks
         return tracks.read(_core.trace(self._setup, asked.whole_number("first", first), asked.whole_number("count", count, 1, MOST_TRACKS)))
 

@@ -135,4 +135,4 @@ def _about_held(fit: CountsFit, one: Held) -> Iterable[str]:
 
 
 def _signed(by: float, unit: str, factor: float) -> str:
-    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{in_unit(abs(float(f'{by:.3g}')), unit, factor)}".strip()
+    return "open" if not np.isfinite(by) else f"{'+' if by > 0 else '−'}{in_unit(float(f'{abs(by) / factor:.3g}') * factor, unit, factor)}".strip()

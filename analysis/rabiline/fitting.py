@@ -135,7 +135,7 @@ class CountsFit:
 
 @np.errstate(all="ignore")  # of values that lead nowhere
 def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFrame, free: Sequence[str], *, detector: str | None = None,
-               threads: int | None = None, start: dict[str, float] | None = None, intervals: bool = True, explore: int = 0,
+               threads: int | None = None, start: dict[str, float | str] | None = None, intervals: bool = True, explore: int = 0,
                told: Callable[[int, int, bool, float], None] | None = None) -> CountsFit:
     """Fits parameters of the experiment, in SI, from where the file has them or from `start`. `free` may have `scale` and
     `background` too. The exposure is known where the data have `emitted`, or `seconds` and the file the source's `rate`; else
@@ -150,7 +150,8 @@ def fit_counts(experiment: Experiment, data: Counts | str | Path | pandas.DataFr
                        counts.across and (counts.across.parameter, counts.across.places), explore, told)
     values = model.start()
     for name, value in (start or {}).items():
-        values[names.index(name)] = value
+        first, i = name.split("+")[0], asked.place_of(name, tuple(names))
+        values[i] = experiment.scan().set({first: value}).value(first) if isinstance(value, str) else asked.number(f"start[{name!r}]", value)
     exposure = exposure_of(model, counts, values)
     extra = tuple(name for name in (SCALE, BACKGROUND) if name in free or (name == SCALE and not exposure.is_known))
     if counts.counts.size < len(names) + len(extra):

@@ -41,7 +41,7 @@ class Forecast:
 
     def __str__(self) -> str:
         width = max(map(len, self.names))
-        lines = [f"{self.counts.size} points with {self.counts.min():.4g} to {self.counts.max():.4g} counts, "
+        lines = [f"{self.counts.size} points with {self.counts.min().round(6):.4g} to {self.counts.max():.4g} counts, "
                  f"{self.counts.sum():.4g} in all"]
         unknown = [any(i in direction.involved for direction in self.degenerate) for i in range(len(self.names))]
         lines += [f"  {name:<{width}}  " + ("not known by itself" if lost else format_value(value, unit, error, written))
@@ -89,23 +89,29 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
     model.scaled = SCALE in extra
     start = model.start()
     full = np.concatenate([start, [exposure.start(name) for name in extra]])
-    steps, exact = model.first_steps(start), np.zeros((n, 0))  # modes of a simulation without errors
+    steps = model.first_steps(start)
     turns = TURNS
     while turns > 0:
         problem = Problem(np.ones(n), exposure, Surface.about(model, start, steps, crossed=False), extra)
-        fisher = problem.fisher(full, exact)
+        fisher = problem.fisher(full, _unseen(problem, full))
         steps = np.array([model.step(start, i, error) for i, error in enumerate(fisher.errors[:start.size])])
         turns -= 1
         if turns == 0 and fisher.more_particles > 1 and model.explore_more():
             turns = 1
     problem = replace(problem, surface=problem.surface.whole(model, model.particles))
     mu, _, _ = problem.mean(full)
-    fisher = problem.fisher(full, exact)
+    fisher = problem.fisher(full, _unseen(problem, full))
     covariance, condition, degenerate, combined = analysis(fisher, full, (*names, *extra))
     errors = np.sqrt(np.diag(covariance))
     return Forecast((*names, *extra), (*model.units, *("" for _ in extra)), full, errors, covariance, condition, degenerate,
                     combined, _bent(names, problem.surface, errors), model.particles, model.particles * fisher.more_particles, mu, problem,
                     (*(experiment.written_unit(name.split("+")[0]) for name in names), *(None for _ in extra)))
+
+
+def _unseen(problem: Problem, values: np.ndarray) -> np.ndarray:
+    """[n, r] Modes of a simulation without errors, but where it saw nothing."""
+    _, _, each = problem.mean(values)
+    return np.diag(np.sqrt(np.diag(problem.surface.covariance)) * each)[:, problem.surface.y <= 0]
 
 
 def _bent(names: Sequence[str], surface: Surface, errors: np.ndarray) -> tuple[str, ...]:

@@ -68,6 +68,18 @@ def ramsey_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
                 lambda shared: _period(shared[1], shared[2]) / mean)
 
 
+def rabi_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
+    """Rabi's line, averaged over the slowness [s/m] that a result has; the field is described by its length."""
+    weights = weights / weights.sum()
+
+    def f(d: np.ndarray, strength: float, length: float) -> np.ndarray:
+        total = np.hypot(d, strength)
+        return (strength / total)**2 * (np.sin(np.pi * length * total[:, None] * slowness)**2 @ weights)
+
+    mean = float(slowness @ weights)
+    return Form("rabi", ("strength", "length"), f, lambda widths: [(strength, time / mean) for strength, time in FORMS["rabi"].starts(widths)])
+
+
 def _times(periods: Sequence[float]) -> list[tuple[float, float]]:
     """In a field and between the two, for fringes of these periods."""
     return [(ratio * time, time) for period in periods for ratio in RATIOS for time in [_period(ratio, 1.0) / period]]

@@ -139,7 +139,8 @@ def _draw_row(axes: Axes, row: Curve, levels: Levels, scale: Scale, looks: dict[
             axes.plot(at[run], y[run], linewidth=1.1, linestyle="none" if row.axis.labels else "--" if look.open else "-", label=label, **symbols)
             label = None
     if top == 0:
-        axes.text(0.5, 0.5, "nothing detected", transform=axes.transAxes, ha="center")
+        missing = "none in these levels" if np.nansum(levels.fractions[row.points]) > 0 else "nothing detected"
+        axes.text(0.5, 0.5, missing, transform=axes.transAxes, ha="center")
         axes.update_datalim(np.column_stack([x, np.zeros(x.size)]))
     axes.margins(x=0.1 if row.axis.labels else 0.02)
     axes.grid(axis="y")

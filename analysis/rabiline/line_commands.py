@@ -15,7 +15,7 @@ from .counts import Counts, read_counts
 from .covariance import LEAST_P
 from .curves import Curve, curves
 from .errors import InputError
-from .forms import FORMS, Form, ramsey_over
+from .forms import FORMS, SHORTEST, Form, rabi_over, ramsey_over
 from .hdf5 import is_hdf5
 from .line_report import described, unit_of
 from .lines import LineFit, NoLine, Poisson, fit_line
@@ -38,7 +38,7 @@ def arguments(parser: ArgumentParser) -> None:
     parser.description = fit_a_line.__doc__
     parser.add_argument("file", metavar="FILE", type=Path, help="a result (HDF5), or measured counts (CSV)")
     parser.add_argument("--form", choices=[*FORMS],
-                        help="rabi by default; ramsey is averaged over the times of flight that a result keeps, or over normal ones where it tells few apart")
+                        help="rabi by default, which like ramsey is averaged over the times of flight that a result keeps, or over normal ones where it tells few apart")
     parser.add_argument("--lines", type=count, default=1, metavar="N", help="how many, alike but for centre and contrast")
     parser.add_argument("--start", action="append", default=[], metavar="NAME=VALUE", help='where a parameter starts: "centre=29 kHz"; a plain number is in SI')
     known = parser.add_mutually_exclusive_group()
@@ -66,8 +66,12 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         transits = file.detectors[curve.detector].transits
         if transits:
             edges, caught = transits[0].edges, transits[0].caught.sum(axis=0)
-            if np.count_nonzero(caught > LEAST_SHARE * caught.sum()) >= FEWEST_CELLS:
-                forms["ramsey"] = ramsey_over((edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0])
+            slowness, weights = (edges[:-1] + edges[1:])[caught > 0] / 2, caught[caught > 0]
+            told_apart = np.count_nonzero(caught > LEAST_SHARE * caught.sum())
+            if told_apart >= FEWEST_CELLS:
+                forms |= {"rabi": rabi_over(slowness, weights), "ramsey": ramsey_over(slowness, weights)}
+            elif told_apart > 2:
+                forms["rabi"] = rabi_over(*_normal(slowness, weights, edges[1] - edges[0]))
     elif options.file.suffix in (".yaml", ".yml"):
         raise InputError(f"{options.file} is an experiment, and a form is fitted to a result of it, or to counts\n"
                          f"  help: `rabiline run {options.file}` makes one; `rabiline fit {options.file} --data COUNTS.csv` fits the experiment itself")
@@ -93,6 +97,14 @@ def fit_a_line(options: argparse.Namespace) -> Figure | None:
         return None
     from .line_plots import draw_line
     return draw_line(x, y, deviations, fitted, name, unit, options.title or title, words, each)
+
+
+def _normal(slowness: np.ndarray, weights: np.ndarray, cell: float) -> tuple[np.ndarray, np.ndarray]:
+    """Normal flight times of the same mean and deviation, which cells make larger (W. Sheppard, Proc. London Math. Soc. 29, 353, 1898)."""
+    mean = np.average(slowness, weights=weights)
+    deviation = np.sqrt(max(np.average((slowness - mean)**2, weights=weights) - cell**2 / 12, 0.0))
+    away = np.linspace(-3, 3, 25)
+    return np.maximum(mean + deviation * away, SHORTEST * mean), np.exp(-away**2 / 2)
 
 
 def _exposure(counts: Counts) -> tuple[np.ndarray, str]:

@@ -1,6 +1,7 @@
 """A closed form that was fitted, in words."""
 from __future__ import annotations
 
+from math import sqrt
 from typing import TYPE_CHECKING
 
 from .covariance import LEAST_P, freedom_in_words, p_in_words
@@ -20,7 +21,7 @@ def unit_of(name: str, unit: str) -> str:
     """That of a parameter of a form over an axis with this unit."""
     power = UNITS.get(name.split("_")[0], 0)
     inverse = "s" if unit == "Hz" else f"1/{unit}" if unit else ""
-    return unit if power == 1 else inverse if power == -1 else "m" if name in ("zone", "distance") else ""
+    return unit if power == 1 else inverse if power == -1 else "m" if name in ("length", "zone", "distance") else ""
 
 
 def _written_of(name: str, written: tuple[str, float] | None) -> tuple[str, float] | None:
@@ -44,6 +45,13 @@ def _value(fitted: LineFit, number: int, unit: str, written: tuple[str, float] |
     return format_value(value, unit_of(name, unit), error, _written_of(name, written)) if is_known else "not known"
 
 
+def _goes_below_zero(fitted: LineFit) -> bool:
+    """Whether a dip is deeper than what is there without it, by three errors."""
+    base, parts = fitted.names.index("baseline"), [i for i, name in enumerate(fitted.names) if name.startswith("contrast")]
+    bottoms = ((fitted.values[base] + fitted.values[i], fitted.covariance[base, base] + fitted.covariance[i, i] + 2 * fitted.covariance[base, i]) for i in parts)
+    return any(bottom < -3 * sqrt(max(variance, 0.0)) for bottom, variance in bottoms)
+
+
 def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = None, each: str = "") -> list[str]:
     """The form, and its values with their errors; in the unit of the axis as the user wrote it, with how much that is in SI. `each`: what points,
     contrasts and the baseline are."""
@@ -51,6 +59,8 @@ def described(fitted: LineFit, unit: str, written: tuple[str, float] | None = No
     lines += [f"           contrast and baseline are in {each}"] if each else []
     if fitted.form == "rabi" and fitted["strength"][1] > UNKNOWN * fitted["strength"][0]:
         lines.append("           the field is weak: its strength and the contrast cannot be told apart; --form sinc2 needs neither")
+    if fitted.form == "rabi" and "time" in fitted.names and _goes_below_zero(fitted):
+        lines.append("           no line can be that deep: flight times differ, and the form has one, so that strength, time and contrast are effective")
     if "spread" in fitted.names and fitted["spread"][0] > WIDE:
         lines.append("           normal times of flight stand in for those of the beam: strength, pulse, time and spread are effective")
     lines.append(f"chi²       {fitted.chi_squared:.1f} for {freedom_in_words(fitted.freedom)}, {p_in_words(fitted.p)}{'' if fitted.deviance is not None else ', without correlations'}")

@@ -17,16 +17,7 @@
 #include "storage/safe_file.hpp"
 
 namespace rabiline {
-namespace {
 
-/// What CLI11 found wrong, in our form.
-std::string told(const CLI::ParseError& error, const std::vector<std::string>& arguments) {
-  const bool has_verb = !arguments.empty() && !arguments.front().starts_with('-');
-  return fmt::format("{}\n  help: `rabiline {}--help` tells what there is", error.what(),
-                     has_verb ? arguments.front() + " " : "");
-}
-
-/// Calls it; what went wrong is told, and its exit code returned.
 int explained(const std::function<int()>& call) {
   try {
     return call();
@@ -60,6 +51,15 @@ int explained(const std::function<int()>& call) {
         error.what());
     return exit_code::mistake;
   }
+}
+
+namespace {
+
+/// What CLI11 found wrong, in our form.
+std::string told(const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+  const bool has_verb = !arguments.empty() && !arguments.front().starts_with('-');
+  return fmt::format("{}\n  help: `rabiline {}--help` tells what there is", error.what(),
+                     has_verb ? arguments.front() + " " : "");
 }
 
 /// HDF5 goes under no name that promises a table or a picture, and results not where checkpoints go.
@@ -224,7 +224,7 @@ int parse_and_run(const std::vector<std::string>& arguments, Ranks* ranks) {
   add_probe(app);
   add_resume(app, ranks, exit);
   add_merge(app, ranks, exit);
-  add_verify(app);
+  add_verify(app, exit);
   add_reproduce(app, ranks, exit);
   add_rescan(app, arguments, exit);
   add_package_verbs(app);

@@ -2,6 +2,7 @@
 // What the verbs of the command line share: options of an experiment, exit codes.
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -73,6 +74,9 @@ void require_place(const std::filesystem::path& output, const std::vector<InputT
 /// The inputs of an experiment and the file that it was loaded from, which may be a result.
 std::vector<InputText> with_file(std::vector<InputText> inputs, const std::filesystem::path& file);
 
+/// Calls it; what went wrong is told, and its exit code returned.
+int explained(const std::function<int()>& call);
+
 /// Each verb adds itself to the command line; `exit` gets its exit code when it has run. `ranks` fly along
 /// where there are any.
 void add_run(CLI::App&, const std::vector<std::string>& arguments, Ranks* ranks, int& exit);
@@ -82,7 +86,7 @@ void add_trace(CLI::App&);
 void add_probe(CLI::App&);
 void add_resume(CLI::App&, Ranks* ranks, int& exit);
 void add_merge(CLI::App&, Ranks* ranks, int& exit);
-void add_verify(CLI::App&);
+void add_verify(CLI::App&, int& exit);
 void add_reproduce(CLI::App&, Ranks* ranks, int& exit);
 void add_rescan(CLI::App&, const std::vector<std::string>& arguments, int& exit);
 

@@ -53,13 +53,19 @@ int reproduce_command(const ReproduceArguments& a, Ranks* ranks) {
 
 }  // namespace
 
-void add_verify(CLI::App& app) {
+void add_verify(CLI::App& app, int& exit) {
   CLI::App* verb =
       app.add_subcommand("verify", "tell whether files are, to the bit, what this program wrote");
   auto files = std::make_shared<std::vector<std::string>>();
   verb->add_option("FILE.h5", *files, "results, tracks, shards or checkpoints")->required();
-  verb->callback([files] {
-    for (const std::string& file : *files) say(stdout, "{}: whole, SHA-256 {}\n", file, verify(file));
+  verb->callback([files, &exit] {
+    for (const std::string& file : *files) {
+      const int of_this = explained([&] {
+        say(stdout, "{}: whole, SHA-256 {}\n", file, verify(file));
+        return exit_code::done;
+      });
+      if (exit == exit_code::done) exit = of_this;
+    }
   });
 }
 

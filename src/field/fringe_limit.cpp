@@ -30,15 +30,23 @@ double size_beside(const FringeShape& shape, double distance) {
 
 }  // namespace
 
+double series_good_up_to(const FringeShape& shape) {
+  if (shape.kind != FringeKind::wires) return std::numeric_limits<double>::infinity();
+  return std::pow(most_wrong, 1.0 / 16) * portable::hypot(shape.half_distance, shape.height, 0);
+}
+
 double good_up_to(const FringeShape& shape) {
+  const double most = series_good_up_to(shape);
   if (shape.curve == FringeCurve::sine || shape.curve == FringeCurve::half_sine) {
     const double length = shape.curve == FringeCurve::sine ? shape.fringe : 2 * shape.half_length;
-    return length / std::numbers::pi * std::sqrt((shape.kind == FringeKind::across ? 6 : 8) * most_wrong);
+    return std::min(
+        most, length / std::numbers::pi * std::sqrt((shape.kind == FringeKind::across ? 6 : 8) * most_wrong));
   }
   const double step = shape.fringe / 64;
   double distance = 0;
-  while (distance < 100 * shape.fringe && size_beside(shape, distance + step) <= most_size) distance += step;
-  return distance;
+  while (distance < std::min(most, 100 * shape.fringe) && size_beside(shape, distance + step) <= most_size)
+    distance += step;
+  return std::min(most, distance);
 }
 
 double distance_from_axis(const ShapedTerm& fringed, double x, double y, double z) {

@@ -13,21 +13,23 @@ enum class FringeCurve {
   gaussian    // exp(-(z/length)^2/2), cut at both ends
 };
 
-/// Which way a field points: along z or along x on the axis, or about it as that of 4, 6, ... poles does.
-enum class FringeKind { along, across, poles };
+/// Which way a field points: along z or along x on the axis, about it as that of 4, 6, ... poles does, or as
+/// that of two wires beside it.
+enum class FringeKind { along, across, poles, wires };
 
 /// F(z), the curve of a field: `size (even + growth z) sin(turn z + phase)` times the curve of its edges.
 struct FringeShape {
   FringeKind kind;
-  FringeCurve curve;              // of its edges
-  double size;                    // [T]; [T/m^power] of poles
-  double half_length;             // [m] its edges are at z = -half_length and half_length
-  double fringe;                  // [m] unit of s, or the gaussian's standard deviation
-  double enge[6];                 // a
-  double even = 1, growth = 0;    // 1, [1/m]
-  double turn = 0, phase = 0;     // [rad/m], [rad]; no sine where turn is 0
-  int power = 0;                  // of poles: B_x - i B_y = F (x + i y)^power where F is even
-  double place[4]{}, share[4]{};  // of poles: where F is asked for, and for which part of its mean
+  FringeCurve curve;                     // of its edges
+  double size;                           // [T]; [T/m^power] of poles
+  double half_length;                    // [m] its edges are at z = -half_length and half_length
+  double fringe;                         // [m] unit of s, or the gaussian's standard deviation
+  double enge[6];                        // a
+  double even = 1, growth = 0;           // 1, [1/m]
+  double turn = 0, phase = 0;            // [rad/m], [rad]; no sine where turn is 0
+  int power = 0;                         // of poles: B_x - i B_y = F (x + i y)^power where F is even
+  double place[4]{}, share[4]{};         // of poles: where F is asked for, and for which part of its mean
+  double half_distance = 0, height = 0;  // [m] of wires, at x = -height and y = -+half_distance
   bool operator==(const FringeShape&) const = default;
 };
 
@@ -205,47 +207,123 @@ template <class Maths, class Number>
   return about_axis<Maths>(x, y, mean * along, per_r * out, mean * along_slope, per_r * out_slope);
 }
 
-/// Poles: B is the gradient of P g, with P + i Q = (x + i y)^n/n, n = power + 1, and g(r, z), which obeys
-/// g_rr + (2n + 1) g_r/r + g_zz = 0 and is F on the axis: the mean of F(z + i r cos t) with the weight (sin
-/// t)^(2n), by Gauss and Gegenbauer's 8 places in cos t.
+/// A function of r and z with its slopes: by z, and by u = r^2.
+template <class Number>
+struct RoundFunction {
+  Number g, g_z, g_zz, g_u, g_uz;
+};
+
+/// Adds the gradient of P g to a field, P + i Q = (x + i y)^n/n, where g obeys g_rr + (2n + 1) g_r/r + g_zz =
+/// 0: the potential of 2n poles. `lower` is (x + i y)^(n - 2), which is not read where n is 1.
+template <class Number>
+[[gnu::always_inline]] inline void add_poles(FieldHere<Number>& here, double n,
+                                             const ComplexNumber<Number>& lower,
+                                             const ComplexNumber<Number>& flat,
+                                             const ComplexNumber<Number>& w, Number r2,
+                                             const RoundFunction<Number>& of) {
+  const auto& [g, g_z, g_zz, g_u, g_uz] = of;
+  const Number none = r2 - r2, g_uu = (none - (4 * n + 4) * g_u - g_zz) / (4.0 * r2);
+  const ComplexNumber<Number> potential = (1 / n) * (flat * w);
+  const Number p = potential.re, p_x = flat.re, p_y = none - flat.im, p_xx = (n - 1) * lower.re,
+               p_xy = none - (n - 1) * lower.im, two_x = 2.0 * w.re, two_y = 2.0 * w.im;
+  here.field[0] = here.field[0] + p_x * g + p * two_x * g_u;
+  here.field[1] = here.field[1] + p_y * g + p * two_y * g_u;
+  here.field[2] = here.field[2] + p * g_z;
+  here.slope[0] = here.slope[0] + p_xx * g + 2.0 * p_x * two_x * g_u + p * (2.0 * g_u + two_x * two_x * g_uu);
+  here.slope[1] = here.slope[1] + p_xy * g + (p_x * two_y + p_y * two_x) * g_u + p * two_x * two_y * g_uu;
+  here.slope[2] = here.slope[2] + p_x * g_z + p * two_x * g_uz;
+  here.slope[5] = here.slope[5] + p_y * g_z + p * two_y * g_uz;
+  here.slope[8] = here.slope[8] + p * g_zz;
+}
+
+/// What Maxwell's equations say of the slopes that have not been added.
+template <class Number>
+[[gnu::always_inline]] inline void complete(FieldHere<Number>& here) {
+  here.slope[3] = here.slope[1];
+  here.slope[6] = here.slope[2];
+  here.slope[7] = here.slope[5];
+  here.slope[4] = (here.slope[0] - here.slope[0]) - here.slope[0] - here.slope[8];
+}
+
+/// Poles: g is F on the axis, and beside it the mean of F(z + i r cos t) with the weight (sin t)^(2n), by
+/// Gauss and Gegenbauer's 8 places in cos t.
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_of_poles(const FringeShape& shape, Number x, Number y,
                                                                Number z) {
   const Number none = x - x;
   const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
   const Number r2 = x * x + y * y + least * least, r = Maths::root(r2);
-  // g, g_z, g_zz, and the derivatives by u = r^2: g_u and g_uz.
-  Number g = none, g_z = none, g_zz = none, g_u = none, g_uz = none;
+  RoundFunction<Number> g{none, none, none, none, none};
   for (int i = 0; i < 4; ++i) {
     const double place = shape.place[i], share = shape.share[i];
     const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, place * r});
-    g = g + share * f.value.re;
-    g_z = g_z + share * f.slope.re;
-    g_zz = g_zz + share * f.bend.re;
-    g_u = g_u - (place * share) * f.slope.im;
-    g_uz = g_uz - (place * share) * f.bend.im;
+    g.g = g.g + share * f.value.re;
+    g.g_z = g.g_z + share * f.slope.re;
+    g.g_zz = g.g_zz + share * f.bend.re;
+    g.g_u = g.g_u - (place * share) * f.slope.im;
+    g.g_uz = g.g_uz - (place * share) * f.bend.im;
   }
   const Number per_2r = 0.5 / r;
-  g_u = g_u * per_2r;
-  g_uz = g_uz * per_2r;
-  const double n = shape.power + 1;
-  const Number g_uu = (none - (4 * n + 4) * g_u - g_zz) / (4.0 * r2);
+  g.g_u = g.g_u * per_2r;
+  g.g_uz = g.g_uz * per_2r;
   ComplexNumber<Number> lower{none + shape.size, none};  // size (x + i y)^(power - 1)
   const ComplexNumber<Number> place{x, y};
   for (int k = 1; k < shape.power; ++k) lower = lower * place;
-  const ComplexNumber<Number> flat = lower * place, potential = (1 / n) * (flat * place);
-  const Number p = potential.re, p_x = flat.re, p_y = none - flat.im, p_xx = shape.power * lower.re,
-               p_xy = none - shape.power * lower.im, two_x = 2.0 * x, two_y = 2.0 * y;
   FieldHere<Number> here;
-  here.field[0] = p_x * g + p * two_x * g_u;
-  here.field[1] = p_y * g + p * two_y * g_u;
-  here.field[2] = p * g_z;
-  here.slope[0] = p_xx * g + 2.0 * p_x * two_x * g_u + p * (2.0 * g_u + two_x * two_x * g_uu);
-  here.slope[1] = here.slope[3] = p_xy * g + (p_x * two_y + p_y * two_x) * g_u + p * two_x * two_y * g_uu;
-  here.slope[2] = here.slope[6] = p_x * g_z + p * two_x * g_uz;
-  here.slope[5] = here.slope[7] = p_y * g_z + p * two_y * g_uz;
-  here.slope[8] = p * g_zz;
-  here.slope[4] = none - here.slope[0] - here.slope[8];
+  for (Number& component : here.field) component = none;
+  for (Number& component : here.slope) component = none;
+  add_poles(here, shape.power + 1.0, lower, lower * place, place, r2, g);
+  complete(here);
+  return here;
+}
+
+/// Two wires: B_x - i B_y = F/(1 + 2 h w/R^2 + w^2/R^2), w = x + i y, R^2 = a^2 + h^2, where F is even; its
+/// powers of w up to the 15th are poles each of which has its own g. At 8 places t, evenly spaced, F(z + i r
+/// cos t) is asked for, for all of them. Left out is (r/R)^16 of it, and r^16 f^(16) as of `along`.
+template <class Maths, class Number>
+[[gnu::always_inline]] inline FieldHere<Number> field_of_wires(const FringeShape& shape, Number x, Number y,
+                                                               Number z) {
+  constexpr double cosines[] = {0.9807852804032304, 0.8314696123025452, 0.5555702330196022,
+                                0.1950903220161283};
+  const Number none = x - x;
+  const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
+  const Number r2 = x * x + y * y + least * least, r = Maths::root(r2), per_2r = 0.5 / r;
+  RoundFunction<Number> at[4];
+  for (int i = 0; i < 4; ++i) {
+    const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, cosines[i] * r});
+    const Number out = -cosines[i] * per_2r;
+    at[i] = {f.value.re, f.slope.re, f.bend.re, out * f.slope.im, out * f.bend.im};
+  }
+  FieldHere<Number> here;
+  for (Number& component : here.field) component = none;
+  for (Number& component : here.slope) component = none;
+  const ComplexNumber<Number> w{x, y};
+  ComplexNumber<Number> lower{none, none}, flat{none + shape.size, none};  // size w^(n - 2), size w^(n - 1)
+  const double per_r2 = 1 / (shape.half_distance * shape.half_distance + shape.height * shape.height);
+  double coefficient = 1, before = 0, weights[4] = {1, 1, 1, 1};  // (sin t)^(2n)
+  for (int n = 1; n <= 16; ++n) {
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+      weights[i] *= 1 - cosines[i] * cosines[i];
+      sum += weights[i];
+    }
+    RoundFunction<Number> g{none, none, none, none, none};
+    for (int i = 0; i < 4; ++i) {
+      const double share = weights[i] * (coefficient / sum);
+      g.g = g.g + share * at[i].g;
+      g.g_z = g.g_z + share * at[i].g_z;
+      g.g_zz = g.g_zz + share * at[i].g_zz;
+      g.g_u = g.g_u + share * at[i].g_u;
+      g.g_uz = g.g_uz + share * at[i].g_uz;
+    }
+    add_poles(here, n, lower, flat, w, r2, g);
+    lower = flat;
+    flat = flat * w;
+    const double next = -per_r2 * (2 * shape.height * coefficient + before);
+    before = coefficient;
+    coefficient = next;
+  }
+  complete(here);
   return here;
 }
 
@@ -256,6 +334,7 @@ template <class Maths, class Number>
                                                          Number z) {
   if (shape.kind == FringeKind::along) return field_along<Maths>(shape, x, y, z);
   if (shape.kind == FringeKind::poles) return field_of_poles<Maths>(shape, x, y, z);
+  if (shape.kind == FringeKind::wires) return field_of_wires<Maths>(shape, x, y, z);
   const Number none = x - x;
   const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, x});
   FieldHere<Number> here;

@@ -144,6 +144,15 @@ void FringedField::add_poles(const MultipoleShape& poles, const OwnFrame& frame)
   terms_.push_back(placed(ShapedTerm(shape), middle_, frame));
 }
 
+void FringedField::add_wires(const MagnetShape& wires, const OwnFrame& frame) {
+  FringeShape shape = shape_;
+  shape.kind = FringeKind::wires;
+  shape.size = wires.field;
+  shape.half_distance = wires.half_distance;
+  shape.height = wires.height;
+  terms_.push_back(placed(ShapedTerm(shape), middle_, frame));
+}
+
 void FringedField::contribute(SectionBuilder& builder, const std::optional<Oscillator>& clock) const {
   for (const ShapedTerm& term : terms_) add_shaped(clock, begin_, end_, term, builder);
   for (const double y : kinks_) builder.kink(y);

@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "field/magnet_shape.hpp"
 #include "field/shaped_term.hpp"
 #include "parameter/parameter.hpp"
 #include "parts/field_gradient.hpp"
@@ -96,6 +97,9 @@ class FringedField {
   /// Poles about the beam, B_x - i B_y = B_0 ((x + i y)/R)^p in the x and y axis of a frame whose third one
   /// is that of the poles.
   void add_poles(const MultipoleShape&, const OwnFrame&);
+  /// Two wires, as in the x and z axis of MagnetShape's two wires: of a frame whose third axis is along the
+  /// beam, the first one that way and the second one across.
+  void add_wires(const MagnetShape&, const OwnFrame&);
 
   void contribute(SectionBuilder&, const std::optional<Oscillator>& clock = std::nullopt) const;
   void contribute_electric(SectionBuilder&) const;

@@ -24,17 +24,19 @@ void contribute(const IronMagnet& part, const Placement& place, SectionBuilder& 
   walls.circles[0] = pole_face(a, part.convex, +1);
   walls.circles[1] = pole_face(a, part.concave, -1);
   contribute_two_wire(
-      {place.at + part.length, two_wire_shape(part.field, a, height), walls, part.offset, part.tilt}, place,
-      builder);
+      {place.at + part.length, two_wire_shape(part.field, a, height), walls, part.offset, part.tilt},
+      part.fringe, place, builder);
 }
 
 std::vector<Fault> faults_of(const IronMagnet& part, const Placement& place) {
-  if (part.convex < part.concave) return {};
-  return {{place.name, "convex",
-           fmt::format("`{}` has no gap: its convex pole reaches up to {}, its concave one down to {}",
-                       place.name, pretty_quantity(part.convex, Dimension::length),
-                       pretty_quantity(part.concave, Dimension::length)),
-           "`convex` is the smaller height"}};
+  std::vector<Fault> out = faults_of_fringe(part.fringe, RectangularProfile{}, place);
+  if (part.convex < part.concave) return out;
+  out.push_back({place.name, "convex",
+                 fmt::format("`{}` has no gap: its convex pole reaches up to {}, its concave one down to {}",
+                             place.name, pretty_quantity(part.convex, Dimension::length),
+                             pretty_quantity(part.concave, Dimension::length)),
+                 "`convex` is the smaller height"});
+  return out;
 }
 
 }  // namespace rabiline

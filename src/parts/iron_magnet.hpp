@@ -1,4 +1,5 @@
 #pragma once
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -23,6 +24,7 @@ struct IronMagnet {
   std::optional<double> beam_height{};  // [m]
   Offset offset{};
   Roll tilt{};
+  Fringe fringe{};
   bool operator==(const IronMagnet&) const = default;
 };
 template <>
@@ -47,6 +49,9 @@ inline constexpr auto parameters<IronMagnet> = std::tuple{
         "turn of the magnet, field and all, about the beam: by 180 deg the convex pole is above it, and with "
         "the field reversed that is along +z again",
         Roll{}),
+    param("fringe", &IronMagnet::fringe,
+          "how the field ends at both ends, followed in steps; at once if omitted, in closed form",
+          Fringe{HardFringe{}}),
 };
 
 void contribute(const IronMagnet&, const Placement&, SectionBuilder&);

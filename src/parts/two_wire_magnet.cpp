@@ -26,16 +26,19 @@ void contribute(const TwoWireMagnet& part, const Placement& place, SectionBuilde
   walls.circles[1] = {-a, 0, part.wire_radius, +1};
   contribute_two_wire({place.at + part.length, two_wire_shape(field_at_beam(part, height), a, height), walls,
                        part.offset, part.tilt},
-                      place, builder);
+                      part.fringe, place, builder);
 }
 
 std::vector<Fault> faults_of(const TwoWireMagnet& part, const Placement& place) {
-  if (part.wire_radius < part.half_distance) return {};
-  return {{place.name, "wire_radius",
-           fmt::format("the wires of `{}` touch each other: their radius is {} and half of their distance {}",
-                       place.name, pretty_quantity(part.wire_radius, Dimension::length),
-                       pretty_quantity(part.half_distance, Dimension::length)),
-           "make them thinner, or `half_distance` larger"}};
+  std::vector<Fault> out = faults_of_fringe(part.fringe, RectangularProfile{}, place);
+  if (part.wire_radius < part.half_distance) return out;
+  out.push_back(
+      {place.name, "wire_radius",
+       fmt::format("the wires of `{}` touch each other: their radius is {} and half of their distance {}",
+                   place.name, pretty_quantity(part.wire_radius, Dimension::length),
+                   pretty_quantity(part.half_distance, Dimension::length)),
+       "make them thinner, or `half_distance` larger"});
+  return out;
 }
 
 }  // namespace rabiline

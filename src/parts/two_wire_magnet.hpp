@@ -1,6 +1,7 @@
 #pragma once
 #include <variant>
 
+#include "parts/fringe.hpp"
 #include "parts/placement.hpp"
 
 namespace rabiline {
@@ -49,6 +50,7 @@ struct TwoWireMagnet {
   std::optional<double> beam_height{};  // [m]
   Offset offset{};
   Roll tilt{};
+  Fringe fringe{};
   bool operator==(const TwoWireMagnet&) const = default;
 };
 template <>
@@ -68,6 +70,9 @@ inline constexpr auto parameters<TwoWireMagnet> = std::tuple{
         "turn of the magnet, field and all, about the beam: by 180 deg the wires lie above it, and with the "
         "current reversed the field there is along +z again",
         Roll{}),
+    param("fringe", &TwoWireMagnet::fringe,
+          "how the field ends at both ends, followed in steps; at once if omitted, in closed form",
+          Fringe{HardFringe{}}),
 };
 
 void contribute(const TwoWireMagnet&, const Placement&, SectionBuilder&);

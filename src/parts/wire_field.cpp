@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/portable_math.hpp"
+#include "parts/own_frame.hpp"
 #include "section/section_builder.hpp"
 
 namespace rabiline {
@@ -25,9 +26,22 @@ Vector3 two_wire_field_on_axis(const MagnetShape& shape, Offset offset, Roll til
   return {c * across + s * up, 0, c * up - s * across};
 }
 
-void contribute_two_wire(const MagnetTerm& term, const Placement& place, SectionBuilder& builder) {
+void contribute_two_wire(const MagnetTerm& magnet, const Fringe& fringe, const Placement& place,
+                         SectionBuilder& builder) {
+  MagnetTerm term = magnet;
+  const Vector3 on_axis = two_wire_field_on_axis(term.shape, term.offset, term.tilt);
+  if (is_boxed(fringe, RectangularProfile{})) {
+    builder.uniform(place.at, term.end, {on_axis});
+  } else {
+    const FringeShape shape = shape_of(fringe, RectangularProfile{});
+    const double length = term.end - place.at, c = portable::cos(term.tilt.y), s = portable::sin(term.tilt.y);
+    FringedField alone(shape, place.at, length, {}), whole(shape, place.at, length, term.offset);
+    alone.add(on_axis);
+    alone.contribute(builder);
+    whole.add_wires(term.shape, {{s, 0, c}, {c, 0, -s}, {0, 1, 0}});
+    term.fringed = whole.terms();
+  }
   builder.plane(place.at, term);
-  builder.uniform(place.at, term.end, {two_wire_field_on_axis(term.shape, term.offset, term.tilt)});
 }
 
 }  // namespace rabiline

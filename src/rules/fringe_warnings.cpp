@@ -148,7 +148,9 @@ Fault warning_of(const Fringed& field, const Placement& part) {
           strays, field.strays.size(), part.name, metres(field.good),
           shape.kind == FringeKind::across ? " along the field" : "", metres(field.farthest),
           edge ? "fringe" : "profile"),
-      "make it longer, or stop in front of it what comes so far");
+      field.good < series_good_up_to(shape) ? "make it longer, or stop in front of it what comes so far"
+                                            : "stop in front of it what comes so far, or omit the fringe: "
+                                              "without it the field is known everywhere");
 }
 
 /// A fringe that leaves nothing of its field whole, or reaches the source.

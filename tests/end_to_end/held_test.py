@@ -11,7 +11,9 @@ from scipy import stats
 pytest.importorskip("rabiline._core", reason="built without pybind11")
 import rabiline  # noqa: E402
 from rabiline.counts import Counts  # noqa: E402
+from rabiline.counts_problem import Fisher  # noqa: E402
 from rabiline.curve_model import CurveModel, NoFit  # noqa: E402
+from rabiline.directions import analysis  # noqa: E402
 from rabiline.fit_plots import _verdict  # noqa: E402
 from rabiline.fitting import CountsFit, fit_counts  # noqa: E402
 from rabiline.forecasting import forecast  # noqa: E402
@@ -104,3 +106,33 @@ def test_a_background_that_leads_to_values_that_cannot_be_ends_no_fit() -> None:
     fit = fit_counts(rabiline.load(SELECTOR), table, ["source.speed.temperature", "sel.transmission"], intervals=False)
     assert abs(fit["source.speed.temperature"][0] - 480) < 3 * fit["source.speed.temperature"][1] < 20
     assert [one.name for one in fit.held if one.is_wanted] == ["background"]
+
+
+DEFLECTED = """rabiline: 1
+species: K-39 atom
+law: quantum
+source: {speed: {kind: effusive, temperature: 500 K}, opening: {width: 1 mm, height: 0.1 mm}, direction: {kind: gaussian, x: 0.1 mrad, z: 0.1 mrad}}
+parts:
+  - {name: M, kind: gradient_magnet, at: 0.2 m, length: 0.1 m, field: 0.5 T, gradient: 80 T/m}
+  - {name: D, kind: detector, at: 1 m, width: 10 mm, height: 0.2 mm, bins: [1, 1]}
+particles: 20000
+seed: 4
+scan: {parameter: D.offset.z, from: -4 mm, to: 4 mm, points: 41}
+"""
+
+
+def test_places_that_no_particle_reaches_take_nothing_from_a_forecast() -> None:
+    beam = rabiline.load(DEFLECTED)
+    assert (np.ravel(beam.fly().detected) == 0).any()
+    seen = forecast(beam, ["M.gradient"], rate=20000, known_rate=True)
+    with_background = forecast(beam, ["M.gradient"], rate=20000, known_rate=True, background=0.1)
+    assert not seen.degenerate and seen.errors[0] == pytest.approx(with_background.errors[0], rel=0.1) and "1e-09" not in str(seen)
+
+
+def test_what_is_known_is_not_lost_with_what_the_noise_hides() -> None:
+    noisy, clear = 1e-3, 1e4  # of two parameters that have nothing to do with each other, the first of which is in the noise of slopes
+    together = 0.02 * np.sqrt(noisy * clear)  # eigenvectors of the correlation are half and half nevertheless
+    matrix = np.array([[noisy, together], [together, clear]])
+    fisher = Fisher(matrix, np.diag([0.9 * noisy, 0]), 0 * matrix, 0 * matrix)
+    covariance, _, lost, _ = analysis(fisher, np.array([2.0, 3.0]), ("noisy", "clear"))
+    assert [list(one.involved) for one in lost] == [[0]] and np.sqrt(covariance[1, 1]) == pytest.approx(clear**-0.5, rel=0.01)

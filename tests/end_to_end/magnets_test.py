@@ -93,6 +93,17 @@ def test_a_magnet_with_a_fringe_is_the_field_that_it_is_made_of(tmp_path: Path, 
     assert np.array_equal(image(tmp_path, magnet + TANH, "dorado"), image(tmp_path, on_axis, "dorado"))
 
 
+@pytest.mark.parametrize("magnet", ["two_wire_magnet, half_distance: 6 mm, wire_radius: 1 mm, field: 3 T",
+                                    "iron_magnet, half_distance: 6 mm, convex: 4 mm, concave: 11 mm, width: 12 mm, field: 3 T, offset: {x: 1 mm}, tilt: {y: 30 deg}"])
+def test_magnets_of_two_wires_push_with_a_short_fringe_as_with_none(tmp_path: Path, magnet: str) -> None:
+    fringed, inside = image(tmp_path, magnet + TANH), run("probe", tmp_path / "a.yaml", "--at", "1 mm, 150 mm, 0.7 mm").stdout
+    hard, closed = image(tmp_path, magnet), run("probe", tmp_path / "a.yaml", "--at", "1 mm, 150 mm, 0.7 mm").stdout
+    assert "fields that are followed along each path" not in run("check", tmp_path / "a.yaml").stdout
+    assert abs(spread(fringed) - spread(hard)) < 0.02 * spread(hard) and spread(hard) > 1e-3  # edges focus a little
+    ways = [re.search(r"B = \((.*), .*, (.*)\), ", said).groups() for said in (inside, closed)]
+    assert ways[0] == ways[1]  # tilted and moved alike
+
+
 @pytest.mark.parametrize(("magnet", "wall"), [
     ("gradient_magnet, field: 0.5 T, gradient: 300 T/m", ", gap: {width: 0.15 mm, height: 8 mm}"), ("multipole_magnet, poles: 6, pole_field: 0.5 T, radius: ", "")])
 def test_the_walls_of_a_magnet_with_a_fringe_stop_what_touches_them(tmp_path: Path, magnet: str, wall: str) -> None:

@@ -91,6 +91,48 @@ TEST(FringedField, AlongTheBeamIsBesselsWhereItsCurveIsACosine) {
   }
 }
 
+/// Two wires 4 mm beside each other's middle, 5 mm below the axis.
+ShapedTerm wires(double length) {
+  FringeShape shape{FringeKind::wires, FringeCurve::enge, size, half_length, length, {0, 2, 0, 0, 0, 0}};
+  shape.half_distance = 4e-3;
+  shape.height = 5e-3;
+  return ShapedTerm(shape);
+}
+
+TEST(FringedWires, HaveTheirClosedFormFarInside) {
+  const ShapedTerm term = wires(2e-3);
+  const double distance = std::hypot(4e-3, 5e-3);
+  for (const double x : {-1.5e-3, 0.0, 1e-3})
+    for (const double y : {-1.2e-3, 0.0, 1.6e-3}) {
+      const double x1 = y - 4e-3, x2 = y + 4e-3, z = 5e-3 + x;  // magnet_shape.hpp: from each wire
+      const double r1 = x1 * x1 + z * z, r2 = x2 * x2 + z * z, b0 = size * distance * distance / (2 * 4e-3);
+      const Here f = field_at(term, {x, y, 0.01});
+      const double left_out = std::pow(std::hypot(x, y) / distance, 16) + 1e-12;
+      EXPECT_NEAR(f.field[0], b0 * (x2 / r2 - x1 / r1), 4 * left_out * size);
+      EXPECT_NEAR(f.field[1], b0 * z * (1 / r1 - 1 / r2), 4 * left_out * size);
+      EXPECT_NEAR(f.field[2], 0, 1e-12 * size);
+    }
+}
+
+TEST(FringedWires, RiseOnTheAxisAsTheirCurve) {
+  for (const double z : {0.0, 0.09, 0.1, 0.12})
+    EXPECT_NEAR(field_at(wires(fringe), {0, 0, z}).field[0], size * tanh_share(z), 1e-12 * size);
+}
+
+TEST(FringedWires, ObeyMaxwellsEquationsBesideTheAxis) {
+  const ShapedTerm term = wires(4e-3);
+  for (const double z : {0.095, 0.1, 0.104})
+    for (const double x : {-1e-3, 0.0, 1.2e-3}) {
+      EXPECT_LT(slope_error(term, {x, 0.8e-3, z}, 1e-5) / (size / 4e-3), 1e-7) << x << " " << z;
+      EXPECT_LT(std::abs(divergence(field_at(term, {x, 0.8e-3, z}))), 1e-14);
+    }
+}
+
+TEST(FringedWires, AreKnownAsFarAsTheirSeriesIs) {
+  EXPECT_NEAR(good_up_to(wires(0.05).fringed), std::pow(0.01, 1.0 / 16) * std::hypot(4e-3, 5e-3), 1e-9);
+  EXPECT_LT(good_up_to(wires(1e-3).fringed), 1.6e-3);  // of so short an edge
+}
+
 TEST(FringedField, StaysFiniteFarAway) {
   for (const bool along : {false, true})
     for (const FringeCurve edge :
