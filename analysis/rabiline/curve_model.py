@@ -137,6 +137,7 @@ class CurveModel:
             raise NoFit(wrong[0] if wrong and "did you mean" in wrong[0] else
                         f"`{name}` has blanks\n  help: names have commas between, or + where they share a value" if " " in name.strip() else
                         f"`{name}` is a part\n  help: name one of its numbers, such as `{numbers[0]}`" if numbers else
+                        f"`{name}` is a constant of a formula\n  help: name the value under `variables:`, write `${{NAME}}` in its place, and free `variables.NAME`" if ".formula.constants." in name else
                         f"`{name}` is no number that the file states: write it there, or give its dotted name as in --set") from None
 
     def at(self, values: Sequence[float], particles: int | None = None) -> Evaluated:

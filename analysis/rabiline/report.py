@@ -88,7 +88,7 @@ def _warnings(results: Results) -> Iterable[str]:
 def _extent(axis: Axis) -> str:
     if axis.labels:
         return "; ".join(map(law_name, axis.labels))
-    return f"{axis.text(axis.values.min())} to {axis.text(axis.values.max())}, {axis.values.size} points"
+    return f"{axis.text(axis.values.min())}, 1 point" if axis.values.size == 1 else f"{axis.text(axis.values.min())} to {axis.text(axis.values.max())}, {axis.values.size} points"
 
 
 def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
@@ -107,7 +107,8 @@ def _resonances(results: Results, detectors: Sequence[str]) -> Iterable[str]:
             yield f"  {law_name(results.laws[0])}: {fraction} of emitted"
             continue
         for curve in curves(results, detector):
-            yield f"  {curve.label}: {curve.y.min():.6g} to {curve.y.max():.6g} of emitted"
+            fractions = f"{curve.y.min():.6g} to {curve.y.max():.6g}" if curve.y.size > 1 else format_value(curve.y[0], "", curve.errors[0])
+            yield f"  {f'{curve.label}: ' if curve.label else ''}{fractions} of emitted"
             yield from (f"    {line}" for line in [*_flat(curve), *_resonances_of(curve)])
 
 
