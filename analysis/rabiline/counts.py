@@ -28,7 +28,7 @@ SPARSE = 0.2  # a Gaussian of two points' width; fringes of six points each
 class Across:
     """A second scanned parameter: its value at each row of the table."""
 
-    parameter: str
+    parameter: str  # several with commas between where they are scanned together
     places: tuple[str, ...]  # [n]
     x: np.ndarray  # [n]
     unit: str
@@ -108,13 +108,18 @@ def read_counts(source: Path | str | pandas.DataFrame, detector: str | None = No
     places = list(zip(*(column.tolist() for column in columns)))
     _require(table, kept, np.array([places.index(place) == i for i, place in enumerate(places)]), "a point that has been counted before\n  help: add up what was counted at it, and its `seconds` or `emitted`")
     written = [tuple(f"{text} {unit}".strip() for text, use in zip(table.column(name), kept) if use) for name, unit in others]
-    across = Across(others[1][0], written[1], columns[1], others[1][1]) if len(others) == 2 else None
+    across = Across(",".join(names_of(others[1][0])), written[1], columns[1], others[1][1]) if len(others) == 2 else None
     optional = {name: _column(table, name, kept, 1e-300) if name in table.names else None for name in ("seconds", "emitted")}
     if optional["seconds"] is not None:
         optional["seconds"] = optional["seconds"] * _seconds(table)
     if optional["emitted"] is not None and optional["seconds"] is None:  # over a time there may be a background
         _require(table, kept, counts <= optional["emitted"], "more counts than particles were emitted")
-    return Counts(str(table.path), parameter, written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
+    return Counts(str(table.path), ",".join(names_of(parameter)), written[0], x, unit, counts, optional["seconds"], optional["emitted"], detector, across)
+
+
+def names_of(parameter: str) -> list[str]:
+    """Those that are scanned together, with commas or + between."""
+    return [name.strip() for name in parameter.replace("+", ",").split(",")]
 
 
 def _seconds(table: Table) -> float:

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg, special
 
+from .hdf5 import INTERPOLATED
+
 GROUPS = 256  # of particles, from which `rabiline run` estimates the covariance
 WEIGHED = GROUPS // 16
 DIRECTIONS = GROUPS // 4
@@ -41,7 +43,7 @@ class Spread:
         """From `errors` [n] and the correlations in `covariance` [n, n], estimated from groups or `known`; None for
         points that are independent.
 
-        Where all particles did the same, nothing varies between groups. Nothing is known there to less than half a
+        Where all particles did the same, or so nearly that the file's own rounding hides it, nothing varies between groups. Nothing is known there to less than half a
         particle, and points at which the same number was caught would err together, as they saw the same particles.
         """
         particle = 1 / (np.broadcast_to(particles, y.shape) + 1.0)
@@ -49,11 +51,12 @@ class Spread:
         if covariance is None:
             return cls(errors, None, np.inf, particle)
         roots = np.sqrt(np.diag(covariance))
-        still = roots <= 1e-6 * particle
+        still = roots <= np.maximum(1e-6 * particle, np.abs(y) * np.sqrt(INTERPOLATED * particle))
         roots[still] = 1
         correlation = covariance / roots / roots[:, None]
         correlation[still], correlation[:, still] = 0, 0
-        correlation[np.ix_(still, still)] = np.abs(y[still][:, None] - y[still]) < particle[still] / 2
+        caught = np.rint(y[still] / particle[still])
+        correlation[np.ix_(still, still)] = caught[:, None] == caught
         np.fill_diagonal(correlation, 1)
         return cls(errors, correlation, np.inf if known else GROUPS - 1, particle)
 

@@ -19,7 +19,7 @@ from typing import Callable, Sequence
 
 import numpy as np
 
-from .counts import Counts
+from .counts import Counts, names_of
 from .covariance import Spread
 from .errors import InputError
 from .experiment import Experiment
@@ -93,7 +93,7 @@ class CurveModel:
         if twice := [name for name in each if each.count(name) > 1]:
             raise NoFit(f"`{twice[0]}` is free twice")
         for name in self.names:
-            if {self.parameter, self.across and self.across[0]} & set(name.split("+")):
+            if {*names_of(self.parameter), *names_of(self.across[0] if self.across else "")} & set(name.split("+")):
                 raise NoFit(f"`{name}` is scanned, so it is not free")
             of_exposure = {"source.rate": f"{SCALE}` instead, a factor of all that is expected",
                            f"{self.detector}.background": f"{BACKGROUND}` instead, in counts at each point"}
@@ -312,10 +312,11 @@ def check_columns(experiment: Experiment, counts: Counts) -> None:
     """That the experiment knows what the table calls scanned, in its units."""
     for one in filter(None, (counts, counts.across)):
         header = f"{one.parameter} [{one.unit}]" if one.unit else one.parameter
-        for wrong in unknown(experiment, one.parameter, one.places[0]):
-            unitless = not one.unit and not unknown(experiment, one.parameter, f"{one.places[0]} {_unit(experiment, one.parameter)}")
-            raise NoFit(f"{counts.path}: the column `{header}`: " + (
-                f"it has no unit\n  help: write `{one.parameter} [{_unit(experiment, one.parameter)}]`" if unitless else wrong))
+        for name in names_of(one.parameter):
+            for wrong in unknown(experiment, name, one.places[0]):
+                unitless = not one.unit and not unknown(experiment, name, f"{one.places[0]} {_unit(experiment, name)}")
+                raise NoFit(f"{counts.path}: the column `{header}`: " + (
+                    f"it has no unit\n  help: write `{one.parameter} [{_unit(experiment, name)}]`" if unitless else wrong))
 
 
 def _unit(experiment: Experiment, name: str) -> str:

@@ -27,7 +27,8 @@ The table has the scanned parameter and the counts, with units in the header; `s
   9192631271.5,812
   9192631281.5,790
 
-A second scanned parameter has a column of its own: `C2.phase [deg],C1.frequency [kHz],counts`.
+A second scanned parameter has a column of its own: `C2.phase [deg],C1.frequency [kHz],counts`. Those that take each value
+together share one, with `+` between: `C1.frequency+C2.frequency [kHz]`.
 
 Start values are those of the file, or of --set. Names with `+` between have one value. `scale`, a factor of all that is
 expected, is free unless the table has `emitted`, or `seconds` while the source in the file states its `rate`; `background`,

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import asked
 from .argument_types import LARGEST
+from .counts import names_of
 from .counts_problem import REACH, Exposure, Problem
 from .curve_model import BACKGROUND, SCALE, CurveModel, NoFit
 from .experiment import Experiment
@@ -77,7 +78,7 @@ def forecast(experiment: Experiment, free: Sequence[str], *, rate: float | None 
                     f"{' and '.join(axis[0] for axis in axes) or 'none'}: name it with --scan, after --no-scan")
     parameter, unit, values, _ = axes[0]
     places = tuple(f"{value!r} {unit}".strip() for value in values.tolist())
-    parameter = parameter.split(", ")[0]
+    parameter = ",".join(names_of(parameter))
     names = [name for name in free if name not in (SCALE, BACKGROUND)]
     model = CurveModel(experiment, parameter, places, names, asked.name("detector", detector), asked.threads(threads))
     each = _counts_each(model, flown, rate, seconds)

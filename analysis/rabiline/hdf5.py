@@ -24,6 +24,7 @@ SEAL = b"\nrabiline: SHA-256 of all before this line: "
 SEAL_SIZE = len(SEAL) + 64 + 1
 LARGEST_DATASET = 2**28  # elements; 2 GiB of doubles
 ROUNDING = 1e-6  # of what is 1, or of variances in a covariance
+INTERPOLATED = 1e-7  # of the mean square of a fraction, over the particles: what of a covariance follows from moments may be off by as much
 
 
 IN_MEMORY = Path("memory")  # what messages call a file that is no more than its bytes
@@ -111,8 +112,8 @@ class Group:
             raise self.error(f"`{name}` has edges that do not ascend")
         return values
 
-    def covariance(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
-        """[..., n, n] Symmetric matrices without eigenvalues below zero, but for rounding."""
+    def covariance(self, name: str, shape: tuple[int, ...], unknown: float = 0.0) -> np.ndarray:
+        """[..., n, n] Symmetric matrices without eigenvalues below zero, but for rounding, and for what each of the numbers may be off, `unknown`."""
         matrices = self.numbers(name, shape)
         for matrix in matrices.reshape(-1, *shape[-2:]):
             variances = np.diag(matrix)
@@ -122,7 +123,7 @@ class Group:
             if (matrix / 2 - matrix.T / 2 > ROUNDING * largest).any():  # halves do not overflow
                 raise self.error(f"`{name}` is not symmetric")
             try:
-                np.linalg.cholesky(matrix + np.diag(ROUNDING * variances + ROUNDING * largest + np.finfo(float).tiny))
+                np.linalg.cholesky(matrix + np.diag(ROUNDING * variances + ROUNDING * largest + len(matrix) * unknown + np.finfo(float).tiny))
             except np.linalg.LinAlgError:
                 raise self.error(f"`{name}` has eigenvalues below zero") from None
         return matrices

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Sequence
 import numpy as np
 
 from . import tables
-from .hdf5 import IN_MEMORY, FileError, Group, open_entry
+from .hdf5 import IN_MEMORY, INTERPOLATED, FileError, Group, open_entry
 from .scan_axes import Axis, read_axis, texts_of
 from .tallies import Tally, TallyAxis, read_tally
 
@@ -192,7 +192,7 @@ def read(source: Path | str | bytes) -> Results:
             raise FileError(path, "holds the motions of a model, not the result of a beamline: see plot-motion")
         if "scan" not in entry:
             raise FileError(path, "no `scan`: not a file of `rabiline run`, or one without a detector")
-        scan = _read_scan(entry.group("scan"), texts_of(entry))
+        scan = _read_scan(entry, texts_of(entry))
         points = int(np.prod(scan.shape))
         fates = entry.group("fates")
         return Results(
@@ -251,19 +251,22 @@ def _per_point(entry: Group, name: str, points: int) -> tuple[str, ...]:
     return values * points if len(values) == 1 else values
 
 
-def _read_scan(group: Group, texts: Sequence[str]) -> Scan:
+def _read_scan(entry: Group, texts: Sequence[str]) -> Scan:
+    group = entry.group("scan")
     detectors = group.texts("detector_names")
     names = [name for name in group.attribute("axes") if name not in (".", "detector_index")]
     axes = tuple(read_axis(group, name, texts) for name in names)
     points = int(np.prod([axis.values.size for axis in axes], dtype=int))
     rows = len(detectors)
     has_covariance = "detected_covariance" in group
+    detected = group.shares("detected", (rows, points))
+    unknown = INTERPOLATED * detected.max(initial=0.0)**2 / float(entry.sizes("particles").min())
     return Scan(
         axes=axes,
         detectors=detectors,
-        detected=group.shares("detected", (rows, points)),
+        detected=detected,
         errors=group.amounts("detected_errors", (rows, points)),
-        covariance=group.covariance("detected_covariance", (rows, points, points)) if has_covariance else None,
+        covariance=group.covariance("detected_covariance", (rows, points, points), unknown) if has_covariance else None,
         **{name: group.amounts(name, (rows, points)) for name in
            ("detected_of_all", "detected_of_all_errors", "count_rate", "count_rate_errors") if name in group},
     )

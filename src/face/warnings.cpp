@@ -41,6 +41,7 @@ std::vector<Diagnostic> located(const std::vector<Fault>& faults, const Places& 
 std::vector<Diagnostic> warnings_before(const LoadedExperiment& loaded, const Experiment& experiment,
                                         const Plan& plan) {
   std::vector<Diagnostic> out = warnings_of_texts(loaded.inputs);
+  std::ranges::copy(loaded.unused, std::back_inserter(out));
   std::ranges::move(located(warnings_of(experiment, plan), loaded.places), std::back_inserter(out));
   return out;
 }

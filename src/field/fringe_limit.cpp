@@ -32,7 +32,7 @@ double size_beside(const FringeShape& shape, double distance) {
 
 double series_good_up_to(const FringeShape& shape) {
   if (shape.kind != FringeKind::wires) return std::numeric_limits<double>::infinity();
-  return std::pow(most_wrong, 1.0 / 16) * portable::hypot(shape.half_distance, shape.height, 0);
+  return portable::pow(most_wrong, 1.0 / 16) * portable::hypot(shape.half_distance, shape.height, 0);
 }
 
 double good_up_to(const FringeShape& shape) {

@@ -63,9 +63,10 @@ bool is_boxed(const Fringe& fringe, const AmplitudeProfile& profile) {
   return std::holds_alternative<HardFringe>(fringe) && std::holds_alternative<RectangularProfile>(profile);
 }
 
-FringedField::FringedField(const FringeShape& shape, double at, double length, const Offset& offset)
+FringedField::FringedField(const FringeShape& shape, double at, double length, const Offset& offset,
+                           double beside)
     : shape_(shape), middle_(place_of(at + length / 2, offset)) {
-  const double reach = reach_of(shape).value_or(0);
+  const double reach = reach_of(shape).value_or(0) + beside;
   begin_ = std::max(0.0, at - reach);
   end_ = at + length + reach;
   shape_.half_length = length / 2;

@@ -86,7 +86,8 @@ bool is_boxed(const Fringe&, const AmplitudeProfile&);
 /// with the middle of their axis on the offset axis.
 class FringedField {
  public:
-  FringedField(const FringeShape&, double at, double length, const Offset&);
+  /// `beside`: how much farther along the beam its edges may come where it is tilted [m].
+  FringedField(const FringeShape&, double at, double length, const Offset&, double beside = 0);
 
   /// `field` [T] is that in the middle between the edges, and `slopes` [T/m], dB_i/dx_k at [3 i + k], how it
   /// would grow from there on if it had no edges.

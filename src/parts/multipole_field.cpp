@@ -1,5 +1,6 @@
 #include "parts/multipole_field.hpp"
 
+#include "core/portable_math.hpp"
 #include "parts/magnet_rules.hpp"
 #include "parts/own_frame.hpp"
 #include "section/section_builder.hpp"
@@ -13,7 +14,8 @@ void contribute(const MultipoleField& part, const Placement& place, SectionBuild
     return add_shaped(clock_of(part.oscillates), place.at, place.at + part.length,
                       placed(ShapedTerm(poles), place_of(place.at + part.length / 2, part.offset), frame),
                       builder);
-  FringedField fringed(shape_of(part.fringe, part.profile), place.at, part.length, part.offset);
+  const double beside = part.radius * portable::hypot(frame.y.x, frame.y.z, 0);
+  FringedField fringed(shape_of(part.fringe, part.profile), place.at, part.length, part.offset, beside);
   fringed.add_poles(poles, {frame.z, frame.x, frame.y});
   fringed.contribute(builder, clock_of(part.oscillates));
 }

@@ -40,6 +40,7 @@ LoadedExperiment load_experiment(LoadedFile file, const Changes& changes) {
   const std::vector<Setting> settings = read_settings(changes, sources, reading);
   std::optional<ScanParticles> mode;
   if (file.root.is_mapping()) apply_settings(file.root, settings, reading, mode);
+  out.unused = unused_variables(file.root);
   Node with_values = file.root;
   if (!put_variables(with_values, reading)) throw_if_wrong(reading, sources);
   out.base = read_beamline(with_values, reading);

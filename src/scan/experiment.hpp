@@ -13,9 +13,10 @@ namespace rabiline {
 
 struct LoadedExperiment {
   Experiment experiment;
-  std::vector<InputText> inputs;  // the file and what it includes, for provenance
-  Beamline base;                  // the file's own values, with --set and without the scan
-  Places places;                  // of all that the file states and --set changes
+  std::vector<InputText> inputs;     // the file and what it includes, for provenance
+  Beamline base;                     // the file's own values, with --set and without the scan
+  Places places;                     // of all that the file states and --set changes
+  std::vector<Diagnostic> unused{};  // warnings of variables
 };
 
 /// Reads, checks and expands the scan: every point is the file with the scanned values in place, read through

@@ -108,7 +108,25 @@ class Variables {
   std::size_t put_ = 0, depth_ = 0;
 };
 
+bool has_text(const Node& node, const std::string& text) {
+  return node.scalar.find(text) != std::string::npos ||
+         std::ranges::any_of(node.items, [&](const Node& item) { return has_text(item, text); }) ||
+         std::ranges::any_of(node.entries, [&](const Entry& entry) { return has_text(entry.value, text); });
+}
+
 }  // namespace
+
+std::vector<Diagnostic> unused_variables(const Node& root) {
+  std::vector<Diagnostic> out;
+  const Entry* variables = root.find("variables");
+  if (variables == nullptr) return out;
+  for (const Entry& variable : variables->value.entries)
+    if (!has_text(root, "${" + variable.key + "}"))
+      out.push_back({variable.key_place, fmt::format("the variable `{}` stands nowhere", variable.key),
+                     fmt::format("write `${{{}}}` where its value is needed, or omit it", variable.key),
+                     Severity::warning});
+  return out;
+}
 
 bool put_variables(Node& root, Reading& reading) {
   static const Node none;

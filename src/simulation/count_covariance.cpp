@@ -1,8 +1,6 @@
 #include "simulation/count_covariance.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
-#include <limits>
 
 #include "core/in_parallel.hpp"
 #include "simulation/counting.hpp"
@@ -78,21 +76,6 @@ std::vector<Eigen::VectorXd> terms_in_counts(const SpinPath& path, const Transit
   return of;
 }
 
-/// Products of two shares are interpolated to some 1e-8 of what is counted. Where all particles fly alike, or
-/// nearly so, that is all there is, and no matrix of variances: each gets as much more as makes it one.
-void make_positive(Eigen::MatrixXd& covariance, const Eigen::VectorXd& squares) {
-  constexpr double least = 1e-9, rounding = 1e-8;
-  const auto is_positive = [&] {
-    const Eigen::VectorXd variances = covariance.diagonal();
-    Eigen::MatrixXd raised = covariance;
-    raised.diagonal() +=
-        rounding * (variances.array() + variances.maxCoeff() + std::numeric_limits<double>::min()).matrix();
-    return raised.llt().info() == Eigen::Success;
-  };
-  for (double share = least; !is_positive() && share < 1; share *= 4)
-    covariance.diagonal() += share * squares;
-}
-
 /// Of counts C = sum of w P over particles that were emitted with sum of v = W: the sum over all of them of
 /// (w P - r v)(w P' - r' v), r = C/W. What is emitted weighs v = 1, and sum of v w P is the count; or, of an
 /// aimed source, nothing on the way has changed its weight, and w = v (plan/transits.cpp).
@@ -156,7 +139,6 @@ class CovarianceMaker {
     Eigen::MatrixXd covariance = together - weighted * rate.transpose() - rate * weighted.transpose() +
                                  emitted2_ * rate * rate.transpose();
     covariance.diagonal() = covariance.diagonal().cwiseMax(0);
-    make_positive(covariance, emitted_ * rate.cwiseAbs2());
     return covariance;
   }
 

@@ -18,6 +18,7 @@ import rabiline as package  # noqa: E402
 from rabiline import forms, lines, results  # noqa: E402
 from rabiline.__main__ import main  # noqa: E402
 from rabiline.curves import curves, deepest, half_maxima  # noqa: E402
+from rabiline.forecasting import forecast  # noqa: E402
 from rabiline.templates import _cut, templates  # noqa: E402
 
 BEAMLINE, EXAMPLES = ROOT / "beamline", ROOT / "docs" / "example"
@@ -168,3 +169,18 @@ def test_a_fringe_is_as_wide_with_few_particles_as_with_many() -> None:
     clock = package.load(ROOT / "beamline/caesium-clock.yaml")
     few, many = (deepest(half_maxima(curves(clock.set(particles=particles).run())[0])) for particles in (1000, 20000))
     assert abs(few.width.value - many.width.value) < 3 * np.hypot(few.width.error, many.width.error) < 15
+
+
+def test_parameters_that_are_scanned_together_are_one_column(tmp_path: Path) -> None:
+    text = (EXAMPLES / "ramsey-fringes.yaml").read_text().replace("oscillator: C1, approximation: rotating_wave, phase: locked", "frequency: 29.1647 kHz, approximation: rotating_wave, phase: locked")
+    text = text.replace("parameter: C1.frequency", "parameter: [C1.frequency, C2.frequency]")
+    path = tmp_path / "two.yaml"
+    path.write_text(text)
+    experiment = package.load(path).set(particles=4000)
+    told = forecast(experiment, ["guide.field"], rate=1000)
+    assert told.counts == pytest.approx(1000 * np.ravel(experiment.fly().detected), rel=1e-6)
+    x = np.linspace(28664.7, 29664.7, 41)
+    for header in ('"C1.frequency,C2.frequency [Hz]"', "C1.frequency+C2.frequency [Hz]"):
+        (tmp_path / "a.csv").write_text("\n".join([f"{header},counts", *(f"{at:.1f},{round(count)}" for at, count in zip(x, told.counts))]))
+        fit = experiment.fit(tmp_path / "a.csv", ["guide.field"])
+        assert abs(fit["guide.field"][0] - 1e-3) < 0.5 * fit["guide.field"][1] and fit.counts.parameter == "C1.frequency,C2.frequency"

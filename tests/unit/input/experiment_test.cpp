@@ -304,6 +304,14 @@ TEST(Variables, StandForValuesAndInsideOfThem) {
     EXPECT_EQ(part<UniformField>(e.points[i], "B").field, e.axes[0].values[i]);
 }
 
+TEST(Variables, ThatStandNowhereAreToldInAWarning) {
+  const std::string stated = "variables: {B1: 9 mT, size: 4 mm, half: \"${size}\"}\nseed: 1938";
+  const auto unused = load_changed({{"seed: 1938", stated}}, {"screen.width=${half}"}).unused;
+  ASSERT_EQ(unused.size(), 1U);
+  EXPECT_EQ(unused[0].message, "the variable `B1` stands nowhere");
+  EXPECT_EQ(unused[0].severity, Severity::warning);
+}
+
 TEST(Variables, StandUnquotedInsideOfBraces) {
   const Beamline b =
       load_changed({{"field: 10 mT}", "field: ${B1}}"}, {"seed:", "variables: {B1: 12 mT}\nseed:"}}).base;

@@ -132,6 +132,19 @@ double potential_of(const MultipoleField& part, const Vector3& r) {
          std::pow(std::complex<double>{r.z, r.x}, n).real() * sum / all;
 }
 
+TEST(Fringe, OfTiltedPolesEndsWhereItsOwnEdgeDoes) {
+  MultipoleField part{length, 4, 0.1, 0.005};
+  part.fringe = SineFringe{soft};
+  const double behind = edge + soft / 2 + 2e-4, side = 0.004;
+  const auto most = [&] {
+    return std::max(difference(field_of(part, {0, behind, side}), {}),
+                    difference(field_of(part, {0, behind, -side}), {}));
+  };
+  EXPECT_EQ(most(), 0);
+  part.tilt.x = 0.2;  // one side comes 0.8 mm farther
+  EXPECT_GT(most(), 1e-4);
+}
+
 TEST(Fringe, OfPolesIsTheGradientOfTheirPotential) {
   for (const std::uint64_t poles : {4, 6, 12}) {
     MultipoleField part{length, poles, 0.1, 0.005};
