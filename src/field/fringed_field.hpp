@@ -182,6 +182,10 @@ template <class Maths, class Value>
   return share;
 }
 
+/// cos t at 8 evenly spaced places from 0 to pi, of which the others are the negative ones.
+inline constexpr double even_places[] = {0.9807852804032304, 0.8314696123025452, 0.5555702330196022,
+                                         0.1950903220161283};
+
 /// Along: as Whittaker has harmonic functions with an axis (Math. Ann. 57, 333, 1903), B_z = 1/pi int F(z + i
 /// r cos t) dt from 0 to pi and B_r = 1/pi int i cos t F(z + i r cos t) dt, whose series is f - r^2 f''/4 +
 /// ... and -r f'/2 + .... Gauss and Chebyshev's 8 places in cos t, which come in conjugate pairs, leave out
@@ -189,13 +193,11 @@ template <class Maths, class Value>
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_along(const FringeShape& shape, Number x, Number y,
                                                             Number z) {
-  constexpr double places[] = {0.9807852804032304, 0.8314696123025452, 0.5555702330196022,
-                               0.1950903220161283};
   const Number none = x - x;
   const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
   const Number r = Maths::root(x * x + y * y + least * least);
   Number along = none, out = none, along_slope = none, out_slope = none;
-  for (const double place : places) {
+  for (const double place : even_places) {
     const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, place * r});
     along = along + f.value.re;
     out = out - place * f.value.im;
@@ -283,15 +285,13 @@ template <class Maths, class Number>
 template <class Maths, class Number>
 [[gnu::always_inline]] inline FieldHere<Number> field_of_wires(const FringeShape& shape, Number x, Number y,
                                                                Number z) {
-  constexpr double cosines[] = {0.9807852804032304, 0.8314696123025452, 0.5555702330196022,
-                                0.1950903220161283};
   const Number none = x - x;
   const double least = 1e-9 * (shape.half_length + shape.fringe);  // instead of 0/0 on the axis
   const Number r2 = x * x + y * y + least * least, r = Maths::root(r2), per_2r = 0.5 / r;
   RoundFunction<Number> at[4];
   for (int i = 0; i < 4; ++i) {
-    const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, cosines[i] * r});
-    const Number out = -cosines[i] * per_2r;
+    const auto f = fringed_share<Maths>(shape, ComplexNumber<Number>{z, even_places[i] * r});
+    const Number out = -even_places[i] * per_2r;
     at[i] = {f.value.re, f.slope.re, f.bend.re, out * f.slope.im, out * f.bend.im};
   }
   FieldHere<Number> here;
@@ -304,7 +304,7 @@ template <class Maths, class Number>
   for (int n = 1; n <= 16; ++n) {
     double sum = 0;
     for (int i = 0; i < 4; ++i) {
-      weights[i] *= 1 - cosines[i] * cosines[i];
+      weights[i] *= 1 - even_places[i] * even_places[i];
       sum += weights[i];
     }
     RoundFunction<Number> g{none, none, none, none, none};
