@@ -4,6 +4,7 @@ from __future__ import annotations
 import difflib
 import operator
 import os
+from decimal import Decimal
 from numbers import Real
 from typing import TYPE_CHECKING, Iterable
 
@@ -37,8 +38,14 @@ def path(name: str, value: object) -> str | os.PathLike[str]:
     return value
 
 
+def plain(value: object) -> object:
+    """Of numpy's numbers and arrays, pandas' series and decimal numbers, what Python has itself."""
+    return value.tolist() if hasattr(value, "tolist") else float(value) if isinstance(value, Decimal) else value
+
+
 def number(name: str, value: object) -> float:
     """Raises TypeError."""
+    value = plain(value)
     if not isinstance(value, Real) or isinstance(value, bool):
         raise TypeError(f"`{name}` is a number, not {_kind(value)}")
     return float(value)

@@ -24,7 +24,7 @@ COLUMNS = ("one or two scanned parameters, such as `first.frequency [kHz]`, and 
 SPARSE = 0.2  # a Gaussian of two points' width; fringes of six points each
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Across:
     """A second scanned parameter: its value at each row of the table."""
 
@@ -34,7 +34,7 @@ class Across:
     unit: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Counts:
     """What one detector counted, in the order of the table."""
 

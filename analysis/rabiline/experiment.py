@@ -223,11 +223,12 @@ class Experiment:
     def _text(self, name: str, value: Value) -> str:
         """As the file would have it."""
         asked.text("the name of what is changed", name)
+        value = asked.plain(value)
         if isinstance(value, str):
             return _quoted(asked.text(f"`{name}`", value), r"(^|\s)#|:(\s|$)|^[@`%&*!|>]")
         if isinstance(value, (bool, Mapping)) or (isinstance(value, Sequence) and not isinstance(value, (str, bytes))):
             try:
-                return json.dumps(value)
+                return json.dumps(value, default=asked.plain)
             except (TypeError, ValueError, RecursionError):
                 raise TypeError(f"`{name}` is a list or a mapping of numbers, texts, lists and mappings, which do not hold one another") from None
         if not isinstance(value, Real):

@@ -45,7 +45,7 @@ class Rival:
     rise: float  # of Q
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CountsFit:
     """What the counts say."""
 
@@ -269,6 +269,8 @@ def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndar
     """The first place on the way from `values` to what the surface promises, no more than `far` steps of it and then half as far each time,
     at which the curve that is flown there fits better. None where nothing does but what is as good as here."""
     k = len(model.names)
+    if k == 0:  # the surface is the curve
+        return found
     _, here = problem.least(values, range(k))
 
     def on(way: np.ndarray) -> np.ndarray | None:
@@ -280,8 +282,7 @@ def _better(model: CurveModel, problem: Problem, fisher: Fisher, values: np.ndar
             except NoFit:  # no such value
                 way = way / 2
                 continue
-            flown = replace(problem, surface=Surface.level(changed, there[:k]))
-            there, badness = flown.least(there, range(k))
+            there, badness = replace(problem, surface=Surface.level(changed, there[:k])).least(there, range(k))
             if badness < here:
                 return there
             way = way / 2

@@ -21,7 +21,7 @@ from .units import format_value
 TURNS = 3  # for steps of about one standard deviation
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Forecast:
     """What is to be expected."""
 

@@ -9,6 +9,7 @@ import numpy as np
 DEVIATIONS = 6.0  # on both sides of the mean flight time, and between the phases that the sum over these times repeats itself
 MOST_TIMES, SHORTEST = 400, 0.05  # of these times; of the mean one, which what is shorter takes
 TIPS = 0.25, 0.12  # turns in each field
+FLIPS = 0.4, 0.7, 0.85, 1.0, 1.2, 1.45, 1.7  # turns of Rabi's spins on resonance, half a turn for a flip, where a fit starts again
 RATIOS = 0.4, 0.15, 0.05, 0.01  # of the time in a field to that between the two, where a fit starts
 
 
@@ -21,6 +22,7 @@ class Form:
     f: Callable[..., np.ndarray]  # f(x - centre, *parameters)
     starts: Callable[[Sequence[float]], Sequence[Sequence[float]]]  # from widths of the line, or periods of its fringes
     period: Callable[[Sequence[float]], float] | None = None  # of the fringes that the parameters make; None: it has none
+    others: Callable[[Sequence[float]], Sequence[Sequence[float]]] | None = None  # starts in other valleys, from where a fit has ended
 
 
 def lorentz(d: np.ndarray, width: float) -> np.ndarray:
@@ -77,7 +79,13 @@ def rabi_over(slowness: np.ndarray, weights: np.ndarray) -> Form:
         return (strength / total)**2 * (np.sin(np.pi * length * total[:, None] * slowness)**2 @ weights)
 
     mean = float(slowness @ weights)
-    return Form("rabi", ("strength", "length"), f, lambda widths: [(strength, time / mean) for strength, time in FORMS["rabi"].starts(widths)])
+    return Form("rabi", ("strength", "length"), f, lambda widths: [(strength, time / mean) for strength, time in FORMS["rabi"].starts(widths)],
+                others=lambda shared: _flips(shared, mean))
+
+
+def _flips(shared: Sequence[float], slowness: float) -> list[tuple[float, float]]:
+    """Strength, and length of a field that is passed with this slowness."""
+    return [(flip / (shared[1] * slowness), shared[1]) for flip in FLIPS]
 
 
 def _times(periods: Sequence[float]) -> list[tuple[float, float]]:
@@ -102,7 +110,8 @@ FORMS = {form.name: form for form in (
     Form("lorentz", ("width",), lorentz, lambda widths: [(w,) for w in widths]),
     Form("gauss", ("width",), gauss, lambda widths: [(w,) for w in widths]),
     Form("sinc2", ("time",), sinc2, lambda widths: [(0.886 / w,) for w in widths]),
-    Form("rabi", ("strength", "time"), rabi, lambda widths: [(0.6 * w, 0.8 / w) for w in widths]),
+    Form("rabi", ("strength", "time"), rabi, lambda widths: [(strength * w, 0.8 / w) for strength in (0.6, 1.25) for w in widths],
+         others=lambda shared: _flips(shared, 1.0)),
     Form("ramsey", ("strength", "pulse", "time", "spread"), ramsey,
          lambda periods: [(tip / tau, tau, time, spread) for tau, time in _times(periods) for tip in TIPS for spread in (0.02, 0.08, 0.2, 0.4)],
          lambda shared: _period(shared[1], shared[2])),

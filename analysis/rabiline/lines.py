@@ -27,6 +27,7 @@ REST = 0.05  # of chi²: what is nearer to the least than that is there, within 
 ROUNDS, SETTLED = 12, 0.01  # of fits to counts, with the errors of the last one; errors by which a parameter moves in the last of them
 FAINT = 100.0  # of chi², by which it is less than that of no line
 PROBED = 1.0, 2.0, 4.0, 8.0  # errors beside the centre of a faint line, where it could be as well
+STRETCH, DOUBLED = 3, np.log(2.0)  # of a parameter that is not known: so many times it is doubled, or halved, to see where that leaves the others
 ENTANGLED = 4.0  # times an error where all others are known
 LEAST_EXPECTED = 0.1  # counts
 
@@ -57,7 +58,7 @@ class Poisson:
         return float(2 * np.sum(mu - n + special.xlogy(n, n / mu)))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class LineFit:
     """What was fitted; the covariance is that of all parameters."""
 
@@ -163,21 +164,28 @@ def fit_line(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float | Poisson,
 
     def beside(fit: LineFit) -> list[tuple[float, list[float], Sequence[float]]]:
         shared = np.exp(fit.values[lines:lines + own])
+        if chosen.others is not None:
+            return [(fit.chi_squared, (origin + extent * fit.values[:lines]).tolist(), other) for other in chosen.others(shared)]
         if chosen.period is None or lines > 1 or "centre" in start:
             return []
         return [(fit.chi_squared, [origin + extent * fit.values[0] + by * chosen.period(shared)], shared) for by in BESIDE]
 
-    found = _best([least(fit) for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x, lines)
+    def is_doubtful(fit: LineFit) -> bool:
+        return _is_doubtful(fit, x, lines, chosen.period is not None)
+
+    found = _best([least(fit) for fit in _minima(refined, guesses, beside, AS_GOOD * (1 + isinstance(errors, Poisson)))], x, is_doubtful)
     for _ in range(HOPS):
         faint = range(lines) if found.constant - found.chi_squared < FAINT else ()
         probed = [_probed(found, i, lambda at: held(found, i, at)) for i in dict.fromkeys((*faint, *(() if chosen.period else _entangled(found))))]
         better = min((lower for _, _, lower in probed if lower is not None), key=lambda one: one[0], default=None)
         moved = found if better is None else replace(least(refined_from(better[1], covariance)), others=found.others)
-        if better is None or _is_doubtful(moved, x, lines) > _is_doubtful(found, x, lines):
+        if better is None or is_doubtful(moved) > is_doubtful(found):
             for i, wider, _ in probed:
                 found = _widened(found, i, wider)
             break
         found = moved
+    for i in range(lines, lines + own):
+        found = _over_a_valley(found, i, lambda at: held(found, i, at))
     if lines > 1 and (np.abs(found.values[:lines]) > 1).any():
         raise NoLine(f"the curve does not show {lines} lines: one goes away beyond the scan\n  help: fit fewer, or name where each starts, such as --start centre_1=VALUE")
     rising = np.argsort(found.values[:lines])
@@ -226,6 +234,23 @@ def _probed(fit: LineFit, number: int, held: Callable[[float], LineFit]) -> tupl
                 lower = there.badness, np.insert(there.values, number, at)
             wider = max(wider, away / np.sqrt(max(rise, REST)))
     return number, wider, lower
+
+
+def _over_a_valley(fit: LineFit, number: int, held: Callable[[float], LineFit]) -> LineFit:
+    """Where the logarithm of a parameter is not known: errors of all others that reach to where they are while it is `held` elsewhere, if that is as
+    good."""
+    reach = np.zeros(fit.errors.size)
+    for by in (-DOUBLED, DOUBLED) if np.isinf(fit.errors[number]) else ():
+        for times in range(1, STRETCH + 1):
+            try:
+                there = held(fit.values[number] + times * by)
+            except NoLine:
+                break
+            if there.badness > fit.badness + 1:
+                break
+            reach = np.maximum(reach, np.abs(np.insert(there.values, number, fit.values[number]) - fit.values))
+    wider = np.where(np.isfinite(fit.errors) & (fit.errors > 0), np.hypot(1, reach / np.maximum(fit.errors, 1e-300)), 1.0)
+    return replace(fit, errors=fit.errors * wider, covariance=fit.covariance * wider * wider[:, None])
 
 
 def _covariance(x: np.ndarray, y: np.ndarray, errors: np.ndarray | float) -> np.ndarray:
@@ -285,19 +310,20 @@ def _apart(fits: Sequence[LineFit], within: float) -> list[LineFit]:
     return kept
 
 
-def _best(fits: Sequence[LineFit], x: np.ndarray, lines: int) -> LineFit:
+def _best(fits: Sequence[LineFit], x: np.ndarray, is_doubtful: Callable[[LineFit], bool]) -> LineFit:
     """The best of these, with the others, doubtful ones behind those as good as they; what one point makes is where this point is, within the step."""
     fits = _apart(sorted(fits, key=lambda fit: fit.badness), AS_GOOD)
-    fits.sort(key=lambda fit: _is_doubtful(fit, x, lines))  # the order is otherwise kept
+    fits.sort(key=is_doubtful)  # the order is otherwise kept
     least = np.median(np.diff(np.sort(x))) / np.ptp(x) if _between_points(fits[0], x) else 0.0
     return replace(_widened(fits[0], 0, least / max(fits[0].errors[0], 1e-300)), others=tuple((float(fit.values[0]), fit.chi_squared) for fit in fits[1:]))
 
 
-def _is_doubtful(fit: LineFit, x: np.ndarray, lines: int) -> bool:
-    """Whether one point makes it, one of its `lines` is beyond the scan, or a contrast is not known."""
+def _is_doubtful(fit: LineFit, x: np.ndarray, lines: int, has_fringes: bool) -> bool:
+    """Whether one point makes it, the middle of fringes is beyond the scan, one of several `lines` far beyond, or a contrast is not known though
+    there are no fringes to tell where it is."""
     contrasts = slice(-1 - lines, -1)
-    return _between_points(fit, x) or lines > 1 and bool((np.abs(fit.values[:lines]) > 1).any()) or \
-        bool((fit.errors[contrasts] > UNKNOWN * np.abs(fit.values[contrasts])).any())
+    return _between_points(fit, x) or bool((np.abs(fit.values[:lines]) > (0.5 if has_fringes else 1 if lines > 1 else np.inf)).any()) or \
+        not has_fringes and bool((fit.errors[contrasts] > UNKNOWN * np.abs(fit.values[contrasts])).any())
 
 
 def _between_points(fit: LineFit, x: np.ndarray) -> bool:

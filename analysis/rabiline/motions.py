@@ -23,7 +23,7 @@ EXPECTATIONS = {"closed_form": "closed form", "conserved": "conserved", "approxi
                 "supposed": "the paper supposes"}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Course:
     """A number over time."""
 
@@ -33,7 +33,7 @@ class Course:
     values: np.ndarray  # [n]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """How the model moves under one set of equations."""
 
@@ -49,7 +49,7 @@ class Motion:
         return f"{self.name} (hypothesis)" if self.name in ON_HYPOTHESIS else self.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Finding:
     """A number that the model found, at each scan point, and what is expected of it."""
 
@@ -66,7 +66,7 @@ class Finding:
         return EXPECTATIONS.get(self.expectation, self.expectation.replace("_", " "))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Motions:
     """One file of a model."""
 

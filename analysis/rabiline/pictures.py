@@ -222,13 +222,16 @@ def _levels(detector: results.Detector, names: str | None) -> list[int] | None:
     """By their names, however these are spaced."""
     if names is None:
         return None
-    known = {re.sub(r"[ +]", "", label).replace("−", "-"): i for i, label in enumerate(detector.levels.labels)}
-    asked = [re.sub(r"[ +]", "", name).replace("−", "-") for name in names.split(",")]
-    missing = [name for name in asked if name not in known]
+    def bare(name: str) -> str:
+        return re.sub(r"[ +]", "", name).replace("−", "-")
+
+    known = {bare(label): i for i, label in enumerate(detector.levels.labels)}
+    asked = [name.strip() for name in names.split(",")]
+    missing = [name for name in asked if bare(name) not in known]
     if missing:
         there = ", ".join(style.level(label).replace("−", "-") for label in detector.levels.labels)
         raise InputError(f"--levels: no level `{missing[0]}`: there is {there}, to be written as in --levels '{there.partition(', ')[0]}'")
-    return [known[name] for name in asked]
+    return [known[bare(name)] for name in asked]
 
 
 def plot_image(options: argparse.Namespace) -> Figure:

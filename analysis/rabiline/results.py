@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scan:
     """The fraction of the emitted particles that each detector caught, over the scan."""
 
@@ -41,7 +41,7 @@ class Scan:
         return tuple(axis.values.size for axis in self.axes) or (1,)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Levels:
     """The spin of what a detector caught: the fraction of the detected weight in each level."""
 
@@ -50,7 +50,7 @@ class Levels:
     errors: np.ndarray  # [points, levels]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Transit:
     """By their slowness, the particles of one species that a detector catches if they are found on a path."""
 
@@ -62,7 +62,7 @@ class Transit:
     distance: float  # m, from the source
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Detector:
     """The histograms of one detector, in particles."""
 
@@ -83,7 +83,7 @@ class Detector:
     transits: tuple[Transit, ...] = ()  # one for each species whose slowness the file has
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Monitor:
     """The fraction of the emitted particles that passed a monitor."""
 
@@ -92,7 +92,7 @@ class Monitor:
     errors: np.ndarray  # same shape
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fate:
     """One line of the ledger."""
 
@@ -110,7 +110,7 @@ class FieldCheck:
     tolerance: float  # what steps were chosen for
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Results:
     """One file of `rabiline run`."""
 

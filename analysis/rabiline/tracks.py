@@ -20,7 +20,7 @@ SAME_PLACE = 1e-9  # m
 FASTER_THAN_FIELDS = 100  # times the usual rate at which a track's polar angle changes
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Track:
     """The path of one particle."""
 
@@ -95,7 +95,7 @@ class Part:
     drives: bool
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Tracks:
     """One file of `rabiline trace`."""
 

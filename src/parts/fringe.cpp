@@ -169,6 +169,23 @@ std::vector<PlacedTerm> FringedField::terms() const {
   return out;
 }
 
+void contribute_magnet(MagnetTerm magnet, const Fringe& fringe, const Placement& place,
+                       const Vector3& on_axis, const std::function<void(FringedField&)>& add_to,
+                       SectionBuilder& builder) {
+  if (!is_boxed(fringe, RectangularProfile{})) {
+    const FringeShape shape = shape_of(fringe, RectangularProfile{});
+    const double length = magnet.end - place.at;
+    FringedField alone(shape, place.at, length, {}), whole(shape, place.at, length, magnet.offset);
+    alone.add(on_axis);
+    alone.contribute(builder);
+    add_to(whole);
+    magnet.fringed = whole.terms();
+  } else if (length_of(on_axis) > 0) {
+    builder.uniform(place.at, magnet.end, {on_axis});
+  }
+  builder.plane(place.at, magnet);
+}
+
 std::vector<Fault> faults_of_fringe(const Fringe& fringe, const AmplitudeProfile& profile,
                                     const Placement& place) {
   const bool hard = std::holds_alternative<HardFringe>(fringe);

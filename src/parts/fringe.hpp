@@ -1,6 +1,7 @@
 #pragma once
 // How a static field ends along the beam.
 #include <array>
+#include <functional>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -15,6 +16,7 @@
 namespace rabiline {
 
 class SectionBuilder;
+struct MagnetTerm;
 struct Oscillator;
 struct OwnFrame;
 struct PlacedTerm;
@@ -116,6 +118,10 @@ class FringedField {
   std::vector<ShapedTerm> terms_;
   std::vector<double> kinks_;  // [m], where the curve is not smooth, nor is the field off the axis
 };
+/// A magnet that starts at the place: its force as far as the fringe reaches, and the field on the beam's axis
+/// [T], which is there where the law replaces the force. `add_to` adds its whole field.
+void contribute_magnet(MagnetTerm, const Fringe&, const Placement&, const Vector3& on_axis,
+                       const std::function<void(FringedField&)>& add_to, SectionBuilder&);
 /// A curve that never ends, or two curves.
 std::vector<Fault> faults_of_fringe(const Fringe&, const AmplitudeProfile&, const Placement&);
 

@@ -30,17 +30,9 @@ void contribute(const GradientMagnet& part, const Placement& place, SectionBuild
     term.walls.half_x = part.gap->width / 2;
     term.walls.half_z = part.gap->height / 2;
   }
-  if (is_boxed(part.fringe, RectangularProfile{})) {
-    builder.uniform(place.at, term.end, {{0, 0, field_on_axis(part)}});
-  } else {
-    const FringeShape shape = shape_of(part.fringe, RectangularProfile{});
-    FringedField on_axis(shape, place.at, part.length, {}), whole(shape, place.at, part.length, part.offset);
-    on_axis.add({0, 0, field_on_axis(part)});
-    on_axis.contribute(builder);
-    whole.add({0, 0, part.field}, slopes_of(term.shape));
-    term.fringed = whole.terms();
-  }
-  builder.plane(place.at, term);
+  contribute_magnet(
+      term, part.fringe, place, {0, 0, field_on_axis(part)},
+      [&](FringedField& whole) { whole.add({0, 0, part.field}, slopes_of(term.shape)); }, builder);
 }
 
 std::vector<Fault> faults_of(const GradientMagnet& part, const Placement& place) {

@@ -13,12 +13,12 @@ void contribute(const MultipoleMagnet& part, const Placement& place, SectionBuil
   term.shape.power = static_cast<int>(part.poles) / 2 - 1;
   term.shape.radius = part.radius;
   term.walls.circles[0] = {0, 0, part.radius, -1};
-  if (!is_boxed(part.fringe, RectangularProfile{})) {
-    FringedField fringed(shape_of(part.fringe, RectangularProfile{}), place.at, part.length, part.offset);
-    fringed.add_poles({term.shape.power, part.pole_field, part.radius}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
-    term.fringed = fringed.terms();
-  }
-  builder.plane(place.at, term);
+  contribute_magnet(
+      term, part.fringe, place, {},
+      [&](FringedField& whole) {
+        whole.add_poles({term.shape.power, part.pole_field, part.radius}, {{0, 0, 1}, {1, 0, 0}, {0, 1, 0}});
+      },
+      builder);
 }
 
 std::vector<Fault> faults_of(const MultipoleMagnet& part, const Placement& place) {

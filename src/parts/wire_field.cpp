@@ -28,20 +28,11 @@ Vector3 two_wire_field_on_axis(const MagnetShape& shape, Offset offset, Roll til
 
 void contribute_two_wire(const MagnetTerm& magnet, const Fringe& fringe, const Placement& place,
                          SectionBuilder& builder) {
-  MagnetTerm term = magnet;
-  const Vector3 on_axis = two_wire_field_on_axis(term.shape, term.offset, term.tilt);
-  if (is_boxed(fringe, RectangularProfile{})) {
-    builder.uniform(place.at, term.end, {on_axis});
-  } else {
-    const FringeShape shape = shape_of(fringe, RectangularProfile{});
-    const double length = term.end - place.at, c = portable::cos(term.tilt.y), s = portable::sin(term.tilt.y);
-    FringedField alone(shape, place.at, length, {}), whole(shape, place.at, length, term.offset);
-    alone.add(on_axis);
-    alone.contribute(builder);
-    whole.add_wires(term.shape, {{s, 0, c}, {c, 0, -s}, {0, 1, 0}});
-    term.fringed = whole.terms();
-  }
-  builder.plane(place.at, term);
+  const double c = portable::cos(magnet.tilt.y), s = portable::sin(magnet.tilt.y);
+  contribute_magnet(
+      magnet, fringe, place, two_wire_field_on_axis(magnet.shape, magnet.offset, magnet.tilt),
+      [&](FringedField& whole) { whole.add_wires(magnet.shape, {{s, 0, c}, {c, 0, -s}, {0, 1, 0}}); },
+      builder);
 }
 
 }  // namespace rabiline

@@ -22,6 +22,8 @@ class LevelFlight {
   static constexpr double most_turning = 8, most_phase = 44;
   /// A field that swings in this many times what coupled levels take to turn does not drive them.
   static constexpr double slow = 30;
+  /// Of what levels turn by where no point of a step sees it, in its error.
+  static constexpr double passing_share = 0.01;
   /// Of a section: over less a field that is too weak to be felt is not followed.
   static constexpr double shortest = 1e-7;
   /// On one section; 1e4 periods of what drives take some 1e5 to 1e6.
@@ -163,22 +165,30 @@ class LevelFlight {
     matrix_of(section, s, f, h);
   }
 
-  /// One step of the length h from s, where the matrix is `now`, to `state` and what it may be off by; false
-  /// where it turns by too much.
-  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, const LevelMatrix& now,
-                                     Amplitudes& state, LevelAxes& axes, real& error) const {
+  /// One step of the length h from s, where the field is `here` and the matrix `now`, to `state` and what it
+  /// may be off by; false where it turns by too much.
+  [[gnu::noinline]] inline mask step(const CourseSection& section, real s, real h, const FollowedField& here,
+                                     const LevelMatrix& now, Amplitudes& state, LevelAxes& axes,
+                                     real& error) const {
     const LevelManifold& f = coupled(section);
     LevelMatrix at[5];
     copy_matrix(f, now, at[0]);
-    FollowedField there;
+    FollowedField last = here, there;
+    real passing = broadcast(0);
     mask good = ~mask{};
     for (int i = 1; i < 5; ++i) {
       const real then = i == 4 ? s + h : fma(broadcast(0.5 + 0.5 * lobatto_point[i]), h, s);
       matrix_at(section, then, axes, at[i], there);
       good = good & (there.cosine > broadcast(0.5));
+      passing = max(
+          angle_passing_zero(last, there, broadcast(0.5 * (lobatto_point[i] - lobatto_point[i - 1])) * h),
+          passing);
+      last = there;
     }
     // H of waves may stand still with couplings in it, which exponentials follow exactly.
     good = good & step_through(f, h, section.wave < 0, at, state, error);
+    // Points on both sides of a zero see nothing of how the field turns there.
+    error = fma(passing, broadcast(passing_share), error);
     axes = moved_to(there.n, axes);
     return good;
   }
@@ -309,7 +319,7 @@ class LevelFlight {
         Amplitudes there = before;
         LevelAxes turned = axes;
         real error;
-        const mask good = step(section, s, trial, now, there, turned, error);
+        const mask good = step(section, s, trial, here, now, there, turned, error);
         error = error / (tolerance * (0.25 * (trial / stay) + 2e-3));
         const mask accepted = resolves & good & (error <= broadcast(1));
         choose(f_.levels, accepted, there, a);

@@ -35,6 +35,8 @@ struct LevelAxes {
 RABILINE_LANES Vector times(real s, const Vector& v) { return {s * v.x, s * v.y, s * v.z}; }
 RABILINE_LANES real length_of(const Vector& v) { return sqrt(dot(v, v)); }
 constexpr double tiny = 0x1p-500;
+/// [rad/(s T)] Of an electron, and more: faster than any levels turn in a field.
+constexpr double electron_rate = 2e11;
 
 /// Axes moved along by the shortest turn that takes the third to n; `over` is 1/(1 + n . third).
 RABILINE_LANES LevelAxes moved_to(const Vector& n, const LevelAxes& a, real over) {
@@ -73,6 +75,17 @@ inline FollowedField followed(const FieldAtTime& field, const LevelAxes& from) {
   f.turn_2 = dot(turning, here.first);
   f.turn_3 = -dot(cross(from.third, f.n), turning) * half;
   return f;
+}
+
+/// [rad] By how much levels turn at the most while a field passes by zero at some distance, from one place to
+/// another `time` later where +-B is followed with the other sign; nothing where the sign stays.
+inline real angle_passing_zero(const FollowedField& from, const FollowedField& to, real time) {
+  const Vector before = times(from.signed_size, from.n), behind = times(to.signed_size, to.n);
+  const real change = max(length_of(add(behind, broadcast(-1), before)), broadcast(tiny)),
+             distance = length_of(cross(before, behind)) / change,
+             angle = electron_rate * time * distance * (distance / change);
+  const mask turns_over = (from.signed_size < broadcast(0)) != (to.signed_size < broadcast(0));
+  return select(turns_over, angle, broadcast(0));
 }
 
 constexpr int most_row = (4 * most_levels + most_couplings + most_pairs + 7) / 8 * 8;

@@ -86,8 +86,7 @@ class LevelPath {
 
   /// Whether a field of no more than this size turns levels by next to nothing in that time.
   inline mask is_unfelt(real size, real time) const {
-    constexpr double per_tesla = 2e11;  // [rad/(s T)] of an electron, and more
-    return size * (per_tesla * time) < broadcast(1e-3 * course_.tolerance);
+    return size * (electron_rate * time) < broadcast(1e-3 * course_.tolerance);
   }
 
   /// How long a static field that rises from nothing, or falls to it, is too weak to be felt, `sign` of time

@@ -1,0 +1,47 @@
+"""Fits of closed forms whose likelihood has several minima, or none that is narrow."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rabiline.forms import rabi, rabi_over, ramsey
+from rabiline.lines import fit_line
+
+COUNTS = 1000  # where the curve is 1
+
+
+def measured(clean: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """A share of counts, and its errors."""
+    counts = np.random.default_rng(seed).poisson(COUNTS * clean)
+    return counts / COUNTS, np.sqrt(np.maximum(counts, 1)) / COUNTS
+
+
+@pytest.mark.parametrize("turns", [0.5, 0.7, 0.8, 0.9, 1.0, 1.25, 1.4, 1.5, 1.7])
+def test_a_line_that_is_driven_beyond_a_flip_is_found_with_its_strength(turns: float) -> None:
+    """With a dip in the middle, and side lobes that look like lines of their own."""
+    time, x = 0.03, np.linspace(-150, 150, 101)
+    for seed in range(2):
+        found = fit_line(x, *measured(0.1 + 0.6 * rabi(x - 3, turns / time, time), seed), "rabi")
+        for name, true in (("centre", 3), ("strength", turns / time), ("time", time), ("contrast", 0.6)):
+            value, error = found[name]
+            assert abs(value - true) < 5 * error < 0.5 * abs(true) + 10 * (name == "centre"), name
+
+
+def test_so_is_one_of_many_speeds() -> None:
+    slowness, x = np.linspace(2e-3, 4e-3, 30), np.linspace(-150, 150, 101)
+    form = rabi_over(slowness, np.exp(-((slowness - 3e-3) / 4e-4)**2))
+    found = fit_line(x, *measured(0.1 + 0.6 * form.f(x - 3, 40.0, 10.0), 1), form)
+    assert abs(found["strength"][0] - 40) < 4 * found["strength"][1] < 4 and abs(found["length"][0] - 10) < 4 * found["length"][1] < 2
+
+
+@pytest.mark.parametrize("extent", [640, 1000])
+def test_fringes_of_a_short_scan_have_errors_that_cover_what_it_does_not_know(extent: float) -> None:
+    """Two fringes hardly tell the strength from the time in a field: with one of them the other goes anywhere, and the time between takes part in it."""
+    time, pulse, x = 2.375e-3, 0.125e-3, np.linspace(-extent / 2, extent / 2, 81)
+    pulls = []
+    for seed in range(5):
+        found = fit_line(x, *measured(0.1 + 0.6 * ramsey(x - 3, 0.25 / pulse, pulse, time, 0.08), seed), "ramsey")
+        if abs(found["centre"][0] - 3) < 4:
+            pulls.append((found["time"][0] - time) / found["time"][1])
+        centres = [found["centre"][0], *(centre for centre, _ in found.others)]
+        assert abs(found["centre"][0]) < extent / 2 and min(abs(centre - 3) for centre in centres) < 4
+    assert len(pulls) > 2 and np.abs(pulls).max() < 3.5
