@@ -57,6 +57,24 @@ def test_a_free_background_starts_where_the_file_has_it() -> None:
         fit_counts(stated, table, ["source.rate"])
 
 
+def test_what_is_free_of_the_exposure_alone_comes_to_rest_where_it_fits_best() -> None:
+    """However far away it starts."""
+    clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml").set(particles=2000)
+    clock = clock.scan().scan("first.frequency", "9192631271.5 Hz:9192632271.5 Hz:51")
+    scan, emitted = clock.fly().scan, np.full(51, 2e5)
+    x = np.linspace(9192631271.5, 9192632271.5, 51)
+    table = Counts("counts", "first.frequency", tuple(f"{one!r} Hz" for one in x.tolist()), x, "Hz",
+                   np.random.default_rng(4).poisson(0.3 * emitted * scan.detected[0] + 298).astype(float), None, emitted, None)
+    found = fit_counts(clock, table, ["scale", "background"], intervals=False)
+    for name, true in (("scale", 0.3), ("background", 298)):
+        value, error = found[name]
+        assert abs(value - true) < 4 * error < true
+    counts = replace(table, counts=np.random.default_rng(5).poisson(0.3 * emitted * scan.detected[0]).astype(float))
+    alone = fit_counts(clock, counts, ["scale"])
+    assert abs(alone["scale"][0] - 0.3) < 4 * alone["scale"][1] and not alone.held[0].is_wanted
+    assert alone["scale"][1] / 0.3 == pytest.approx(np.sqrt(np.sum(scan.covariance[0])) / np.sum(scan.detected[0]), rel=0.5)  # hardly Poisson's
+
+
 def test_a_background_that_has_led_a_fit_far_away_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = rabiline.load(Path(__file__).parents[2] / "beamline/caesium-clock.yaml").scan().set(particles=20000)
     places, free = np.linspace(9192631271.5, 9192632271.5, 51), ["C.field", "first.amplitude+second.amplitude"]
